@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Writes pcapng blocks (RFC draft-ietf-opsawg-pcapng), each as one piece of bytes, so that a cut file stays readable.
+
+Times are ns since 1970. Only what sistap needs: section, interfaces, enhanced packets, interface statistics.
+"""
+
+from __future__ import annotations
+
+import enum
+import struct
+from collections.abc import Iterable
+from typing import NamedTuple
+
+LINKTYPE_WIRESHARK_UPPER_PDU = 252
+LINKTYPE_RTAC_SERIAL = 250
+LINKTYPE_USER0 = 147
+
+SECTION_HEADER = 0x0A0D0D0A
+INTERFACE_DESCRIPTION = 1
+INTERFACE_STATISTICS = 5
+ENHANCED_PACKET = 6
+
+Option = tuple[int, bytes]
+
+# Upper PDU tags (epan/exported_pdu.h): the payload's dissector by name; a tag 0 ends the list.
+_TAG_DISSECTOR_NAME = 12
+
+
+class PacketFlags(enum.IntFlag):
+    """The option epb_flags."""
+
+    INBOUND = 1
+    OUTBOUND = 2
+    CRC_ERROR = 1 << 24
+    SYMBOL_ERROR = 1 << 31
+
+
+class Interface(NamedTuple):
+    """What an interface description block says of a line; empty strings are left out."""
+
+    link_type: int
+    name: str
+    description: str = ""
+    speed: int = 0  # bit/s; 0 unknown
+    hardware: str = ""
+    filter: str = ""
+
+
+class Statistics(NamedTuple):
+    """Counters of the interface statistics block, in packets."""
+
+    start_ns: int
+    end_ns: int
+    received: int
+    accepted: int
+    dropped: int
+
+
+def _padded(data: bytes) -> bytes:
+    return data + bytes(-len(data) % 4)
+
+
+def _options(options: Iterable[Option]) -> bytes:
+    packed = b"".join(struct.pack("<HH", code, len(value)) + _padded(value) for code, value in options)
+    return packed + bytes(4) if packed else b""
+
+
+def _block(kind: int, body: bytes) -> bytes:
+    length = 12 + len(body)
+    return struct.pack("<II", kind, length) + body + struct.pack("<I", length)
+
+
+def _time(time_ns: int) -> bytes:
+    return struct.pack("<II", time_ns >> 32, time_ns & 0xFFFFFFFF)
+
+
+def _text(code: int, text: str) -> list[Option]:
+    return [(code, text.encode())] if text else []
+
+
+def section_header(application: str, operating_system: str, hardware: str = "") -> bytes:
+    """Open a section: the first block of a file."""
+    options = [*_text(2, hardware), *_text(3, operating_system), *_text(4, application)]
+    return _block(SECTION_HEADER, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1) + _options(options))
+
+
+def interface_description(interface: Interface) -> bytes:
+    """Describe one line; interfaces are numbered in the order of these blocks."""
+    options = [*_text(2, interface.name), *_text(3, interface.description)]
+    if interface.speed:
+        options.append((8, struct.pack("<Q", interface.speed)))
+    options.append((9, b"\x09"))  # if_tsresol: 10^-9 s
+    if interface.filter:
+        options.append((11, b"\x00" + interface.filter.encode()))  # 0: a libpcap filter string
+    options += _text(15, interface.hardware)
+    return _block(INTERFACE_DESCRIPTION, struct.pack("<HHI", interface.link_type, 0, 0) + _options(options))
+
+
+def enhanced_packet(interface: int, time_ns: int, data: bytes, flags: int = 0) -> bytes:
+    """Make a packet block; `flags` are PacketFlags."""
+    options = _options([(2, struct.pack("<I", flags))]) if flags else b""
+    body = struct.pack("<I", interface) + _time(time_ns) + struct.pack("<II", len(data), len(data))
+    return _block(ENHANCED_PACKET, body + _padded(data) + options)
+
+
+def interface_statistics(interface: int, statistics: Statistics) -> bytes:
+    """Make the block that ends an interface."""
+    counters = [(4, statistics.received), (6, statistics.accepted), (7, statistics.dropped)]
+    options = [(2, _time(statistics.start_ns)), (3, _time(statistics.end_ns))]
+    options += [(code, struct.pack("<Q", value)) for code, value in counters]
+    return _block(INTERFACE_STATISTICS, struct.pack("<I", interface) + _time(statistics.end_ns) + _options(options))
+
+
+def upper_pdu(dissector: str, payload: bytes) -> bytes:
+    """Wrap a payload so that Wireshark hands it to a dissector by name (LINKTYPE_WIRESHARK_UPPER_PDU)."""
+    name = _padded(dissector.encode())
+    return struct.pack(">HH", _TAG_DISSECTOR_NAME, len(name)) + name + bytes(4) + payload
