@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The serial tap's link layer: what its statistics see of a record. */
+
+#ifndef PACKET_SERTAP_H
+#define PACKET_SERTAP_H
+
+#include "compat.h"
+
+typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
+
+#define SERTAP_SAME_READ          0x01
+#define SERTAP_CHARACTER_ERROR    0x02
+#define SERTAP_BREAK              0x04
+#define SERTAP_LOST_BEFORE        0x08
+#define SERTAP_UNLOCATED_ERROR    0x10
+#define SERTAP_INTERVAL_UNKNOWN   0x20
+#define SERTAP_INTERVAL_SATURATED 0x40
+
+/* One record, decoded. Where it is cut, fewer characters are there than it declares. */
+typedef struct {
+    tvbuff_t *tvb;
+    uint8_t type;
+    uint8_t line;
+    uint8_t framing;
+    uint32_t baud;
+    uint8_t data_bits;
+    uint8_t parity;
+    uint8_t stop_half_bits;
+    uint32_t uncertainty; /* ns; SERTAP_UNCERTAINTY_UNKNOWN */
+    uint16_t event;
+    unsigned declared;     /* characters the record says it has */
+    unsigned count;        /* characters whose value is there */
+    unsigned timed;        /* characters whose interval and flags are there, too */
+    unsigned data_offset;  /* of the values */
+    unsigned times_offset; /* of the intervals, 4 bytes each, ns */
+    unsigned flags_offset;
+    uint8_t errors;        /* all flags ORed */
+    unsigned error_at;     /* first character with an error */
+    uint32_t interval_max; /* ns, longest between two characters of this record */
+} sertap_record_t;
+
+#define SERTAP_UNCERTAINTY_UNKNOWN 0xFFFFFFFF
+#define SERTAP_ERRORS              (SERTAP_CHARACTER_ERROR | SERTAP_BREAK | SERTAP_LOST_BEFORE | SERTAP_UNLOCATED_ERROR)
+
+void sertap_register(void);
+void sertap_statistics_register(void);
+
+#endif

@@ -1,0 +1,578 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The SIS telegram: header and dispatch (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03":
+ * DOK-ECODR3-FGP-01VRS). */
+
+#include "packet-sis.h"
+
+#include <epan/expert.h>
+#include <epan/prefs.h>
+#include <epan/tap.h>
+
+#include "sis-address.h"
+#include "sis-names.h"
+
+#define CONTROL_SUBADDRESSES 0x07
+#define CONTROL_NUMBER       0x08
+#define CONTROL_REACTION     0x10
+#define CONTROL_RESERVED     0x20
+#define CONTROL_WARNING      0x40
+#define CONTROL_ERROR        0x80
+#define CONTROL_STATUS       0xE0
+
+#define MAX_SUBADDRESSES 7
+
+int proto_sis = -1;
+dissector_handle_t sis_handle;
+int sis_tap = -1;
+
+static int hf_start = -1;
+static int hf_checksum = -1;
+static int hf_checksum_status = -1;
+static int hf_length = -1;
+static int hf_length_repeat = -1;
+static int hf_control = -1;
+static int hf_control_subaddresses = -1;
+static int hf_control_number = -1;
+static int hf_control_reaction = -1;
+static int hf_control_reserved = -1;
+static int hf_control_warning = -1;
+static int hf_control_error = -1;
+static int hf_control_status = -1;
+static int hf_service = -1;
+static int hf_sender = -1;
+static int hf_receiver = -1;
+static int hf_subaddress = -1;
+static int hf_number = -1;
+static int hf_talker = -1;
+static int hf_listener = -1;
+static int hf_station = -1;
+static int hf_status = -1;
+static int hf_raw = -1;
+
+static int ett_sis = -1;
+static int ett_control = -1;
+
+static expert_field ei_start = EI_INIT;
+static expert_field ei_checksum = EI_INIT;
+static expert_field ei_lengths_differ = EI_INIT;
+static expert_field ei_too_short = EI_INIT;
+static expert_field ei_too_long = EI_INIT;
+static expert_field ei_header_too_long = EI_INIT;
+static expert_field ei_control_reserved = EI_INIT;
+static expert_field ei_control_status = EI_INIT;
+static expert_field ei_system_warning = EI_INIT;
+static expert_field ei_system_error = EI_INIT;
+static expert_field ei_service_reserved = EI_INIT;
+static expert_field ei_sender_service = EI_INIT;
+static expert_field ei_sender_invalid = EI_INIT;
+static expert_field ei_receiver_reserved = EI_INIT;
+static expert_field ei_level_broadcast = EI_INIT;
+static expert_field ei_reaction_unexpected = EI_INIT;
+static expert_field ei_status = EI_INIT;
+
+static const value_string checksum_states[] = {
+    {PROTO_CHECKSUM_E_BAD, "Bad"},
+    {PROTO_CHECKSUM_E_GOOD, "Good"},
+    {PROTO_CHECKSUM_E_UNVERIFIED, "Unverified"},
+    {0, NULL},
+};
+
+static const true_false_string command_reaction = {"Reaction telegram", "Command telegram"};
+static const true_false_string present_absent = {"Present", "Not present"};
+
+/* A telegram while it is taken apart: the packet, the tree, and where the info column gets its marks. */
+typedef struct {
+    tvbuff_t *tvb; /* this telegram, and what trails it where another one does not follow */
+    packet_info *pinfo;
+    proto_tree *tree;
+    proto_item *root;
+    unsigned declared; /* 0: its two lengths differ, or are not there */
+    sis_telegram_t *telegram;
+} dissection_t;
+
+/* Something is wrong: an expert item, and a mark that people see in the info column. */
+static void
+mark(const dissection_t *d, proto_item *ti, expert_field *ei, const char *text)
+{
+    expert_add_info(d->pinfo, ti, ei);
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [%s]", text);
+}
+
+unsigned
+sis_declared_length(tvbuff_t *tvb, unsigned offset)
+{
+    unsigned length;
+
+    if (tvb_captured_length_remaining(tvb, offset) < 4)
+        return 0;
+    length = compat_get_uint8(tvb, offset + 3);
+    return compat_get_uint8(tvb, offset + 2) == length ? SIS_STATIC_LENGTH + length : 0;
+}
+
+uint8_t
+sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length)
+{
+    const uint8_t *bytes = tvb_get_ptr(tvb, offset, length);
+    uint8_t sum = 0;
+
+    for (unsigned i = 0; i < length; i++)
+        sum += bytes[i];
+    return sum;
+}
+
+/* Verified only where the whole telegram is there and tells its length. */
+static void
+dissect_checksum(const dissection_t *d)
+{
+    uint8_t checksum = compat_get_uint8(d->tvb, 1);
+    unsigned flags = PROTO_CHECKSUM_NO_FLAGS;
+    uint8_t expected = checksum;
+
+    if (d->declared > 0 && tvb_bytes_exist(d->tvb, 0, d->declared)) {
+        flags = PROTO_CHECKSUM_VERIFY;
+        expected -= sis_sum(d->tvb, 0, d->declared);
+    }
+    proto_tree_add_checksum(d->tree, d->tvb, 1, hf_checksum, hf_checksum_status, &ei_checksum, d->pinfo,
+                            expected, ENC_NA, flags);
+    if (checksum != expected)
+        col_append_str(d->pinfo->cinfo, COL_INFO, "  [wrong checksum]");
+}
+
+static void
+dissect_lengths(const dissection_t *d)
+{
+    unsigned there = tvb_reported_length(d->tvb);
+    proto_item *ti = proto_tree_add_item(d->tree, hf_length_repeat, d->tvb, 3, 1, ENC_NA);
+
+    if (d->declared == 0) {
+        mark(d, ti, &ei_lengths_differ, "lengths differ");
+    } else if (there < d->declared) {
+        expert_add_info_format(d->pinfo, ti, &ei_too_short, "The telegram is cut: %u of %u bytes", there,
+                               d->declared);
+        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [cut: %u of %u bytes]", there, d->declared);
+    } else if (there > d->declared) {
+        expert_add_info_format(d->pinfo, ti, &ei_too_long, "%u bytes follow the end of the telegram",
+                               there - d->declared);
+        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [%u bytes too many]", there - d->declared);
+    }
+}
+
+/* IF02: bit 5 reserved, 6 and 7 the system state of the sender. */
+static void
+dissect_control_if02(const dissection_t *d, proto_item *ti)
+{
+    if (d->telegram->control & CONTROL_RESERVED)
+        expert_add_info(d->pinfo, ti, &ei_control_reserved);
+    if (d->telegram->control & CONTROL_WARNING)
+        mark(d, ti, &ei_system_warning, "system warning");
+    if (d->telegram->control & CONTROL_ERROR)
+        mark(d, ti, &ei_system_error, "system error");
+}
+
+/* ECODRIVE03: bits 5 to 7 are the state of a reaction. */
+static void
+dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
+{
+    unsigned status = d->telegram->control >> 5;
+
+    if (status == 0)
+        return;
+    if (!d->telegram->is_reaction)
+        expert_add_info(d->pinfo, ti, &ei_control_reserved);
+    else
+        mark(d, ti, &ei_control_status, val_to_str_const(status, sis_control_status_ecodrive03, ""));
+}
+
+static void
+dissect_control(const dissection_t *d)
+{
+    static int *const bits_if02[] = {&hf_control_error,
+                                     &hf_control_warning,
+                                     &hf_control_reserved,
+                                     &hf_control_reaction,
+                                     &hf_control_number,
+                                     &hf_control_subaddresses,
+                                     NULL};
+    static int *const bits_ecodrive03[] = {&hf_control_status, &hf_control_reaction, &hf_control_number,
+                                           &hf_control_subaddresses, NULL};
+    static const struct {
+        int *const *bits;
+        void (*judge)(const dissection_t *d, proto_item *ti);
+    } editions[] = {
+        [SIS_EDITION_IF02] = {bits_if02, dissect_control_if02},
+        [SIS_EDITION_ECODRIVE03] = {bits_ecodrive03, dissect_control_ecodrive03},
+    };
+    proto_item *ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
+                                                       editions[sis_edition].bits, ENC_NA, BMT_NO_APPEND);
+
+    proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
+    editions[sis_edition].judge(d, ti);
+}
+
+static void
+dissect_service(const dissection_t *d)
+{
+    uint8_t service = d->telegram->service;
+    proto_item *ti = proto_tree_add_item(d->tree, hf_service, d->tvb, 5, 1, ENC_NA);
+
+    if (strcmp(rval_to_str_const(service, sis_services, ""), "Reserved service") == 0)
+        expert_add_info(d->pinfo, ti, &ei_service_reserved);
+}
+
+static void
+dissect_sender(const dissection_t *d)
+{
+    uint8_t sender = d->telegram->sender;
+    proto_item *ti = proto_tree_add_uint_format_value(d->tree, hf_sender, d->tvb, 6, 1, sender, "%u (%s)",
+                                                      sender, sis_sender_text(sender));
+
+    switch (sis_sender_kind(sender)) {
+    case SIS_SERVICE_MASTER:
+        mark(d, ti, &ei_sender_service, "service address 127");
+        break;
+    case SIS_RESERVED:
+        mark(d, ti, &ei_sender_invalid, "invalid sender address");
+        break;
+    default:
+        break;
+    }
+}
+
+/* One address of the list: the receiver itself, or a subaddress. */
+static void
+dissect_receiver(const dissection_t *d, int hf, unsigned offset, bool is_last)
+{
+    uint8_t receiver = compat_get_uint8(d->tvb, offset);
+    sis_address_kind_t kind = sis_receiver_kind(receiver);
+    const char *text = sis_receiver_text(receiver);
+    proto_item *ti;
+
+    if (hf == hf_subaddress)
+        ti = proto_tree_add_uint_format(d->tree, hf, d->tvb, offset, 1, receiver, "Subaddress %u: %u (%s)",
+                                        offset - SIS_STATIC_LENGTH + 1, receiver, text);
+    else
+        ti = proto_tree_add_uint_format_value(d->tree, hf, d->tvb, offset, 1, receiver, "%u (%s)", receiver,
+                                              text);
+    if (kind == SIS_NOT_ASSIGNED || kind == SIS_RESERVED)
+        mark(d, ti, &ei_receiver_reserved, "reserved address");
+    if (kind == SIS_LEVEL_BROADCAST && !is_last)
+        expert_add_info(d->pinfo, ti, &ei_level_broadcast);
+    if (is_last && d->telegram->is_reaction && !sis_is_answered(receiver))
+        mark(d, ti, &ei_reaction_unexpected, "reaction to a group or broadcast");
+}
+
+static void
+add_generated_station(const dissection_t *d, int hf, uint8_t station, bool hidden)
+{
+    proto_item *ti = proto_tree_add_uint(d->tree, hf, d->tvb, 0, 0, station);
+
+    proto_item_set_generated(ti);
+    if (hidden)
+        proto_item_set_hidden(ti);
+}
+
+/* Receiver, subaddresses and telegram number: the number comes directly after the last subaddress present. */
+static void
+dissect_addresses(const dissection_t *d)
+{
+    unsigned count = d->telegram->subaddress_count, there = tvb_reported_length(d->tvb);
+    bool has_number = d->telegram->control & CONTROL_NUMBER;
+    unsigned number_at = SIS_STATIC_LENGTH + count, end = number_at + has_number;
+
+    dissect_sender(d);
+    dissect_receiver(d, hf_receiver, 7, count == 0);
+    for (unsigned i = 1; i <= count && SIS_STATIC_LENGTH + i <= there; i++)
+        dissect_receiver(d, hf_subaddress, SIS_STATIC_LENGTH + i - 1, i == count);
+    if (has_number && number_at < there)
+        proto_tree_add_item(d->tree, hf_number, d->tvb, number_at, 1, ENC_NA);
+    if (d->declared > 0 && end > d->declared)
+        mark(d, d->root, &ei_header_too_long, "header longer than telegram");
+
+    add_generated_station(d, hf_talker, d->telegram->talker, false);
+    add_generated_station(d, hf_listener, d->telegram->listener, false);
+    add_generated_station(d, hf_station, d->telegram->talker, true);
+    add_generated_station(d, hf_station, d->telegram->listener, true);
+}
+
+/* General services, SERCOS services, ECODRIVE and SYNAX put a status byte first into a reaction
+ * (chapter 2.3); the other product groups need not, and their bodies are not documented. */
+static bool
+has_status(uint8_t service)
+{
+    return service <= 0x1F || (service >= 0x80 && service <= 0x9F);
+}
+
+static bool
+is_phase_service(uint8_t service)
+{
+    return service == 0x12 || service == 0x1D || service == 0x92 || service == 0x9D;
+}
+
+static void
+dissect_status(const dissection_t *d, unsigned offset)
+{
+    uint8_t status = compat_get_uint8(d->tvb, offset);
+    const char *text = NULL;
+    proto_item *ti;
+
+    if (is_phase_service(d->telegram->service))
+        text = try_rval_to_str(status, sis_status_phase);
+    if (text == NULL)
+        text = rval_to_str_const(status, sis_status, "");
+    ti = proto_tree_add_uint_format_value(d->tree, hf_status, d->tvb, offset, 1, status, "%s (0x%02x)", text,
+                                          status);
+    if (status != 0) {
+        expert_add_info_format(d->pinfo, ti, &ei_status, "Status: %s", text);
+        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [%s]", text);
+    }
+}
+
+static void
+dissect_useful_data(const dissection_t *d)
+{
+    unsigned offset = d->telegram->body_offset, there = tvb_reported_length(d->tvb);
+    unsigned end = d->declared > 0 ? MIN(d->declared, there) : there;
+
+    if (d->telegram->is_reaction && has_status(d->telegram->service) && offset < end)
+        dissect_status(d, offset++);
+    if (offset < end)
+        proto_tree_add_item(d->tree, hf_raw, d->tvb, offset, end - offset, ENC_NA);
+    if (end < there)
+        proto_tree_add_item(d->tree, hf_raw, d->tvb, end, there - end, ENC_NA);
+}
+
+/* Reads the static header, 8 bytes. */
+static sis_telegram_t *
+read_header(tvbuff_t *tvb, packet_info *pinfo)
+{
+    sis_telegram_t *telegram = wmem_new0(pinfo->pool, sis_telegram_t);
+    unsigned there = tvb_reported_length(tvb);
+
+    telegram->length = there;
+    telegram->control = compat_get_uint8(tvb, 4);
+    telegram->service = compat_get_uint8(tvb, 5);
+    telegram->sender = compat_get_uint8(tvb, 6);
+    telegram->receiver = compat_get_uint8(tvb, 7);
+    telegram->subaddress_count = telegram->control & CONTROL_SUBADDRESSES;
+    telegram->last_receiver = telegram->receiver;
+    if (telegram->subaddress_count > 0 && SIS_STATIC_LENGTH + telegram->subaddress_count <= there)
+        telegram->last_receiver = compat_get_uint8(tvb, SIS_STATIC_LENGTH + telegram->subaddress_count - 1);
+    telegram->is_reaction = telegram->control & CONTROL_REACTION;
+    telegram->talker = telegram->is_reaction ? telegram->receiver : telegram->sender;
+    telegram->listener = telegram->is_reaction ? telegram->sender : telegram->receiver;
+    telegram->body_offset =
+        SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & CONTROL_NUMBER) ? 1 : 0);
+    return telegram;
+}
+
+/* "3" or, through routers, "3/2/8". */
+static const char *
+route_text(const dissection_t *d)
+{
+    const sis_telegram_t *telegram = d->telegram;
+    wmem_strbuf_t *text;
+
+    if (telegram->subaddress_count == 0)
+        return sis_station_text(d->pinfo->pool, telegram->receiver);
+    text = wmem_strbuf_new(d->pinfo->pool, sis_station_text(d->pinfo->pool, telegram->receiver));
+    for (unsigned i = 0; i < telegram->subaddress_count; i++) {
+        if (SIS_STATIC_LENGTH + i >= tvb_reported_length(d->tvb))
+            break;
+        wmem_strbuf_append_printf(
+            text, "/%s", sis_station_text(d->pinfo->pool, compat_get_uint8(d->tvb, SIS_STATIC_LENGTH + i)));
+    }
+    return wmem_strbuf_get_str(text);
+}
+
+/* What the packet list and the head of the tree say: "16 -> 3  Command  Read parameter". */
+static void
+summarize(const dissection_t *d)
+{
+    wmem_allocator_t *pool = d->pinfo->pool;
+    const sis_telegram_t *telegram = d->telegram;
+    const char *sender = sis_station_text(pool, telegram->sender), *route = route_text(d);
+    const char *name = sis_service_name(pool, telegram->service);
+    const char *talker = telegram->is_reaction ? route : sender,
+               *listener = telegram->is_reaction ? sender : route;
+    const char *kind = telegram->is_reaction ? "Reaction" : "Command";
+
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s -> %s  %s  %s", talker, listener, kind, name);
+    proto_item_append_text(d->root, ", %s -> %s, %s, %s", talker, listener, kind, name);
+}
+
+static void
+dissect_start(const dissection_t *d)
+{
+    proto_item *ti = proto_tree_add_item(d->tree, hf_start, d->tvb, 0, 1, ENC_NA);
+
+    if (compat_get_uint8(d->tvb, 0) != SIS_START)
+        mark(d, ti, &ei_start, "no start character");
+}
+
+/* Less than the 8 bytes that every telegram has. */
+static void
+dissect_stump(const dissection_t *d)
+{
+    unsigned there = tvb_reported_length(d->tvb);
+
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "Cut telegram, %u of at least %u bytes", there,
+                    SIS_STATIC_LENGTH);
+    dissect_start(d);
+    if (there > 1)
+        proto_tree_add_item(d->tree, hf_raw, d->tvb, 1, there - 1, ENC_NA);
+    expert_add_info_format(d->pinfo, d->root, &ei_too_short,
+                           "The telegram is cut: %u bytes, it has at least %u", there, SIS_STATIC_LENGTH);
+}
+
+void
+sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
+{
+    dissection_t d = {.tvb = tvb, .pinfo = pinfo, .declared = sis_declared_length(tvb, 0)};
+    const char *info = col_get_text(pinfo->cinfo, COL_INFO);
+
+    d.root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
+    d.tree = proto_item_add_subtree(d.root, ett_sis);
+    if (info != NULL && info[0] != '\0')
+        col_append_str(pinfo->cinfo, COL_INFO, " | ");
+    if (tvb_reported_length(tvb) < SIS_STATIC_LENGTH) {
+        dissect_stump(&d);
+        return;
+    }
+
+    d.telegram = read_header(tvb, pinfo);
+    sis_set_addresses(pinfo, d.telegram->talker, d.telegram->listener);
+    summarize(&d);
+    dissect_start(&d);
+    dissect_checksum(&d);
+    proto_tree_add_item(d.tree, hf_length, tvb, 2, 1, ENC_NA);
+    dissect_lengths(&d);
+    dissect_control(&d);
+    dissect_service(&d);
+    dissect_addresses(&d);
+    dissect_useful_data(&d);
+    tap_queue_packet(sis_tap, pinfo, d.telegram);
+}
+
+/* Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
+ */
+static unsigned
+telegram_extent(tvbuff_t *tvb, unsigned offset)
+{
+    unsigned there = tvb_reported_length_remaining(tvb, offset);
+    unsigned declared = sis_declared_length(tvb, offset);
+
+    if (declared > 0 && (int)declared < tvb_captured_length_remaining(tvb, offset) &&
+        compat_get_uint8(tvb, offset + declared) == SIS_START)
+        return declared;
+    return there;
+}
+
+static int
+dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+{
+    unsigned offset = 0;
+
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SIS");
+    col_clear(pinfo->cinfo, COL_INFO);
+    while (tvb_reported_length_remaining(tvb, offset) > 0) {
+        unsigned extent = telegram_extent(tvb, offset);
+
+        sis_dissect_telegram(tvb_new_subset_length(tvb, offset, extent), pinfo, tree);
+        offset += extent;
+    }
+    return tvb_captured_length(tvb);
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_start, {"Start character", "sis.start", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_checksum, {"Checksum", "sis.checksum", FT_UINT8, BASE_HEX, NULL, 0, "Makes the sum of all bytes 0 modulo 256", HFILL}},
+    {&hf_checksum_status, {"Checksum Status", "sis.checksum.status", FT_UINT8, BASE_NONE, VALS(checksum_states), 0, NULL, HFILL}},
+    {&hf_length, {"Data length", "sis.length", FT_UINT8, BASE_DEC, NULL, 0, "Bytes after the static header of 8", HFILL}},
+    {&hf_length_repeat, {"Data length repetition", "sis.length_repeat", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_control, {"Telegram control", "sis.control", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_control_subaddresses, {"Subaddresses", "sis.control.subaddresses", FT_UINT8, BASE_DEC, NULL, CONTROL_SUBADDRESSES, NULL, HFILL}},
+    {&hf_control_number, {"Telegram number", "sis.control.number", FT_BOOLEAN, 8, TFS(&present_absent), CONTROL_NUMBER, NULL, HFILL}},
+    {&hf_control_reaction, {"Kind", "sis.control.reaction", FT_BOOLEAN, 8, TFS(&command_reaction), CONTROL_REACTION, NULL, HFILL}},
+    {&hf_control_reserved, {"Reserved", "sis.control.reserved", FT_BOOLEAN, 8, NULL, CONTROL_RESERVED, NULL, HFILL}},
+    {&hf_control_warning, {"System warning of the sender", "sis.control.warning", FT_BOOLEAN, 8, NULL, CONTROL_WARNING, NULL, HFILL}},
+    {&hf_control_error, {"System error of the sender", "sis.control.error", FT_BOOLEAN, 8, NULL, CONTROL_ERROR, NULL, HFILL}},
+    {&hf_control_status, {"Status", "sis.control.status", FT_UINT8, BASE_DEC, VALS(sis_control_status_ecodrive03), CONTROL_STATUS, NULL, HFILL}},
+    {&hf_service, {"Service", "sis.service", FT_UINT8, BASE_HEX | BASE_RANGE_STRING, RVALS(sis_services), 0, NULL, HFILL}},
+    {&hf_sender, {"Sender address", "sis.sender", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_receiver, {"Receiver address", "sis.receiver", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_subaddress, {"Subaddress", "sis.subaddress", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_number, {"Telegram number", "sis.number", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_talker, {"Talker", "sis.talker", FT_UINT8, BASE_DEC, NULL, 0, "Who really sends: a reaction keeps the command's addresses", HFILL}},
+    {&hf_listener, {"Listener", "sis.listener", FT_UINT8, BASE_DEC, NULL, 0, "For whom it really is", HFILL}},
+    {&hf_station, {"Station", "sis.station", FT_UINT8, BASE_DEC, NULL, 0, "Talker or listener", HFILL}},
+    {&hf_status, {"Status", "sis.status", FT_UINT8, BASE_HEX | BASE_RANGE_STRING, RVALS(sis_status), 0, NULL, HFILL}},
+    {&hf_raw, {"Not decoded", "sis.raw", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
+};
+
+static ei_register_info experts[] = {
+    {&ei_start, {"sis.start.missing", PI_MALFORMED, PI_ERROR, "No start character 0x02", EXPFILL}},
+    {&ei_checksum, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum: receivers ignore this telegram", EXPFILL}},
+    {&ei_lengths_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: receivers ignore this telegram", EXPFILL}},
+    {&ei_too_short, {"sis.length.short", PI_MALFORMED, PI_ERROR, "The telegram is cut", EXPFILL}},
+    {&ei_too_long, {"sis.length.long", PI_PROTOCOL, PI_WARN, "Bytes follow the end of the telegram", EXPFILL}},
+    {&ei_header_too_long, {"sis.length.header", PI_MALFORMED, PI_ERROR, "Subaddresses and telegram number do not fit into the length", EXPFILL}},
+    {&ei_control_reserved, {"sis.control.reserved.set", PI_PROTOCOL, PI_NOTE, "Reserved bits of the telegram control are set (another edition? preference sis.edition)", EXPFILL}},
+    {&ei_control_status, {"sis.control.status.set", PI_RESPONSE_CODE, PI_NOTE, "The status in the telegram control is not 'no error'", EXPFILL}},
+    {&ei_system_warning, {"sis.control.warning.set", PI_RESPONSE_CODE, PI_NOTE, "The sender signals a system warning", EXPFILL}},
+    {&ei_system_error, {"sis.control.error.set", PI_RESPONSE_CODE, PI_WARN, "The sender signals a system error", EXPFILL}},
+    {&ei_service_reserved, {"sis.service.reserved", PI_PROTOCOL, PI_NOTE, "Reserved service", EXPFILL}},
+    {&ei_sender_service, {"sis.sender.service_master", PI_PROTOCOL, PI_NOTE, "Address 127, for service and emergencies only: not to be used while other masters communicate", EXPFILL}},
+    {&ei_sender_invalid, {"sis.sender.invalid", PI_PROTOCOL, PI_WARN, "A sender address is not above 127", EXPFILL}},
+    {&ei_receiver_reserved, {"sis.receiver.reserved", PI_PROTOCOL, PI_WARN, "Receiver address that is not assigned or reserved (another edition? preference sis.edition)", EXPFILL}},
+    {&ei_level_broadcast, {"sis.receiver.level_broadcast", PI_PROTOCOL, PI_WARN, "254 may only be the last address of the list", EXPFILL}},
+    {&ei_reaction_unexpected, {"sis.reaction.unexpected", PI_PROTOCOL, PI_WARN, "A group or broadcast is not answered", EXPFILL}},
+    {&ei_status, {"sis.status.error", PI_RESPONSE_CODE, PI_NOTE, "The status is not 'error-free'", EXPFILL}},
+};
+
+static const enum_val_t edition_choices[] = {
+    {"IF02", "IF02 (SIS definition of 2004, IndraDrive)", SIS_EDITION_IF02},
+    {"ECODRIVE03", "ECODRIVE03 (FGP-01VRS)", SIS_EDITION_ECODRIVE03},
+    {NULL, NULL, 0},
+};
+/* clang-format on */
+
+static void
+sis_register_protocol(void)
+{
+    static int *trees[] = {&ett_sis, &ett_control};
+    module_t *module;
+
+    proto_sis = proto_register_protocol("Rexroth SIS serial protocol", "SIS", "sis");
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+    expert_register_field_array(expert_register_protocol(proto_sis), experts, array_length(experts));
+    sis_address_register();
+
+    module = prefs_register_protocol(proto_sis, sis_transports_apply_preferences);
+    prefs_register_enum_preference(
+        module, "edition", "Edition of the telegram header",
+        "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", &sis_edition,
+        edition_choices, FALSE);
+    sis_transports_register_preferences(module);
+
+    sis_handle = register_dissector("sis", dissect_sis, proto_sis);
+    sis_tap = register_tap("sis");
+    sis_statistics_register();
+}
+
+static void
+sis_handoff_protocol(void)
+{
+    dissector_add_uint("sertap.framing", 0, sis_handle);
+    sis_transports_handoff();
+}
+
+void
+sis_register(void)
+{
+    static proto_plugin plugin = {.register_protoinfo = sis_register_protocol,
+                                  .register_handoff = sis_handoff_protocol};
+
+    proto_register_plugin(&plugin);
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The SIS telegram: what its header says, as the other files of the dissector use it. */
+
+#ifndef PACKET_SIS_H
+#define PACKET_SIS_H
+
+#include "compat.h"
+
+#include <epan/prefs.h>
+
+#define SIS_START         0x02
+#define SIS_STATIC_LENGTH 8u /* of the header; DatLW counts what comes after it */
+
+/* One telegram's header; the tap "sis" gets it. */
+typedef struct {
+    unsigned length; /* bytes that are there */
+    uint8_t control;
+    uint8_t service;
+    uint8_t sender;
+    uint8_t receiver;
+    uint8_t subaddress_count;
+    uint8_t last_receiver; /* the last address of the list: the station that is meant */
+    bool is_reaction;
+    uint8_t talker; /* who really sends: a reaction keeps the command's addresses */
+    uint8_t listener;
+    unsigned body_offset; /* of the useful data */
+} sis_telegram_t;
+
+extern int proto_sis;
+extern dissector_handle_t sis_handle; /* telegrams, one after the other, as much as there is */
+extern int sis_tap;
+
+/* How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ). */
+unsigned sis_declared_length(tvbuff_t *tvb, unsigned offset);
+
+/* Sum of bytes modulo 256; 0 for a telegram with a good checksum. */
+uint8_t sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length);
+
+/* One telegram; `tvb` begins with it and holds nothing of the next. Adds to the info column. */
+void sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
+
+void sis_register(void);
+void sis_transports_register_preferences(module_t *module);
+void sis_transports_apply_preferences(void);
+void sis_transports_handoff(void);
+void sis_statistics_register(void);
+
+#endif

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Station addresses: their kinds in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7), and Wireshark's address
+ * type. */
+
+#include "sis-address.h"
+
+#include <epan/address_types.h>
+#include <epan/to_str.h>
+
+#include "sis-names.h"
+
+typedef struct {
+    uint8_t last; /* the entry holds from after the one before it up to here */
+    sis_address_kind_t kind;
+} address_kind_t;
+
+typedef struct {
+    const address_kind_t *receivers;
+    const range_string *receiver_texts;
+    const address_kind_t *senders;
+    const range_string *sender_texts;
+} edition_t;
+
+static const address_kind_t receivers_if02[] = {
+    {126, SIS_STATION}, {127, SIS_NOT_ASSIGNED},    {128, SIS_POINT_TO_POINT},   {199, SIS_RESERVED},
+    {253, SIS_GROUP},   {254, SIS_LEVEL_BROADCAST}, {255, SIS_GLOBAL_BROADCAST},
+};
+
+static const address_kind_t receivers_ecodrive03[] = {
+    {127, SIS_STATION},
+    {254, SIS_GROUP},
+    {255, SIS_GLOBAL_BROADCAST},
+};
+
+static const address_kind_t senders_if02[] = {
+    {126, SIS_STATION},
+    {127, SIS_SERVICE_MASTER},
+    {255, SIS_RESERVED},
+};
+
+static const address_kind_t senders_ecodrive03[] = {
+    {127, SIS_STATION},
+    {255, SIS_RESERVED},
+};
+
+static const edition_t editions[] = {
+    [SIS_EDITION_IF02] = {receivers_if02, sis_receivers_if02, senders_if02, sis_senders_if02},
+    [SIS_EDITION_ECODRIVE03] = {receivers_ecodrive03, sis_receivers_ecodrive03, senders_ecodrive03,
+                                sis_senders_ecodrive03},
+};
+
+int sis_edition = SIS_EDITION_IF02;
+
+static int station_type = -1;
+
+/* Every table ends at 255, so this does too. */
+static sis_address_kind_t
+kind_of(const address_kind_t *table, uint8_t address)
+{
+    while (address > table->last)
+        table++;
+    return table->kind;
+}
+
+sis_address_kind_t
+sis_receiver_kind(uint8_t receiver)
+{
+    return kind_of(editions[sis_edition].receivers, receiver);
+}
+
+sis_address_kind_t
+sis_sender_kind(uint8_t sender)
+{
+    return kind_of(editions[sis_edition].senders, sender);
+}
+
+const char *
+sis_receiver_text(uint8_t receiver)
+{
+    return rval_to_str_const(receiver, editions[sis_edition].receiver_texts, "");
+}
+
+const char *
+sis_sender_text(uint8_t sender)
+{
+    return rval_to_str_const(sender, editions[sis_edition].sender_texts, "");
+}
+
+bool
+sis_is_answered(uint8_t receiver)
+{
+    return sis_receiver_kind(receiver) < SIS_GROUP;
+}
+
+#define STATION_TEXT_SIZE 24
+
+static int
+station_to_text(uint8_t station, char *buffer, int size)
+{
+    switch (sis_receiver_kind(station)) {
+    case SIS_GROUP:
+        return snprintf(buffer, size, "group %u", station);
+    case SIS_LEVEL_BROADCAST:
+        return snprintf(buffer, size, "all on this level");
+    case SIS_GLOBAL_BROADCAST:
+        return snprintf(buffer, size, "all");
+    default:
+        return snprintf(buffer, size, "%u", station);
+    }
+}
+
+const char *
+sis_station_text(wmem_allocator_t *scope, uint8_t station)
+{
+    char buffer[STATION_TEXT_SIZE];
+
+    station_to_text(station, buffer, sizeof buffer);
+    return wmem_strdup(scope, buffer);
+}
+
+/* AddrValueToString: the length it returns counts the end of the string. */
+static int
+address_to_text(const address *addr, char *buffer, int size)
+{
+    return station_to_text(*(const uint8_t *)addr->data, buffer, size) + 1;
+}
+
+static int
+address_text_length(const address *addr _U_)
+{
+    return STATION_TEXT_SIZE;
+}
+
+static int
+address_length(void)
+{
+    return 1;
+}
+
+/* What "Apply as Filter" on the column makes. */
+static const char *
+address_filter(const address *addr _U_, compat_bool is_source)
+{
+    return is_source ? "sis.talker" : "sis.listener";
+}
+
+void
+sis_station_address(address *addr, const uint8_t *station)
+{
+    set_address(addr, station_type, 1, station);
+}
+
+/* A TCP segment keeps its IP addresses: the reassembly below us looks its stream up by them. */
+void
+sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener)
+{
+    if (pinfo->net_src.type != AT_NONE)
+        return;
+
+    alloc_address_wmem(pinfo->pool, &pinfo->net_src, station_type, 1, &talker);
+    alloc_address_wmem(pinfo->pool, &pinfo->net_dst, station_type, 1, &listener);
+    copy_address_shallow(&pinfo->src, &pinfo->net_src);
+    copy_address_shallow(&pinfo->dst, &pinfo->net_dst);
+}
+
+void
+sis_address_register(void)
+{
+    station_type =
+        address_type_dissector_register("AT_SIS", "SIS station", address_to_text, address_text_length, NULL,
+                                        address_filter, address_length, NULL, NULL);
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type. */
+
+#include "packet-sis.h"
+
+#include <epan/conversation.h>
+#include <epan/prefs.h>
+#include <epan/dissectors/packet-tcp.h>
+#include <wiretap/wtap.h>
+
+/* S/IP, another protocol of the same drives. */
+#define SIP_PORT 35021
+
+#define DLT_USER_OFF (-1)
+
+static dissector_handle_t tcp_handle;
+static compat_pref_bool tcp_heuristic = TRUE;
+static int dlt_user = DLT_USER_OFF;
+static int dlt_user_taken = DLT_USER_OFF;
+
+/* tcp_dissect_pdus: at least 4 bytes are there. What is no telegram is shown as one, to the end of what came.
+ */
+static unsigned
+telegram_length(packet_info *pinfo _U_, tvbuff_t *tvb, int offset, void *data _U_)
+{
+    unsigned declared = compat_get_uint8(tvb, offset) == SIS_START ? sis_declared_length(tvb, offset) : 0;
+
+    return declared > 0 ? declared : (unsigned)tvb_reported_length_remaining(tvb, offset);
+}
+
+static int
+dissect_pdu(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+{
+    sis_dissect_telegram(tvb, pinfo, tree);
+    return tvb_captured_length(tvb);
+}
+
+/* Telegrams split over segments and packed into them. TCP calls this twice for a segment that ends one
+ * telegram and holds others: the fence keeps what the first call wrote. */
+static int
+dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
+{
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SIS");
+    col_clear(pinfo->cinfo, COL_INFO);
+    tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 4, telegram_length, dissect_pdu, data);
+    col_set_fence(pinfo->cinfo, COL_INFO);
+    return tvb_captured_length(tvb);
+}
+
+/* USIP and others start with 0x02, too: only a whole telegram with equal lengths and a zero checksum counts,
+ * and what follows it has to be another one. */
+static bool
+is_sis(tvbuff_t *tvb)
+{
+    unsigned there = tvb_captured_length(tvb), declared = sis_declared_length(tvb, 0);
+
+    return declared > 0 && declared <= there && compat_get_uint8(tvb, 0) == SIS_START &&
+           (declared == there || compat_get_uint8(tvb, declared) == SIS_START) &&
+           sis_sum(tvb, 0, declared) == 0;
+}
+
+static compat_bool
+dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
+{
+    if (!tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
+        return FALSE;
+
+    conversation_set_dissector(find_or_create_conversation(pinfo), tcp_handle);
+    dissect_tcp(tvb, pinfo, tree, data);
+    return TRUE;
+}
+
+/* clang-format off */
+static const enum_val_t dlt_user_choices[] = {
+    {"off", "Off", DLT_USER_OFF},
+    {"user0", "USER0 (147)", 0},
+    {"user1", "USER1 (148)", 1},
+    {"user2", "USER2 (149)", 2},
+    {"user3", "USER3 (150)", 3},
+    {"user4", "USER4 (151)", 4},
+    {"user5", "USER5 (152)", 5},
+    {"user6", "USER6 (153)", 6},
+    {"user7", "USER7 (154)", 7},
+    {"user8", "USER8 (155)", 8},
+    {"user9", "USER9 (156)", 9},
+    {"user10", "USER10 (157)", 10},
+    {"user11", "USER11 (158)", 11},
+    {"user12", "USER12 (159)", 12},
+    {"user13", "USER13 (160)", 13},
+    {"user14", "USER14 (161)", 14},
+    {"user15", "USER15 (162)", 15},
+    {NULL, NULL, 0},
+};
+/* clang-format on */
+
+void
+sis_transports_register_preferences(module_t *module)
+{
+    prefs_register_enum_preference(module, "dlt_user", "Decode a user link type as SIS",
+                                   "Captures of this link type hold bare telegrams. Goes before the table of "
+                                   "protocol DLT_USER while it is set",
+                                   &dlt_user, dlt_user_choices, FALSE);
+    prefs_register_bool_preference(
+        module, "tcp_heuristic", "Recognize SIS on any TCP port",
+        "Where a segment starts with a whole telegram: equal lengths, right checksum", &tcp_heuristic);
+}
+
+/* An entry of "wtap_encap" silently goes before the user's own DLT_USER table: so none before it is asked
+ * for, and the link type is handed back to that table afterwards. */
+void
+sis_transports_apply_preferences(void)
+{
+    if (dlt_user == dlt_user_taken)
+        return;
+    if (dlt_user_taken != DLT_USER_OFF) {
+        dissector_delete_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user_taken, sis_handle);
+        dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user_taken, find_dissector("user_dlt"));
+    }
+    if (dlt_user != DLT_USER_OFF)
+        dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user, sis_handle);
+    dlt_user_taken = dlt_user;
+}
+
+void
+sis_transports_handoff(void)
+{
+    tcp_handle = create_dissector_handle(dissect_tcp, proto_sis);
+    dissector_add_for_decode_as("tcp.port", tcp_handle);
+    heur_dissector_add("tcp", dissect_tcp_heuristic, "SIS over TCP", "sis_tcp", proto_sis, HEURISTIC_ENABLE);
+    dissector_add_for_decode_as("rtacser.data", sis_handle);
+    sis_transports_apply_preferences();
+}
