@@ -10,6 +10,7 @@
 
 #include <ws_version.h>
 #include <epan/packet.h>
+#include <wsutil/str_util.h> /* plurality() */
 
 #define WIRESHARK_AT_LEAST(major, minor)                                                                     \
     (WIRESHARK_VERSION_MAJOR > (major) ||                                                                    \

@@ -166,13 +166,24 @@ add_uncertainty(proto_tree *tree, tvbuff_t *tvb, uint32_t uncertainty)
 static bool
 dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_record_t *record)
 {
-    proto_item *ti = proto_tree_add_item(tree, hf_version, tvb, 0, 1, ENC_BIG_ENDIAN);
-    uint8_t version = compat_get_uint8(tvb, 0);
-    uint8_t size;
+    unsigned there = tvb_reported_length(tvb);
+    uint8_t version, size;
+    proto_item *ti;
+
+    if (there == 0) {
+        expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_truncated);
+        return false;
+    }
+    version = compat_get_uint8(tvb, 0);
+    ti = proto_tree_add_item(tree, hf_version, tvb, 0, 1, ENC_BIG_ENDIAN);
 
     if (version != RECORD_VERSION) {
         expert_add_info_format(pinfo, ti, &ei_version, "Record version %u is not known here, only %u",
                                version, RECORD_VERSION);
+        return false;
+    }
+    if (there < RECORD_HEADER_SIZE) {
+        expert_add_info(pinfo, ti, &ei_truncated);
         return false;
     }
     size = compat_get_uint8(tvb, 1);
@@ -181,7 +192,7 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
         expert_add_info(pinfo, ti, &ei_header_length);
         return false;
     }
-    if (tvb_reported_length(tvb) < size) {
+    if (there < size) {
         expert_add_info(pinfo, ti, &ei_truncated);
         return false;
     }
@@ -293,8 +304,9 @@ add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap
                                               record->interval_max / 1e6);
         proto_item_set_generated(ti);
     }
-    subtree = proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_characters, NULL,
-                                            "%u characters", record->timed);
+    subtree =
+        proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_characters, NULL,
+                                      "%u character%s", record->timed, plurality(record->timed, "", "s"));
     for (unsigned i = 0; i < record->timed; i++)
         add_character(subtree, pinfo, tvb, record, i);
 }
@@ -333,7 +345,8 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
 
     proto_tree_add_item(tree, hf_data, tvb, record->data_offset, record->count, ENC_NA);
     proto_tree_add_string(tree, hf_text, tvb, record->data_offset, record->count, text);
-    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other characters  %s%s  \"%s\"%s", record->count,
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s  %s%s  \"%s\"%s", record->count,
+                 plurality(record->count, "", "s"),
                  tvb_bytes_to_str_punct(pinfo->pool, tvb, record->data_offset, shown, ' '), more,
                  tvb_format_text(pinfo->pool, tvb, record->data_offset, shown), more);
 }
@@ -344,8 +357,8 @@ dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const serta
     tvbuff_t *payload = tvb_new_subset_length(tvb, record->data_offset, record->count);
 
     p_add_proto_data(pinfo->pool, pinfo, proto_sertap, 0, GUINT_TO_POINTER((unsigned)record->framing));
-    col_add_fstr(pinfo->cinfo, COL_INFO, "%u characters", record->count);
-    if (!compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
+    if (record->count > 0 && !compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
         call_data_dissector(payload, pinfo, parent);
 }
 

@@ -323,7 +323,7 @@ dissect_status(const dissection_t *d, unsigned offset)
                                           status);
     if (status != 0) {
         expert_add_info_format(d->pinfo, ti, &ei_status, "Status: %s", text);
-        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [%s]", text);
+        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [status: %s]", text);
     }
 }
 

@@ -50,9 +50,10 @@ static void
 count_intervals(stats_tree *tree, const sertap_record_t *record)
 {
     for (unsigned i = 1; i < record->timed; i++) {
-        uint32_t interval = compat_get_ntohl(record->tvb, record->times_offset + 4 * i);
+        int us = (int)(compat_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
 
-        stats_tree_tick_range(tree, intervals_name, 0, (int)(interval / 1000));
+        tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line sums up here, but does not count */
+        stats_tree_tick_range(tree, intervals_name, 0, us);
     }
 }
 

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Runs the tshark that is on PATH so that it sees our plugin, also as root.
+
+Run as root, Wireshark skips plugins and extcaps that an environment names without a word. So as root this module runs
+it as nobody, in a folder of its own with copies of the plugins and captures; `python3 -m sistap.tshark ARGUMENTS` is
+tshark with that difference.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+NOBODY = 65534
+_FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
+
+
+class TsharkError(Exception):
+    """tshark is missing or failed; the text is the one line to show."""
+
+
+class Tshark:
+    """A place to run tshark in; as root with a copy of the plugins that nobody can read. Use it in a `with`."""
+
+    def __init__(self, program: str = "tshark") -> None:
+        """Prepare to run `program`, tshark or a sister of it. TsharkError if it is not installed."""
+        path = shutil.which(program)
+        if path is None:
+            raise TsharkError(f"{program} is not on PATH; Debian and Ubuntu: apt-get install {program}")
+        self._path = path
+        self._environment = dict(os.environ)
+        self._is_root = hasattr(os, "geteuid") and os.geteuid() == 0
+        self._folder = Path(tempfile.mkdtemp(prefix="sistap-")) if self._is_root else None
+        if self._folder is not None:
+            self._prepare(self._folder)
+
+    def _prepare(self, folder: Path) -> None:
+        folder.chmod(0o755)
+        home = folder / "home"
+        home.mkdir()
+        os.chown(home, NOBODY, NOBODY)
+        self._environment["HOME"] = str(home)
+        self._environment.pop("XDG_CONFIG_HOME", None)
+        for variable in _FOLDER_VARIABLES:
+            source = os.environ.get(variable)
+            if source and Path(source).is_dir():
+                copy = folder / variable.lower()
+                shutil.copytree(source, copy)
+                self._environment[variable] = str(copy)
+
+    def __enter__(self) -> Tshark:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Remove the folder."""
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _readable(self, arguments: Sequence[str]) -> list[str]:
+        """Replace the capture after -r by a copy that nobody can read."""
+        readable = list(arguments)
+        for index, argument in enumerate(readable[:-1]):
+            if argument == "-r" and self._folder is not None and readable[index + 1] != "-":
+                copy = self._folder / "capture"
+                shutil.copyfile(readable[index + 1], copy)
+                copy.chmod(0o644)
+                readable[index + 1] = str(copy)
+        return readable
+
+    def run(
+        self, arguments: Sequence[str], *, capture: bool = True, extra_environment: dict[str, str] | None = None
+    ) -> subprocess.CompletedProcess[str]:
+        """Run tshark to its end; `capture` keeps stdout and stderr as text, else they pass through."""
+        nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if self._is_root else {}
+        return subprocess.run(  # type: ignore[call-overload,no-any-return]
+            [self._path, *self._readable(arguments)],
+            check=False,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            stdin=subprocess.DEVNULL if "-" not in arguments else None,
+            capture_output=capture,
+            cwd=self._folder,
+            env={**self._environment, "LC_ALL": "C.UTF-8", "TZ": "UTC", **(extra_environment or {})},
+            **nobody,
+        )
+
+    def output(self, *arguments: str) -> str:
+        """Run tshark and give its stdout. TsharkError with its last words if it failed."""
+        done = self.run(arguments)
+        if done.returncode != 0:
+            words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+            raise TsharkError(f"{Path(self._path).name}: {words[-1]}")
+        return done.stdout
+
+
+def main() -> int:
+    """Be tshark."""
+    try:
+        with Tshark() as tshark:
+            return tshark.run(sys.argv[1:], capture=False).returncode
+    except (TsharkError, OSError) as error:
+        print(f"sistap: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,254 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Makes the captures of this folder from the text files beside them, and their expected dissections.
+
+    python3 make.py                 write every NAME.pcapng from its NAME.txt
+    python3 make.py --expected      also write NAME.expected from what tshark says now: read the difference, line by
+                                    line, against the specification before you keep it
+
+What a NAME.txt may hold is said in README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import shlex
+import struct
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "capture"))
+
+from sistap import pcapng, record, telegram  # noqa: E402
+from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings  # noqa: E402
+from sistap.tshark import Tshark  # noqa: E402
+
+START_NS = 1_700_000_000_000_000_000
+STEP_NS = 25_000_000  # of silence before the next packet
+
+LINKTYPE_RAW_IPV4 = 228
+LINK_TYPES = {
+    "sertap": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "sis": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "user0": pcapng.LINKTYPE_USER0,
+    "rtac": pcapng.LINKTYPE_RTAC_SERIAL,
+    "tcp": LINKTYPE_RAW_IPV4,
+}
+
+
+@dataclass
+class Item:
+    """One packet to be: either what a record is made of, or its payload as it is."""
+
+    time_ns: int
+    kind: record.Type = record.Type.FRAME
+    data: bytes = b""
+    settings: LineSettings = field(default_factory=LineSettings)
+    uncertainty_ns: int = 310_000
+    line: int = 0
+    event: int = 0
+    flags: dict[int, int] = field(default_factory=dict)  # by character, counted from 1
+    pauses_ns: dict[int, int] = field(default_factory=dict)
+    raw: bytes | None = None  # for `record` and `segment`
+
+    def record(self, silence_ns: int | None) -> bytes:
+        """Pack the record, or give the bytes as they stand."""
+        if self.raw is not None:
+            return self.raw
+        intervals = [self.settings.character_ns] * len(self.data)
+        flags = bytearray(len(self.data))
+        for index, flag in self.flags.items():
+            flags[index - 1] = flag
+            if flag & Flag.SAME_READ:
+                intervals[index - 1] = 0
+        for index, pause_ns in self.pauses_ns.items():
+            intervals[index - 1] = pause_ns
+        if silence_ns is None:
+            flags[:1] = bytes([Flag.INTERVAL_UNKNOWN]) if flags else b""
+        if intervals:
+            intervals[0] = silence_ns or 0
+        made = record.Record(
+            self.time_ns, self.kind, self.line, self.settings, self.data, intervals, bytes(flags), self.uncertainty_ns
+        )
+        packed = made.pack()
+        return packed[:18] + struct.pack(">H", self.event) + packed[20:] if self.event else packed
+
+    @property
+    def end_ns(self) -> int:
+        """When the last character came."""
+        return self.time_ns + max(0, len(self.data) - 1) * self.settings.character_ns + sum(self.pauses_ns.values())
+
+
+class Scenario:
+    """A NAME.txt: its directives and its packets."""
+
+    def __init__(self, path: Path) -> None:
+        """Read the file. SystemExit names the line that is wrong."""
+        self.path = path
+        self.link = "sertap"
+        self.show = "sertap,sis"
+        self.options: list[str] = []
+        self.items: list[Item] = []
+        self._defaults: dict[str, object] = {}
+        self._port = 4200
+        self._sequence: dict[tuple[int, str], int] = {}
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            words = line.split("#")[0].rstrip() if not line.startswith(("other", "event")) else line
+            try:
+                self._read(words)
+            except (ValueError, KeyError, IndexError, SyntaxError) as error:
+                sys.exit(f"{path.name}:{number}: {line.strip()}: {error!r}")
+
+    def _read(self, line: str) -> None:
+        word, _, rest = line.partition(" ")
+        if not word or word.startswith("#"):
+            return
+        handler: Callable[[str], None] = getattr(self, f"_do_{word.removeprefix('@')}")
+        handler(rest.strip())
+
+    def _do_link(self, rest: str) -> None:
+        LINK_TYPES[rest]  # KeyError: no such link
+        self.link = rest
+
+    def _do_show(self, rest: str) -> None:
+        self.show = rest
+
+    def _do_option(self, rest: str) -> None:
+        self.options += shlex.split(rest)
+
+    def _do_line(self, rest: str) -> None:
+        baud, text = rest.split()
+        self._defaults["settings"] = LineSettings.parse(int(baud), text)
+
+    def _do_uncertainty(self, rest: str) -> None:
+        self._defaults["uncertainty_ns"] = UNCERTAINTY_UNKNOWN if rest == "unknown" else round(float(rest) * 1e6)
+
+    def _do_direction(self, rest: str) -> None:
+        self._defaults["line"] = int(rest)
+
+    def _add(self, **values: object) -> None:
+        start_ns = self.items[-1].end_ns + STEP_NS if self.items else START_NS
+        self.items.append(Item(start_ns, **{**self._defaults, **values}))  # type: ignore[arg-type]
+
+    def _do_telegram(self, rest: str) -> None:
+        self._add(data=bytes.fromhex(rest))
+
+    def _do_other(self, rest: str) -> None:
+        text = rest.partition("#")[0].strip()
+        data = ast.literal_eval("b" + text) if text.startswith('"') else bytes.fromhex(text)
+        self._add(kind=record.Type.OTHER, data=data)
+
+    def _do_event(self, rest: str) -> None:
+        code, text = rest.split(None, 1)
+        self._add(kind=record.Type.EVENT, data=text.encode(), event=int(code), uncertainty_ns=UNCERTAINTY_UNKNOWN)
+
+    def _do_record(self, rest: str) -> None:
+        self._add(raw=bytes.fromhex(rest))
+
+    def _do_flag(self, rest: str) -> None:
+        index, flag = rest.split()
+        self.items[-1].flags[int(index)] = int(flag, 16)
+
+    def _do_pause(self, rest: str) -> None:
+        index, ms = rest.split()
+        self.items[-1].pauses_ns[int(index)] = round(float(ms) * 1e6)
+
+    def _do_port(self, rest: str) -> None:
+        self._port = int(rest)
+
+    def _do_segment(self, rest: str) -> None:
+        direction, data = rest.split(None, 1)
+        payload = bytes.fromhex(data)
+        there, back = self._sequence.get((self._port, direction), 1), "<" if direction == ">" else ">"
+        acknowledged = self._sequence.get((self._port, back), 1)
+        self._add(raw=tcp_segment(self._port, direction == ">", there, acknowledged, payload))
+        self._sequence[(self._port, direction)] = there + len(payload)
+
+    def _payloads(self) -> list[bytes]:
+        """What the packets hold, without the link type's own header."""
+        if self.link != "sertap":
+            return [item.raw if item.raw is not None else item.data for item in self.items]
+        last: dict[int, int] = {}
+        payloads = []
+        for item in self.items:
+            has_times = item.kind != record.Type.EVENT and item.raw is None
+            silence = item.time_ns - last[item.line] if item.line in last else None
+            payloads.append(item.record(silence if has_times else None))
+            if has_times:
+                last[item.line] = item.end_ns
+        return payloads
+
+    def _packet_flags(self, item: Item) -> int:
+        errors = Flag.CHARACTER_ERROR | Flag.BREAK
+        flags = {0: 0, 1: pcapng.PacketFlags.INBOUND, 2: pcapng.PacketFlags.OUTBOUND}[item.line]
+        if any(flag & errors for flag in item.flags.values()):
+            flags |= pcapng.PacketFlags.SYMBOL_ERROR
+        if self.link == "sertap" and item.kind == record.Type.FRAME and item.data:
+            flags |= 0 if telegram.checksum_good(item.data) else pcapng.PacketFlags.CRC_ERROR
+        return flags
+
+    def capture(self) -> bytes:
+        """Make the whole capture file."""
+        interface = pcapng.Interface(LINK_TYPES[self.link], self.path.stem)
+        blocks = [pcapng.section_header("test-captures/make.py", ""), pcapng.interface_description(interface)]
+        for item, payload in zip(self.items, self._payloads(), strict=True):
+            data = LINK_HEADERS[self.link](payload, item.time_ns)
+            blocks.append(pcapng.enhanced_packet(0, item.time_ns, data, self._packet_flags(item)))
+        return b"".join(blocks)
+
+    def dissection(self, tshark: Tshark, capture: Path) -> str:
+        """What tshark says of it: a line a packet, and the tree of the protocols to show under it."""
+        layers = ["-P", "-V", "-O", self.show]
+        text = tshark.output("-r", str(capture), "-t", "r", *self.options, *layers)
+        return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
+
+
+def rtac_header(payload: bytes, time_ns: int) -> bytes:
+    """Make RTAC's header (data received) and payload."""
+    seconds, rest = divmod(time_ns, 1_000_000_000)
+    return struct.pack(">IIBBH", seconds, rest // 1000, 2, 0, 0) + payload
+
+
+def tcp_segment(port: int, from_client: bool, sequence: int, acknowledged: int, payload: bytes) -> bytes:
+    """Make an IPv4 packet with one TCP segment; checksums are 0, which Wireshark does not judge."""
+    ports = (50000, port) if from_client else (port, 50000)
+    addresses = (b"\x0a\x00\x00\x01", b"\x0a\x00\x00\x02")
+    source, destination = addresses if from_client else addresses[::-1]
+    tcp = struct.pack(">HHIIBBHHH", *ports, sequence, acknowledged, 0x50, 0x18, 8192, 0, 0) + payload
+    return struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(tcp), 0, 0, 64, 6, 0, source, destination) + tcp
+
+
+LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
+    "sertap": lambda payload, _: pcapng.upper_pdu("sertap", payload),
+    "sis": lambda payload, _: pcapng.upper_pdu("sis", payload),
+    "user0": lambda payload, _: payload,
+    "rtac": rtac_header,
+    "tcp": lambda payload, _: payload,
+}
+
+
+def scenarios() -> list[Path]:
+    """All NAME.txt of this folder, in order."""
+    return sorted(HERE.glob("*.txt"))
+
+
+def main() -> None:
+    """Make everything."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--expected", action="store_true", help="also write NAME.expected (then check it by hand)")
+    arguments = parser.parse_args()
+    for path in scenarios():
+        scenario = Scenario(path)
+        capture = path.with_suffix(".pcapng")
+        capture.write_bytes(scenario.capture())
+        if arguments.expected:
+            with Tshark() as tshark:
+                path.with_suffix(".expected").write_text(scenario.dissection(tshark, capture))
+
+
+if __name__ == "__main__":
+    main()
