@@ -343,12 +343,15 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     const char *more = shown < record->count ? " ..." : "";
     const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->count);
 
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s", record->count,
+                 plurality(record->count, "", "s"));
+    if (record->count == 0)
+        return;
     proto_tree_add_item(tree, hf_data, tvb, record->data_offset, record->count, ENC_NA);
     proto_tree_add_string(tree, hf_text, tvb, record->data_offset, record->count, text);
-    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s  %s%s  \"%s\"%s", record->count,
-                 plurality(record->count, "", "s"),
-                 tvb_bytes_to_str_punct(pinfo->pool, tvb, record->data_offset, shown, ' '), more,
-                 tvb_format_text(pinfo->pool, tvb, record->data_offset, shown), more);
+    col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s  \"%s\"%s",
+                    tvb_bytes_to_str_punct(pinfo->pool, tvb, record->data_offset, shown, ' '), more,
+                    tvb_format_text(pinfo->pool, tvb, record->data_offset, shown), more);
 }
 
 static void

@@ -72,7 +72,14 @@ class Item:
         if intervals:
             intervals[0] = silence_ns or 0
         made = record.Record(
-            self.time_ns, self.kind, self.line, self.settings, self.data, intervals, bytes(flags), self.uncertainty_ns
+            self.time_ns,
+            self.kind,
+            self.line,
+            self.settings,
+            self.data,
+            intervals,
+            bytes(flags),
+            self.uncertainty_ns,
         )
         packed = made.pack()
         return packed[:18] + struct.pack(">H", self.event) + packed[20:] if self.event else packed
@@ -144,7 +151,12 @@ class Scenario:
 
     def _do_event(self, rest: str) -> None:
         code, text = rest.split(None, 1)
-        self._add(kind=record.Type.EVENT, data=text.encode(), event=int(code), uncertainty_ns=UNCERTAINTY_UNKNOWN)
+        self._add(
+            kind=record.Type.EVENT,
+            data=text.encode(),
+            event=int(code),
+            uncertainty_ns=UNCERTAINTY_UNKNOWN,
+        )
 
     def _do_record(self, rest: str) -> None:
         self._add(raw=bytes.fromhex(rest))
@@ -163,7 +175,10 @@ class Scenario:
     def _do_segment(self, rest: str) -> None:
         direction, data = rest.split(None, 1)
         payload = bytes.fromhex(data)
-        there, back = self._sequence.get((self._port, direction), 1), "<" if direction == ">" else ">"
+        there, back = (
+            self._sequence.get((self._port, direction), 1),
+            "<" if direction == ">" else ">",
+        )
         acknowledged = self._sequence.get((self._port, back), 1)
         self._add(raw=tcp_segment(self._port, direction == ">", there, acknowledged, payload))
         self._sequence[(self._port, direction)] = there + len(payload)
@@ -194,7 +209,10 @@ class Scenario:
     def capture(self) -> bytes:
         """Make the whole capture file."""
         interface = pcapng.Interface(LINK_TYPES[self.link], self.path.stem)
-        blocks = [pcapng.section_header("test-captures/make.py", ""), pcapng.interface_description(interface)]
+        blocks = [
+            pcapng.section_header("test-captures/make.py", ""),
+            pcapng.interface_description(interface),
+        ]
         for item, payload in zip(self.items, self._payloads(), strict=True):
             data = LINK_HEADERS[self.link](payload, item.time_ns)
             blocks.append(pcapng.enhanced_packet(0, item.time_ns, data, self._packet_flags(item)))
@@ -239,7 +257,11 @@ def scenarios() -> list[Path]:
 def main() -> None:
     """Make everything."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--expected", action="store_true", help="also write NAME.expected (then check it by hand)")
+    parser.add_argument(
+        "--expected",
+        action="store_true",
+        help="also write NAME.expected (then check it by hand)",
+    )
     arguments = parser.parse_args()
     for path in scenarios():
         scenario = Scenario(path)

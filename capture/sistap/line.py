@@ -47,7 +47,7 @@ class LineSettings(NamedTuple):
         data, parity, stop = text[:1], text[1:2].upper(), text[2:]
         if data not in ("5", "6", "7", "8") or parity not in PARITIES or not parity or stop not in STOP_HALF_BITS:
             raise ValueError(
-                f"format '{text}' is not data bits 5..8, parity N, E, O, M or S, stop bits 1, 1.5 or 2 (for example 8E1)"
+                f"format '{text}' is not data bits 5..8, parity N, E, O, M or S, stop bits 1, 1.5 or 2, such as 8E1"
             )
         return cls(baud, int(data), parity, STOP_HALF_BITS[stop])
 

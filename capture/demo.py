@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The whole path once, with no hardware: virtual bus -> pseudo terminal -> capture -> Wireshark's dissection.
+
+`./bootstrap demo` calls it with the plugin built and WIRESHARK_PLUGIN_DIR set.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sistap.tshark import Tshark, TsharkError
+
+SISTAP = [sys.executable, "-m", "sistap"]
+SECONDS = 6
+PACKETS = 50
+
+
+@contextmanager
+def virtual_bus() -> Iterator[str]:
+    """Play the virtual bus; give the name of its pseudo terminal."""
+    bus = subprocess.Popen([*SISTAP, "bus", "--seed", "1"], stdout=subprocess.PIPE, text=True)
+    try:
+        assert bus.stdout is not None
+        yield bus.stdout.readline().strip()
+    finally:
+        bus.terminate()
+        bus.wait()
+
+
+def heading(text: str, command: str) -> None:
+    """Say what comes, and how to get it oneself."""
+    print(f"\n-- {text}\n   {command}\n", flush=True)
+
+
+def show(tshark: Tshark, capture: Path) -> None:
+    """Print what a person would look at first."""
+    heading("The bus, a line a telegram", "tshark -r demo.pcapng")
+    packets = tshark.output("-r", str(capture)).splitlines()
+    print("\n".join(line for line in packets[:PACKETS]))
+    if len(packets) > PACKETS:
+        print(f"  ... and {len(packets) - PACKETS} more")
+    heading(
+        "One of them, taken apart", "tshark -r demo.pcapng -V -O sis -Y 'sis.subaddress && sis.control.reaction == 1'"
+    )
+    chosen = ("-Y", "sis.subaddress && sis.control.reaction == 1", "-V", "-O", "sis")
+    print(tshark.output("-r", str(capture), *chosen).split("\n\n")[0])
+    heading("Who talked to whom", "tshark -r demo.pcapng -q -z endpoints,sis")
+    print(tshark.output("-r", str(capture), "-q", "-z", "endpoints,sis"))
+    heading("The time between characters, in microseconds", "tshark -r demo.pcapng -q -z sertap,tree")
+    print(tshark.output("-r", str(capture), "-q", "-z", "sertap,tree"))
+
+
+def main() -> int:
+    """Run the demo; give the exit code."""
+    with tempfile.TemporaryDirectory() as folder:
+        capture = Path(folder) / "demo.pcapng"
+        with virtual_bus() as port:
+            command = ["capture", "-i", port, "-w", str(capture), "-a", f"duration:{SECONDS}"]
+            heading(
+                f"A virtual bus plays on {port}; {SECONDS} seconds of it", f"sistap {' '.join(command[:4])} demo.pcapng"
+            )
+            code = subprocess.run([*SISTAP, *command], check=False).returncode
+        if code != 0:
+            return code
+        try:
+            with Tshark() as tshark:
+                if "sis.so" not in tshark.output("-G", "plugins"):
+                    raise TsharkError("tshark does not load sis.so: is WIRESHARK_PLUGIN_DIR set?")
+                show(tshark, capture)
+        except TsharkError as error:
+            print(f"demo: {error}", file=sys.stderr)
+            return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

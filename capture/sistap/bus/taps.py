@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The bus at a socket: taps connect, say their line settings and get reads with times and errors (sistap.wire).
+
+A tap that stops reading holds up the bus once the buffers are full, and so loses nothing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import select
+import socket
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from sistap import wire
+from sistap.bus.playing import Character, Played, reads, uncertainty
+from sistap.bus.serve import Pace
+from sistap.line import Flag, LineSettings, Read
+
+_LEAVE_S = 2.0  # how long a tap may take to notice that the bus has ended
+_LINE = 0  # one shared bus
+
+
+class Tap:
+    """One connected tap."""
+
+    def __init__(self, connection: socket.socket, bus: LineSettings, seed: int) -> None:
+        """Wait for its settings; `bus` are those of the line."""
+        self.connection = connection
+        self.settings: LineSettings | None = None
+        self._bus = bus
+        self._noise = random.Random(f"{seed} tap")
+        self._received = b""
+
+    def receive(self) -> bool:
+        """Take what it says; False if it has left or speaks something else."""
+        try:
+            data = self.connection.recv(4096)
+        except OSError:
+            return False
+        self._received += data
+        while len(self._received) >= wire.SETTINGS_SIZE:
+            message, self._received = self._received[: wire.SETTINGS_SIZE], self._received[wire.SETTINGS_SIZE :]
+            try:
+                self.settings = wire.unpack_settings(message)
+            except ValueError as error:
+                print(f"sistap bus: closed a connection: {error}", file=sys.stderr)
+                return False
+        return bool(data)
+
+    def send(self, read: Sequence[Character], wall_ns: int) -> bool:
+        """Send one read, heard with the tap's own settings; False if it has left."""
+        if self.settings is None:
+            return True
+        heard = [self._hear(character) for character in read]
+        values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
+        message = Read(_LINE, wall_ns, values, flags, uncertainty(read, self._bus.character_ns))
+        try:
+            self.connection.sendall(wire.pack_read(message))
+        except OSError:
+            return False
+        return True
+
+    def leave(self) -> None:
+        """End the connection so that the tap gets everything: closing with something unread would throw it away."""
+        with contextlib.suppress(OSError):
+            self.connection.shutdown(socket.SHUT_WR)
+            self.connection.settimeout(_LEAVE_S)
+            while self.connection.recv(4096):
+                pass
+        self.connection.close()
+
+    def _hear(self, character: Character) -> tuple[int, int]:
+        """Value and flags with the tap's settings; other than those of the bus make errors of everything."""
+        tap = self.settings or self._bus
+        flags = character.flags
+        value = character.value
+        if tap.baud not in (0, self._bus.baud):  # bits are looked for in the wrong places
+            value = self._noise.randrange(256)
+            flags |= Flag.CHARACTER_ERROR
+        elif (tap.parity, tap.data_bits) != (self._bus.parity, self._bus.data_bits):
+            flags |= Flag.CHARACTER_ERROR
+        return value, flags
+
+
+class Taps:
+    """A listening socket and the taps that came."""
+
+    def __init__(  # noqa: PLR0913 - what the bus is, and how it is to be heard
+        self, pace: Pace, address: str, settings: LineSettings, seed: int, most: int
+    ) -> None:
+        """Listen at HOST:PORT or at a PATH; reads have `most` characters. May raise OSError; ValueError: no address."""
+        self._pace = pace
+        self._settings = settings
+        self._seed = seed
+        self._most = most
+        self._taps: list[Tap] = []
+        self._path: Path | None = None
+        if "/" in address:
+            self._path = Path(address).absolute()
+            self._listener = _listen_path(self._path)
+            self.name = f"bus://{self._path}"
+        else:
+            host, port = _host_port(address)
+            family = socket.AF_INET6 if ":" in host else socket.AF_INET
+            self._listener = socket.create_server((host, port), family=family)
+            shown = f"[{host}]" if ":" in host else host
+            self.name = f"bus://{shown}:{self._listener.getsockname()[1]}"
+
+    @property
+    def deserted(self) -> bool:
+        """Whether the last tap has left; simulated time then stops, real time goes on."""
+        return self._pace.simulated and not self._heard
+
+    def wait_for_listener(self) -> None:
+        """Wait until a tap has said its settings."""
+        while not self._heard:
+            self._attend(None)
+        self._pace.start()
+
+    def deliver(self, played: Played) -> list[str]:
+        """Send all reads at their times."""
+        self._attend(0)
+        for read in reads(played.characters, self._most, self._settings.character_ns):
+            time_ns = read[-1].time_ns
+            self._pace.wait_until(time_ns)
+            wall_ns = self._pace.wall_ns(time_ns)
+            self._keep([tap for tap in self._taps if tap.send(read, wall_ns)])
+        return []
+
+    def close(self) -> None:
+        """End all connections."""
+        self._listener.close()
+        if self._path:
+            self._path.unlink(missing_ok=True)
+        for tap in self._taps:
+            tap.leave()
+
+    @property
+    def _heard(self) -> bool:
+        """Whether anybody who connected has turned out to be a tap."""
+        return any(tap.settings for tap in self._taps)
+
+    def _attend(self, timeout_s: float | None) -> None:
+        """Let new taps in and hear what taps say."""
+        sockets = [self._listener, *(tap.connection for tap in self._taps)]
+        ready, _, _ = select.select(sockets, [], [], timeout_s)
+        if self._listener in ready:
+            connection, _ = self._listener.accept()
+            if self._path is None:
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._taps.append(Tap(connection, self._settings, self._seed))
+        self._keep([tap for tap in self._taps if tap.connection not in ready or tap.receive()])
+
+    def _keep(self, staying: list[Tap]) -> None:
+        for tap in self._taps:
+            if tap not in staying:
+                tap.connection.close()
+        self._taps = staying
+
+
+def _host_port(address: str) -> tuple[str, int]:
+    host, colon, port = address.rpartition(":")
+    if not colon or not port.isdecimal() or int(port) > 0xFFFF:
+        raise ValueError(f"'{address}' is neither HOST:PORT nor a PATH with a / (for example 127.0.0.1:0 or ./bus)")
+    return host.strip("[]") or "127.0.0.1", int(port)
+
+
+def _listen_path(path: Path) -> socket.socket:
+    """Listen at a path; a socket that a bus left behind is replaced, anything else is not."""
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        if path.is_socket() and not _alive(path):
+            path.unlink()
+        listener.bind(str(path))
+        listener.listen()
+    except OSError:
+        listener.close()
+        raise
+    return listener
+
+
+def _alive(path: Path) -> bool:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        return probe.connect_ex(str(path)) == 0

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap`: finds the subcommand, and turns what went wrong into one line and an exit code."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+import sistap
+
+# The module of each command, imported only when it is called, and its line in the list.
+COMMANDS = {
+    "ports": ("sistap.ports", "list the serial ports of this machine"),
+    "capture": ("sistap.capture", "record a line into a pcapng file, or show it as text"),
+    "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
+}
+
+DESCRIPTION = """\
+A passive tap for the SIS serial protocol of Rexroth and Indramat drives: records every character on the line with its
+time, for Wireshark. It only listens.
+"""
+
+EPILOG = """\
+`sistap COMMAND --help` describes a command.
+
+examples:
+  sistap ports                                            which ports there are
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i - watch a line live in Wireshark
+  sistap bus                                              a bus on the desk: listen to the port that it prints
+
+exit status:
+  0  done; also when stopped by Ctrl-C or SIGTERM
+  1  failed while running: what came before is saved
+  2  wrong usage
+  3  a port cannot be opened
+"""
+
+FAILED, PORT_NOT_OPENED = 1, 3
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `sistap` with these arguments (those of the process); give the exit code."""
+    _open_standard_streams()
+    try:
+        try:
+            return _run(sys.argv[1:] if arguments is None else arguments)
+        finally:
+            sys.stdout.flush()
+    except KeyboardInterrupt:
+        return 0
+    except OSError as error:
+        # What is left in the buffer must not fail again when Python ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        if not isinstance(error, BrokenPipeError):
+            print(f"sistap: {error}", file=sys.stderr)
+        return FAILED
+    except ModuleNotFoundError as error:
+        if error.name != "serial":
+            raise
+        print("sistap: pyserial is missing: install the package python3-serial", file=sys.stderr)
+        return FAILED
+
+
+def _run(arguments: Sequence[str]) -> int:
+    parser = argparse.ArgumentParser(
+        "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    called = next((argument for argument in arguments if not argument.startswith("-")), "")
+    for name, (module_name, text) in COMMANDS.items():
+        command = commands.add_parser(name, help=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+        if name == called:
+            module = importlib.import_module(module_name)
+            module.add_arguments(command)
+    args = parser.parse_args(arguments)
+    # Only here: without pyserial `sistap --help` still helps.
+    from sistap.reader import PortError, PortLost  # noqa: PLC0415
+
+    try:
+        code: int = module.run(args)
+    except (PortError, PortLost) as error:
+        print(f"sistap: {error}", file=sys.stderr)
+        code = PORT_NOT_OPENED if isinstance(error, PortError) else FAILED
+    return code
+
+
+def _open_standard_streams() -> None:
+    """Let no port get the number of a closed standard stream: what is printed would be written to it."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(descriptor)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for as long as the process lives

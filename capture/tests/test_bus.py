@@ -1,0 +1,838 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The virtual bus: bytes against the specification's figures, times, faults, and what listeners get."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import select
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sistap import wire
+from sistap.bus.command import bus
+from sistap.bus.drive import Drive, drive_parameters
+from sistap.bus.master import Times, commands, read_parameter
+from sistap.bus.parameters import (
+    PARAMETER_MODE_ONLY,
+    READ_ONLY,
+    AccessError,
+    Element,
+    Format,
+    Length,
+    Parameter,
+    attribute,
+    ident,
+    text,
+)
+from sistap.bus.playing import NO_FAULTS, Character, Faults, Played, reads, uncertainty
+from sistap.bus.pseudo_terminal import PseudoTerminal
+from sistap.bus.routing import Router
+from sistap.bus.serve import Pace
+from sistap.bus.taps import Taps
+from sistap.line import Flag, LineSettings, Read
+from sistap.telegram import build, checksum_good, parse
+
+BUS = [sys.executable, "-m", "sistap", "bus"]
+TIMEOUT_S = 20
+LINE = LineSettings()  # 9600 8E1
+
+MANY_FAULTS = Faults(parity=0.02, break_=0.02, loss=0.02, checksum=0.1, pause=0.02)
+MANY_FAULTS_TEXT = "parity=0.02,break=0.02,loss=0.02,checksum=0.1,pause=0.02"
+
+
+def octets(figure: str) -> bytes:
+    return bytes.fromhex(figure)
+
+
+def drive(address: int = 3, *more: Parameter) -> Drive:
+    return Drive(address, "CLC-D02,3M-FW", "FWA", [*drive_parameters(), *more])
+
+
+def body_of(reaction: bytes | None) -> bytes:
+    assert reaction is not None
+    return parse(reaction).body
+
+
+# -- What is said ---------------------------------------------------------------------------------------------------
+
+
+def telegrams(line: LineSettings = LINE, seed: int = 1, cycles: int = 1) -> list[bytes]:
+    return [played.sent for played in bus(line, seed, cycles) if "ascii" not in played.marks]
+
+
+def test_every_telegram_has_zero_checksum_and_equal_right_lengths() -> None:
+    for telegram in telegrams(cycles=6):
+        assert sum(telegram) % 256 == 0
+        assert telegram[0] == 0x02
+        assert telegram[2] == telegram[3] == len(telegram) - 8
+
+
+def test_every_command_is_answered_with_its_addresses_but_the_broadcast() -> None:
+    said = telegrams(cycles=3)
+    place = 0
+    while place < len(said):
+        command = parse(said[place])
+        assert not command.reaction
+        place += 1
+        if command.receiver == 255:
+            continue
+        reaction = parse(said[place])
+        place += 1
+        assert reaction.control == command.control | 0x10
+        assert reaction[1:6] == command[1:6]  # service, addresses, subaddresses, telegram number
+
+
+@pytest.mark.parametrize(
+    ("baud", "figure"),
+    [
+        # fig. 6-14 and 6-15 with the device address 03 instead of 04, so a checksum greater by 1
+        (9600, "02 D8 03 03 00 03 10 03 03 07 00"),
+        (115200, "02 D0 03 03 00 03 10 03 03 07 08"),
+        # masks of fig. 6-11: D8 less the mask
+        (19200, "02 D7 03 03 00 03 10 03 03 07 01"),
+        (38400, "02 D6 03 03 00 03 10 03 03 07 02"),
+        (57600, "02 D4 03 03 00 03 10 03 03 07 04"),
+    ],
+)
+def test_initialization_sets_the_rate_of_the_line(baud: int, figure: str) -> None:
+    assert octets(figure) in telegrams(LINE._replace(baud=baud))
+
+
+def test_a_rate_without_a_mask_is_not_set() -> None:
+    initialized = [telegram for telegram in telegrams(LINE._replace(baud=250000)) if telegram[5] == 0x03]
+    assert initialized
+    assert all(parse(telegram).body[1] != 0x07 for telegram in initialized)
+
+
+def test_the_initialization_of_a_drive() -> None:
+    said = telegrams()
+    begin = said.index(octets("02 D8 03 03 00 03 10 03 03 07 00"))
+    # checksums by hand: the sum of all bytes is 0 modulo 256
+    assert said[begin + 1] == octets("02 C8 03 03 10 03 10 03 00 03 07")
+    assert said[begin + 2] == octets("02 AA 04 04 00 03 10 03 03 01 32 00")  # TrS 50 ms
+    assert said[begin + 4] == octets("02 D6 04 04 00 03 10 03 03 02 05 00")  # TzA 5 ms
+    assert said[begin + 6] == octets("02 E5 04 04 00 03 10 03 03 03 F4 01")  # Tmas 500 ms
+    accepted = said.index(octets("02 E9 02 02 00 03 10 FF 00 FF"))  # fig. 6-24
+    assert not parse(said[accepted + 1]).reaction
+
+
+def test_a_slow_line_gets_times_it_can_keep() -> None:
+    assert Times.for_line(LINE) == (50, 5, 500)
+    slow = LINE._replace(baud=300)  # a character takes 36.7 ms, four 146.7
+    assert Times.for_line(slow) == (1470, 147, 14700)
+
+
+def test_identification() -> None:
+    assert drive().react(octets("02 E3 02 02 00 00 10 03 03 01")) == octets(
+        "02 AF 08 08 10 00 10 03 00 03 01 30 31 56 30 31"  # fig. 3-4: 01V01
+    )
+    # fig. 3-8: the device type key
+    key = body_of(drive().react(build(0x00, 16, 3, b"\x03\x03")))
+    assert key == octets("00 03 03 43 4C 43 2D 44 30 32 2C 33 4D 2D 46 57")
+    assert body_of(drive().react(build(0x00, 16, 3, b"\x03\x04"))) == octets("00 03 04 0F")  # all masks ORed
+
+
+def test_both_drives_are_identified() -> None:
+    identified = {
+        (header.receiver, header.body[1]) for header in map(parse, telegrams()) if header[1] == 0 and header[0] == 0
+    }
+    assert identified == {(drive, subservice) for drive in (3, 4) for subservice in (1, 3, 4)}
+
+
+def test_what_the_loop_says() -> None:
+    said = telegrams()
+    # S-0-0044 (00 2C 00) at drive 3: name, attribute, unit, operating data (elements 2, 3, 4, 7 in bits 3 to 5)
+    for control in (0x14, 0x1C, 0x24, 0x3C):
+        assert build(0x10, 16, 3, bytes([control, 3, 0, 0x2C, 0x00])) in said
+    # fig. 9.8 of the facts: length 1 (two bytes), binary, protected in phases 3 and 4 (bits 29, 30), factor 1
+    assert build(0x10, 16, 3, octets("00 1C 03 01 00 01 60"), reaction=True) in said
+    name = octets("00 14 03 1A 00 1A 00") + b"Velocity data scaling type"
+    assert build(0x10, 16, 3, name, reaction=True) in said
+    # 0x4001: it has no unit; 0x1001: P-0-0999 (bit 15 set: 83E7) is not there (fig. 8-48)
+    assert build(0x10, 16, 3, octets("01 24 03 01 40"), reaction=True) in said
+    missing = said.index(build(0x10, 16, 3, octets("3C 03 00 E7 83")))
+    assert parse(said[missing + 1]).body == octets("01 3C 03 01 10")
+    # phase 4
+    assert build(0x12, 16, 4, octets("00 04"), reaction=True) in said
+    # routed via 3 and 2 to 8: two subaddresses, control 02 and 12 (fig. 2-10, 2-15)
+    routed = said.index(octets("02 CE 04 04 02 00 10 03 02 08 08 01"))
+    assert said[routed + 1] == octets("02 9A 0A 0A 12 00 10 03 02 08 00 08 01 30 31 56 30 31")
+    # a numbered write of 1000.0000 rpm to S-0-0036: control 08, number 01 before the body
+    assert octets("02 9E 0A 0A 08 1F 10 03 01 3C 03 00 24 00 80 96 98 00") in said
+
+
+def test_values_change_from_cycle_to_cycle() -> None:
+    written = [parse(telegram) for telegram in telegrams(cycles=4) if telegram[4:8] == octets("08 1F 10 03")]
+    assert [header.number for header in written] == [1, 2, 3, 4]
+    assert len({header.body for header in written}) == 4
+
+
+# -- A drive --------------------------------------------------------------------------------------------------------
+
+
+def test_parameters_are_named_as_in_the_documents() -> None:
+    assert ident("S-0-0044") == octets("00 2C 00")
+    assert ident("P-0-0012") == octets("00 0C 80")  # fig. 8-42
+    assert ident("P-2-0012") == octets("00 0C A0")  # parameter set 2 in bits 12 to 14
+    assert ident("A-0-0004") == octets("01 04 00")
+    assert ident("C-0-0066") == octets("02 42 00")
+    for wrong in ("S-0-44", "X-0-0001", "S-8-0001", "S-0-4096"):
+        with pytest.raises(ValueError, match="is not a parameter"):
+            ident(wrong)
+
+
+def test_a_command_and_its_data_status() -> None:
+    """Fig. 8-42 and 8-43: the ident number of P-0-0012 is written, the data status comes back."""
+    absolute = Parameter("P-0-0012", "C300", attribute(Length.TWO_BYTES, Format.BINARY, command=True), b"\0\0")
+    slave = drive(1, absolute)
+    request = build(0x1F, 16, 1, octets("0C 01 00 0C 80 0C 80"))
+    assert body_of(slave.react(request)) == octets("00 0C 01 00 00")
+    slave.react(build(0x1F, 16, 1, octets("3C 01 00 0C 80 03 00")))
+    assert body_of(slave.react(request)) == octets("00 0C 01 03 00")
+    without_data = build(0x1F, 16, 1, octets("0C 01 00 0C 80"))
+    assert body_of(slave.react(without_data)) == octets("00 0C 01 03 00")
+
+
+@pytest.mark.parametrize(
+    ("element", "data", "code"),
+    [
+        (Element.CHANNEL, b"", 0x0009),
+        (Element.NAME, b"x", 0x2004),
+        (Element.ATTRIBUTE, b"x", 0x3004),
+        (Element.UNIT, b"x", 0x4004),
+        (Element.MINIMUM, b"x", 0x5004),
+        (Element.MAXIMUM, b"x", 0x6004),
+        (Element.DATA, b"\0\0\0", 0x7002),
+        (Element.DATA, b"\0\0\0\0\0", 0x7003),
+        (Element.DATA, (-101).to_bytes(4, "little", signed=True), 0x7006),
+        (Element.DATA, (101).to_bytes(4, "little"), 0x7007),
+    ],
+)
+def test_wrong_writes_get_the_codes_of_fig_8_48(element: Element, data: bytes, code: int) -> None:
+    low, high = (-100).to_bytes(4, "little", signed=True), (100).to_bytes(4, "little")
+    scaled = attribute(Length.FOUR_BYTES, Format.SIGNED)
+    parameter = Parameter("S-0-0036", "Velocity", scaled, bytes(4), "rpm", low, high)
+    slave = Drive(3, "", "", [parameter])
+    body = bytes([element << 3 | 4, 3, 0, 36, 0]) + data
+    assert body_of(slave.react(build(0x1F, 16, 3, body))) == bytes([1, body[0], 3]) + code.to_bytes(2, "little")
+    assert parameter.data == bytes(4)
+
+
+def test_write_protection() -> None:
+    def write(protection: int, phase: int) -> None:
+        bits = attribute(Length.TWO_BYTES, Format.UNSIGNED, 0, protection)
+        Parameter("S-0-0001", "", bits, b"\0\0").write(Element.DATA, b"\1\0", phase)
+
+    with pytest.raises(AccessError) as never:
+        write(READ_ONLY, 2)
+    assert never.value.code == 0x7004
+    with pytest.raises(AccessError) as not_now:
+        write(PARAMETER_MODE_ONLY, 4)
+    assert not_now.value.code == 0x7005
+    write(PARAMETER_MODE_ONLY, 2)
+
+
+def test_missing_elements_are_said_to_be_missing() -> None:
+    bare = Parameter("S-0-0001", "x", attribute(Length.TWO_BYTES, Format.UNSIGNED), b"\0\0")
+    for element, code in ((Element.UNIT, 0x4001), (Element.MINIMUM, 0x5001), (Element.MAXIMUM, 0x6001), (0, 0x0009)):
+        with pytest.raises(AccessError) as missing:
+            bare.read(Element(element))
+        assert missing.value.code == code
+
+
+def test_attribute_bits() -> None:
+    # factor 1; four bytes: 2 << 16; signed: 2 << 20; four decimals: 4 << 24; protected in phases 2 to 4: bits 28 to 30
+    assert attribute(Length.FOUR_BYTES, Format.SIGNED, 4, READ_ONLY) == (0x74220001).to_bytes(4, "little")
+    assert attribute(Length.LIST_OF_BYTES, Format.TEXT) == (0x00440001).to_bytes(4, "little")
+    assert attribute(Length.TWO_BYTES, Format.BINARY, command=True) == (0x00090001).to_bytes(4, "little")
+    assert text("rpm") == octets("03 00 03 00 72 70 6D")
+
+
+def test_telegram_errors_have_the_useful_data_header_and_no_data() -> None:
+    slave = drive()
+    assert body_of(slave.react(build(0x05, 16, 3, b"\x03\x01"))) == octets("F0")  # service without a definition
+    assert body_of(slave.react(build(0x00, 16, 3, b"\x03\x09"))) == octets("FB 03 09")
+    assert body_of(slave.react(build(0x03, 16, 3, b"\x03\x06\x01"))) == octets("FB 03 06")
+    assert body_of(slave.react(build(0x03, 16, 3, b"\x03\x01\x32"))) == octets("FA 03 01")
+    assert body_of(slave.react(build(0x10, 16, 3, b"\x3c"))) == octets("FA 3C")
+    routed = build(0x12, 16, 3, subaddresses=b"\x02\x08")
+    assert body_of(slave.react(routed)) == octets("F9")
+
+
+def test_a_baud_rate_without_a_mask_is_refused() -> None:
+    # 0x0700 (fig. 6-13): subservice 07 and error byte 00
+    assert body_of(drive().react(build(0x03, 16, 3, b"\x03\x07\x03"))) == octets("01 03 07 00")
+
+
+def test_who_is_not_answered() -> None:
+    slave = drive()
+    command = build(0x12, 16, 3)
+    assert slave.react(command) is not None
+    assert slave.react(build(0x12, 16, 4)) is None  # somebody else
+    assert slave.react(build(0x12, 16, 255)) is None
+    assert slave.react(build(0x12, 16, 3, b"\x00\x04", reaction=True)) is None  # its own reaction
+    for place in range(1, len(command)):  # damaged: on RS485 no answer
+        damaged = bytearray(command)
+        damaged[place] ^= 0x40
+        assert slave.react(bytes(damaged)) is None
+    assert slave.react(command[:5]) is None
+    # 02 D9 00 00 00 12 10 03 with other lengths: 01 and FF add up to the same
+    assert slave.react(octets("02 D9 01 FF 00 12 10 03")) is None
+
+
+def test_a_broadcast_is_obeyed() -> None:
+    slave = drive()
+    velocity = ident("S-0-0036")
+    assert slave.react(build(0x1F, 16, 255, octets("3C 00 00 24 00 E8 03 00 00"))) is None
+    assert slave.parameters[velocity].data == octets("E8 03 00 00")
+
+
+def test_the_same_telegram_number_again_is_answered_but_not_obeyed() -> None:
+    slave = drive()
+    status = slave.parameters[ident("S-0-0099")]
+    numbered = build(0x1F, 16, 3, octets("3C 03 00 63 00 03 00"), number=7)
+    first = slave.react(numbered)
+    status.data = b"\0\0"
+    assert slave.react(numbered) == first
+    assert status.data == b"\0\0"
+    # One more in the number, one less in the data: the eight bytes of the static header are the same.
+    slave.react(build(0x1F, 16, 3, octets("3C 03 00 63 00 02 00"), number=8))
+    assert status.data == b"\2\0"
+    status.data = b"\0\0"
+    zero = build(0x1F, 16, 3, octets("3C 03 00 63 00 03 00"), number=0)
+    slave.react(zero)
+    assert status.data == b"\3\0"
+
+
+# -- Routing --------------------------------------------------------------------------------------------------------
+
+
+class EndStation:
+    """Station 8 of fig. 2-12 and 2-13, whose bodies are dummies."""
+
+    address = 8
+
+    def __init__(self) -> None:
+        self.heard: list[bytes] = []
+
+    def react(self, command: bytes) -> bytes | None:
+        self.heard.append(command)
+        return octets("02 E9 03 03 10 03 02 08 00 01 F1")
+
+
+class Passing:
+    """Notes what passes a station."""
+
+    def __init__(self, station: Router) -> None:
+        self.address = station.address
+        self.heard: list[bytes] = []
+        self.said: list[bytes | None] = []
+        self._station = station
+
+    def react(self, command: bytes) -> bytes | None:
+        self.heard.append(command)
+        self.said.append(self._station.react(command))
+        return self.said[-1]
+
+
+def test_routing_as_in_fig_2_10_to_2_15() -> None:
+    end = EndStation()
+    middle = Passing(Router(drive(2), [end]))
+    answer = Router(drive(3), [middle]).react(octets("02 E1 05 05 02 03 10 03 02 08 F0 01 00"))
+    assert middle.heard == [octets("02 F4 04 04 01 03 03 02 08 F0 01 00")]
+    assert end.heard == [octets("02 FA 03 03 00 03 02 08 F0 01 00")]
+    assert middle.said == [octets("02 E3 04 04 11 03 03 02 08 00 01 F1")]
+    assert answer == octets("02 D0 05 05 12 03 10 03 02 08 00 01 F1")
+
+
+def test_nobody_below_answers() -> None:
+    router = Router(drive(3), [])
+    assert router.react(build(0x12, 16, 3, subaddresses=b"\x05")) is None
+    assert body_of(router.react(build(0x12, 16, 3))) == octets("00 04")  # but itself it does
+
+
+# -- When it is said ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("baud", [300, 9600, 115200])
+def test_times_are_possible_and_keep_what_the_master_set(baud: int) -> None:
+    line = LINE._replace(baud=baud)
+    character_ns = line.character_ns
+    limits = Times.for_line(line)
+    end = 0
+    for played in bus(line, 1, 1):
+        times = [character.time_ns for character in played.characters]
+        intervals = [later - earlier for earlier, later in zip(times, times[1:], strict=False)]
+        assert min(intervals) >= character_ns
+        assert max(intervals) < limits.tza * 1_000_000
+        silence = times[0] - character_ns - end
+        if end:
+            assert silence > limits.tza * 1_000_000  # else no station would recognise the start
+        if "ascii" not in played.marks and parse(played.sent).reaction:
+            assert silence < limits.trs * 1_000_000
+        assert played.time_ns == times[0]
+        end = times[-1]
+
+
+def test_same_seed_same_bus_other_seed_another() -> None:
+    first = list(bus(LINE, 5, 2, MANY_FAULTS))
+    assert list(bus(LINE, 5, 2, MANY_FAULTS)) == first
+    other = list(bus(LINE, 6, 2))
+    undisturbed = list(bus(LINE, 5, 2))
+    assert [played.sent for played in other] != [played.sent for played in undisturbed]
+    assert [played.time_ns for played in other] != [played.time_ns for played in undisturbed]
+
+
+def test_without_cycles_it_does_not_end() -> None:
+    endless = bus(LINE, 1, 0)
+    assert sum(1 for _ in zip(range(2000), endless, strict=False)) == 2000
+
+
+# -- Faults ---------------------------------------------------------------------------------------------------------
+
+Arrived = tuple[int, int]  # value and flags
+
+
+def arrived(sent: bytes, marks: Sequence[str], lost_before: bool) -> tuple[list[Arrived], bool]:
+    """Work out from a line of the log what a tap must get; also whether the next character was preceded by a loss."""
+    faults: dict[int, list[tuple[str, str]]] = {}
+    for mark in marks:
+        match = re.fullmatch(r"(parity|break|loss|pause|checksum)@(\d+)(?:=([0-9A-F]{2}))?", mark)
+        if match:
+            faults.setdefault(int(match[2]), []).append((match[1], match[3]))
+        else:
+            assert mark == "ascii"
+    characters = []
+    for index, value in enumerate(sent):
+        kinds = dict(faults.get(index, []))
+        if "loss" in kinds:
+            lost_before = True
+            continue
+        flags = Flag.LOST_BEFORE if lost_before else Flag(0)
+        lost_before = False
+        if "break" in kinds:
+            value, flags = 0, flags | Flag.BREAK  # noqa: PLW2901
+        elif "parity" in kinds:
+            value, flags = int(kinds["parity"], 16), flags | Flag.CHARACTER_ERROR  # noqa: PLW2901
+        characters.append((value, int(flags)))
+    return characters, lost_before
+
+
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=20, deadline=None)
+def test_faults_are_where_the_marks_say(seed: int) -> None:
+    lost = False
+    for played in bus(LINE, seed, 1, MANY_FAULTS):
+        expected, lost = arrived(played.sent, played.marks, lost)
+        assert [(character.value, character.flags) for character in played.characters] == expected
+        wrong = "checksum@1" in played.marks
+        if "ascii" not in played.marks:
+            assert checksum_good(played.sent) is not wrong
+        for mark in played.marks:
+            if mark.startswith("parity"):
+                place, value = re.fullmatch(r"parity@(\d+)=(..)", mark).groups()  # type: ignore[union-attr]
+                assert (played.sent[int(place)] ^ int(value, 16)).bit_count() == 1
+
+
+def test_pauses_exceed_tza_where_the_marks_say_and_nowhere_else() -> None:
+    pauses = 0
+    for played in bus(LINE, 3, 2, Faults(pause=0.02)):
+        times = [character.time_ns for character in played.characters]
+        for index in range(1, len(times)):
+            paused = f"pause@{index}" in played.marks
+            assert (times[index] - times[index - 1] > 5_000_000) is paused
+            pauses += paused
+    assert pauses > 10
+
+
+def test_faults_change_nothing_but_what_they_disturb() -> None:
+    undisturbed = list(bus(LINE, 4, 1))
+    for faults in (Faults(parity=0.1), Faults(break_=0.1), Faults(loss=0.1)):
+        disturbed = list(bus(LINE, 4, 1, faults))
+        assert [(played.time_ns, played.sent) for played in disturbed] == [
+            (played.time_ns, played.sent) for played in undisturbed
+        ]
+    checksum = list(bus(LINE, 4, 1, Faults(checksum=1)))[1:]  # the first is ASCII
+    assert [played.sent[2:] for played in checksum] == [played.sent[2:] for played in undisturbed[1:]]
+    assert not any(checksum_good(played.sent) for played in checksum)
+
+
+def test_fault_options() -> None:
+    assert Faults.parse("parity=0.5,break=1,loss=0") == (0.5, 1.0, 0.0, 0.0, 0.0)
+    for wrong in ("parity", "rain=1", "parity=much", "loss=1.5", "loss=-1", "loss=nan", ""):
+        with pytest.raises(ValueError, match="PROBABILITY|from 0 to 1"):
+            Faults.parse(wrong)
+
+
+# -- Reads of a coarse adapter --------------------------------------------------------------------------------------
+
+
+def test_reads_and_their_uncertainty() -> None:
+    # 1000 ns a character; five back to back but for a gap of 300 before the third; then a silence, then two
+    times = [1000, 2000, 3300, 4300, 5300, 20000, 21000]
+    characters = [Character(time, 0x30 + index, 0) for index, time in enumerate(times)]
+    grouped = [[character.time_ns for character in read] for read in reads(characters, 4, 1000)]
+    assert grouped == [[1000, 2000, 3300, 4300], [5300], [20000, 21000]]
+    # the first of four can have come three characters before the read, 1300; it came 300 earlier
+    assert uncertainty(characters[:4], 1000) == 300
+    assert uncertainty(characters[:1], 1000) == 0
+    assert [len(read) for read in reads(characters, 1, 1000)] == [1] * 7
+
+
+# -- At a socket ----------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def running(*options: str, **popen: object) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run the command until the block ends; also the name it printed."""
+    process = subprocess.Popen([*BUS, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **popen)  # type: ignore[call-overload]
+    try:
+        yield process, process.stdout.readline().strip()
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def finish(process: subprocess.Popen[str]) -> tuple[int, str]:
+    _, errors = process.communicate(timeout=TIMEOUT_S)
+    return process.returncode, errors
+
+
+def connect(name: str, tap: LineSettings | None = LINE) -> socket.socket:
+    assert name.startswith("bus://")
+    where = name.removeprefix("bus://")
+    if where.startswith("/"):
+        connection = socket.socket(socket.AF_UNIX)
+        connection.settimeout(TIMEOUT_S)
+        connection.connect(where)
+    else:
+        host, _, port = where.rpartition(":")
+        connection = socket.create_connection((host, int(port)), timeout=TIMEOUT_S)
+    if tap:
+        connection.sendall(wire.pack_settings(tap))
+    return connection
+
+
+def listen(connection: socket.socket) -> list[Read]:
+    """Take reads until the bus ends."""
+    decoder, heard = wire.ReadDecoder(), []
+    while data := connection.recv(65536):
+        heard += decoder.feed(data)
+    connection.close()
+    return heard
+
+
+def logged(path: Path) -> list[Played]:
+    """Read a log back, without the characters."""
+    entries = []
+    for entry in path.read_text().splitlines():
+        if not entry.startswith("#"):
+            seconds, sent, *marks = entry.split()
+            entries.append(Played(int(seconds.replace(".", "")), bytes.fromhex(sent), [], marks))
+    return entries
+
+
+def expected_of(log: list[Played]) -> list[Arrived]:
+    characters, lost = [], False
+    for played in log:
+        more, lost = arrived(played.sent, played.marks, lost)
+        characters += more
+    return characters
+
+
+def joined(heard: list[Read]) -> list[Arrived]:
+    return [pair for read in heard for pair in zip(read.data, read.flags, strict=True)]
+
+
+@pytest.mark.parametrize("most", [1, 10])
+def test_the_log_equals_what_arrives_at_a_socket(tmp_path: Path, most: int) -> None:
+    log = tmp_path / "log"
+    options = ["--fast", "--cycles", "3", "--reads", str(most), "--faults", MANY_FAULTS_TEXT, "--log", str(log)]
+    with running("--listen", "127.0.0.1:0", *options) as (process, name):
+        heard = listen(connect(name))
+        assert finish(process) == (0, "")
+    entries = logged(log)
+    assert len({mark.split("@")[0] for played in entries for mark in played.marks}) == 6  # all kinds and ascii
+    assert joined(heard) == expected_of(entries)
+    assert max(len(read.data) for read in heard) == most
+    assert [(played.time_ns, played.sent, played.marks) for played in entries] == [
+        (played.time_ns, played.sent, played.marks) for played in bus(LINE, 1, 3, MANY_FAULTS)
+    ]
+
+
+@pytest.mark.parametrize("most", [1, 16])
+def test_times_at_a_socket_hold_what_a_read_promises(most: int) -> None:
+    with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1", "--reads", str(most)) as (_, name):
+        heard = listen(connect(name))
+    true = [character.time_ns for played in bus(LINE, 1, 1) for character in played.characters]
+    started = heard[-1].time_ns - true[-1]
+    place = 0
+    for read in heard:
+        count = len(read.data)
+        for index in range(count):
+            latest = read.time_ns - started - (count - 1 - index) * LINE.character_ns
+            assert latest - read.uncertainty_ns <= true[place] <= latest
+            place += 1
+    assert place == len(true)
+
+
+def test_in_real_time_at_a_unix_socket(tmp_path: Path) -> None:
+    path = tmp_path / "bus"
+    options = ["--baud", "115200", "--cycles", "1", "--seed", "9"]
+    with running("--listen", str(path), *options) as (process, name):
+        assert name == f"bus://{path}"
+        heard = listen(connect(name, LINE._replace(baud=115200)))
+        assert finish(process) == (0, "")
+    sent = b"".join(played.sent for played in bus(LINE._replace(baud=115200), 9, 1))
+    assert b"".join(read.data for read in heard) == sent
+    assert not path.exists()
+
+
+def test_a_tap_that_comes_later_hears_the_bus_from_then_on() -> None:
+    taps = Taps(Pace(simulated=True), "127.0.0.1:0", LINE, 1, 1)
+    first = connect(taps.name)
+    taps.wait_for_listener()
+    played = list(bus(LINE, 1, 1))
+    taps.deliver(played[0])
+    second = connect(taps.name)
+    taps.deliver(played[1])  # lets it in
+    taps.deliver(played[2])  # hears its settings, so it hears this
+    taps.deliver(played[3])
+    for connection in (first, second):
+        connection.shutdown(socket.SHUT_WR)  # or the bus waits for them to leave
+    taps.close()
+    assert bytes(value for value, _ in joined(listen(first))) == b"".join(one.sent for one in played[:4])
+    assert bytes(value for value, _ in joined(listen(second))) == b"".join(one.sent for one in played[2:4])
+
+
+@pytest.mark.parametrize(
+    ("tap", "values_differ"),
+    [(LINE._replace(parity="N"), False), (LINE._replace(data_bits=7), False), (LINE._replace(baud=19200), True)],
+)
+def test_a_tap_with_wrong_settings_gets_errors(tap: LineSettings, values_differ: bool) -> None:
+    with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (_, name):
+        heard = joined(listen(connect(name, tap)))
+    right = [character.value for played in bus(LINE, 1, 1) for character in played.characters]
+    assert all(flags == Flag.CHARACTER_ERROR for _, flags in heard)
+    assert ([value for value, _ in heard] != right) is values_differ
+
+
+def test_a_tap_that_changes_its_settings_hears_better() -> None:
+    with running("--listen", "127.0.0.1:0", "--fast") as (_, name):
+        connection = connect(name, LINE._replace(parity="N"))
+        decoder = wire.ReadDecoder()
+        assert decoder.feed(connection.recv(64))[0].flags == bytes([Flag.CHARACTER_ERROR])
+        connection.sendall(wire.pack_settings(LINE))
+        while all(any(read.flags) for read in decoder.feed(connection.recv(65536))):
+            pass  # the socket's time-out fails the test
+        connection.close()
+
+
+def test_what_is_no_tap_is_sent_away() -> None:
+    with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
+        stranger = connect(name, None)
+        stranger.sendall(b"GET / HTTP/1.1\r\n\r\n")
+        assert stranger.recv(1) == b""
+        stranger.close()
+        assert listen(connect(name))
+        code, errors = finish(process)
+    assert code == 0
+    assert errors.count("\n") == 1
+    assert "closed a connection" in errors
+
+
+def test_simulated_time_ends_with_the_last_tap() -> None:
+    with running("--listen", "127.0.0.1:0", "--fast") as (process, name):
+        connection = connect(name)
+        connection.recv(100)
+        connection.close()
+        assert finish(process) == (0, "")
+
+
+# -- At a pseudo terminal -------------------------------------------------------------------------------------------
+
+
+def drain(terminal: int) -> bytes:
+    """Read until the other side has gone."""
+    heard = b""
+    while True:
+        try:
+            data = os.read(terminal, 4096)
+        except OSError as error:
+            assert error.errno == errno.EIO
+            return heard
+        if not data:
+            return heard
+        heard += data
+
+
+def test_a_pty_that_nobody_configured_delivers_every_byte(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    # S-0-0099 is written as 03 00, velocities are any bytes: an unconfigured terminal would eat and echo some
+    with running("--baud", "115200", "--cycles", "1", "--seed", "2", "--log", str(log)) as (process, name):
+        terminal = os.open(name, os.O_RDWR | os.O_NOCTTY)
+        heard = drain(terminal)
+        os.close(terminal)
+        assert finish(process) == (0, "")
+    assert heard == b"".join(played.sent for played in logged(log))
+    assert {mark for played in logged(log) for mark in played.marks} == {"ascii"}
+
+
+def read_exactly(terminal: int, count: int) -> bytes:
+    """Read so many bytes, which the kernel hands over when it likes to."""
+    heard = b""
+    while len(heard) < count:
+        assert select.select([terminal], [], [], TIMEOUT_S)[0]
+        heard += os.read(terminal, count - len(heard))
+    return heard
+
+
+def character_run(values: bytes) -> Played:
+    return Played(0, values, [Character(0, value, 0) for value in values], [])
+
+
+def test_without_a_listener_characters_are_gone_and_nobody_gets_old_ones() -> None:
+    terminal = PseudoTerminal(Pace(simulated=True), 9600)
+    assert terminal.deliver(character_run(b"nobody")) == ["unheard=6"]
+    first = os.open(terminal.name, os.O_RDONLY | os.O_NOCTTY)
+    assert terminal.deliver(character_run(b"heard, not read")) == []
+    os.close(first)
+    assert terminal.deliver(character_run(b"nobody")) == ["unheard=6"]
+    second = os.open(terminal.name, os.O_RDONLY | os.O_NOCTTY)
+    assert terminal.deliver(character_run(b"new\x03\x04\r\n\x11\x13\xff\x00")) == []
+    assert read_exactly(second, 11) == b"new\x03\x04\r\n\x11\x13\xff\x00"
+    os.close(second)
+    terminal.close()
+
+
+def test_a_listener_who_does_not_read_holds_up_nothing() -> None:
+    terminal = PseudoTerminal(Pace(simulated=True), 9600)
+    listener = os.open(terminal.name, os.O_RDONLY | os.O_NOCTTY)
+    (mark,) = terminal.deliver(character_run(bytes(100_000)))
+    os.close(listener)
+    terminal.close()
+    kept = 100_000 - int(mark.removeprefix("overrun="))
+    assert 0 < kept < 100_000
+
+
+def test_before_it_closes_a_listener_has_time_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = PseudoTerminal(Pace(simulated=True), 9600)
+    listener = os.open(terminal.name, os.O_RDONLY | os.O_NOCTTY)
+    terminal.deliver(character_run(b"last words"))
+    heard: list[bytes] = []
+    monkeypatch.setattr("time.sleep", lambda _: heard.append(read_exactly(listener, 10)))
+    terminal.close()
+    assert heard == [b"last words"]
+    os.close(listener)
+
+
+# -- The command ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("options", [["--pty"], ["--listen", "127.0.0.1:0"]])
+def test_a_signal_ends_it_while_it_waits_even_if_ignored_before(number: signal.Signals, options: list[str]) -> None:
+    ignore = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)}  # as a script's & does
+    with running(*options, **ignore) as (process, name):
+        assert name
+        process.send_signal(number)
+        assert finish(process) == (0, "")
+
+
+def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with running("--listen", "127.0.0.1:0", "--fast", "--log", str(log)) as (process, name):
+        connection = connect(name)
+        connection.recv(10_000)
+        process.send_signal(signal.SIGTERM)
+        while connection.recv(65536):
+            pass
+        connection.close()
+        assert finish(process) == (0, "")
+    assert log.read_text().endswith("\n")
+    assert [played.sent for played in logged(log)] == [
+        played.sent for played, _ in zip(bus(LINE), logged(log), strict=False)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "cure"),
+    [
+        (["--format", "8X1"], "for example 8E1"),
+        (["--format", "7E1"], "8 data bits"),
+        (["--baud", "0"], "for example 9600"),
+        (["--cycles", "-1"], "0 plays until stopped"),
+        (["--reads", "0", "--listen", "127.0.0.1:0"], "from 1"),
+        (["--fast"], "need --listen"),
+        (["--reads", "5"], "need --listen"),
+        (["--faults", "parity=0.1"], "use --listen"),
+        (["--faults", "rain=0.1"], "NAME one of parity, break, loss, checksum, pause"),
+        (["--listen", "nowhere"], "for example 127.0.0.1:0"),
+        (["--listen", "127.0.0.1:70000"], "for example 127.0.0.1:0"),
+        (["--log", "/nowhere/log"], "another file with --log"),
+    ],
+)
+def test_wrong_options_get_one_line_with_the_cure(options: list[str], cure: str) -> None:
+    result = subprocess.run([*BUS, *options], capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+    assert result.returncode == 2
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert cure in result.stderr
+
+
+def test_an_address_in_use(tmp_path: Path) -> None:
+    path = tmp_path / "bus"
+    for address in ("127.0.0.1:0", str(path)):
+        with running("--listen", address) as (_, name):
+            again = [*BUS, "--listen", name.removeprefix("bus://")]
+            result = subprocess.run(again, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+            assert result.returncode == 3
+            assert result.stderr.count("\n") == 1
+            assert "choose another" in result.stderr
+
+
+def test_a_socket_that_a_killed_bus_left_is_replaced_but_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "bus"
+    with running("--listen", str(path)):
+        pass  # killed
+    assert path.is_socket()
+    with running("--listen", str(path)) as (_, name):
+        assert name == f"bus://{path}"
+    path.unlink()
+    path.write_text("precious")
+    with running("--listen", str(path)) as (process, _):
+        assert finish(process)[0] == 3
+    assert path.read_text() == "precious"
+
+
+def test_a_full_disk_is_said(tmp_path: Path) -> None:
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("this system has no /dev/full")
+    with running("--listen", "127.0.0.1:0", "--fast", "--log", str(full)) as (process, name):
+        listen(connect(name))
+        code, errors = finish(process)
+    assert code == 1
+    assert errors.count("\n") == 1
+
+
+def test_no_faults_is_the_default() -> None:
+    assert NO_FAULTS == (0, 0, 0, 0, 0)
+    assert all(not played.marks or played.marks == ["ascii"] for played in bus(LINE, 1, 1))
+
+
+def test_every_script_starts_the_same_whatever_its_length() -> None:
+    short, long = list(commands(LINE, 1, 1)), list(commands(LINE, 1, 2))
+    assert long[: len(short)] == short
+    assert read_parameter(3, "S-0-0040") in short

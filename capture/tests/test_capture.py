@@ -1,0 +1,593 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap capture`: in this process with a reader of our own, then as people run it, on a pseudo terminal."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import resource
+import select
+import signal
+import subprocess
+import sys
+import termios
+import time
+import tty
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pcapng import FileScanner
+from pcapng.blocks import EnhancedPacket, InterfaceStatistics
+from specification import TELEGRAMS
+
+from sistap import capture, cli, session
+from sistap.counters import Counters
+from sistap.line import Flag, LineSettings, Read
+from sistap.output import Output
+from sistap.reader import PortError, PortLost
+from sistap.record import Event, Framing, Record, Type, unpack
+
+START_NS = 1_700_000_000_000_000_000
+WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
+ALL = list(TELEGRAMS.values())
+DEADLINE_S = 30  # only reached when a test fails
+
+
+class FakeReader:
+    """Gives what it was told to, then nothing, and at last SIGTERM to us, or the loss of the port."""
+
+    name = "/dev/ttyFAKE"
+    adapter = "adapter of a test (latency timer 1 ms)"
+    timing = "uncertainty 1 ms"
+    line = 0
+
+    def __init__(self, reads: list[Read], lost: str = "") -> None:
+        self.settings = LineSettings()
+        self.closed = False
+        self._reads = iter(reads)
+        self._lost = lost
+
+    def read(self, timeout_s: float) -> Read | None:
+        assert timeout_s <= 0.1
+        read = next(self._reads, None)
+        if read is None:
+            if self._lost:
+                raise PortLost(self._lost)
+            os.kill(os.getpid(), signal.SIGTERM)
+        return read
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def reads(*pieces: bytes, line: int = 0, flag: int = 0) -> list[Read]:
+    return [
+        Read(line, START_NS + i * 10_000_000, piece, bytes([flag]) * len(piece), 1000) for i, piece in enumerate(pieces)
+    ]
+
+
+@pytest.fixture(autouse=True)
+def _signals() -> Iterator[None]:
+    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM)]
+    yield
+    for number, handler in handlers:
+        signal.signal(number, handler)
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
+    """Run the command on a reader of our own."""
+
+    def run(reader: FakeReader, *arguments: str) -> int:
+        def open_reader(port: str, settings: LineSettings) -> FakeReader:
+            reader.settings = settings
+            return reader
+
+        monkeypatch.setattr(capture, "open_reader", open_reader)
+        return cli.main(["capture", "-i", reader.name, *arguments])
+
+    return run
+
+
+Run = Callable[..., int]
+
+
+def blocks(path: Path) -> list[Any]:
+    """All blocks of a file; an error if it does not end with a whole one."""
+    with path.open("rb") as stream:
+        return list(FileScanner(stream))
+
+
+def records(path: Path) -> list[Record]:
+    packets = [block for block in blocks(path) if isinstance(block, EnhancedPacket)]
+    return [unpack(packet.packet_data[WRAPPER:]) for packet in packets]
+
+
+def frames(path: Path) -> list[bytes]:
+    return [record.data for record in records(path) if record.type == Type.FRAME]
+
+
+# -- In this process ------------------------------------------------------------------------------------------------
+
+
+def test_the_first_record_says_how_the_file_was_taken(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader([]), "-w", str(path), "--baud", "19200", "--format", "8N1") == 0
+    (record,) = records(path)
+    assert (record.type, record.event) == (Type.EVENT, Event.CAPTURE_STARTED)
+    assert record.settings == LineSettings(19200, 8, "N", 2)
+    for part in (FakeReader.name, FakeReader.adapter, FakeReader.timing, "19200 Bd 8N1"):
+        assert part in record.data.decode()
+
+
+def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "x.pcapng"
+    damaged = ALL[0][:-1] + b"\xff"
+    what = [*reads(*ALL, damaged, b"text"), *reads(b"lost", flag=Flag.LOST_BEFORE)]
+    reader = FakeReader(what)
+    assert run(reader, "-w", str(path)) == 0
+    assert reader.closed
+    assert b"".join(r.data for r in records(path)[1:]) == b"".join(read.data for read in what)
+    assert frames(path) == [*ALL, damaged]
+    (statistics,) = (block for block in blocks(path) if isinstance(block, InterfaceStatistics))
+    # The 18 telegrams, the damaged one, and the other characters in one record; each of "lost" has a gap before it.
+    assert statistics.options["isb_ifrecv"] == statistics.options["isb_filteraccept"] == 20
+    assert statistics.options["isb_osdrop"] == 4
+    characters = sum(len(read.data) for read in what)
+    summary = f"sistap: 20 records (18 telegrams, {characters} characters, 5 errors) written to {path}\n"
+    assert capsys.readouterr().err.endswith(summary)
+
+
+def test_two_directions_are_two_interfaces(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    command, reaction = TELEGRAMS["8-20"], TELEGRAMS["8-21"]
+    # Character by character in turn: each line has a framer of its own.
+    mixed = [
+        read
+        for i in range(10)
+        for line, telegram in ((1, command), (2, reaction))
+        for read in reads(telegram[i : i + 1], line=line)
+        if read.data
+    ]
+    assert run(FakeReader(mixed), "-w", str(path)) == 0
+    assert [(r.line, r.data) for r in records(path)[1:]] == [(1, command), (2, reaction)]
+    packets = [block for block in blocks(path) if isinstance(block, EnhancedPacket)]
+    assert [packet.interface_id for packet in packets] == [0, 1, 2]
+
+
+def test_c_counts_records_that_were_written(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(b"".join(ALL))), "-w", str(path), "-c", "3") == 0
+    assert frames(path) == ALL[:3]
+    assert run(FakeReader(reads(*ALL)), "-w", str(path), "-c", "2", "-f", "link[5] == 0x9d") == 0
+    assert frames(path) == [TELEGRAMS["8-23"], TELEGRAMS["8-24"]]
+
+
+def test_a_filter_lets_other_characters_and_events_pass(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(b"text", *ALL)), "-w", str(path), "-f", "link[5] == 0x04") == 0
+    assert [r.type for r in records(path)] == [Type.EVENT, Type.OTHER, Type.FRAME, Type.FRAME]
+    (statistics,) = (block for block in blocks(path) if isinstance(block, InterfaceStatistics))
+    assert (statistics.options["isb_ifrecv"], statistics.options["isb_filteraccept"]) == (19, 3)
+
+
+def test_framing_by_silence(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(b"abc", b"def")), "-w", str(path), "--framing", "silence:5") == 0
+    assert [(r.framing, r.data) for r in records(path)[1:]] == [(Framing.SILENCE, b"abc"), (Framing.SILENCE, b"def")]
+    assert "5 ms of silence" in records(path)[0].data.decode()
+
+
+def test_filesize_stops(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(*ALL * 5)), "-w", str(path), "-a", "filesize:1") == 0
+    count = len(frames(path))
+    size = path.stat().st_size
+    statistics_size = 12 + 4 + 8 + 5 * 12 + 4  # block, interface, time, five options of 8 bytes, their end
+    assert frames(path) == (ALL * 5)[:count]
+    # At least 1000 bytes before the statistics; and the last packet (at most 400 bytes) was needed to reach them.
+    assert 1000 <= size - statistics_size < 1400
+
+
+def test_ring_files_begin_with_the_event_and_end_with_statistics(run: Run, tmp_path: Path) -> None:
+    what = reads(*ALL * 3)
+    assert run(FakeReader(what), "-w", str(tmp_path / "x.pcapng"), "-b", "filesize:2", "-b", "files:2") == 0
+    files = sorted(tmp_path.iterdir())
+    assert len(files) == 2
+    for file in files:
+        first, *_ = records(file)
+        assert first.event == Event.CAPTURE_STARTED
+        assert isinstance(blocks(file)[-1], InterfaceStatistics)
+    kept = [data for file in files for data in frames(file)]
+    assert kept == (ALL * 3)[-len(kept) :]
+
+
+def test_files_stops(run: Run, tmp_path: Path) -> None:
+    base = str(tmp_path / "x.pcapng")
+    assert run(FakeReader(reads(*ALL * 9)), "-w", base, "-b", "filesize:1", "-a", "files:3") == 0
+    files = sorted(tmp_path.iterdir())
+    assert [file.name[:7] for file in files] == ["x_00001", "x_00002", "x_00003"]
+    kept = [data for file in files for data in frames(file)]
+    assert kept == (ALL * 9)[: len(kept)]
+
+
+def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "x.pcapng"
+    reader = FakeReader(reads(ALL[0], ALL[1][:5]), lost="/dev/ttyFAKE is gone: plug it in again")
+    assert run(reader, "-w", str(path)) == 1
+    types = [(r.type, r.event) for r in records(path)]
+    assert types == [
+        (Type.EVENT, Event.CAPTURE_STARTED),
+        (Type.FRAME, Event.NONE),
+        (Type.OTHER, Event.NONE),
+        (Type.EVENT, Event.ADAPTER_LOST),
+    ]
+    assert isinstance(blocks(path)[-1], InterfaceStatistics)
+    assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in capsys.readouterr().err
+
+
+def test_without_w_a_line_per_telegram(run: Run, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(FakeReader(reads(*ALL)), "-q") == 0
+    out, err = capfd.readouterr()
+    assert out.count("\n") == len(ALL) and out.count("checksum ok") == len(ALL)
+    assert err == ""
+
+
+def test_a_port_that_does_not_open_leaves_the_old_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def open_reader(port: str, settings: LineSettings) -> FakeReader:
+        raise PortError(f"{port} does not exist: try another")
+
+    monkeypatch.setattr(capture, "open_reader", open_reader)
+    path = tmp_path / "x"
+    path.write_bytes(b"old")
+    assert cli.main(["capture", "-i", "/dev/x", "-w", str(path)]) == 3
+    assert path.read_bytes() == b"old"
+    assert capsys.readouterr().err == "sistap: /dev/x does not exist: try another\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["--format", "9E1"], "format '9E1' is not"),
+        (["-f", "link[5"], "filter 'link[5': can't parse filter expression: syntax error"),
+        (["-w", "/missing/x"], "/missing/x cannot be written: No such file or directory"),
+        (["-w", "/dev/ttyFAKE/."], "cannot be written"),
+        (["-w", "-", "-b", "duration:5"], "-b needs files"),
+        (["-b", "duration:5"], "need a file"),
+        (["-w", "x", "-b", "files:5"], "-b files: does not say when a file is full"),
+        (["-w", "x", "-a", "files:5"], "-a files: needs several files"),
+        (["--link-type", "rtac"], "need a file"),
+    ],
+)
+def test_wrong_options_are_one_line(
+    run: Run, arguments: list[str], text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(FakeReader([]), *arguments) == 2
+    err = capsys.readouterr().err
+    assert text in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["nonsense"],
+        ["capture"],
+        ["capture", "-i", "x", "-c", "0"],
+        ["capture", "-i", "x", "-a", "duration:-1"],
+        ["capture", "-i", "x", "-a", "duration:nan"],
+        ["capture", "-i", "x", "-b", "nonsense:1"],
+        ["capture", "-i", "x", "--framing", "silence:"],
+        ["capture", "-i", "x", "--link-type", "user16"],
+        ["capture", "-i", "x", "--baud", "fast"],
+    ],
+)
+def test_wrong_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(arguments)
+    assert end.value.code == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_the_file_must_not_be_the_port(run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    master, slave = pty.openpty()
+    reader = FakeReader([])
+    reader.name = os.ttyname(slave)
+    assert run(reader, "-w", reader.name) == 2
+    assert "is the port itself" in capsys.readouterr().err
+    assert select.select([master], [], [], 0)[0] == []
+    os.close(master)
+    os.close(slave)
+
+
+class FakeClock:
+    """A clock that goes on by what each read says, or by its timeout."""
+
+    def __init__(self) -> None:
+        self.ns = 0
+
+    def __call__(self) -> int:
+        return self.ns
+
+
+def test_hints_and_progress_come_with_the_clock(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    clock = FakeClock()
+
+    class Slow(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            clock.ns += 500_000_000
+            return None
+
+    stop = session.Stop()
+    output = Output(str(tmp_path / "x"))
+    conditions = session.Conditions(duration_s=7)
+    running = session.Capture(
+        Slow([]), capture.LineSink(output), output, Counters(), conditions, progress=True, clock_ns=clock
+    )
+    assert running.run(stop) == 0
+    err = capsys.readouterr().err
+    assert err.count("nothing received for 5 s") == 1
+    assert err.count("\r\x1b[K0 characters, 0 telegrams, 0 errors, longest interval 0.000 ms") == 7
+    assert clock.ns == 7_000_000_000
+
+
+def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
+    clock = FakeClock()
+    path = tmp_path / "x"
+    waiting = b"\x02\x00\xff\xff" + ALL[0]
+    seen: list[int] = []
+
+    class Busy(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            clock.ns += 50_000_000
+            seen.append(path.stat().st_size)
+            return (
+                Read(2, START_NS + clock.ns, b"x", b"\0")
+                if clock.ns > 50_000_000
+                else Read(1, START_NS, waiting, bytes(len(waiting)))
+            )
+
+    output = Output(str(path))
+    conditions = session.Conditions(duration_s=3)
+    session.Capture(Busy([]), capture.LineSink(output), output, Counters(), conditions, clock_ns=clock).run(
+        session.Stop()
+    )
+    output.close()
+    assert seen[-1] > 0  # before the end
+
+
+# -- As people run it -----------------------------------------------------------------------------------------------
+
+
+class Tap:
+    """A pseudo terminal and `sistap capture` on it."""
+
+    def __init__(self) -> None:
+        self.master, self.slave = pty.openpty()
+        tty.setraw(self.slave)
+        self.port = os.ttyname(self.slave)
+        self.process: subprocess.Popen[bytes] | None = None
+        self.said = ""
+
+    def start(self, *arguments: str, **popen: Any) -> subprocess.Popen[bytes]:
+        """Start, and wait until it says that it listens."""
+        command = [sys.executable, "-m", "sistap", "capture", "-i", self.port, *arguments]
+        self.process = subprocess.Popen(command, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **popen})
+        assert self.process.stderr
+        self.said = self.process.stderr.readline().decode()
+        return self.process
+
+    def send(self, *pieces: bytes) -> None:
+        for piece in pieces:
+            os.write(self.master, piece)
+
+    def end(self) -> tuple[int, str, str]:
+        """Wait for its end: exit code, standard output and standard error."""
+        assert self.process
+        out, err = self.process.communicate(timeout=DEADLINE_S)
+        return self.process.returncode, (out or b"").decode(), self.said + err.decode()
+
+    def close(self) -> None:
+        if self.process:
+            self.process.kill()
+            self.process.wait()
+            for stream in (self.process.stdout, self.process.stderr):
+                if stream:
+                    stream.close()
+        self.unplug()
+        os.close(self.slave)
+
+    def unplug(self) -> None:
+        if self.master >= 0:
+            os.close(self.master)
+        self.master = -1
+
+
+@pytest.fixture
+def tap() -> Iterator[Tap]:
+    tap = Tap()
+    yield tap
+    tap.close()
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + DEADLINE_S
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)  # a file cannot be waited for
+
+
+def test_the_telegrams_of_the_specification(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    before = time.time()
+    tap.start("-w", str(path), "-c", str(len(ALL)))
+    assert tap.said.startswith(f"sistap: capturing on {tap.port} (pseudo terminal); 9600 Bd 8E1; ")
+    tap.send(*ALL)
+    code, _, err = tap.end()
+    after = time.time()
+    assert code == 0
+    assert err.endswith(f" errors) written to {path}\n") and f"{len(ALL)} records ({len(ALL)} telegrams, " in err
+    out = subprocess.run(
+        ["tshark", "-r", str(path), "-T", "fields", "-e", "frame.time_epoch", "-e", "frame.packet_flags"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    rows = [line.split("\t") for line in out.splitlines()]
+    assert len(rows) == 1 + len(ALL)
+    times = [float(row[0]) for row in rows]
+    assert before <= times[0] and times == sorted(times) and times[-1] <= after
+    assert frames(path) == ALL
+
+
+def test_live_into_a_pipe(tap: Tap, tmp_path: Path) -> None:
+    process = tap.start("-w", "-")
+    assert process.stdout
+    received = b""
+    tap.send(ALL[0])
+    while ALL[0] not in received:  # before the end, so nothing waits in a buffer
+        received += os.read(process.stdout.fileno(), 65536)
+    process.send_signal(signal.SIGTERM)
+    rest, err = process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 0
+    path = tmp_path / "x.pcapng"
+    path.write_bytes(received + rest)
+    assert frames(path) == [ALL[0]]
+    assert err.decode().endswith("written to standard output\n")
+
+
+def test_kill_9_leaves_whole_packets(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    process = tap.start("-w", str(path))
+    tap.send(*ALL, ALL[0][:4])
+    wait_for(lambda: path.read_bytes().find(ALL[-1]) > 0 and len(frames(path)) == len(ALL))
+    process.kill()
+    assert tap.end()[0] == -signal.SIGKILL
+    assert frames(path) == ALL
+    assert subprocess.run(["tshark", "-r", str(path)], capture_output=True, check=False).returncode == 0
+
+
+def test_a_full_disk_leaves_whole_packets(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    limit = 3000
+    tap.start("-w", str(path), preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    tap.send(*ALL * 2)
+    code, _, err = tap.end()
+    assert code == 1
+    assert err.splitlines()[1] == f"sistap: {path}: File too large; everything before it is saved"
+    assert limit - 400 < path.stat().st_size <= limit  # no packet of these is longer
+    kept = frames(path)
+    assert kept == (ALL * 2)[: len(kept)]
+
+
+def test_dev_full(tap: Tap) -> None:
+    tap.start("-w", "/dev/full")
+    code, _, err = tap.end()
+    assert code == 1
+    assert "sistap: /dev/full: No space left on device" in err and "Traceback" not in err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_well_even_if_it_was_ignored(tap: Tap, tmp_path: Path, number: signal.Signals) -> None:
+    path = tmp_path / "x.pcapng"
+    process = tap.start("-w", str(path), preexec_fn=lambda: signal.signal(number, signal.SIG_IGN))
+    unfinished = ALL[1][:5]
+    tap.send(ALL[0], unfinished)
+    wait_for(lambda: len(frames(path)) == 1 and not _waiting(tap.slave))
+    process.send_signal(number)
+    assert tap.end()[0] == 0
+    assert [r.data for r in records(path)[1:]] == [ALL[0], unfinished]
+    assert isinstance(blocks(path)[-1], InterfaceStatistics)
+
+
+def _waiting(descriptor: int) -> int:
+    """How many characters nobody has read yet."""
+    return int.from_bytes(fcntl.ioctl(descriptor, termios.FIONREAD, bytes(4)), sys.byteorder)
+
+
+def test_unplugged(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    tap.start("-w", str(path))
+    tap.send(ALL[0])
+    wait_for(lambda: len(frames(path)) == 1)
+    tap.unplug()
+    code, _, err = tap.end()
+    assert code == 1
+    assert records(path)[-1].event == Event.ADAPTER_LOST
+    assert isinstance(blocks(path)[-1], InterfaceStatistics)
+    assert records(path)[-1].data.decode() in err and "Traceback" not in err
+
+
+def test_a_missing_port(tap: Tap, tmp_path: Path) -> None:
+    tap.port = str(tmp_path / "ttyUSB9")
+    tap.start("-w", str(tmp_path / "x"))
+    code, out, err = tap.end()
+    assert (code, out, err.count("\n")) == (3, "", 1)
+    assert "does not exist" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_wrong_filter(tap: Tap) -> None:
+    tap.start("-f", "link[5")
+    assert tap.end() == (2, "", "sistap: filter 'link[5': can't parse filter expression: syntax error\n")
+
+
+@pytest.mark.parametrize("arguments", [[], ["-w", "-"]])
+def test_the_reader_of_the_output_is_gone(tap: Tap, arguments: list[str]) -> None:
+    """It ends without waiting for the next telegram, and without a traceback."""
+    process = tap.start(*arguments)
+    assert process.stdout
+    process.stdout.close()
+    process.stdout = None
+    code, _, err = tap.end()
+    assert code == 1
+    assert "sistap: the reader of standard output is gone" in err and "Traceback" not in err
+
+
+def test_closed_standard_streams_are_no_way_into_the_port(tap: Tap) -> None:
+    command = f"exec {sys.executable} -m sistap capture -i {tap.port} -c 1 >&- 2>&- <&-"
+    process = subprocess.Popen(["sh", "-c", command])
+    try:
+        # Its end closes the port: send again until then, as nothing tells when it listens.
+        while process.poll() is None:
+            tap.send(ALL[0])
+            time.sleep(0.05)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 0
+    assert select.select([tap.master], [], [], 0)[0] == []
+
+
+def test_progress_on_a_terminal(tap: Tap, tmp_path: Path) -> None:
+    master, slave = pty.openpty()
+    tap.process = subprocess.Popen(
+        [sys.executable, "-m", "sistap", "capture", "-i", tap.port, "-w", str(tmp_path / "x")], stderr=slave
+    )
+    os.close(slave)
+    said = b""
+    while b"longest interval" not in said:
+        said += os.read(master, 4096)
+    tap.process.send_signal(signal.SIGINT)
+    while b"written to" not in said:
+        said += os.read(master, 4096)
+    assert b"\r\x1b[K0 characters, 0 telegrams, 0 errors" in said
+    assert tap.process.wait(DEADLINE_S) == 0
+    os.close(master)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["capture", "--help"]])
+def test_help_into_a_pipe_that_closes(arguments: list[str]) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sistap", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert process.stdout
+    process.stdout.close()
+    process.stdout = None
+    _, err = process.communicate(timeout=DEADLINE_S)
+    assert err == b""

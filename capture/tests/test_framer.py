@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The framer cuts by content, loses nothing, and does not care how the characters were read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import accumulate
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from specification import TELEGRAMS
+
+from sistap import telegram
+from sistap.framer import RUN_LIMIT, SILENCE_NS, Framer, SilenceFramer, SisFramer
+from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.record import INTERVAL_MAX, Framing, Record, Type
+
+SETTINGS = LineSettings(115200)
+START_NS = 1_700_000_000_000_000_000
+GOOD = TELEGRAMS["6-24"]
+DAMAGED = GOOD[:-1] + b"\xfe"
+OTHER, FRAME, BAD = "other", "frame", "bad"
+
+
+def reads(*pieces: bytes, gap_ns: int = 100_000) -> list[Read]:
+    return [Read(0, START_NS + i * gap_ns, piece, bytes(len(piece)), 1000) for i, piece in enumerate(pieces)]
+
+
+def one_by_one(data: bytes, gap_ns: int = 100_000) -> list[Read]:
+    return reads(*(bytes([c]) for c in data), gap_ns=gap_ns)
+
+
+def feed(framer: Framer, what: Iterable[Read]) -> list[Record]:
+    return [record for read in what for record in framer.feed(read)]
+
+
+def frame(*what: Read) -> list[Record]:
+    framer = SisFramer(0, SETTINGS)
+    return feed(framer, what) + framer.flush()
+
+
+def kind(record: Record) -> str:
+    return OTHER if record.type == Type.OTHER else BAD if record.checksum_bad else FRAME
+
+
+def kinds(records: list[Record]) -> list[tuple[str, bytes]]:
+    return [(kind(record), record.data) for record in records]
+
+
+def cut(data: bytes) -> list[tuple[str, bytes]]:
+    return kinds(frame(*one_by_one(data)))
+
+
+# -- The rules, said again as simply as they can be: over characters that end with silence ---------------------------
+
+
+def complete_at(data: bytes, at: int) -> int:
+    """Where a telegram with equal lengths that starts here ends; 0 if there is none or it is cut."""
+    if at + 4 > len(data) or data[at] != 0x02 or data[at + 2] != data[at + 3]:
+        return 0
+    end = at + 8 + data[at + 3]
+    return end if end <= len(data) else 0
+
+
+def expected(data: bytes) -> list[tuple[str, bytes]]:
+    good: list[tuple[int, int]] = []
+    at = 0
+    while at < len(data):
+        end = complete_at(data, at)
+        if end and sum(data[at:end]) % 256 == 0:
+            good.append((at, end))
+            at = end
+        else:
+            at += 1
+    spans = [(start, end, FRAME) for start, end in good]
+    for at in range(len(data)):
+        end = complete_at(data, at)
+        overlaps = any(at < other_end and start < end for start, other_end, _ in spans)
+        if end and not overlaps:
+            spans.append((at, end, BAD))
+    result, done = [], 0
+    for start, end, name in [*sorted(spans), (len(data), len(data), "")]:
+        for run in range(done, start, RUN_LIMIT):
+            result.append((OTHER, data[run : min(run + RUN_LIMIT, start)]))
+        if name:
+            result.append((name, data[start:end]))
+        done = end
+    return result
+
+
+TELEGRAM = st.builds(
+    telegram.build,
+    st.integers(0, 255),
+    st.integers(0, 127),
+    st.integers(0, 255),
+    st.binary(max_size=12) | st.just(b"\x02" * 9) | st.just(GOOD),
+    reaction=st.booleans(),
+    subaddresses=st.binary(max_size=7),
+    number=st.none() | st.integers(0, 255),
+)
+SPOILED = st.builds(
+    lambda t, at, c: t[: at % len(t)] + bytes([c]) + t[at % len(t) + 1 :], TELEGRAM, st.integers(0), st.integers(0, 255)
+)
+# Characters that make many plausible beginnings are as frequent as whole telegrams.
+STREAM = st.lists(
+    TELEGRAM
+    | SPOILED
+    | st.binary(max_size=8)
+    | st.lists(st.sampled_from(b"\x02\x00\x01\x03\xff"), max_size=30).map(bytes),
+    max_size=8,
+).map(b"".join)
+
+
+@st.composite
+def read_lists(draw: st.DrawFn, longest_gap_ns: int) -> list[Read]:
+    """Any characters in any reads with any errors and pauses."""
+    data = draw(STREAM)
+    result, time_ns, at = [], START_NS, 0
+    while at < len(data):
+        count = draw(st.integers(1, 20))
+        piece = data[at : at + count]
+        flags = bytes(
+            draw(st.lists(st.sampled_from([0, 0, 0, 2, 4, 8, 16, 30]), min_size=len(piece), max_size=len(piece)))
+        )
+        time_ns += draw(st.integers(0, longest_gap_ns))
+        result.append(Read(0, time_ns, piece, flags, draw(st.sampled_from([0, 1000, UNCERTAINTY_UNKNOWN]))))
+        at += count
+    return result
+
+
+# -- Properties -----------------------------------------------------------------------------------------------------
+
+
+@given(read_lists(3 * SILENCE_NS))
+def test_nothing_is_lost_or_invented(what: list[Read]) -> None:
+    records = frame(*what)
+    assert b"".join(record.data for record in records) == b"".join(read.data for read in what)
+    made = Flag.SAME_READ | Flag.INTERVAL_UNKNOWN | Flag.INTERVAL_SATURATED
+    flags = b"".join(record.flags for record in records)
+    assert bytes(flag & ~made for flag in flags) == b"".join(read.flags for read in what)
+    same = [bool(flag & Flag.SAME_READ) for flag in flags]
+    assert same == [i > 0 for read in what for i in range(len(read.data))]
+
+
+@given(read_lists(3 * SILENCE_NS))
+def test_intervals_sum_up_to_the_times(what: list[Read]) -> None:
+    times = [read.time_ns for read in what for _ in read.data]
+    records = frame(*what)
+    intervals = [interval for record in records for interval in record.intervals]
+    assert list(accumulate(intervals)) == [time_ns - times[0] for time_ns in times]
+    at = 0
+    for record in records:
+        assert record.time_ns == times[at]
+        at += len(record.data)
+
+
+@given(read_lists(3 * SILENCE_NS))
+def test_a_record_is_as_uncertain_as_its_worst_read(what: list[Read]) -> None:
+    uncertainties = [read.uncertainty_ns for read in what for _ in read.data]
+    at = 0
+    for record in frame(*what):
+        assert record.uncertainty_ns == max(uncertainties[at : at + len(record.data)])
+        at += len(record.data)
+
+
+@given(read_lists(SILENCE_NS // 2))
+@example(reads(b"\x02" * 40, gap_ns=0))
+@example(reads(DAMAGED[:9] + b"\x02\x00\x00" + GOOD, gap_ns=0))
+def test_it_cuts_by_content_however_it_was_read(what: list[Read]) -> None:
+    assert kinds(frame(*what)) == expected(b"".join(read.data for read in what))
+
+
+@given(st.lists(TELEGRAM, min_size=1, max_size=6))
+def test_telegrams_back_to_back_are_all_found(telegrams: list[bytes]) -> None:
+    framer = SisFramer(0, SETTINGS)
+    assert kinds(feed(framer, one_by_one(b"".join(telegrams)))) == [(FRAME, data) for data in telegrams]
+
+
+@given(STREAM, TELEGRAM)
+def test_a_telegram_is_found_after_silence(before: bytes, good: bytes) -> None:
+    framer = SisFramer(0, SETTINGS)
+    feed(framer, one_by_one(before))
+    after = one_by_one(good)
+    later = [read._replace(time_ns=read.time_ns + len(before) * 100_000 + SILENCE_NS) for read in after]
+    assert kinds(feed(framer, later))[-1] == (FRAME, good)
+
+
+@given(st.binary(max_size=60).filter(lambda data: 0x02 not in data), TELEGRAM)
+def test_a_telegram_is_found_after_garbage_without_a_start(garbage: bytes, good: bytes) -> None:
+    framer = SisFramer(0, SETTINGS)
+    before = [(OTHER, garbage)] if garbage else []
+    assert kinds(feed(framer, one_by_one(garbage + good))) == [*before, (FRAME, good)]
+
+
+# -- Cases worth a name ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("figure", TELEGRAMS)
+def test_telegrams_of_the_specification(figure: str) -> None:
+    framer = SisFramer(0, SETTINGS)
+    what = one_by_one(TELEGRAMS[figure])
+    assert feed(framer, what[:-1]) == []
+    (record,) = framer.feed(what[-1])
+    assert (kind(record), record.data) == (FRAME, TELEGRAMS[figure])
+    assert (record.framing, record.line, record.settings) == (Framing.SIS, 0, SETTINGS)
+
+
+def test_a_wrong_checksum_alone_is_still_a_telegram() -> None:
+    framer = SisFramer(0, SETTINGS)
+    # Decided with its last character: no start is inside it.
+    assert kinds(feed(framer, one_by_one(DAMAGED))) == [(BAD, DAMAGED)]
+    assert kinds(feed(framer, one_by_one(GOOD))) == [(FRAME, GOOD)]
+
+
+def test_a_good_telegram_inside_a_damaged_one_wins() -> None:
+    shell = bytes([0x02, 0x00, 0x10, 0x10, 0, 0, 0, 0])
+    assert cut(shell + GOOD + bytes(6)) == [(OTHER, shell), (FRAME, GOOD), (OTHER, bytes(6))]
+
+
+def test_a_lost_character_costs_one_telegram() -> None:
+    short = GOOD[:6] + GOOD[7:]
+    assert cut(short + GOOD) == [(OTHER, short), (FRAME, GOOD)]
+
+
+def test_different_lengths_are_no_telegram() -> None:
+    wrong = GOOD[:2] + b"\x03" + GOOD[3:]
+    assert cut(wrong + GOOD) == [(OTHER, wrong), (FRAME, GOOD)]
+
+
+def test_what_may_become_a_telegram_holds_back_what_follows() -> None:
+    framer = SisFramer(0, SETTINGS)
+    beginning = b"\x02\x00\xff\xff"
+    assert feed(framer, one_by_one(beginning + GOOD)) == []
+    assert framer.idle(SILENCE_NS - 1) == []
+    assert kinds(framer.idle(SILENCE_NS)) == [(OTHER, beginning), (FRAME, GOOD)]
+    assert framer.idle(SILENCE_NS) == []
+
+
+def test_a_pause_below_a_second_cuts_nothing() -> None:
+    early, late = reads(GOOD[:5], GOOD[5:], gap_ns=SILENCE_NS - 1)
+    assert kinds(frame(early, late)) == [(FRAME, GOOD)]
+    # Of the five characters of the second read the first came four character times before the last.
+    gap_ns = SILENCE_NS + 4 * SETTINGS.character_ns
+    assert kinds(frame(early, late._replace(time_ns=START_NS + gap_ns - 1))) == [(FRAME, GOOD)]
+    assert kinds(frame(early, late._replace(time_ns=START_NS + gap_ns))) == [(OTHER, GOOD[:5]), (OTHER, GOOD[5:])]
+
+
+def test_other_characters_are_one_record_until_a_frame_a_pause_or_the_limit() -> None:
+    framer = SisFramer(0, SETTINGS)
+    text = b"CCD: Com. error\r\n" * 300
+    records = feed(framer, one_by_one(text))
+    assert kinds(records) == [(OTHER, text[:RUN_LIMIT])]
+    assert kinds(framer.idle(SILENCE_NS)) == [(OTHER, text[RUN_LIMIT:])]
+
+
+def test_the_first_interval_is_unknown_and_a_long_one_saturated() -> None:
+    pause_ns = INTERVAL_MAX + 1
+    first, second, third = frame(
+        Read(1, START_NS, b"a", b"\0"),
+        Read(1, START_NS + pause_ns, b"bc", b"\0\0"),
+        Read(1, START_NS + 2 * pause_ns - 1, b"d", b"\0"),
+    )
+    assert (list(first.intervals), first.flags) == ([0], bytes([Flag.INTERVAL_UNKNOWN]))
+    assert (list(second.intervals), second.flags) == (
+        [INTERVAL_MAX, 0],
+        bytes([Flag.INTERVAL_SATURATED, Flag.SAME_READ]),
+    )
+    assert (list(third.intervals), third.flags) == ([INTERVAL_MAX], b"\0")
+    assert third.time_ns == START_NS + 2 * pause_ns - 1
+
+
+def test_a_clock_that_goes_back_does_no_harm() -> None:
+    (record,) = frame(Read(0, START_NS, GOOD[:5], bytes(5)), Read(0, START_NS - 1, GOOD[5:], bytes(5)))
+    assert (record.time_ns, sum(record.intervals)) == (START_NS, 0)
+
+
+def test_a_read_without_characters_is_nothing() -> None:
+    assert frame(Read(0, START_NS, b"", b"")) == []
+
+
+@pytest.mark.parametrize(
+    "pattern", [b"\x02", b"\xff", b"\x02\xff\xff", b"\x02\x02\xff\xff", b"\x02\x01" + b"\xff" * 2 + b"\x02" * 250]
+)
+def test_hostile_input_stays_cheap(pattern: bytes) -> None:
+    """Counted, not timed: no start is judged twice, and none costs more than the longest telegram."""
+    data = pattern * (20_000 // len(pattern))
+    judged = 0
+
+    class Counting(SisFramer):
+        def _judge(self, records: list[Record], start: int, end: int) -> None:
+            nonlocal judged
+            judged += 1
+            super()._judge(records, start, end)
+
+    framer = Counting(0, SETTINGS)
+    records = feed(framer, reads(*(data[i : i + 64] for i in range(0, len(data), 64)))) + framer.flush()
+    assert b"".join(record.data for record in records) == data
+    assert judged <= data.count(0x02)
+
+
+# -- By silence -----------------------------------------------------------------------------------------------------
+
+
+def test_silence_cuts_frames_of_another_protocol() -> None:
+    framer = SilenceFramer(2, SETTINGS, 5_000_000)
+    pieces = [Read(2, START_NS + ms * 1_000_000, b"ab", b"\0\0") for ms in (0, 4, 10, 30)]
+    records = feed(framer, pieces)
+    assert kinds(records) == [(FRAME, b"abab"), (FRAME, b"ab")]
+    assert kinds(framer.idle(5_000_000)) == [(FRAME, b"ab")]
+    assert {record.framing for record in records} == {Framing.SILENCE}
+
+
+@given(read_lists(SILENCE_NS))
+def test_silence_loses_nothing(what: list[Read]) -> None:
+    framer = SilenceFramer(0, SETTINGS, 20_000_000)
+    records = feed(framer, what) + framer.flush()
+    assert b"".join(record.data for record in records) == b"".join(read.data for read in what)
+
+
+def test_a_frame_without_silence_is_cut_at_the_limit() -> None:
+    framer = SilenceFramer(0, SETTINGS, 5_000_000)
+    records = feed(framer, reads(*[bytes(1000)] * 9)) + framer.flush()
+    assert [len(record.data) for record in records] == [RUN_LIMIT, RUN_LIMIT, 9000 - 2 * RUN_LIMIT]

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""First aid: the right hint, once, and none where all is well."""
+
+from __future__ import annotations
+
+import pytest
+from specification import TELEGRAMS
+
+from sistap.counters import Counters
+from sistap.framer import SisFramer
+from sistap.hints import Hints
+from sistap.line import Flag, LineSettings, Read
+from sistap.record import Framing
+
+E81 = LineSettings(9600)
+N81 = LineSettings(9600, parity="N")
+
+
+def seen(data: bytes, flag: int = 0) -> Counters:
+    counters = Counters()
+    read = Read(0, 0, data, bytes([flag]) * len(data))
+    counters.add_read(read)
+    framer = SisFramer(0, E81)
+    for record in framer.feed(read) + framer.flush():
+        counters.add_record(record)
+    return counters
+
+
+def hints(
+    counters: Counters, settings: LineSettings = E81, elapsed_s: float = 1, framing: Framing = Framing.SIS
+) -> list[str]:
+    return list(Hints(settings, framing).look(counters, elapsed_s))
+
+
+def test_nothing_received() -> None:
+    assert hints(seen(b""), elapsed_s=4.9) == []
+    (hint,) = hints(seen(b""), elapsed_s=5)
+    assert "nothing received for 5 s" in hint and "wiring" in hint and "--baud" in hint
+
+
+def test_silence_after_the_first_character_is_no_trouble() -> None:
+    assert hints(seen(TELEGRAMS["6-24"]), elapsed_s=60) == []
+
+
+@pytest.mark.parametrize(("flag", "settings"), [(Flag.BREAK, E81), (Flag.BREAK, N81), (Flag.CHARACTER_ERROR, N81)])
+def test_only_breaks_or_framing_errors(flag: Flag, settings: LineSettings) -> None:
+    (hint,) = hints(seen(bytes(20), flag), settings)
+    assert "A and B" in hint and "--baud" in hint
+
+
+def test_every_character_a_parity_error() -> None:
+    assert hints(seen(b"x" * 19, Flag.CHARACTER_ERROR)) == []
+    (hint,) = hints(seen(b"x" * 20, Flag.CHARACTER_ERROR))
+    assert "--format 8N1" in hint
+    one_good = seen(b"x" * 20, Flag.CHARACTER_ERROR)
+    one_good.add_read(Read(0, 0, b"x", b"\0"))
+    assert hints(one_good) == []
+
+
+def test_plenty_of_characters_and_no_telegram() -> None:
+    assert hints(seen(b"x" * 499)) == []
+    (hint,) = hints(seen(b"x" * 500))
+    assert "no valid telegram" in hint and "--baud" in hint
+    assert hints(seen(b"x" * 500 + TELEGRAMS["6-24"])) == []
+    assert hints(seen(b"x" * 500), framing=Framing.SILENCE) == []
+
+
+def test_each_is_given_once() -> None:
+    giver = Hints(E81, Framing.SIS)
+    assert len(list(giver.look(seen(b""), 5))) == 1
+    assert list(giver.look(seen(b""), 6)) == []
+    assert len(list(giver.look(seen(b"x" * 500), 7))) == 1

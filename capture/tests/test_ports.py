@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is behind a port, read from a sysfs that the test builds, and the table of ports."""
+
+import argparse
+import os
+import pty
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from serial.tools import list_ports
+from serial.tools.list_ports_common import ListPortInfo
+
+from sistap import ports
+
+
+def put(file: Path, text: str) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text + "\n")
+
+
+def link(place: Path, target: Path) -> None:
+    target.mkdir(parents=True, exist_ok=True)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.symlink_to(target)
+
+
+@pytest.fixture
+def sysfs(tmp_path: Path) -> Path:
+    """An FTDI adapter as ttyUSB0, a CDC ACM one as ttyACM0, a UART as ttyS0, no hardware as ttyS1 (Linux 6.5 on)."""
+    usb = tmp_path / "devices/usb1/1-1"
+    put(usb / "product", "FT232R USB UART")
+    link(usb / "1-1:1.0/ttyUSB0/driver", tmp_path / "bus/usb-serial/drivers/ftdi_sio")
+    link(usb / "1-1:1.0/driver", tmp_path / "bus/usb/drivers/ftdi_sio_interface")
+    link(tmp_path / "class/tty/ttyUSB0/device", usb / "1-1:1.0/ttyUSB0")
+    put(usb / "1-1:1.0/ttyUSB0/latency_timer", "16")
+    link(tmp_path / "bus/usb-serial/devices/ttyUSB0", usb / "1-1:1.0/ttyUSB0")
+
+    acm = tmp_path / "devices/usb1/1-2"
+    put(acm / "product", "USB-RS485 Cable")
+    link(acm / "1-2:1.0/driver", tmp_path / "bus/usb/drivers/cdc_acm")
+    link(tmp_path / "class/tty/ttyACM0/device", acm / "1-2:1.0")
+
+    pnp = tmp_path / "devices/pnp0/00:01"
+    link(pnp / "driver", tmp_path / "bus/pnp/drivers/serial")
+    link(pnp / "00:01:0/driver", tmp_path / "bus/serial-base/drivers/ctrl")
+    link(pnp / "00:01:0/00:01:0.0/driver", tmp_path / "bus/serial-base/drivers/port")
+    link(tmp_path / "class/tty/ttyS0/device", pnp / "00:01:0/00:01:0.0")
+    put(tmp_path / "class/tty/ttyS0/type", "4")
+    put(tmp_path / "class/tty/ttyS0/rx_trig_bytes", "8")
+
+    put(tmp_path / "class/tty/ttyS1/type", "0")
+    return tmp_path
+
+
+def test_adapters(sysfs: Path) -> None:
+    ftdi = ports.adapter("/dev/ttyUSB0", sysfs)
+    assert ftdi == ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=16)
+    assert str(ftdi) == "FT232R USB UART (ftdi_sio, latency timer 16 ms)"
+    assert str(ports.adapter("/dev/ttyACM0", sysfs)) == "USB-RS485 Cable (cdc_acm)"
+    uart = ports.adapter("/dev/ttyS0", sysfs)
+    assert uart == ports.Adapter("16550A UART", "serial", fifo_trigger=8)
+    assert str(uart) == "16550A UART (serial, FIFO trigger 8)"
+    assert str(ports.adapter("/dev/ttyNONE0", sysfs)) == "unknown adapter"
+
+
+def test_adapter_behind_a_link(sysfs: Path, tmp_path: Path) -> None:
+    by_id = tmp_path / "usb-FTDI-if00"
+    by_id.symlink_to("/dev/ttyUSB0")
+    assert ports.adapter(str(by_id), sysfs).driver == "ftdi_sio"
+
+
+def test_pseudo_terminal(sysfs: Path, tmp_path: Path) -> None:
+    master, slave = pty.openpty()
+    by_name = tmp_path / "link-to-pty"
+    by_name.symlink_to(os.ttyname(slave))
+    for port in (os.ttyname(slave), str(by_name)):
+        assert str(ports.adapter(port, sysfs)) == "pseudo terminal"
+        assert ports.adapter(port, sysfs).pseudo_terminal
+    os.close(master)
+    os.close(slave)
+
+
+def show(monkeypatch: pytest.MonkeyPatch, sysfs: Path, names: list[str]) -> int:
+    monkeypatch.setattr(list_ports, "comports", lambda: [ListPortInfo(f"/dev/{name}") for name in names])
+    monkeypatch.setattr(ports.found, "__defaults__", (sysfs,))
+    parser = argparse.ArgumentParser()
+    ports.add_arguments(parser)
+    return ports.run(parser.parse_args([]))
+
+
+def test_table(monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert show(monkeypatch, sysfs, ["ttyUSB0", "ttyS1", "ttyS0", "ttyACM0"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "port          adapter          driver    latency",
+        "/dev/ttyACM0  USB-RS485 Cable  cdc_acm   -",
+        "/dev/ttyS0    16550A UART      serial    FIFO trigger 8",
+        "/dev/ttyUSB0  FT232R USB UART  ftdi_sio  latency timer 16 ms",
+    ]
+
+
+def test_no_ports(monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert show(monkeypatch, sysfs, ["ttyS1"]) == 0
+    out = capsys.readouterr().out
+    assert len(out.splitlines()) == 1
+    assert out.startswith("no serial port found: ")
+
+
+def test_where_there_is_no_sysfs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    info = SimpleNamespace(device="COM3", description="USB Serial Port (COM3)")
+    monkeypatch.setattr(list_ports, "comports", lambda: [info])
+    assert ports.found(tmp_path) == [("COM3", ports.Adapter("USB Serial Port (COM3)"))]

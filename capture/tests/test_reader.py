@@ -1,0 +1,669 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The readers: what comes out is what arrived, with errors at their characters and times that are bounds."""
+
+import errno
+import fcntl
+import os
+import pty
+import queue
+import select
+import socket
+import struct
+import termios
+import threading
+import time
+import tty
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import serial
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sistap import ports, reader, wire
+from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.reader import MarkDecoder, PortError, PortLost, Reader, open_reader
+
+SETTINGS = LineSettings(115200)
+LATENCY = 300_000  # as if measured, ns
+PATIENCE_S = 10  # never waited for unless something is broken
+
+
+@pytest.fixture(autouse=True)
+def measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reader, "measured_latency_ns", lambda: LATENCY)
+
+
+class Pty:
+    """A pseudo terminal: the test is the bus at its master side."""
+
+    def __init__(self) -> None:
+        self.master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        self.port = os.ttyname(self._slave)
+
+    def write(self, data: bytes) -> None:
+        assert os.write(self.master, data) == len(data)
+
+    def hang_up(self) -> None:
+        for descriptor in (self.master, self._slave):
+            if descriptor >= 0:
+                os.close(descriptor)
+        self.master = self._slave = -1
+
+
+@pytest.fixture
+def bus() -> Iterator[Pty]:
+    terminal = Pty()
+    yield terminal
+    terminal.hang_up()
+
+
+def collect(source: Reader, count: int) -> list[Read]:
+    """Read until that many characters have come."""
+    reads: list[Read] = []
+    end = time.monotonic() + PATIENCE_S
+    while sum(len(read.data) for read in reads) < count and time.monotonic() < end:
+        if read := source.read(0.1):
+            assert len(read.flags) == len(read.data)
+            reads.append(read)
+    return reads
+
+
+def joined(reads: list[Read]) -> bytes:
+    return b"".join(read.data for read in reads)
+
+
+# -- The marks of PARMRK, termios(3) ----------------------------------------------------------------------------------
+
+OK, BAD, BREAK = 0, int(Flag.CHARACTER_ERROR), int(Flag.BREAK)
+
+characters = st.one_of(
+    st.tuples(st.integers(0, 255), st.just(OK)),
+    st.just((0xFF, OK)),
+    st.tuples(st.integers(1, 255), st.just(BAD)),  # a damaged 00 cannot be told from a break
+    st.just((0xFF, BAD)),
+    st.just((0, BREAK)),
+)
+
+
+def marked(value: int, flag: int) -> bytes:
+    """What a terminal with PARMRK delivers for one character."""
+    if flag:
+        return bytes([0xFF, 0x00, value])
+    return b"\xff\xff" if value == 0xFF else bytes([value])
+
+
+@given(st.lists(characters), st.lists(st.integers(0, 200)))
+def test_marks_decode_the_same_wherever_reads_cut_them(line: list[tuple[int, int]], cuts: list[int]) -> None:
+    stream = b"".join(marked(value, flag) for value, flag in line)
+    places = sorted({0, len(stream), *(cut for cut in cuts if cut < len(stream))})
+    decoder = MarkDecoder()
+    values, flags = b"", b""
+    for start, end in zip(places, places[1:], strict=False):
+        more_values, more_flags = decoder.feed(stream[start:end])
+        assert len(more_values) == len(more_flags)
+        values += more_values
+        flags += more_flags
+    assert list(zip(values, flags, strict=True)) == line
+    assert decoder.pending == b""
+
+
+def test_ff_that_no_terminal_sends_is_kept() -> None:
+    assert MarkDecoder().feed(b"\xffA\xff\xff") == (b"\xffA\xff", b"\0\0\0")
+
+
+# -- Through a pseudo terminal ----------------------------------------------------------------------------------------
+
+
+def test_every_value_at_once_and_one_by_one(bus: Pty) -> None:
+    everything = bytes(range(256))
+    source = open_reader(bus.port, SETTINGS)
+    bus.write(everything)
+    assert joined(collect(source, 256)) == everything
+    for value in everything:
+        bus.write(bytes([value]))
+        (read,) = collect(source, 1)
+        assert read.data == bytes([value])
+    source.close()
+
+
+def test_what_is_written_before_is_not_delivered_and_nothing_is_echoed(bus: Pty) -> None:
+    bus.write(b"old")
+    source = open_reader(bus.port, SETTINGS)
+    bus.write(b"new\xff\r\n\x03\x11")
+    assert joined(collect(source, 8)) == b"new\xff\r\n\x03\x11"
+    os.set_blocking(bus.master, False)
+    with pytest.raises(BlockingIOError):
+        os.read(bus.master, 100)
+    source.close()
+
+
+def test_marks_from_the_terminal_keep_their_values_when_data_is_more_than_one_read(bus: Pty) -> None:
+    # Doubled FF fill the buffer of the line discipline (4096) at an odd place, so that a read cuts a mark.
+    data = b"A" + b"\xff" * 6000
+    source = open_reader(bus.port, SETTINGS)
+    writer = threading.Thread(target=bus.write, args=(data,))
+    writer.start()
+    reads = collect(source, len(data))
+    writer.join()
+    assert joined(reads) == data
+    assert not any(any(read.flags) for read in reads)
+    source.close()
+
+
+def test_time_is_that_of_the_wall_clock_and_bounded(bus: Pty) -> None:
+    source = open_reader(bus.port, SETTINGS, line=2)
+    before = time.time_ns()
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    after = time.time_ns()
+    assert before - 2_000_000 <= read.time_ns <= after + 2_000_000  # the clock may be slewing
+    assert read.line == 2
+    source.close()
+
+
+def test_nothing_came(bus: Pty) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    assert source.read(0) is None
+    source.close()
+
+
+def test_descriptions(bus: Pty) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    assert source.name == bus.port
+    assert source.adapter == "pseudo terminal"
+    assert source.timing == "uncertainty 0.30 ms, measured when the capture started"
+    assert source.settings == SETTINGS  # 8E1, although a pty is 8N1
+    source.close()
+
+
+def test_a_pty_that_was_set_up_with_parity_before(bus: Pty) -> None:
+    serial.Serial(bus.port, 9600, parity="E").close()
+    with pytest.raises(termios.error):  # Linux strips PARENB: asked for nothing else, libc says EINVAL
+        serial.Serial(bus.port, 9600, parity="E")
+    source = open_reader(bus.port, LineSettings(9600, 8, "E", 2))
+    assert source.settings.format == "8E1"
+    source.close()
+
+
+def test_format_of_a_real_port(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("CP2102", "cp210x"))
+    asked: list[list[int]] = []
+    real = termios.tcsetattr
+
+    def tcsetattr(fd: int, when: int, attributes: list[int]) -> None:
+        asked.append(attributes)
+        real(fd, when, attributes)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(termios, "tcsetattr", tcsetattr)
+    open_reader(bus.port, LineSettings(9600, 7, "O", 4)).close()
+    control = asked[0][2]
+    assert control & termios.CSIZE == termios.CS7
+    assert control & termios.PARENB
+    assert control & termios.PARODD
+    assert control & termios.CSTOPB
+    assert not control & termios.CRTSCTS
+    assert not asked[-1][0] & (termios.IXON | termios.IXOFF | termios.IGNPAR | termios.IGNBRK | termios.BRKINT)
+    assert asked[-1][0] & termios.INPCK
+
+
+def test_characters_that_another_program_took_are_no_loss_of_the_port(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)])  # there was something
+    assert source.read(PATIENCE_S) is None
+    source.close()
+
+
+class SteppedTime:
+    """Instead of the monotonic clock: as late as the test says."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = time.monotonic_ns()
+        monkeypatch.setattr(reader, "monotonic_ns", lambda: self.now)
+
+
+def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    bus.write(b"A")
+    collect(source, 1)
+    bus.write(b"B")
+    wait_until_readable(bus.port)
+    clock.now += 7_000_000  # 7 ms since the last read: B may have come at any moment of them
+    (read,) = collect(source, 1)
+    assert read.data == b"B"
+    assert read.uncertainty_ns == LATENCY + 7_000_000
+    clock.now += 5_000_000_000
+    bus.write(b"C")
+    wait_until_readable(bus.port)
+    (read,) = collect(source, 1)
+    assert read.uncertainty_ns == UNCERTAINTY_UNKNOWN  # more than 32 bits of ns
+    source.close()
+
+
+def test_a_reader_that_waited_is_not_late(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    asked = threading.Event()
+    assert isinstance(source, reader.PosixReader)
+    poll = source._poll
+
+    def announced(timeout_ms: float) -> list[tuple[int, int]]:
+        answer = poll(0)
+        if timeout_ms and not answer:
+            asked.set()  # nothing was there; now let it come
+            answer = poll(timeout_ms)
+        return answer
+
+    monkeypatch.setattr(source, "_poll", announced)
+
+    def answer_when_asked() -> None:
+        asked.wait(PATIENCE_S)
+        bus.write(b"A")
+
+    writer = threading.Thread(target=answer_when_asked)
+    writer.start()
+    read = source.read(PATIENCE_S)
+    writer.join()
+    assert read is not None
+    assert (read.data, read.uncertainty_ns) == (b"A", LATENCY)
+    source.close()
+
+
+def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    pieces = iter([b"\xff", b"\xff"])
+    monkeypatch.setattr(os, "read", lambda fd, size: next(pieces))
+    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)] if timeout_ms else [])  # in time
+    clock.now += 1_000
+    assert source.read(PATIENCE_S) is None
+    clock.now += 2_000
+    read = source.read(PATIENCE_S)
+    assert read is not None
+    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + 3_000)
+    monkeypatch.undo()
+    source.close()
+
+
+def test_what_a_full_read_left_behind_is_as_old_as_that_read(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    pieces = iter([bytes(reader.READ_SIZE), b"rest"])
+    monkeypatch.setattr(os, "read", lambda fd, size: next(pieces))
+    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)])
+    began = clock.now
+    for elapsed in (1_000, 3_000):  # since everything had been read, and the second time still since then
+        clock.now = began + elapsed
+        read = source.read(PATIENCE_S)
+        assert read is not None
+        assert read.uncertainty_ns == LATENCY + elapsed
+    monkeypatch.undo()
+    source.close()
+
+
+def wait_until_readable(port: str) -> None:
+    """Wait until the line discipline holds something, without taking it."""
+    descriptor = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    end = time.monotonic() + PATIENCE_S
+    while not struct.unpack("i", fcntl.ioctl(descriptor, termios.FIONREAD, bytes(4)))[0]:
+        assert time.monotonic() < end
+    os.close(descriptor)
+
+
+def test_hang_up(bus: Pty) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    bus.hang_up()
+    with pytest.raises(PortLost, match="other end has ended: start it"):
+        source.read(PATIENCE_S)
+    source.close()
+
+
+def test_what_was_readable_comes_before_the_loss(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    answers: Iterator[bytes | OSError] = iter([b"last words", OSError(errno.EIO, "Input/output error")])
+
+    def unplugged(fd: int, size: int) -> bytes:
+        answer = next(answers)
+        if isinstance(answer, OSError):
+            raise answer
+        return answer
+
+    bus.write(b"X")
+    monkeypatch.setattr(os, "read", unplugged)
+    assert joined(collect(source, 10)) == b"last words"
+    with pytest.raises(PortLost):
+        source.read(PATIENCE_S)
+    monkeypatch.undo()
+    source.close()
+
+
+# -- The driver's counters ---------------------------------------------------------------------------------------------
+
+
+class Counters:
+    """A driver that counts errors."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.words = [0] * 20
+        real = fcntl.ioctl
+
+        def ioctl(fd: int, request: int, *rest: object) -> object:
+            if request == termios.TIOCGICOUNT:
+                return struct.pack("20i", *self.words)
+            return real(fd, request, *rest)  # type: ignore[call-overload]
+
+        monkeypatch.setattr(fcntl, "ioctl", ioctl)
+
+
+# The words of struct serial_icounter_struct (Linux, include/uapi/linux/serial.h).
+FRAME, OVERRUN, PARITY, BRK, BUFFER_OVERRUN = range(6, 11)
+LOST, SOMEWHERE = int(Flag.LOST_BEFORE), int(Flag.UNLOCATED_ERROR)
+
+
+@pytest.mark.parametrize(
+    ("counter", "data", "flags"),
+    [
+        (OVERRUN, b"A", [LOST]),
+        (BUFFER_OVERRUN, b"A", [LOST]),
+        (OVERRUN, b"ABC", [LOST | SOMEWHERE, SOMEWHERE, SOMEWHERE]),
+        (PARITY, b"AB", [SOMEWHERE, SOMEWHERE]),
+        (FRAME, b"A", [SOMEWHERE]),
+        (BRK, b"A", [SOMEWHERE]),
+        (PARITY, b"A\xff\x00B", [0, BAD]),  # marked: it is known where
+        (4, b"A", [0]),  # rx: characters received
+    ],
+)
+def test_errors_that_the_driver_only_counts(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch, counter: int, data: bytes, flags: list[int]
+) -> None:
+    driver = Counters(monkeypatch)
+    driver.words[counter] = 41  # what happened before the capture does not count
+    source = open_reader(bus.port, SETTINGS)
+    driver.words[counter] += 1
+    bus.write(b"X")
+    monkeypatch.setattr(os, "read", lambda fd, size: data)
+    read = source.read(PATIENCE_S)
+    assert read is not None
+    assert list(read.flags) == flags
+    read = source.read(PATIENCE_S)  # X is still there; nothing was counted since
+    assert read is not None
+    assert list(read.flags) == [flag & BAD for flag in flags]
+    source.close()
+
+
+# -- How times are bounded ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("behind", "ns", "phrase"),
+    [
+        (
+            ports.Adapter("FT232R", "ftdi_sio", latency_ms=16),
+            16_300_000,
+            "uncertainty 16.30 ms: latency timer 16 ms and 0.30 ms, measured when the capture started",
+        ),
+        (  # 4 characters of 11 bits at 9600 Bd are 4.58 ms
+            ports.Adapter("16550A UART", "serial", fifo_trigger=8),
+            4 * 1_145_833 + LATENCY,
+            "uncertainty 4.88 ms: FIFO time-out 4 characters and 0.30 ms, measured when the capture started",
+        ),
+        (
+            ports.Adapter("16550A UART", "serial", fifo_trigger=1),
+            LATENCY,
+            "uncertainty 0.30 ms, measured when the capture started",
+        ),
+        (
+            ports.Adapter("CP2102", "cp210x"),
+            LATENCY,
+            "uncertainty 0.30 ms, measured when the capture started; what the adapter adds is not known",
+        ),
+    ],
+)
+def test_latency_of_adapters(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch, behind: ports.Adapter, ns: int, phrase: str
+) -> None:
+    monkeypatch.setattr(ports, "adapter", lambda port: behind._replace(pseudo_terminal=False))
+    source = open_reader(bus.port, LineSettings(9600))
+    assert source.timing == phrase
+    clock = SteppedTime(monkeypatch)
+    assert isinstance(source, reader.PosixReader)
+    source._emptied_ns = clock.now  # not late
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    assert read.uncertainty_ns == ns
+    source.close()
+
+
+def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    reader.measured_latency_ns.cache_clear()
+    measured = reader.measured_latency_ns()
+    assert 0 < measured < UNCERTAINTY_UNKNOWN
+    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+    assert reader.measured_latency_ns() == measured  # a property of the process, not of a port
+
+
+def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
+    waiting: queue.Queue[int] = queue.Queue()
+
+    class Poll:
+        def register(self, fd: int, events: int) -> None: ...
+
+        def poll(self, timeout: float) -> bool:
+            return True
+
+    class Ended:
+        def is_alive(self) -> bool:
+            return False
+
+    for now in (1_000, 5_500, 9_100):  # reads of the characters written at 900; 2000 and 4000; 9000
+        waiting.put(now)
+    counts = iter([b"1", b"22", b"1"])
+    monkeypatch.setattr(select, "poll", Poll)
+    monkeypatch.setattr(os, "read", lambda fd, size: next(counts))
+    monkeypatch.setattr(reader, "monotonic_ns", waiting.get_nowait)
+    assert reader._worst_delay(0, [900, 2_000, 4_000, 9_000], Ended()) == 3_500  # type: ignore[arg-type]
+
+
+# -- Ports that cannot be opened ---------------------------------------------------------------------------------------
+
+
+def refused(port: str, settings: LineSettings = SETTINGS) -> str:
+    with pytest.raises(PortError) as caught:
+        open_reader(port, settings)
+    text = str(caught.value)
+    assert "\n" not in text
+    return text
+
+
+def test_missing_port() -> None:
+    assert refused("/dev/ttyMISSING7") == "/dev/ttyMISSING7 does not exist: `sistap ports` lists the ports there are"
+
+
+def test_not_a_serial_port(tmp_path: Path) -> None:
+    file = tmp_path / "capture.pcapng"
+    file.touch()
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    for path in (file, fifo, tmp_path, Path("/dev/null")):
+        assert refused(str(path)) == f"{path} is not a serial port: `sistap ports` lists the ports there are"
+
+
+def test_busy(bus: Pty) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    text = refused(bus.port)
+    assert "is in use by another program" in text
+    assert "ModemManager" in text
+    assert f"`sudo fuser -v {bus.port}`" in text
+    source.close()
+
+
+def denied(monkeypatch: pytest.MonkeyPatch, bus: Pty, mode: int, gid: int) -> str:
+    Path(bus.port).chmod(mode)
+    os.chown(bus.port, -1, gid)
+
+    def deny(self: serial.Serial) -> None:
+        raise serial.SerialException(errno.EACCES, f"could not open port {self.port}: Permission denied")
+
+    monkeypatch.setattr(serial.Serial, "open", deny)
+    return refused(bus.port)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="gives the port to another group, which takes root")
+def test_no_permission(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    import grp  # noqa: PLC0415
+
+    dialout = grp.getgrnam("dialout").gr_gid
+    assert denied(monkeypatch, bus, 0o660, dialout) == (
+        f"no permission to open {bus.port}: it is for group dialout: "
+        "`sudo usermod -aG dialout $USER`, then log in again"
+    )
+    assert denied(monkeypatch, bus, 0o600, 0) == (
+        f"no permission to open {bus.port}: it belongs to root: run sistap as that user"
+    )
+
+
+def test_no_hardware(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    def dead(fd: int) -> None:
+        raise termios.error(errno.EIO, "Input/output error")  # a ttyS that has only its file in /dev
+
+    monkeypatch.setattr(termios, "tcgetattr", dead)
+    assert refused(bus.port).startswith(f"there is no working hardware behind {bus.port}: ")
+
+
+def test_unsupported_rates(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    cannot = "cannot do {} Bd 8E1: choose another --baud or --format"
+    assert refused(bus.port, LineSettings(3_000_000_000)).endswith(cannot.format(3_000_000_000))
+    assert "needs a rate" in refused(bus.port, LineSettings(0))
+
+    real = fcntl.ioctl
+
+    def quietly_9600(fd: int, request: int, *rest: object) -> object:
+        if request == 0x802C542A:  # TCGETS2; c_ospeed is the last of its eleven words
+            return struct.pack("11I", *[0] * 10, 9600)
+        return real(fd, request, *rest)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(fcntl, "ioctl", quietly_9600)
+    assert refused(bus.port, LineSettings(187_500)).endswith(cannot.format(187_500))
+    open_reader(bus.port, LineSettings(9600)).close()  # and the refused one let the port go
+
+
+def test_format_the_driver_refuses(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(fd: int, when: int, attributes: object) -> None:
+        raise termios.error(errno.EINVAL, "Invalid argument")
+
+    monkeypatch.setattr(termios, "tcsetattr", refuse)
+    assert refused(bus.port, LineSettings(9600, 5, "M", 3)).endswith(
+        "cannot do 9600 Bd 5M1.5: choose another --baud or --format"
+    )
+
+
+def test_a_rate_of_its_own_survives_the_marking_of_errors(bus: Pty) -> None:
+    source = open_reader(bus.port, LineSettings(187_500))
+    descriptor = os.open(bus.port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    assert struct.unpack("11I", fcntl.ioctl(descriptor, 0x802C542A, bytes(44)))[10] == 187_500
+    assert termios.tcgetattr(descriptor)[0] & termios.PARMRK
+    os.close(descriptor)
+    source.close()
+
+
+# -- URLs --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def server() -> Iterator[socket.socket]:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        yield listening
+
+
+def test_socket_url(server: socket.socket) -> None:
+    url = f"socket://127.0.0.1:{server.getsockname()[1]}"
+    source = open_reader(url, SETTINGS, line=1)
+    connection, _ = server.accept()
+    assert source.timing == "times are those of arrival at this program over socket://; no bound known"
+    assert source.adapter == url
+    everything = bytes(range(256))
+    connection.sendall(everything)
+    reads = collect(source, 256)
+    assert [read.data for read in reads] == [everything]  # came together, is one read
+    assert {read.uncertainty_ns for read in reads} == {UNCERTAINTY_UNKNOWN}
+    assert {read.line for read in reads} == {1}
+    assert source.read(0) is None
+    connection.sendall(b"last words")
+    connection.close()
+    assert joined(collect(source, 10)) == b"last words"
+    with pytest.raises(PortLost, match="is gone"):
+        source.read(PATIENCE_S)
+    source.close()
+
+
+def test_refused_connection(server: socket.socket) -> None:
+    number = server.getsockname()[1]
+    server.close()
+    for kind in ("socket", "rfc2217", "bus"):
+        url = f"{kind}://127.0.0.1:{number}"
+        assert refused(url) == f"nothing listens at {url}: start the other end first"
+
+
+@pytest.mark.parametrize(
+    "url", ["carrier://pigeon", "socket://", "socket://host", "socket://host:99999", "rfc2217://h"]
+)
+def test_wrong_url(url: str) -> None:
+    assert refused(url).startswith(f"{url} is not the URL of a port: it is written bus://HOST:PORT, ")
+
+
+# -- The virtual bus ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("url", ["bus://", "bus://host", "bus://host:0x7", "bus://host:99999"])
+def test_wrong_bus_address(url: str) -> None:
+    assert refused(url) == f"{url} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET"
+
+
+def test_no_bus_at_the_socket(tmp_path: Path) -> None:
+    assert refused(f"bus://{tmp_path}/bus").startswith("nothing listens at bus:///")
+
+
+@pytest.fixture
+def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
+    """A reader and the bus's end of its connection."""
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(tmp_path / "bus"))
+        listening.listen()
+        source = open_reader(f"bus://{tmp_path}/bus", LineSettings(19200, 7, "O", 4))
+        connection, _ = listening.accept()
+        connection.settimeout(PATIENCE_S)
+        with connection:
+            yield source, connection
+        source.close()
+
+
+def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
+    source, connection = tapped
+    said = connection.recv(wire.SETTINGS_SIZE, socket.MSG_WAITALL)
+    assert wire.unpack_settings(said) == LineSettings(19200, 7, "O", 4)
+    assert source.read(0) is None
+    sent = [
+        Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000),
+        Read(2, 1_700_000_000_223_456_789, b"A", b"\x18"),
+    ]
+    stream = b"".join(map(wire.pack_read, sent))
+    connection.sendall(stream[:20])
+    assert source.read(0) is None  # half a message is not delivered
+    connection.sendall(stream[20:])
+    assert [source.read(PATIENCE_S), source.read(PATIENCE_S)] == sent
+    connection.close()
+    with pytest.raises(PortLost, match="the bus has ended"):
+        source.read(PATIENCE_S)
+
+
+def test_not_a_wire(tapped: tuple[Reader, socket.socket]) -> None:
+    source, connection = tapped
+    connection.sendall(b"HTTP/1.1 400 Bad Request\r\n")
+    with pytest.raises(PortLost, match="is not a sistap bus"):
+        source.read(PATIENCE_S)

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The record's bytes are those of the layout, and come back as they were."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sistap.line import PARITIES, Flag, LineSettings
+from sistap.record import HEADER, INTERVAL_MAX, MAX_CHARACTERS, Event, Framing, Record, Type, event, unpack
+
+SETTINGS = LineSettings(19200)
+# Written down by hand from the layout: two characters, 19200 Bd 8E1, uncertainty 0.3 ms.
+BY_HAND = bytes.fromhex(
+    "01 14 00 02"  # version, header length 20, frame, line 2
+    "00 00 4B 00"  # 19200
+    "08 01 02 00"  # 8 data bits, even, 2 half stop bits, framing SIS
+    "00 04 93 E0"  # 300000 ns
+    "00 02 00 00"  # 2 characters, no event
+    "02 FE"
+    "00 00 00 00 00 08 BD 10"  # first: unknown; 572688 ns
+    "20 02"  # interval unknown; character error
+)
+RECORD = Record(
+    5,
+    Type.FRAME,
+    2,
+    LineSettings(19200),
+    b"\x02\xfe",
+    (0, 572_688),
+    bytes([Flag.INTERVAL_UNKNOWN, Flag.CHARACTER_ERROR]),
+    300_000,
+)
+
+SETTINGS_OF_LINES = st.builds(
+    LineSettings,
+    st.integers(0, 0xFFFFFFFF),
+    st.integers(5, 8),
+    st.sampled_from(PARITIES),
+    st.sampled_from([2, 3, 4]),
+)
+
+
+@st.composite
+def records(draw: st.DrawFn) -> Record:
+    data = draw(st.binary(max_size=300))
+    time_ns, line = draw(st.integers(0, 2**63)), draw(st.integers(0, 2))
+    settings = draw(SETTINGS_OF_LINES)
+    uncertainty_ns = draw(st.integers(0, 0xFFFFFFFF))
+    kind = draw(st.sampled_from(Type))
+    if kind == Type.EVENT:
+        return Record(time_ns, kind, line, settings, data, (), b"", uncertainty_ns, event=draw(st.sampled_from(Event)))
+    intervals = tuple(draw(st.lists(st.integers(0, INTERVAL_MAX), min_size=len(data), max_size=len(data))))
+    flags = draw(st.binary(min_size=len(data), max_size=len(data)))
+    return Record(time_ns, kind, line, settings, data, intervals, flags, uncertainty_ns, draw(st.sampled_from(Framing)))
+
+
+def test_the_layout() -> None:
+    assert RECORD.pack() == BY_HAND
+
+
+@given(records())
+def test_a_record_comes_back(record: Record) -> None:
+    assert unpack(record.pack(), record.time_ns) == record
+
+
+@given(records())
+def test_its_length_is_that_of_the_layout(record: Record) -> None:
+    per_character = 1 if record.type == Type.EVENT else 6
+    assert len(record.pack()) == 20 + per_character * len(record.data)
+
+
+def test_a_longer_header_of_a_later_version_is_skipped() -> None:
+    longer = BY_HAND[:1] + b"\x16" + BY_HAND[2:20] + b"\xaa\xbb" + BY_HAND[20:]
+    assert unpack(longer, 5) == RECORD
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        BY_HAND[:19],
+        b"\x02" + BY_HAND[1:],  # version
+        BY_HAND[:1] + b"\x13" + BY_HAND[2:],  # header shorter than the fields
+        BY_HAND[:-1],
+        BY_HAND + b"\0",
+        BY_HAND[:16] + b"\x00\x03" + BY_HAND[18:],  # count
+    ],
+)
+def test_what_does_not_fit_is_an_error(data: bytes) -> None:
+    with pytest.raises(ValueError):
+        unpack(data)
+
+
+def test_more_characters_than_the_count_holds_are_refused() -> None:
+    data = bytes(MAX_CHARACTERS + 1)
+    with pytest.raises(OverflowError):
+        Record(0, Type.OTHER, 0, SETTINGS, data, [0] * len(data), data).pack()
+
+
+def test_an_event_is_cut_between_characters() -> None:
+    record = event(0, 0, SETTINGS, Event.MARKER, "x" * (MAX_CHARACTERS - 1) + "ä")
+    assert record.data == b"x" * (MAX_CHARACTERS - 1)
+    assert HEADER.unpack_from(record.pack())[-1] == Event.MARKER

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Display filters people will type, and what they find."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sistap.tshark import Tshark
+
+HERE = Path(__file__).parent
+
+
+# The frame numbers are counted in the text beside the capture.
+@pytest.mark.parametrize(
+    ("capture", "display_filter", "frames"),
+    [
+        ("specification", "sis.talker == 3 && sis.control.reaction == 1", [6, 13]),
+        ("specification", "sis.station == 8", [3, 4]),
+        ("specification", "sis.subaddress == 8", [1, 2, 5, 6]),
+        ("specification", "sis.receiver == 255", [11]),
+        ("specification", "sis.service == 0x92", [14, 15]),
+        ("damaged", "sis.checksum.status == 0", [1]),
+        ("damaged", 'sis.checksum.status == "Unverified"', [2, 3]),
+        ("damaged", "sis.length.differ", [2]),
+        ("damaged", "sis.length.short", [3, 4, 5]),
+        ("damaged", "sis.length.long", [6]),
+        ("damaged", "sis.start.missing", [7]),
+        ("damaged", "sis.length.header", [8]),
+        ("damaged", "sis.reaction.unexpected", [9, 11]),
+        ("damaged", "sis.receiver.level_broadcast", [13]),
+        ("damaged", "sis.sender.service_master", [14]),
+        ("damaged", "sis.sender.invalid", [15]),
+        ("damaged", "sis.receiver.reserved", [17, 18]),
+        ("damaged", "sis.control.reserved.set", [19]),
+        ("damaged", "sis.control.warning == 1", [20]),
+        ("damaged", "sis.control.error == 1", [21]),
+        ("damaged", "sis.number == 5", [22, 23]),
+        ("damaged", "sis.service.reserved", [24]),
+        ("damaged", "sis.status.error", [26, 27]),
+        ("ecodrive03", "sis.reaction.unexpected", [3]),
+        ("ecodrive03", "sis.sender.service_master || sis.receiver.reserved", []),
+        (
+            "ecodrive03",
+            "sis.control.status > 0 && sis.control.reaction == 1",
+            [6, 7, 8, 9, 10],
+        ),
+        ("records", "sertap.error.character", [4]),
+        ("records", "sertap.error.unlocated", [5]),
+        ("records", "sertap.error.break", [6]),
+        ("records", "sertap.error.lost", [7]),
+        ("records", "sertap.same_read", [8]),
+        ("records", "sertap.interval.max > 0.004", [3]),
+        ("records", "sertap.event == 4", [16]),
+        ("records", 'sertap.text contains "POWER"', [2]),
+        ("records", "frame.packet_flags_crc_error == 1", [5]),
+        ("records", "frame.packet_flags_symbol_error == 1", [4, 6]),
+        ("records", "sertap.version.unknown", [17]),
+        ("records", "sertap.header_length.short", [18]),
+        ("records", "sertap.truncated", [19, 20, 21, 22, 28]),
+        ("records", "sertap.count.wrong", [23]),
+        ("tcp", "sis.service == 0x03", [1, 3, 4]),
+        ("tcp", "sis.service == 0x92", [5]),
+        ("tcp-foreign", "sis", []),
+        ("user0", "sis", [1, 2]),
+        ("rtac", "sis.control.reaction == 1", [2]),
+    ],
+)
+def test_filter(capture: str, display_filter: str, frames: list[int], tshark: Tshark) -> None:
+    options = {
+        "ecodrive03": ["-o", "sis.edition:ECODRIVE03"],
+        "user0": ["-o", "sis.dlt_user:user0"],
+        "rtac": ["-d", "rtacser.data,sis"],
+    }.get(capture, [])
+    path = str(HERE / f"{capture}.pcapng")
+    found = tshark.output("-r", path, *options, "-Y", display_filter, "-T", "fields", "-e", "frame.number")
+    assert [int(number) for number in found.split()] == frames
+
+
+def test_user_link_type_is_left_alone_until_asked(tshark: Tshark) -> None:
+    """Without the preference, and with another one set, USER0 stays with Wireshark's own table."""
+    path = str(HERE / "user0.pcapng")
+    for options in ([], ["-o", "sis.dlt_user:user1"]):
+        assert "SIS" not in tshark.output("-r", path, *options)
+
+
+def test_user_link_type_table_still_works(tshark: Tshark) -> None:
+    table = r'uat:user_dlts:"User 0 (DLT=147)","sis","0","","0",""'
+    assert "SIS" in tshark.output("-r", str(HERE / "user0.pcapng"), "-o", table)
+
+
+def test_tcp_heuristic_can_be_switched_off_and_decode_as_still_works(
+    tshark: Tshark,
+) -> None:
+    path = str(HERE / "tcp.pcapng")
+    off = ("-r", path, "-o", "sis.tcp_heuristic:FALSE")
+    assert "SIS" not in tshark.output(*off)
+    assert len(tshark.output(*off, "-d", "tcp.port==4200,sis", "-Y", "sis").splitlines()) == 6
+
+
+def test_framing_can_be_decoded_as(tshark: Tshark) -> None:
+    """Framing 42 is nobody's: Decode As gives it to SIS."""
+    path = str(HERE / "records.pcapng")
+    decoded = tshark.output("-r", path, "-d", "sertap.framing==42,sis", "-Y", "frame.number==26")
+    assert "SIS" in decoded

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The names in Python are those of plugin/sis-names.c, the one source."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from sistap import names
+
+SOURCE = Path(__file__).parent.parent / "plugin" / "sis-names.c"
+
+
+def table(name: str) -> list[tuple[int, int, str]]:
+    """Read a range_string table: first, last, text."""
+    body = re.search(rf"{name}\[\] = \{{\n(.*?)\n\}};", SOURCE.read_text(), re.DOTALL)
+    assert body, name
+    rows = re.findall(r'\{(\w+), (\w+), "([^"]*)"\}', body.group(1))
+    return [(int(first, 0), int(last, 0), text) for first, last, text in rows]
+
+
+def test_services() -> None:
+    rows = table("sis_services")
+    assert dict(names.SERVICES) == {first: text for first, last, text in rows if first == last}
+    assert list(names.RANGES) == [row for row in rows if row[0] != row[1]]
+
+
+def test_single_services_come_first() -> None:
+    rows = table("sis_services")
+    count = re.search(r"#define SINGLE_SERVICES (\d+)", SOURCE.read_text())
+    assert count
+    assert [first == last for first, last, _ in rows] == [index < int(count[1]) for index in range(len(rows))]
+
+
+def test_every_code_has_a_text() -> None:
+    """No code of a byte may be shown as unknown where a document names its range."""
+    for name in (
+        "sis_services",
+        "sis_status",
+        "sis_receivers_if02",
+        "sis_receivers_ecodrive03",
+        "sis_senders_if02",
+    ):
+        covered = {code for first, last, _ in table(name) for code in range(first, last + 1)}
+        assert covered == set(range(256)), name
