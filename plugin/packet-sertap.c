@@ -335,23 +335,38 @@ dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
 }
 
+/* Whether a person would read this rather than decode it. */
+static bool
+is_text(tvbuff_t *tvb, unsigned offset, unsigned length)
+{
+    unsigned readable = 0;
+
+    for (unsigned i = 0; i < length; i++) {
+        uint8_t c = compat_get_uint8(tvb, offset + i);
+
+        readable += g_ascii_isprint(c) || g_ascii_isspace(c);
+    }
+    return readable * 4 >= length * 3;
+}
+
 /* As hex and as text: a drive talks ASCII until SIS is selected. */
 static void
 dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
-    unsigned shown = MIN(record->count, 32);
-    const char *more = shown < record->count ? " ..." : "";
-    const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->count);
+    unsigned offset = record->data_offset, count = record->count, shown = MIN(count, 24);
+    const char *more = shown < count ? " ..." : "";
 
-    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s", record->count,
-                 plurality(record->count, "", "s"));
-    if (record->count == 0)
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s", count, plurality(count, "", "s"));
+    if (count == 0)
         return;
-    proto_tree_add_item(tree, hf_data, tvb, record->data_offset, record->count, ENC_NA);
-    proto_tree_add_string(tree, hf_text, tvb, record->data_offset, record->count, text);
-    col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s  \"%s\"%s",
-                    tvb_bytes_to_str_punct(pinfo->pool, tvb, record->data_offset, shown, ' '), more,
-                    tvb_format_text(pinfo->pool, tvb, record->data_offset, shown), more);
+    proto_tree_add_item(tree, hf_data, tvb, offset, count, ENC_NA);
+    proto_tree_add_string(tree, hf_text, tvb, offset, count,
+                          tvb_format_text(pinfo->pool, tvb, offset, count));
+    col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s",
+                    tvb_bytes_to_str_punct(pinfo->pool, tvb, offset, shown, ' '), more);
+    if (is_text(tvb, offset, shown))
+        col_append_fstr(pinfo->cinfo, COL_INFO, "  \"%s\"%s",
+                        tvb_format_text(pinfo->pool, tvb, offset, shown), more);
 }
 
 static void

@@ -226,7 +226,8 @@ def _capture(args: argparse.Namespace, reader: Reader, output: Output, only: Fil
     conditions = Conditions(args.silence_ms, only, args.count, dict(args.autostop).get("duration"))
     progress = bool(args.file) and not args.quiet and console.is_terminal
     try:
-        code = Capture(reader, sink, output, counters, conditions, quiet=args.quiet, progress=progress).run(stop)
+        capture = Capture(reader, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
+        code = capture.run(stop)
     finally:
         reader.close()
         output.close()

@@ -82,6 +82,7 @@ class Capture:
         sink: Sink,
         output: Output,
         counters: Counters,
+        console: Console,
         conditions: Conditions = EVERYTHING,
         *,
         quiet: bool = False,
@@ -97,7 +98,7 @@ class Capture:
         self._quiet = quiet
         self._progress = progress
         self._clock_ns = clock_ns
-        self._console = Console()
+        self._console = console
         framing = Framing.SIS if conditions.silence_ms is None else Framing.SILENCE
         self._hints = Hints(reader.settings, framing)
         self._framers: dict[int, Framer] = {}  # by line, as each comes up

@@ -769,7 +769,7 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
 @pytest.mark.parametrize(
     ("options", "cure"),
     [
-        (["--format", "8X1"], "for example 8E1"),
+        (["--format", "8X1"], "such as 8E1"),
         (["--format", "7E1"], "8 data bits"),
         (["--baud", "0"], "for example 9600"),
         (["--cycles", "-1"], "0 plays until stopped"),

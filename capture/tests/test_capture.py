@@ -24,6 +24,7 @@ from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap import capture, cli, session
+from sistap.console import Console
 from sistap.counters import Counters
 from sistap.line import Flag, LineSettings, Read
 from sistap.output import Output
@@ -327,11 +328,11 @@ def test_hints_and_progress_come_with_the_clock(capsys: pytest.CaptureFixture[st
     output = Output(str(tmp_path / "x"))
     conditions = session.Conditions(duration_s=7)
     running = session.Capture(
-        Slow([]), capture.LineSink(output), output, Counters(), conditions, progress=True, clock_ns=clock
+        Slow([]), capture.LineSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
     assert running.run(stop) == 0
     err = capsys.readouterr().err
-    assert err.count("nothing received for 5 s") == 1
+    assert err.count("\r\x1b[Ksistap: nothing received for 5 s") == 1  # not behind the progress
     assert err.count("\r\x1b[K0 characters, 0 telegrams, 0 errors, longest interval 0.000 ms") == 7
     assert clock.ns == 7_000_000_000
 
@@ -354,7 +355,7 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
 
     output = Output(str(path))
     conditions = session.Conditions(duration_s=3)
-    session.Capture(Busy([]), capture.LineSink(output), output, Counters(), conditions, clock_ns=clock).run(
+    session.Capture(Busy([]), capture.LineSink(output), output, Counters(), Console(), conditions, clock_ns=clock).run(
         session.Stop()
     )
     output.close()
@@ -576,6 +577,7 @@ def test_progress_on_a_terminal(tap: Tap, tmp_path: Path) -> None:
     tap.process.send_signal(signal.SIGINT)
     while b"written to" not in said:
         said += os.read(master, 4096)
+    assert b"\r\x1b[Ksistap: 0 records" in said
     assert b"\r\x1b[K0 characters, 0 telegrams, 0 errors" in said
     assert tap.process.wait(DEADLINE_S) == 0
     os.close(master)
@@ -583,8 +585,9 @@ def test_progress_on_a_terminal(tap: Tap, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("arguments", [["--help"], ["capture", "--help"]])
 def test_help_into_a_pipe_that_closes(arguments: list[str]) -> None:
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     process = subprocess.Popen(
-        [sys.executable, "-m", "sistap", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [sys.executable, "-m", "sistap", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=buffered
     )
     assert process.stdout
     process.stdout.close()
