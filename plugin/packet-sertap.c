@@ -199,12 +199,12 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
 
     record->type = compat_get_uint8(tvb, 2);
     record->line = compat_get_uint8(tvb, 3);
-    record->baud = compat_get_ntohl(tvb, 4);
+    record->baud = tvb_get_ntohl(tvb, 4);
     record->data_bits = compat_get_uint8(tvb, 8);
     record->parity = compat_get_uint8(tvb, 9);
     record->stop_half_bits = compat_get_uint8(tvb, 10);
     record->framing = compat_get_uint8(tvb, 11);
-    record->uncertainty = compat_get_ntohl(tvb, 12);
+    record->uncertainty = tvb_get_ntohl(tvb, 12);
     record->declared = tvb_get_ntohs(tvb, 16);
     record->event = tvb_get_ntohs(tvb, 18);
     record->data_offset = size;
@@ -251,7 +251,7 @@ survey_characters(tvbuff_t *tvb, sertap_record_t *record)
 {
     for (unsigned i = 0; i < record->timed; i++) {
         uint8_t flag = compat_get_uint8(tvb, record->flags_offset + i);
-        uint32_t interval = compat_get_ntohl(tvb, record->times_offset + 4 * i);
+        uint32_t interval = tvb_get_ntohl(tvb, record->times_offset + 4 * i);
 
         if ((flag & SERTAP_ERRORS) && !(record->errors & SERTAP_ERRORS))
             record->error_at = i;
@@ -268,7 +268,7 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
     unsigned data_at = record->data_offset + index, time_at = record->times_offset + 4 * index;
     unsigned flags_at = record->flags_offset + index;
     uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
-    uint32_t interval = compat_get_ntohl(tvb, time_at);
+    uint32_t interval = tvb_get_ntohl(tvb, time_at);
     nstime_t time = ns_to_time(interval);
     proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value,
                                                 "Character %u: 0x%02x", index + 1, value);
@@ -415,14 +415,14 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
 }
 
 static void
-framing_prompt(packet_info *pinfo, compat_char *result)
+framing_prompt(packet_info *pinfo, char *result)
 {
     unsigned framing = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sertap, 0));
 
     snprintf(result, MAX_DECODE_AS_PROMPT_LEN, "Framing %u as", framing);
 }
 
-static compat_pointer
+static void *
 framing_value(packet_info *pinfo)
 {
     return p_get_proto_data(pinfo->pool, pinfo, proto_sertap, 0);

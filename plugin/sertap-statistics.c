@@ -50,7 +50,7 @@ static void
 count_intervals(stats_tree *tree, const sertap_record_t *record)
 {
     for (unsigned i = 1; i < record->timed; i++) {
-        int us = (int)(compat_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
+        int us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
 
         tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line sums up here, but does not count */
         stats_tree_tick_range(tree, intervals_name, 0, us);

@@ -14,7 +14,7 @@
 #define DLT_USER_OFF (-1)
 
 static dissector_handle_t tcp_handle;
-static compat_pref_bool tcp_heuristic = TRUE;
+static compat_bool tcp_heuristic = TRUE;
 static int dlt_user = DLT_USER_OFF;
 static int dlt_user_taken = DLT_USER_OFF;
 
@@ -28,22 +28,23 @@ telegram_length(packet_info *pinfo _U_, tvbuff_t *tvb, int offset, void *data _U
     return declared > 0 ? declared : (unsigned)tvb_reported_length_remaining(tvb, offset);
 }
 
+/* The columns are ours only where a telegram ends: of a segment with just a part of one TCP says what it is.
+ * The fence keeps what the telegrams before this one wrote. */
 static int
 dissect_pdu(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SIS");
+    col_clear(pinfo->cinfo, COL_INFO);
     sis_dissect_telegram(tvb, pinfo, tree);
+    col_set_fence(pinfo->cinfo, COL_INFO);
     return tvb_captured_length(tvb);
 }
 
-/* Telegrams split over segments and packed into them. TCP calls this twice for a segment that ends one
- * telegram and holds others: the fence keeps what the first call wrote. */
+/* Telegrams split over segments and packed into them. */
 static int
 dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
 {
-    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SIS");
-    col_clear(pinfo->cinfo, COL_INFO);
     tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 4, telegram_length, dissect_pdu, data);
-    col_set_fence(pinfo->cinfo, COL_INFO);
     return tvb_captured_length(tvb);
 }
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import re
 import shlex
 import struct
 import sys
@@ -38,6 +39,12 @@ LINK_TYPES = {
     "rtac": pcapng.LINKTYPE_RTAC_SERIAL,
     "tcp": LINKTYPE_RAW_IPV4,
 }
+
+# What Wireshark itself says in words that change with its version: its own layers, and of a segment without a telegram.
+_OF_ANY_VERSION = (
+    (re.compile(r"^(Frame \d+: .*|Raw packet data)\n", re.MULTILINE), ""),
+    (re.compile(r"^( *\d+ .* TCP \d+) .*$", re.MULTILINE), r"\1"),
+)
 
 
 @dataclass
@@ -219,9 +226,11 @@ class Scenario:
         return b"".join(blocks)
 
     def dissection(self, tshark: Tshark, capture: Path) -> str:
-        """What tshark says of it: a line a packet, and the tree of the protocols to show under it."""
+        """What tshark, 4.0 to 4.6, says of it: a line a packet, and the tree of the protocols to show under it."""
         layers = ["-P", "-V", "-O", self.show]
         text = tshark.output("-r", str(capture), "-t", "r", *self.options, *layers)
+        for pattern, replacement in _OF_ANY_VERSION:
+            text = pattern.sub(replacement, text)
         return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
 

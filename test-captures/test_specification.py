@@ -57,6 +57,8 @@ FIELDS = (
     "sis.sender sis.receiver sis.control.subaddresses sis.subaddress sis.talker sis.listener sis.status sis.raw"
 ).split()
 
+BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them
+
 
 def expected(figure: Figure) -> list[str]:
     """What tshark's fields must print for it."""
@@ -85,7 +87,8 @@ def test_every_header(tshark: Tshark) -> None:
     lines = tshark.output("-r", str(CAPTURE), "-T", "fields", *options).splitlines()
     assert len(lines) == len(FIGURES)
     for figure, line in zip(FIGURES, lines, strict=True):
-        assert line.split("\t") == expected(figure), figure.number
+        cells = [BOOLEANS.get(cell, cell) for cell in line.split("\t")]
+        assert cells == expected(figure), figure.number
 
 
 def test_stations_are_counted(tshark: Tshark) -> None:
@@ -93,7 +96,7 @@ def test_stations_are_counted(tshark: Tshark) -> None:
     table = tshark.output("-r", str(CAPTURE), "-q", "-z", "endpoints,sis")
     sent = {}
     for line in table.splitlines():
-        cells = line.split()
+        cells = line.replace(" bytes", "").split()  # Wireshark 4.6 writes the unit
         if len(cells) == 7 and cells[0].isdigit():
             sent[int(cells[0])] = (
                 int(cells[3]),

@@ -9,6 +9,7 @@ import resource
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,22 +17,28 @@ import pytest
 from sistap.output import Limits, Output, OutputError, OutputRefused, file_name
 
 
-@pytest.fixture
+@contextmanager
 def small_files() -> Iterator[None]:
-    """No file may grow above 1000 bytes: what a full disk does, without one."""
+    """No file may grow above 1000 bytes: what a full disk does, without one.
+
+    Only around the writing itself: it holds for a file that the tests' own output goes to, too.
+    """
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_a_full_disk_leaves_whole_blocks(tmp_path: Path, small_files: None) -> None:
+def test_a_full_disk_leaves_whole_blocks(tmp_path: Path) -> None:
     path = tmp_path / "x"
     output = Output(str(path))
     output.begin()
     for _ in range(3):
         output.write(b"x" * 300)
-    with pytest.raises(OutputError, match="File too large; everything before it is saved"):
+    refused = pytest.raises(OutputError, match="File too large; everything before it is saved")
+    with refused, small_files():
         output.write(b"y" * 300)
     output.close()
     assert path.read_bytes() == b"x" * 900
