@@ -30,11 +30,13 @@ typedef gboolean compat_bool;
 #endif
 
 #if WIRESHARK_AT_LEAST(4, 4)
-#define compat_get_uint8(tvb, offset) tvb_get_uint8(tvb, offset)
-#define COMPAT_STATS_MENU_SEPARATOR   "//"
+#define compat_get_uint8(tvb, offset)         tvb_get_uint8(tvb, offset)
+#define compat_find_uint8(tvb, offset, value) tvb_find_uint8(tvb, offset, -1, value)
+#define COMPAT_STATS_MENU_SEPARATOR           "//"
 #else
-#define compat_get_uint8(tvb, offset) tvb_get_guint8(tvb, offset)
-#define COMPAT_STATS_MENU_SEPARATOR   "/"
+#define compat_get_uint8(tvb, offset)         tvb_get_guint8(tvb, offset)
+#define compat_find_uint8(tvb, offset, value) tvb_find_guint8(tvb, offset, -1, value)
+#define COMPAT_STATS_MENU_SEPARATOR           "/"
 #endif
 
 /* dissector_try_uint_new() is deprecated from 4.6 on. */

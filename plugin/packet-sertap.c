@@ -108,22 +108,26 @@ static const value_string events[] = {
     {0, NULL},
 };
 
-/* What a flag is called, where it is shown, and the expert item for a record that has it. */
+/* What a flag is called at its character, and, for an error, what is said of the record that has it. */
 typedef struct {
     uint8_t flag;
     int *hf;
-    expert_field *ei;
     const char *text;
+    expert_field *ei;
+    const char *mark; /* with the number of the first character that has it */
 } flag_t;
 
 static const flag_t flags[] = {
-    {SERTAP_SAME_READ, &hf_same_read, NULL, "same read"},
-    {SERTAP_CHARACTER_ERROR, &hf_error_character, &ei_error_character, "parity or framing error"},
-    {SERTAP_BREAK, &hf_error_break, &ei_error_break, "break"},
-    {SERTAP_LOST_BEFORE, &hf_error_lost, &ei_error_lost, "characters lost before it"},
-    {SERTAP_UNLOCATED_ERROR, &hf_error_unlocated, &ei_error_unlocated, "error somewhere in this read"},
-    {SERTAP_INTERVAL_UNKNOWN, &hf_interval_unknown, NULL, "interval unknown"},
-    {SERTAP_INTERVAL_SATURATED, &hf_interval_saturated, NULL, "interval longer than it can be stored"},
+    {SERTAP_SAME_READ, &hf_same_read, "same read", NULL, NULL},
+    {SERTAP_CHARACTER_ERROR, &hf_error_character, "parity or framing error", &ei_error_character,
+     "parity or framing error at character %u"},
+    {SERTAP_BREAK, &hf_error_break, "break", &ei_error_break, "break at character %u"},
+    {SERTAP_LOST_BEFORE, &hf_error_lost, "characters lost before it", &ei_error_lost,
+     "the tap lost characters before character %u"},
+    {SERTAP_UNLOCATED_ERROR, &hf_error_unlocated, "error somewhere in this read", &ei_error_unlocated,
+     "line error, place unknown"},
+    {SERTAP_INTERVAL_UNKNOWN, &hf_interval_unknown, "interval unknown", NULL, NULL},
+    {SERTAP_INTERVAL_SATURATED, &hf_interval_saturated, "interval longer than it can be stored", NULL, NULL},
 };
 
 static nstime_t
@@ -150,13 +154,14 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
     proto_tree_add_item(subtree, hf_stop_bits, tvb, 10, 1, ENC_BIG_ENDIAN);
 }
 
+/* Unknown has no value: a filter for bad times would find it. */
 static void
 add_uncertainty(proto_tree *tree, tvbuff_t *tvb, uint32_t uncertainty)
 {
     nstime_t time = ns_to_time(uncertainty);
 
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
-        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &time, "unknown");
+        proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
     else
         proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &time, "%.3f ms",
                                          uncertainty / 1e6);
@@ -225,13 +230,14 @@ static void
 check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *record)
 {
     unsigned bytes = tvb_reported_length(tvb) - record->data_offset;
+    unsigned captured = tvb_captured_length_remaining(tvb, record->data_offset);
     unsigned per_character = record->type == SERTAP_EVENT ? 1 : 6;
     unsigned expected = record->declared * per_character;
 
     /* The three arrays follow one another: what is missing at the end is missing from the flags first. */
-    record->count = MIN(bytes, record->declared);
-    if (record->type != SERTAP_EVENT && bytes > record->declared * 5)
-        record->timed = MIN(bytes - record->declared * 5, record->declared);
+    record->count = MIN(captured, record->declared);
+    if (record->type != SERTAP_EVENT && captured > record->declared * 5)
+        record->timed = MIN(captured - record->declared * 5, record->declared);
     if (bytes < expected) {
         expert_add_info_format(pinfo, ti, &ei_truncated, "The record is cut: %u bytes of %u after its header",
                                bytes, expected);
@@ -244,21 +250,34 @@ check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *
     record->flags_offset = record->times_offset + record->declared * 4;
 }
 
-/* Longest interval and errors. The time before the first character is silence, not an interval of this
- * record. */
+/* Longest interval and errors. The interval before the first character is not one of this record, and what
+ * happened before a character that follows lost ones nobody knows. */
 static void
 survey_characters(tvbuff_t *tvb, sertap_record_t *record)
 {
     for (unsigned i = 0; i < record->timed; i++) {
         uint8_t flag = compat_get_uint8(tvb, record->flags_offset + i);
         uint32_t interval = tvb_get_ntohl(tvb, record->times_offset + 4 * i);
+        uint8_t news = flag & ~record->flags;
 
-        if ((flag & SERTAP_ERRORS) && !(record->errors & SERTAP_ERRORS))
-            record->error_at = i;
-        record->errors |= flag;
-        if (i > 0 && interval > record->interval_max)
+        for (unsigned bit = 0; news >> bit; bit++) {
+            if (news >> bit & 1)
+                record->first_at[bit] = i;
+        }
+        record->flags |= flag;
+        if (i > 0 && interval > record->interval_max && !(flag & SERTAP_LOST_BEFORE)) {
             record->interval_max = interval;
+            record->interval_max_at = i;
+        }
     }
+}
+
+static const char *
+interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
+{
+    const char *more_than = flag & SERTAP_INTERVAL_SATURATED ? "more than " : "";
+
+    return wmem_strdup_printf(pinfo->pool, "%s%.3f ms", more_than, interval / 1e6);
 }
 
 static void
@@ -273,9 +292,7 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
     proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value,
                                                 "Character %u: 0x%02x", index + 1, value);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_character);
-    const char *text =
-        wmem_strdup_printf(pinfo->pool, "%s%.3f ms%s", flag & SERTAP_INTERVAL_SATURATED ? "> " : "",
-                           interval / 1e6, index == 0 ? " of silence" : "");
+    const char *text = interval_text(pinfo, interval, flag);
 
     if (!(flag & SERTAP_INTERVAL_UNKNOWN)) {
         proto_item_append_text(ti, ", after %s", text);
@@ -291,19 +308,28 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
 }
 
 static void
+add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
+{
+    unsigned at = record->interval_max_at;
+    uint8_t flag = compat_get_uint8(tvb, record->flags_offset + at);
+    nstime_t longest = ns_to_time(record->interval_max);
+    proto_item *ti = proto_tree_add_time_format_value(
+        tree, hf_interval_max, tvb, record->times_offset + 4 * at, 4, &longest, "%s, before character %u",
+        interval_text(pinfo, record->interval_max, flag), at + 1);
+
+    proto_item_set_generated(ti);
+    if (record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN)
+        proto_item_append_text(ti, " (times uncertain by %.3f ms)", record->uncertainty / 1e6);
+}
+
+static void
 add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
 {
     unsigned length = record->flags_offset + record->timed - record->data_offset;
-    nstime_t longest = ns_to_time(record->interval_max);
     proto_tree *subtree;
-    proto_item *ti;
 
-    if (record->timed > 1) {
-        ti = proto_tree_add_time_format_value(tree, hf_interval_max, tvb, record->times_offset,
-                                              4 * record->timed, &longest, "%.3f ms",
-                                              record->interval_max / 1e6);
-        proto_item_set_generated(ti);
-    }
+    if (record->interval_max_at > 0)
+        add_interval_max(tree, pinfo, tvb, record);
     subtree =
         proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_characters, NULL,
                                       "%u character%s", record->timed, plurality(record->timed, "", "s"));
@@ -311,13 +337,19 @@ add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap
         add_character(subtree, pinfo, tvb, record, i);
 }
 
-/* One expert item a kind of error, however many characters have it. */
+/* One item and one mark a kind of error, however many characters have it. */
 static void
 report_errors(packet_info *pinfo, proto_item *ti, const sertap_record_t *record)
 {
     for (unsigned i = 0; i < array_length(flags); i++) {
-        if (flags[i].ei != NULL && (record->errors & flags[i].flag))
-            expert_add_info(pinfo, ti, flags[i].ei);
+        unsigned character = record->first_at[g_bit_nth_lsf(flags[i].flag, -1)] + 1;
+        const char *text;
+
+        if (flags[i].ei == NULL || !(record->flags & flags[i].flag))
+            continue;
+        text = wmem_strdup_printf(pinfo->pool, flags[i].mark, character);
+        expert_add_info_format(pinfo, ti, flags[i].ei, "%s", text);
+        col_append_fstr(pinfo->cinfo, COL_INFO, "  [%s]", text);
     }
 }
 
@@ -325,8 +357,7 @@ static void
 dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
     const char *name = val_to_str_const(record->event, events, "Event of a later version");
-    const char *text =
-        (const char *)tvb_get_string_enc(pinfo->pool, tvb, record->data_offset, record->count, ENC_UTF_8);
+    const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->count);
     proto_item *ti = proto_tree_add_item(tree, hf_event, tvb, 18, 2, ENC_BIG_ENDIAN);
 
     proto_tree_add_item(tree, hf_text, tvb, record->data_offset, record->count, ENC_UTF_8);
@@ -360,8 +391,7 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     if (count == 0)
         return;
     proto_tree_add_item(tree, hf_data, tvb, offset, count, ENC_NA);
-    proto_tree_add_string(tree, hf_text, tvb, offset, count,
-                          tvb_format_text(pinfo->pool, tvb, offset, count));
+    proto_tree_add_item(tree, hf_text, tvb, offset, count, ENC_ASCII);
     col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s",
                     tvb_bytes_to_str_punct(pinfo->pool, tvb, offset, shown, ' '), more);
     if (is_text(tvb, offset, shown))
@@ -388,10 +418,12 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     proto_tree *tree = proto_item_add_subtree(root, ett_sertap);
 
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "SERTAP");
-    col_set_str(pinfo->cinfo, COL_INFO, "Record that cannot be read");
+    col_clear(pinfo->cinfo, COL_INFO);
     record->tvb = tvb;
-    if (!dissect_header(tvb, pinfo, tree, record))
+    if (!dissect_header(tvb, pinfo, tree, record)) {
+        col_set_str(pinfo->cinfo, COL_INFO, "Record that cannot be read");
         return tvb_captured_length(tvb);
+    }
 
     ti = proto_tree_add_item(tree, hf_count, tvb, 16, 2, ENC_BIG_ENDIAN);
     check_count(tvb, pinfo, ti, record);
@@ -400,15 +432,13 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         dissect_event(tvb, pinfo, tree, record);
     } else {
         survey_characters(tvb, record);
-        report_errors(pinfo, ti, record);
         if (tree && record->timed > 0)
             add_characters(tree, pinfo, tvb, record);
         if (record->type == SERTAP_FRAME)
             dissect_frame(tvb, pinfo, parent, record);
         else
             dissect_other(tvb, pinfo, tree, record);
-        if (record->errors & SERTAP_ERRORS)
-            col_append_fstr(pinfo->cinfo, COL_INFO, "  [line error at character %u]", record->error_at + 1);
+        report_errors(pinfo, root, record); /* after the info column has its text */
     }
     tap_queue_packet(tap_sertap, pinfo, record);
     return tvb_captured_length(tvb);
@@ -492,6 +522,16 @@ static ei_register_info experts[] = {
 };
 /* clang-format on */
 
+/* What else is spoken on such lines and cut by silence. */
+static void
+sertap_handoff_protocol(void)
+{
+    dissector_handle_t modbus = find_dissector("mbrtu");
+
+    if (modbus != NULL)
+        dissector_add_for_decode_as("sertap.framing", modbus);
+}
+
 static void
 sertap_register_protocol(void)
 {
@@ -513,7 +553,8 @@ sertap_register_protocol(void)
 void
 sertap_register(void)
 {
-    static proto_plugin plugin = {.register_protoinfo = sertap_register_protocol};
+    static proto_plugin plugin = {.register_protoinfo = sertap_register_protocol,
+                                  .register_handoff = sertap_handoff_protocol};
 
     proto_register_plugin(&plugin);
 }

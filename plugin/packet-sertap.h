@@ -34,13 +34,13 @@ typedef struct {
     unsigned data_offset;  /* of the values */
     unsigned times_offset; /* of the intervals, 4 bytes each, ns */
     unsigned flags_offset;
-    uint8_t errors;        /* all flags ORed */
-    unsigned error_at;     /* first character with an error */
-    uint32_t interval_max; /* ns, longest between two characters of this record */
+    uint8_t flags;            /* of all its characters, ORed */
+    unsigned first_at[8];     /* by bit of a flag: the first character that has it */
+    uint32_t interval_max;    /* ns, longest between two characters of this record */
+    unsigned interval_max_at; /* before this character; 0: there is none */
 } sertap_record_t;
 
 #define SERTAP_UNCERTAINTY_UNKNOWN 0xFFFFFFFF
-#define SERTAP_ERRORS              (SERTAP_CHARACTER_ERROR | SERTAP_BREAK | SERTAP_LOST_BEFORE | SERTAP_UNLOCATED_ERROR)
 
 void sertap_register(void);
 void sertap_statistics_register(void);

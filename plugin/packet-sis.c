@@ -5,7 +5,6 @@
 #include "packet-sis.h"
 
 #include <epan/expert.h>
-#include <epan/prefs.h>
 #include <epan/tap.h>
 
 #include "sis-address.h"
@@ -60,6 +59,7 @@ static expert_field ei_too_long = EI_INIT;
 static expert_field ei_header_too_long = EI_INIT;
 static expert_field ei_control_reserved = EI_INIT;
 static expert_field ei_control_status = EI_INIT;
+static expert_field ei_control_error = EI_INIT;
 static expert_field ei_system_warning = EI_INIT;
 static expert_field ei_system_error = EI_INIT;
 static expert_field ei_service_reserved = EI_INIT;
@@ -69,6 +69,7 @@ static expert_field ei_receiver_reserved = EI_INIT;
 static expert_field ei_level_broadcast = EI_INIT;
 static expert_field ei_reaction_unexpected = EI_INIT;
 static expert_field ei_status = EI_INIT;
+static expert_field ei_status_telegram = EI_INIT;
 
 static const value_string checksum_states[] = {
     {PROTO_CHECKSUM_E_BAD, "Bad"},
@@ -87,6 +88,7 @@ typedef struct {
     proto_tree *tree;
     proto_item *root;
     unsigned declared; /* 0: its two lengths differ, or are not there */
+    unsigned end;      /* of what belongs to the telegram and is there */
     sis_telegram_t *telegram;
 } dissection_t;
 
@@ -118,6 +120,15 @@ sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length)
     for (unsigned i = 0; i < length; i++)
         sum += bytes[i];
     return sum;
+}
+
+bool
+sis_is_good(tvbuff_t *tvb, unsigned offset)
+{
+    unsigned declared = sis_declared_length(tvb, offset);
+
+    return declared > 0 && tvb_bytes_exist(tvb, offset, declared) &&
+           compat_get_uint8(tvb, offset) == SIS_START && sis_sum(tvb, offset, declared) == 0;
 }
 
 /* Verified only where the whole telegram is there and tells its length. */
@@ -162,25 +173,31 @@ static void
 dissect_control_if02(const dissection_t *d, proto_item *ti)
 {
     if (d->telegram->control & CONTROL_RESERVED)
-        expert_add_info(d->pinfo, ti, &ei_control_reserved);
+        mark(d, ti, &ei_control_reserved, "reserved bit");
     if (d->telegram->control & CONTROL_WARNING)
         mark(d, ti, &ei_system_warning, "system warning");
     if (d->telegram->control & CONTROL_ERROR)
         mark(d, ti, &ei_system_error, "system error");
 }
 
+#define ECODRIVE03_ERROR 6
+
 /* ECODRIVE03: bits 5 to 7 are the state of a reaction. */
 static void
 dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
 {
     unsigned status = d->telegram->control >> 5;
+    const char *text = val_to_str_const(status, sis_control_status_ecodrive03, "");
 
     if (status == 0)
         return;
-    if (!d->telegram->is_reaction)
-        expert_add_info(d->pinfo, ti, &ei_control_reserved);
-    else
-        mark(d, ti, &ei_control_status, val_to_str_const(status, sis_control_status_ecodrive03, ""));
+    if (!d->telegram->is_reaction) {
+        mark(d, ti, &ei_control_reserved, "reserved bits");
+        return;
+    }
+    expert_add_info_format(d->pinfo, ti, status == ECODRIVE03_ERROR ? &ei_control_error : &ei_control_status,
+                           "Status in the telegram control: %s", text);
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [control status %u: %s]", status, text);
 }
 
 static void
@@ -195,18 +212,16 @@ dissect_control(const dissection_t *d)
                                      NULL};
     static int *const bits_ecodrive03[] = {&hf_control_status, &hf_control_reaction, &hf_control_number,
                                            &hf_control_subaddresses, NULL};
-    static const struct {
-        int *const *bits;
-        void (*judge)(const dissection_t *d, proto_item *ti);
-    } editions[] = {
-        [SIS_EDITION_IF02] = {bits_if02, dissect_control_if02},
-        [SIS_EDITION_ECODRIVE03] = {bits_ecodrive03, dissect_control_ecodrive03},
-    };
-    proto_item *ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
-                                                       editions[sis_edition].bits, ENC_NA, BMT_NO_APPEND);
+    bool is_if02 = sis_edition == SIS_EDITION_IF02;
+    proto_item *ti =
+        proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
+                                          is_if02 ? bits_if02 : bits_ecodrive03, ENC_NA, BMT_NO_APPEND);
 
     proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
-    editions[sis_edition].judge(d, ti);
+    if (is_if02)
+        dissect_control_if02(d, ti);
+    else
+        dissect_control_ecodrive03(d, ti);
 }
 
 static void
@@ -215,7 +230,7 @@ dissect_service(const dissection_t *d)
     uint8_t service = d->telegram->service;
     proto_item *ti = proto_tree_add_item(d->tree, hf_service, d->tvb, 5, 1, ENC_NA);
 
-    if (strcmp(rval_to_str_const(service, sis_services, ""), "Reserved service") == 0)
+    if (sis_service_is_reserved(service) || (sis_edition == SIS_EDITION_ECODRIVE03 && service >= 0xE0))
         expert_add_info(d->pinfo, ti, &ei_service_reserved);
 }
 
@@ -223,19 +238,14 @@ static void
 dissect_sender(const dissection_t *d)
 {
     uint8_t sender = d->telegram->sender;
+    sis_address_kind_t kind = sis_sender_kind(sender);
     proto_item *ti = proto_tree_add_uint_format_value(d->tree, hf_sender, d->tvb, 6, 1, sender, "%u (%s)",
-                                                      sender, sis_sender_text(sender));
+                                                      sender, sis_kind_text(kind));
 
-    switch (sis_sender_kind(sender)) {
-    case SIS_SERVICE_MASTER:
+    if (kind == SIS_SERVICE_MASTER)
         mark(d, ti, &ei_sender_service, "service address 127");
-        break;
-    case SIS_RESERVED:
+    else if (kind == SIS_NO_SENDER)
         mark(d, ti, &ei_sender_invalid, "invalid sender address");
-        break;
-    default:
-        break;
-    }
 }
 
 /* One address of the list: the receiver itself, or a subaddress. */
@@ -244,7 +254,7 @@ dissect_receiver(const dissection_t *d, int hf, unsigned offset, bool is_last)
 {
     uint8_t receiver = compat_get_uint8(d->tvb, offset);
     sis_address_kind_t kind = sis_receiver_kind(receiver);
-    const char *text = sis_receiver_text(receiver);
+    const char *text = sis_kind_text(kind);
     proto_item *ti;
 
     if (hf == hf_subaddress)
@@ -253,10 +263,12 @@ dissect_receiver(const dissection_t *d, int hf, unsigned offset, bool is_last)
     else
         ti = proto_tree_add_uint_format_value(d->tree, hf, d->tvb, offset, 1, receiver, "%u (%s)", receiver,
                                               text);
-    if (kind == SIS_NOT_ASSIGNED || kind == SIS_RESERVED)
+    if (kind == SIS_NOT_ASSIGNED)
+        mark(d, ti, &ei_receiver_reserved, "address 127 is not assigned");
+    if (kind == SIS_RESERVED)
         mark(d, ti, &ei_receiver_reserved, "reserved address");
     if (kind == SIS_LEVEL_BROADCAST && !is_last)
-        expert_add_info(d->pinfo, ti, &ei_level_broadcast);
+        mark(d, ti, &ei_level_broadcast, "254 before the last address");
     if (is_last && d->telegram->is_reaction && !sis_is_answered(receiver))
         mark(d, ti, &ei_reaction_unexpected, "reaction to a group or broadcast");
 }
@@ -275,17 +287,15 @@ add_generated_station(const dissection_t *d, int hf, uint8_t station, bool hidde
 static void
 dissect_addresses(const dissection_t *d)
 {
-    unsigned count = d->telegram->subaddress_count, there = tvb_reported_length(d->tvb);
-    bool has_number = d->telegram->control & CONTROL_NUMBER;
-    unsigned number_at = SIS_STATIC_LENGTH + count, end = number_at + has_number;
+    unsigned count = d->telegram->subaddress_count, number_at = SIS_STATIC_LENGTH + count;
 
     dissect_sender(d);
     dissect_receiver(d, hf_receiver, 7, count == 0);
-    for (unsigned i = 1; i <= count && SIS_STATIC_LENGTH + i <= there; i++)
-        dissect_receiver(d, hf_subaddress, SIS_STATIC_LENGTH + i - 1, i == count);
-    if (has_number && number_at < there)
+    for (unsigned i = 0; i < count && SIS_STATIC_LENGTH + i < d->end; i++)
+        dissect_receiver(d, hf_subaddress, SIS_STATIC_LENGTH + i, i + 1 == count);
+    if (number_at < d->telegram->body_offset && number_at < d->end)
         proto_tree_add_item(d->tree, hf_number, d->tvb, number_at, 1, ENC_NA);
-    if (d->declared > 0 && end > d->declared)
+    if (d->declared > 0 && d->telegram->body_offset > d->declared)
         mark(d, d->root, &ei_header_too_long, "header longer than telegram");
 
     add_generated_station(d, hf_talker, d->telegram->talker, false);
@@ -322,7 +332,8 @@ dissect_status(const dissection_t *d, unsigned offset)
     ti = proto_tree_add_uint_format_value(d->tree, hf_status, d->tvb, offset, 1, status, "%s (0x%02x)", text,
                                           status);
     if (status != 0) {
-        expert_add_info_format(d->pinfo, ti, &ei_status, "Status: %s", text);
+        expert_add_info_format(d->pinfo, ti, status < 0xF0 ? &ei_status : &ei_status_telegram, "Status: %s",
+                               text);
         col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [status: %s]", text);
     }
 }
@@ -331,14 +342,13 @@ static void
 dissect_useful_data(const dissection_t *d)
 {
     unsigned offset = d->telegram->body_offset, there = tvb_reported_length(d->tvb);
-    unsigned end = d->declared > 0 ? MIN(d->declared, there) : there;
 
-    if (d->telegram->is_reaction && has_status(d->telegram->service) && offset < end)
+    if (d->telegram->is_reaction && has_status(d->telegram->service) && offset < d->end)
         dissect_status(d, offset++);
-    if (offset < end)
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, offset, end - offset, ENC_NA);
-    if (end < there)
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, end, there - end, ENC_NA);
+    if (offset < d->end)
+        proto_tree_add_item(d->tree, hf_raw, d->tvb, offset, d->end - offset, ENC_NA);
+    if (d->end < there)
+        proto_tree_add_item(d->tree, hf_raw, d->tvb, d->end, there - d->end, ENC_NA);
 }
 
 /* Reads the static header, 8 bytes. */
@@ -354,9 +364,6 @@ read_header(tvbuff_t *tvb, packet_info *pinfo)
     telegram->sender = compat_get_uint8(tvb, 6);
     telegram->receiver = compat_get_uint8(tvb, 7);
     telegram->subaddress_count = telegram->control & CONTROL_SUBADDRESSES;
-    telegram->last_receiver = telegram->receiver;
-    if (telegram->subaddress_count > 0 && SIS_STATIC_LENGTH + telegram->subaddress_count <= there)
-        telegram->last_receiver = compat_get_uint8(tvb, SIS_STATIC_LENGTH + telegram->subaddress_count - 1);
     telegram->is_reaction = telegram->control & CONTROL_REACTION;
     telegram->talker = telegram->is_reaction ? telegram->receiver : telegram->sender;
     telegram->listener = telegram->is_reaction ? telegram->sender : telegram->receiver;
@@ -376,7 +383,7 @@ route_text(const dissection_t *d)
         return sis_station_text(d->pinfo->pool, telegram->receiver);
     text = wmem_strbuf_new(d->pinfo->pool, sis_station_text(d->pinfo->pool, telegram->receiver));
     for (unsigned i = 0; i < telegram->subaddress_count; i++) {
-        if (SIS_STATIC_LENGTH + i >= tvb_reported_length(d->tvb))
+        if (SIS_STATIC_LENGTH + i >= d->end)
             break;
         wmem_strbuf_append_printf(
             text, "/%s", sis_station_text(d->pinfo->pool, compat_get_uint8(d->tvb, SIS_STATIC_LENGTH + i)));
@@ -409,6 +416,24 @@ dissect_start(const dissection_t *d)
         mark(d, ti, &ei_start, "no start character");
 }
 
+static void
+dissect_whole_header(dissection_t *d)
+{
+    d->telegram = read_header(d->tvb, d->pinfo);
+    sis_set_addresses(d->pinfo, d->telegram->talker, d->telegram->listener);
+    summarize(d);
+    dissect_start(d);
+    dissect_checksum(d);
+    proto_tree_add_item(d->tree, hf_length, d->tvb, 2, 1, ENC_NA);
+    dissect_lengths(d);
+    dissect_control(d);
+    dissect_service(d);
+    dissect_addresses(d);
+    dissect_useful_data(d);
+    d->telegram->is_good = sis_is_good(d->tvb, 0);
+    tap_queue_packet(sis_tap, d->pinfo, d->telegram);
+}
+
 /* Less than the 8 bytes that every telegram has. */
 static void
 dissect_stump(const dissection_t *d)
@@ -421,36 +446,40 @@ dissect_stump(const dissection_t *d)
     if (there > 1)
         proto_tree_add_item(d->tree, hf_raw, d->tvb, 1, there - 1, ENC_NA);
     expert_add_info_format(d->pinfo, d->root, &ei_too_short,
-                           "The telegram is cut: %u bytes, it has at least %u", there, SIS_STATIC_LENGTH);
+                           "The telegram is cut: %u byte%s, it has at least %u", there,
+                           plurality(there, "", "s"), SIS_STATIC_LENGTH);
+}
+
+/* No start character, and not the length of a telegram either: addresses read from it would be invented. */
+static void
+dissect_no_telegram(const dissection_t *d)
+{
+    unsigned there = tvb_reported_length(d->tvb);
+
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "Not a telegram, %u byte%s", there, plurality(there, "", "s"));
+    proto_item_append_text(d->root, ", not a telegram");
+    expert_add_info(d->pinfo, d->root, &ei_start);
+    proto_tree_add_item(d->tree, hf_raw, d->tvb, 0, there, ENC_NA);
 }
 
 void
 sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
 {
+    unsigned there = tvb_reported_length(tvb);
     dissection_t d = {.tvb = tvb, .pinfo = pinfo, .declared = sis_declared_length(tvb, 0)};
     const char *info = col_get_text(pinfo->cinfo, COL_INFO);
 
+    d.end = d.declared > 0 ? MIN(d.declared, there) : there;
     d.root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
     d.tree = proto_item_add_subtree(d.root, ett_sis);
-    if (info != NULL && info[0] != '\0')
+    if (info != NULL && info[0] != '\0' && !g_str_has_suffix(info, " "))
         col_append_str(pinfo->cinfo, COL_INFO, " | ");
-    if (tvb_reported_length(tvb) < SIS_STATIC_LENGTH) {
+    if (compat_get_uint8(tvb, 0) != SIS_START && d.declared != there)
+        dissect_no_telegram(&d);
+    else if (there < SIS_STATIC_LENGTH)
         dissect_stump(&d);
-        return;
-    }
-
-    d.telegram = read_header(tvb, pinfo);
-    sis_set_addresses(pinfo, d.telegram->talker, d.telegram->listener);
-    summarize(&d);
-    dissect_start(&d);
-    dissect_checksum(&d);
-    proto_tree_add_item(d.tree, hf_length, tvb, 2, 1, ENC_NA);
-    dissect_lengths(&d);
-    dissect_control(&d);
-    dissect_service(&d);
-    dissect_addresses(&d);
-    dissect_useful_data(&d);
-    tap_queue_packet(sis_tap, pinfo, d.telegram);
+    else
+        dissect_whole_header(&d);
 }
 
 /* Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
@@ -512,13 +541,14 @@ static hf_register_info fields[] = {
 
 static ei_register_info experts[] = {
     {&ei_start, {"sis.start.missing", PI_MALFORMED, PI_ERROR, "No start character 0x02", EXPFILL}},
-    {&ei_checksum, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum: receivers ignore this telegram", EXPFILL}},
-    {&ei_lengths_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: receivers ignore this telegram", EXPFILL}},
+    {&ei_checksum, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum: a bus does not answer this telegram, a point-to-point station answers with status 0xF4", EXPFILL}},
+    {&ei_lengths_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2", EXPFILL}},
     {&ei_too_short, {"sis.length.short", PI_MALFORMED, PI_ERROR, "The telegram is cut", EXPFILL}},
     {&ei_too_long, {"sis.length.long", PI_PROTOCOL, PI_WARN, "Bytes follow the end of the telegram", EXPFILL}},
     {&ei_header_too_long, {"sis.length.header", PI_MALFORMED, PI_ERROR, "Subaddresses and telegram number do not fit into the length", EXPFILL}},
     {&ei_control_reserved, {"sis.control.reserved.set", PI_PROTOCOL, PI_NOTE, "Reserved bits of the telegram control are set (another edition? preference sis.edition)", EXPFILL}},
     {&ei_control_status, {"sis.control.status.set", PI_RESPONSE_CODE, PI_NOTE, "The status in the telegram control is not 'no error'", EXPFILL}},
+    {&ei_control_error, {"sis.control.status.error", PI_RESPONSE_CODE, PI_WARN, "The status in the telegram control is an error", EXPFILL}},
     {&ei_system_warning, {"sis.control.warning.set", PI_RESPONSE_CODE, PI_NOTE, "The sender signals a system warning", EXPFILL}},
     {&ei_system_error, {"sis.control.error.set", PI_RESPONSE_CODE, PI_WARN, "The sender signals a system error", EXPFILL}},
     {&ei_service_reserved, {"sis.service.reserved", PI_PROTOCOL, PI_NOTE, "Reserved service", EXPFILL}},
@@ -527,7 +557,8 @@ static ei_register_info experts[] = {
     {&ei_receiver_reserved, {"sis.receiver.reserved", PI_PROTOCOL, PI_WARN, "Receiver address that is not assigned or reserved (another edition? preference sis.edition)", EXPFILL}},
     {&ei_level_broadcast, {"sis.receiver.level_broadcast", PI_PROTOCOL, PI_WARN, "254 may only be the last address of the list", EXPFILL}},
     {&ei_reaction_unexpected, {"sis.reaction.unexpected", PI_PROTOCOL, PI_WARN, "A group or broadcast is not answered", EXPFILL}},
-    {&ei_status, {"sis.status.error", PI_RESPONSE_CODE, PI_NOTE, "The status is not 'error-free'", EXPFILL}},
+    {&ei_status, {"sis.status.execution_error", PI_RESPONSE_CODE, PI_NOTE, "The status is an execution error", EXPFILL}},
+    {&ei_status_telegram, {"sis.status.telegram_error", PI_RESPONSE_CODE, PI_WARN, "The status is a telegram error", EXPFILL}},
 };
 
 static const enum_val_t edition_choices[] = {
@@ -549,7 +580,7 @@ sis_register_protocol(void)
     expert_register_field_array(expert_register_protocol(proto_sis), experts, array_length(experts));
     sis_address_register();
 
-    module = prefs_register_protocol(proto_sis, sis_transports_apply_preferences);
+    module = prefs_register_protocol(proto_sis, NULL);
     prefs_register_enum_preference(
         module, "edition", "Edition of the telegram header",
         "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", &sis_edition,

@@ -14,12 +14,12 @@
 /* One telegram's header; the tap "sis" gets it. */
 typedef struct {
     unsigned length; /* bytes that are there */
+    bool is_good;    /* start character, equal lengths, all of it, checksum */
     uint8_t control;
     uint8_t service;
     uint8_t sender;
     uint8_t receiver;
     uint8_t subaddress_count;
-    uint8_t last_receiver; /* the last address of the list: the station that is meant */
     bool is_reaction;
     uint8_t talker; /* who really sends: a reaction keeps the command's addresses */
     uint8_t listener;
@@ -36,12 +36,14 @@ unsigned sis_declared_length(tvbuff_t *tvb, unsigned offset);
 /* Sum of bytes modulo 256; 0 for a telegram with a good checksum. */
 uint8_t sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length);
 
+/* A whole telegram with start character, equal lengths and a zero sum. */
+bool sis_is_good(tvbuff_t *tvb, unsigned offset);
+
 /* One telegram; `tvb` begins with it and holds nothing of the next. Adds to the info column. */
 void sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
 
 void sis_register(void);
 void sis_transports_register_preferences(module_t *module);
-void sis_transports_apply_preferences(void);
 void sis_transports_handoff(void);
 void sis_statistics_register(void);
 

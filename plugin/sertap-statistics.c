@@ -38,7 +38,7 @@ count_characters(stats_tree *tree, const sertap_record_t *record)
     for (unsigned kind = 0; kind < array_length(kinds); kind++) {
         int count = 0;
 
-        if (!(record->errors & kinds[kind].flags))
+        if (!(record->flags & kinds[kind].flags))
             continue;
         for (unsigned i = 0; i < record->timed; i++)
             count += !!(compat_get_uint8(record->tvb, record->flags_offset + i) & kinds[kind].flags);
@@ -50,8 +50,11 @@ static void
 count_intervals(stats_tree *tree, const sertap_record_t *record)
 {
     for (unsigned i = 1; i < record->timed; i++) {
-        int us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
+        int us;
 
+        if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_LOST_BEFORE)
+            continue;
+        us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
         tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line sums up here, but does not count */
         stats_tree_tick_range(tree, intervals_name, 0, us);
     }

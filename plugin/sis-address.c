@@ -5,21 +5,11 @@
 #include "sis-address.h"
 
 #include <epan/address_types.h>
-#include <epan/to_str.h>
-
-#include "sis-names.h"
 
 typedef struct {
     uint8_t last; /* the entry holds from after the one before it up to here */
     sis_address_kind_t kind;
 } address_kind_t;
-
-typedef struct {
-    const address_kind_t *receivers;
-    const range_string *receiver_texts;
-    const address_kind_t *senders;
-    const range_string *sender_texts;
-} edition_t;
 
 static const address_kind_t receivers_if02[] = {
     {126, SIS_STATION}, {127, SIS_NOT_ASSIGNED},    {128, SIS_POINT_TO_POINT},   {199, SIS_RESERVED},
@@ -35,18 +25,19 @@ static const address_kind_t receivers_ecodrive03[] = {
 static const address_kind_t senders_if02[] = {
     {126, SIS_STATION},
     {127, SIS_SERVICE_MASTER},
-    {255, SIS_RESERVED},
+    {255, SIS_NO_SENDER},
 };
 
 static const address_kind_t senders_ecodrive03[] = {
     {127, SIS_STATION},
-    {255, SIS_RESERVED},
+    {255, SIS_NO_SENDER},
 };
 
-static const edition_t editions[] = {
-    [SIS_EDITION_IF02] = {receivers_if02, sis_receivers_if02, senders_if02, sis_senders_if02},
-    [SIS_EDITION_ECODRIVE03] = {receivers_ecodrive03, sis_receivers_ecodrive03, senders_ecodrive03,
-                                sis_senders_ecodrive03},
+static const struct {
+    const address_kind_t *receivers, *senders;
+} editions[] = {
+    [SIS_EDITION_IF02] = {receivers_if02, senders_if02},
+    [SIS_EDITION_ECODRIVE03] = {receivers_ecodrive03, senders_ecodrive03},
 };
 
 int sis_edition = SIS_EDITION_IF02;
@@ -75,15 +66,9 @@ sis_sender_kind(uint8_t sender)
 }
 
 const char *
-sis_receiver_text(uint8_t receiver)
+sis_kind_text(sis_address_kind_t kind)
 {
-    return rval_to_str_const(receiver, editions[sis_edition].receiver_texts, "");
-}
-
-const char *
-sis_sender_text(uint8_t sender)
-{
-    return rval_to_str_const(sender, editions[sis_edition].sender_texts, "");
+    return val_to_str_const(kind, sis_address_kinds, "");
 }
 
 bool
@@ -92,43 +77,37 @@ sis_is_answered(uint8_t receiver)
     return sis_receiver_kind(receiver) < SIS_GROUP;
 }
 
-#define STATION_TEXT_SIZE 24
-
-static int
-station_to_text(uint8_t station, char *buffer, int size)
-{
-    switch (sis_receiver_kind(station)) {
-    case SIS_GROUP:
-        return snprintf(buffer, size, "group %u", station);
-    case SIS_LEVEL_BROADCAST:
-        return snprintf(buffer, size, "all on this level");
-    case SIS_GLOBAL_BROADCAST:
-        return snprintf(buffer, size, "all");
-    default:
-        return snprintf(buffer, size, "%u", station);
-    }
-}
-
 const char *
 sis_station_text(wmem_allocator_t *scope, uint8_t station)
 {
-    char buffer[STATION_TEXT_SIZE];
-
-    station_to_text(station, buffer, sizeof buffer);
-    return wmem_strdup(scope, buffer);
+    switch (sis_receiver_kind(station)) {
+    case SIS_GROUP:
+        return wmem_strdup_printf(scope, "group %u", station);
+    case SIS_LEVEL_BROADCAST:
+        return "all on this level";
+    case SIS_GLOBAL_BROADCAST:
+        return "all";
+    case SIS_POINT_TO_POINT:
+        return "point-to-point";
+    default:
+        return wmem_strdup_printf(scope, "%u", station);
+    }
 }
 
-/* AddrValueToString: the length it returns counts the end of the string. */
+#define ADDRESS_TEXT_SIZE 4 /* "255" */
+
+/* AddrValueToString: numbers only, because filters are made of this text. The length it returns counts the
+ * end of the string. */
 static int
 address_to_text(const address *addr, char *buffer, int size)
 {
-    return station_to_text(*(const uint8_t *)addr->data, buffer, size) + 1;
+    return snprintf(buffer, size, "%u", *(const uint8_t *)addr->data) + 1;
 }
 
 static int
 address_text_length(const address *addr _U_)
 {
-    return STATION_TEXT_SIZE;
+    return ADDRESS_TEXT_SIZE;
 }
 
 static int

@@ -5,32 +5,21 @@
 #define SIS_ADDRESS_H
 
 #include "compat.h"
+#include "sis-names.h"
 
 typedef enum { SIS_EDITION_IF02, SIS_EDITION_ECODRIVE03 } sis_edition_t;
 
 /* Preference sis.edition. */
 extern int sis_edition;
 
-typedef enum {
-    SIS_STATION,
-    SIS_SERVICE_MASTER,
-    SIS_NOT_ASSIGNED,
-    SIS_POINT_TO_POINT,
-    SIS_RESERVED,
-    SIS_GROUP,
-    SIS_LEVEL_BROADCAST,
-    SIS_GLOBAL_BROADCAST,
-} sis_address_kind_t;
-
 sis_address_kind_t sis_receiver_kind(uint8_t receiver);
 sis_address_kind_t sis_sender_kind(uint8_t sender);
-const char *sis_receiver_text(uint8_t receiver);
-const char *sis_sender_text(uint8_t sender);
+const char *sis_kind_text(sis_address_kind_t kind);
 
 /* Whether a command to this (last) address is answered at all: not by groups and broadcasts. */
 bool sis_is_answered(uint8_t receiver);
 
-/* "3", "group 201", "all": as it stands in the address columns. */
+/* "3", "group 201", "all": as it stands in the info column. */
 const char *sis_station_text(wmem_allocator_t *scope, uint8_t station);
 
 /* Make an address of ours that points at `station`, which has to live as long. */

@@ -46,42 +46,19 @@ const range_string sis_services[] = {
     {0, 0, NULL},
 };
 
-/* How many of the entries above, from the start, name one service. */
-#define SINGLE_SERVICES 22
-
-/* Receiver address, fig. 2-9. */
-const range_string sis_receivers_if02[] = {
-    {0, 126, "station"},
-    {127, 127, "not assigned"},
-    {128, 128, "point-to-point"},
-    {129, 199, "reserved"},
-    {200, 253, "logical group"},
-    {254, 254, "broadcast on one hierarchy level"},
-    {255, 255, "global broadcast"},
-    {0, 0, NULL},
-};
-
-/* Receiver address, ECODRIVE03. */
-const range_string sis_receivers_ecodrive03[] = {
-    {0, 127, "station"},
-    {128, 254, "logical group"},
-    {255, 255, "global broadcast"},
-    {0, 0, NULL},
-};
-
-/* Sender address, fig. 2-9. */
-const range_string sis_senders_if02[] = {
-    {0, 126, "station"},
-    {127, 127, "service or emergency master"},
-    {128, 255, "not a sender address"},
-    {0, 0, NULL},
-};
-
-/* Sender address, ECODRIVE03. */
-const range_string sis_senders_ecodrive03[] = {
-    {0, 127, "station"},
-    {128, 255, "not a sender address"},
-    {0, 0, NULL},
+/* Kinds of addresses, fig. 2-9; which address is of which kind differs between the editions (sis-address.c).
+ */
+const value_string sis_address_kinds[] = {
+    {SIS_STATION, "station"},
+    {SIS_SERVICE_MASTER, "service or emergency master"},
+    {SIS_POINT_TO_POINT, "point-to-point"},
+    {SIS_NOT_ASSIGNED, "not assigned"},
+    {SIS_RESERVED, "reserved"},
+    {SIS_NO_SENDER, "not a sender address"},
+    {SIS_GROUP, "logical group"},
+    {SIS_LEVEL_BROADCAST, "broadcast on one hierarchy level"},
+    {SIS_GLOBAL_BROADCAST, "global broadcast"},
+    {0, NULL},
 };
 
 /* Telegram control bits 7, 6, 5 of a reaction, ECODRIVE03; the order of the bits is inferred. */
@@ -126,11 +103,27 @@ const range_string sis_status_phase[] = {
     {0, 0, NULL},
 };
 
+static const range_string *
+service_entry(uint8_t service)
+{
+    int index = 0;
+
+    try_rval_to_str_idx(service, sis_services, &index); /* the ranges leave out no service */
+    return &sis_services[index];
+}
+
 const char *
 sis_service_name(wmem_allocator_t *scope, uint8_t service)
 {
-    int index = -1;
-    const char *name = try_rval_to_str_idx(service, sis_services, &index);
+    const range_string *entry = service_entry(service);
 
-    return index < SINGLE_SERVICES ? name : wmem_strdup_printf(scope, "%s 0x%02x", name, service);
+    if (entry->value_min == entry->value_max)
+        return entry->strptr;
+    return wmem_strdup_printf(scope, "%s 0x%02x", entry->strptr, service);
+}
+
+bool
+sis_service_is_reserved(uint8_t service)
+{
+    return strcmp(service_entry(service)->strptr, "Reserved service") == 0;
 }

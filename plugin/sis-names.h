@@ -8,10 +8,19 @@
 
 extern const range_string sis_services[];
 
-extern const range_string sis_receivers_if02[];
-extern const range_string sis_receivers_ecodrive03[];
-extern const range_string sis_senders_if02[];
-extern const range_string sis_senders_ecodrive03[];
+typedef enum {
+    SIS_STATION,
+    SIS_SERVICE_MASTER,
+    SIS_POINT_TO_POINT,
+    SIS_NOT_ASSIGNED,
+    SIS_RESERVED,
+    SIS_NO_SENDER,
+    SIS_GROUP, /* this and the following are not answered */
+    SIS_LEVEL_BROADCAST,
+    SIS_GLOBAL_BROADCAST,
+} sis_address_kind_t;
+
+extern const value_string sis_address_kinds[];
 
 extern const value_string sis_control_status_ecodrive03[];
 
@@ -20,5 +29,8 @@ extern const range_string sis_status_phase[];
 
 /* "Read parameter", or "ECODRIVE service 0x83" where only the range has a name. */
 const char *sis_service_name(wmem_allocator_t *scope, uint8_t service);
+
+/* In the edition of 2004; ECODRIVE03 reserves 0xE0 to 0xEF, too. */
+bool sis_service_is_reserved(uint8_t service);
 
 #endif

@@ -33,6 +33,8 @@ conversation_packet(void *table, packet_info *pinfo, epan_dissect_t *edt _U_, co
     conv_hash_t *hash = table;
     address talker, listener;
 
+    if (!telegram->is_good)
+        return TAP_PACKET_DONT_REDRAW; /* its addresses may be anybody's */
     hash->flags = flags;
     sis_station_address(&talker, &telegram->talker);
     sis_station_address(&listener, &telegram->listener);
@@ -57,6 +59,8 @@ endpoint_packet(void *table, packet_info *pinfo _U_, epan_dissect_t *edt _U_, co
     conv_hash_t *hash = table;
     address talker, listener;
 
+    if (!telegram->is_good)
+        return TAP_PACKET_DONT_REDRAW; /* its addresses may be anybody's */
     hash->flags = flags;
     sis_station_address(&talker, &telegram->talker);
     sis_station_address(&listener, &telegram->listener);

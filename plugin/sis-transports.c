@@ -18,14 +18,33 @@ static compat_bool tcp_heuristic = TRUE;
 static int dlt_user = DLT_USER_OFF;
 static int dlt_user_taken = DLT_USER_OFF;
 
-/* tcp_dissect_pdus: at least 4 bytes are there. What is no telegram is shown as one, to the end of what came.
- */
-static unsigned
-telegram_length(packet_info *pinfo _U_, tvbuff_t *tvb, int offset, void *data _U_)
+/* Whether a telegram may begin at this start character, as far as the bytes that are there can tell. */
+static bool
+may_begin(tvbuff_t *tvb, unsigned offset)
 {
-    unsigned declared = compat_get_uint8(tvb, offset) == SIS_START ? sis_declared_length(tvb, offset) : 0;
+    unsigned there = tvb_captured_length_remaining(tvb, offset), declared = sis_declared_length(tvb, offset);
 
-    return declared > 0 ? declared : (unsigned)tvb_reported_length_remaining(tvb, offset);
+    return there < 4 || declared > there || sis_is_good(tvb, offset);
+}
+
+/* For tcp_dissect_pdus(): the length of the telegram at offset; where there is none (a segment was lost, the
+ * capture began in the middle) that of what goes before the next one; 0 if more bytes are needed to tell. */
+static unsigned
+telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
+{
+    unsigned rest = tvb_reported_length_remaining(tvb, offset), declared = sis_declared_length(tvb, offset);
+    int next = offset;
+
+    if (compat_get_uint8(tvb, offset) == SIS_START) {
+        if (declared > 0)
+            return declared;
+        if (tvb_captured_length_remaining(tvb, offset) < 4)
+            return pinfo->can_desegment ? 0 : rest;
+    }
+    do {
+        next = compat_find_uint8(tvb, next + 1, SIS_START);
+    } while (next >= 0 && !may_begin(tvb, next));
+    return next >= 0 ? (unsigned)(next - offset) : rest;
 }
 
 /* The columns are ours only where a telegram ends: of a segment with just a part of one TCP says what it is.
@@ -44,7 +63,7 @@ dissect_pdu(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 static int
 dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
 {
-    tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 4, telegram_length, dissect_pdu, data);
+    tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 1, telegram_length, dissect_pdu, data);
     return tvb_captured_length(tvb);
 }
 
@@ -53,11 +72,10 @@ dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
 static bool
 is_sis(tvbuff_t *tvb)
 {
-    unsigned there = tvb_captured_length(tvb), declared = sis_declared_length(tvb, 0);
+    unsigned declared = sis_declared_length(tvb, 0);
 
-    return declared > 0 && declared <= there && compat_get_uint8(tvb, 0) == SIS_START &&
-           (declared == there || compat_get_uint8(tvb, declared) == SIS_START) &&
-           sis_sum(tvb, 0, declared) == 0;
+    return sis_is_good(tvb, 0) &&
+           (declared == tvb_captured_length(tvb) || compat_get_uint8(tvb, declared) == SIS_START);
 }
 
 static compat_bool
@@ -66,7 +84,8 @@ dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void 
     if (!tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
         return FALSE;
 
-    conversation_set_dissector(find_or_create_conversation(pinfo), tcp_handle);
+    /* From here on: what came before was something else, in the second pass, too. */
+    conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, tcp_handle);
     dissect_tcp(tvb, pinfo, tree, data);
     return TRUE;
 }
@@ -108,8 +127,8 @@ sis_transports_register_preferences(module_t *module)
 
 /* An entry of "wtap_encap" silently goes before the user's own DLT_USER table: so none before it is asked
  * for, and the link type is handed back to that table afterwards. */
-void
-sis_transports_apply_preferences(void)
+static void
+apply_dlt_user(void)
 {
     if (dlt_user == dlt_user_taken)
         return;
@@ -129,5 +148,6 @@ sis_transports_handoff(void)
     dissector_add_for_decode_as("tcp.port", tcp_handle);
     heur_dissector_add("tcp", dissect_tcp_heuristic, "SIS over TCP", "sis_tcp", proto_sis, HEURISTIC_ENABLE);
     dissector_add_for_decode_as("rtacser.data", sis_handle);
-    sis_transports_apply_preferences();
+    /* At each file, and not when preferences are applied: a change of profile resets them without that. */
+    register_init_routine(apply_dlt_user);
 }

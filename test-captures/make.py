@@ -182,13 +182,14 @@ class Scenario:
     def _do_segment(self, rest: str) -> None:
         direction, data = rest.split(None, 1)
         payload = bytes.fromhex(data)
-        there, back = (
-            self._sequence.get((self._port, direction), 1),
-            "<" if direction == ">" else ">",
-        )
+        there, back = self._sequence.get((self._port, direction), 1), "<" if direction == ">" else ">"
         acknowledged = self._sequence.get((self._port, back), 1)
         self._add(raw=tcp_segment(self._port, direction == ">", there, acknowledged, payload))
         self._sequence[(self._port, direction)] = there + len(payload)
+
+    def _do_lost(self, rest: str) -> None:
+        direction, data = rest.split(None, 1)
+        self._sequence[(self._port, direction)] += len(bytes.fromhex(data))
 
     def _payloads(self) -> list[bytes]:
         """What the packets hold, without the link type's own header."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -38,7 +39,9 @@ HERE = Path(__file__).parent
         ("damaged", "sis.control.error == 1", [21]),
         ("damaged", "sis.number == 5", [22, 23]),
         ("damaged", "sis.service.reserved", [24]),
-        ("damaged", "sis.status.error", [26, 27]),
+        ("damaged", "sis.status.telegram_error", [26]),
+        ("damaged", "sis.status.execution_error", [27]),
+        ("ecodrive03", "sis.control.status.error", [9]),
         ("ecodrive03", "sis.reaction.unexpected", [3]),
         ("ecodrive03", "sis.sender.service_master || sis.receiver.reserved", []),
         (
@@ -53,7 +56,8 @@ HERE = Path(__file__).parent
         ("records", "sertap.same_read", [8]),
         ("records", "sertap.interval.max > 0.004", [3]),
         ("records", "sertap.event == 4", [16]),
-        ("records", 'sertap.text contains "POWER"', [2]),
+        ("records", r'sertap.text contains "ON\r\n"', [2]),
+        ("records", "sertap.uncertainty > 1", []),
         ("records", "frame.packet_flags_crc_error == 1", [5]),
         ("records", "frame.packet_flags_symbol_error == 1", [4, 6]),
         ("records", "sertap.version.unknown", [17]),
@@ -62,6 +66,8 @@ HERE = Path(__file__).parent
         ("records", "sertap.count.wrong", [23]),
         ("tcp", "sis.service == 0x03", [1, 3, 4]),
         ("tcp", "sis.service == 0x92", [5]),
+        ("tcp-resync", "sis.service == 0x92", [4]),
+        ("tcp-resync", "sis.service == 0x9d", [5, 6]),
         ("tcp-foreign", "sis", []),
         ("user0", "sis", [1, 2]),
         ("rtac", "sis.control.reaction == 1", [2]),
@@ -76,6 +82,29 @@ def test_filter(capture: str, display_filter: str, frames: list[int], tshark: Ts
     path = str(HERE / f"{capture}.pcapng")
     found = tshark.output("-r", path, *options, "-Y", display_filter, "-T", "fields", "-e", "frame.number")
     assert [int(number) for number in found.split()] == frames
+
+
+def test_nothing_before_the_first_telegram_becomes_sis(tshark: Tshark) -> None:
+    """In the second pass TCP knows that the stream is SIS; what came before it still is not."""
+    path = str(HERE / "tcp-resync.pcapng")
+    for passes in ([], ["-2"]):
+        found = tshark.output("-r", path, *passes, "-Y", "frame.number == 1 && sis")
+        assert found == ""
+
+
+def test_damaged_telegrams_make_no_stations(tshark: Tshark) -> None:
+    """2 and 8 stand only in damaged.txt's telegrams with a wrong checksum, or as subaddresses."""
+    table = tshark.output("-r", str(HERE / "damaged.pcapng"), "-q", "-z", "endpoints,sis")
+    stations = {line.split()[0] for line in table.splitlines() if line[:1].isdigit()}
+    assert stations == {"3", "16", "127", "128", "144", "168", "200", "254", "255"}
+
+
+def test_cut_by_snaplen_the_telegram_is_still_there(tshark: Tshark, tmp_path: Path) -> None:
+    """60 bytes of a packet: telegram 2-10 is whole, its times are not."""
+    cut = tmp_path / "cut.pcapng"
+    subprocess.run(["editcap", "-s", "60", str(HERE / "specification.pcapng"), str(cut)], check=True)
+    found = tshark.output("-r", str(cut), "-Y", "sis.checksum.status == 1", "-T", "fields", "-e", "frame.number")
+    assert found.split()[0] == "1"
 
 
 def test_user_link_type_is_left_alone_until_asked(tshark: Tshark) -> None:

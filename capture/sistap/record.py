@@ -12,7 +12,7 @@ from sistap.line import ERROR_FLAGS, PARITIES, UNCERTAINTY_UNKNOWN, Flag, LineSe
 
 VERSION = 1
 HEADER = struct.Struct(">BBBBIBBBBIHH")
-MAX_CHARACTERS = 0xFFFF
+MAX_CHARACTERS = 43_000  # 6 bytes each: Wireshark refuses a file with a packet of more than 262,144 bytes
 INTERVAL_MAX = 0xFFFFFFFF
 
 
