@@ -163,14 +163,10 @@ def main() -> int:
     rounds = 0
     try:
         with Tshark() as tshark:
-            if (
-                "SIS"
-                not in tshark.run(
-                    ["-r", str(HERE / "specification.pcapng")],
-                    extra_environment=SANITIZERS,
-                ).stdout
-            ):
-                raise TsharkError("the sanitized plugin is not loaded; set WIRESHARK_PLUGIN_DIR to a folder with it")
+            first = tshark.run(["-r", str(HERE / "specification.pcapng")], extra_environment=SANITIZERS)
+            if "SIS" not in first.stdout:
+                print(first.stderr[-4000:], file=sys.stderr)
+                raise TsharkError("nothing is dissected: is the sanitized plugin in WIRESHARK_PLUGIN_DIR?")
             while rounds < arguments.rounds or time.monotonic() < end:
                 if not run_round(tshark, arguments.seed + rounds, by_link):
                     return 1

@@ -174,6 +174,9 @@ class PosixReader:
             self._emptied_ns = now
         if not characters:
             return None
+        if len(characters) > 1 and not late:
+            # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
+            uncertainty_ns = min(uncertainty_ns + self.settings.character_ns, UNCERTAINTY_UNKNOWN)
         if self._counters is not None:
             flags = self._with_counted(flags)
         return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns)

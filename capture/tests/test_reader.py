@@ -273,6 +273,18 @@ def test_a_reader_that_waited_is_not_late(bus: Pty, monkeypatch: pytest.MonkeyPa
     source.close()
 
 
+def test_several_at_once_were_not_read_in_time(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    monkeypatch.setattr(os, "read", lambda fd, size: b"AB")
+    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)] if timeout_ms else [])
+    read = source.read(PATIENCE_S)
+    assert read is not None
+    # The next one was not there yet: so B had been there for less than the 11 bits of a character.
+    assert read.uncertainty_ns == LATENCY + 11 * 1_000_000_000 // 115200
+    monkeypatch.undo()
+    source.close()
+
+
 def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
