@@ -322,6 +322,24 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
         proto_item_append_text(ti, " (times uncertain by %.3f ms)", record->uncertainty / 1e6);
 }
 
+/* Whether somebody sees the characters or filters for them. Most readings of a large file do neither, and a
+ * record has five items a character. */
+static bool
+are_characters_wanted(proto_tree *tree)
+{
+    static int *const fields[] = {&hf_character, &hf_interval, &hf_flags};
+
+    for (unsigned i = 0; i < array_length(fields); i++) {
+        if (proto_field_is_referenced(tree, *fields[i]))
+            return true;
+    }
+    for (unsigned i = 0; i < array_length(flags); i++) {
+        if (proto_field_is_referenced(tree, *flags[i].hf))
+            return true;
+    }
+    return false;
+}
+
 static void
 add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
 {
@@ -330,6 +348,8 @@ add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap
 
     if (record->interval_max_at > 0)
         add_interval_max(tree, pinfo, tvb, record);
+    if (!are_characters_wanted(tree))
+        return;
     subtree =
         proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_characters, NULL,
                                       "%u character%s", record->timed, plurality(record->timed, "", "s"));

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What does a telegram cost in tshark, beside a Modbus RTU frame of the same size?
+
+    python3 dissect.py [--count 200000] [--rounds 5]
+
+The cost of a record is the increase: the time for all of them less the time for one, divided by their number. The two
+protocols take turns, and the best of the rounds counts. README.md says more. Exit code 1 if something broke; a goal
+that is not met is only said.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import itertools
+import os
+import resource
+import struct
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from telegrams import telegrams  # noqa: E402
+
+from sistap import pcapng  # noqa: E402
+from sistap.line import Flag, LineSettings  # noqa: E402
+from sistap.record import Record, Type  # noqa: E402
+from sistap.tshark import Tshark, TsharkError  # noqa: E402
+
+SETTINGS = LineSettings(115200, 8, "E", 2)
+START_NS = 1_700_000_000_000_000_000
+SILENCE_NS = 2_000_000  # before each telegram
+UNCERTAINTY_NS = 100_000
+GOAL_RATIO = 1.0
+
+# How tshark shows it, and the part of the packets that is enough for a way that is slow.
+MODES: dict[str, tuple[list[str], int]] = {
+    "list": ([], 1),
+    "-Y FILTER": (["-Y", "frame.number == 0"], 1),
+    "-T fields": (["-T", "fields", "-e", "frame.number"], 4),
+    "-V": (["-V"], 10),
+}
+
+
+class Protocol(NamedTuple):
+    """One side of the comparison."""
+
+    name: str
+    link_type: int
+    packet: Callable[[int, bytes, int], bytes]  # number, telegram, time in ns
+    options: list[str]
+    layers: str  # as Wireshark lists them for every packet
+
+
+def sis_packet(number: int, telegram: bytes, time_ns: int) -> bytes:
+    """Make the record of a telegram without a pause."""
+    intervals = [SILENCE_NS] + [SETTINGS.character_ns] * (len(telegram) - 1)
+    flags = bytes([Flag.INTERVAL_UNKNOWN if number == 0 else 0]) + bytes(len(telegram) - 1)
+    record = Record(time_ns, Type.FRAME, 0, SETTINGS, telegram, intervals, flags, UNCERTAINTY_NS)
+    return pcapng.upper_pdu("sertap", record.pack())
+
+
+def modbus_packet(number: int, telegram: bytes, time_ns: int) -> bytes:
+    """Make a Modbus RTU frame as long as the telegram, behind the header of LINKTYPE_RTAC_SERIAL."""
+    seconds, rest = divmod(time_ns, 1_000_000_000)
+    header = struct.pack(">IIBBH", seconds, rest // 1000, 1 + number % 2, 0, 0)  # sent and received take turns
+    receiver = telegram[7:8]  # 3 and 4 take turns: so every response has its query a few frames before
+    frame = receiver + modbus_body(number, len(telegram) - 3)
+    return header + frame + struct.pack("<H", crc(frame))
+
+
+def modbus_body(number: int, size: int) -> bytes:
+    """Make function and data: read registers (query, response), write registers (query), or diagnostics."""
+    registers = bytes((number + i) & 0xFF for i in range(size))
+    if size == 5:
+        return struct.pack(">BHH", 3, number % 1000, 7)
+    if size % 2:
+        return struct.pack(">BH", 8, 0) + registers[3:]
+    if number % 2 or size == 6:
+        return struct.pack(">BB", 3, size - 2) + registers[2:]
+    return struct.pack(">BHHB", 16, number % 1000, (size - 6) // 2, size - 6) + registers[6:]
+
+
+def crc(frame: bytes) -> int:
+    """Give Modbus RTU's check: polynomial 0xA001 (reflected), start 0xFFFF."""
+    value = 0xFFFF
+    for byte in frame:
+        value ^= byte
+        for _ in range(8):
+            value = value >> 1 ^ (0xA001 if value & 1 else 0)
+    return value
+
+
+PROTOCOLS = [
+    Protocol("SIS", pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, sis_packet, [], "exported_pdu:sertap:sis"),
+    Protocol(
+        "Modbus RTU",
+        pcapng.LINKTYPE_RTAC_SERIAL,
+        modbus_packet,
+        ["-d", "rtacser.data,mbrtu"],
+        "rtacser:mbrtu:modbus",
+    ),
+]
+
+
+def write_capture(file: Path, protocol: Protocol, count: int) -> None:
+    """Write so many packets."""
+    time_ns = START_NS
+    with file.open("wb") as out:
+        out.write(pcapng.section_header("dissect.py", ""))
+        out.write(pcapng.interface_description(pcapng.Interface(protocol.link_type, protocol.name)))
+        for number, telegram in enumerate(itertools.islice(telegrams(), count)):
+            out.write(pcapng.enhanced_packet(0, time_ns, protocol.packet(number, telegram, time_ns)))
+            time_ns += SILENCE_NS + (len(telegram) - 1) * SETTINGS.character_ns
+
+
+class Benchmark:
+    """Captures of each protocol, and the tshark that reads them."""
+
+    def __init__(self, folder: Path, tshark: Tshark) -> None:
+        """Make captures in `folder` as they are needed."""
+        self._folder = folder
+        self._tshark = tshark
+
+    def capture(self, protocol: Protocol, count: int) -> str:
+        """Give the path of a capture with so many packets."""
+        file = self._folder / f"{protocol.link_type}-{count}.pcapng"
+        if not file.exists():
+            write_capture(file, protocol, count)
+        return str(file)
+
+    def check(self, protocol: Protocol) -> None:
+        """Raise TsharkError unless every packet is decoded by the right dissectors, and nothing is wrong with it."""
+        fields = ["-T", "fields", "-e", "frame.protocols", "-e", "_ws.expert"]
+        said = self._tshark.output("-r", self.capture(protocol, 1000), *protocol.options, *fields)
+        if set(said.splitlines()) != {f"{protocol.layers}\t"}:
+            raise TsharkError(f"{protocol.name} is not decoded; is WIRESHARK_PLUGIN_DIR a folder with the plugin?")
+
+    def cost_us(self, mode: str, count: int, rounds: int) -> list[float]:
+        """Give the time that a packet adds, in us, for each protocol."""
+        layers, part = MODES[mode]
+        counts = (max(count // part, 2), 1)
+        best_s = {(protocol.name, number): float("inf") for protocol in PROTOCOLS for number in counts}
+        for _ in range(rounds):
+            for protocol, number in itertools.product(PROTOCOLS, counts):
+                taken_s = self._cpu_s("-r", self.capture(protocol, number), *protocol.options, *layers)
+                best_s[protocol.name, number] = min(best_s[protocol.name, number], taken_s)
+        many, one = counts
+        return [
+            (best_s[protocol.name, many] - best_s[protocol.name, one]) / (many - one) * 1e6 for protocol in PROTOCOLS
+        ]
+
+    def _cpu_s(self, *arguments: str) -> float:
+        """Run tshark with its output thrown away; give how long it had a core, user and system."""
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        with silent():
+            code = self._tshark.run(arguments, capture=False).returncode
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if code != 0:
+            raise TsharkError(f"tshark ended with exit code {code}")
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+@contextlib.contextmanager
+def silent() -> Iterator[None]:
+    """Send what children print to nowhere: in a pipe it would cost time, too."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with Path(os.devnull).open("wb") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+def compare(benchmark: Benchmark, count: int, rounds: int) -> None:
+    """Measure and print the table."""
+    print(f"{'us a packet':<14}" + "".join(f"{protocol.name:>12}" for protocol in PROTOCOLS) + f"{'ratio':>8}")
+    for mode in MODES:
+        ours, theirs = benchmark.cost_us(mode, count, rounds)
+        goal = f"  goal {GOAL_RATIO}: {'met' if ours <= GOAL_RATIO * theirs else 'NOT MET'}" if mode == "list" else ""
+        print(f"{mode:<14}{ours:>12.2f}{theirs:>12.2f}{ours / theirs:>8.2f}{goal}")
+
+
+def main() -> int:
+    """Measure once."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=200_000, help="packets of each protocol (default 200000)")
+    parser.add_argument("--rounds", type=int, default=5, help="how often each is measured (default 5)")
+    arguments = parser.parse_args()
+    try:
+        with tempfile.TemporaryDirectory(prefix="sistap-benchmark-") as folder, Tshark() as tshark:
+            benchmark = Benchmark(Path(folder), tshark)
+            for protocol in PROTOCOLS:
+                benchmark.check(protocol)
+            compare(benchmark, arguments.count, arguments.rounds)
+    except (TsharkError, OSError) as error:
+        print(f"dissect.py: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
