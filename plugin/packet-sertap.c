@@ -265,6 +265,8 @@ survey_characters(tvbuff_t *tvb, sertap_record_t *record)
                 record->first_at[bit] = i;
         }
         record->flags |= flag;
+        if (i > 0)
+            record->duration += interval;
         if (i > 0 && interval > record->interval_max && !(flag & SERTAP_LOST_BEFORE)) {
             record->interval_max = interval;
             record->interval_max_at = i;
@@ -419,12 +421,31 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
                         tvb_format_text(pinfo->pool, tvb, offset, shown), more);
 }
 
+enum { FRAMING, RECORD }; /* keys of what is kept while a packet is dissected */
+
+const sertap_record_t *
+sertap_record(packet_info *pinfo)
+{
+    return p_get_proto_data(pinfo->pool, pinfo, proto_sertap, RECORD);
+}
+
+nstime_t
+sertap_duration(packet_info *pinfo)
+{
+    const sertap_record_t *record = sertap_record(pinfo);
+    uint64_t ns = record != NULL ? record->duration : 0;
+    nstime_t duration = {(time_t)(ns / 1000000000), (int)(ns % 1000000000)};
+
+    return duration;
+}
+
 static void
 dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const sertap_record_t *record)
 {
     tvbuff_t *payload = tvb_new_subset_length(tvb, record->data_offset, record->count);
 
-    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, 0, GUINT_TO_POINTER((unsigned)record->framing));
+    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, FRAMING, GUINT_TO_POINTER((unsigned)record->framing));
+    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, RECORD, (void *)(uintptr_t)record);
     col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
     if (record->count > 0 && !compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
         call_data_dissector(payload, pinfo, parent);
@@ -467,7 +488,7 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
 static void
 framing_prompt(packet_info *pinfo, char *result)
 {
-    unsigned framing = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sertap, 0));
+    unsigned framing = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sertap, FRAMING));
 
     snprintf(result, MAX_DECODE_AS_PROMPT_LEN, "Framing %u as", framing);
 }
@@ -475,7 +496,7 @@ framing_prompt(packet_info *pinfo, char *result)
 static void *
 framing_value(packet_info *pinfo)
 {
-    return p_get_proto_data(pinfo->pool, pinfo, proto_sertap, 0);
+    return p_get_proto_data(pinfo->pool, pinfo, proto_sertap, FRAMING);
 }
 
 static void

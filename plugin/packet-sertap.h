@@ -36,11 +36,19 @@ typedef struct {
     unsigned flags_offset;
     uint8_t flags;            /* of all its characters, ORed */
     unsigned first_at[8];     /* by bit of a flag: the first character that has it */
+    uint64_t duration;        /* ns, from the first character to the last */
     uint32_t interval_max;    /* ns, longest between two characters of this record */
     unsigned interval_max_at; /* before this character; 0: there is none */
 } sertap_record_t;
 
 #define SERTAP_UNCERTAINTY_UNKNOWN 0xFFFFFFFF
+
+/* The record that this packet is, from the first character of the payload on; NULL where it is none. Valid
+ * while the packet is dissected. */
+const sertap_record_t *sertap_record(packet_info *pinfo);
+
+/* From the first to the last character of this packet; 0 where there are no times. */
+nstime_t sertap_duration(packet_info *pinfo);
 
 void sertap_register(void);
 void sertap_statistics_register(void);

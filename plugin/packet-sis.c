@@ -4,25 +4,24 @@
 
 #include "packet-sis.h"
 
-#include <epan/expert.h>
 #include <epan/tap.h>
 
 #include "sis-address.h"
-#include "sis-names.h"
+#include "sis-body.h"
+#include "sis-exchange.h"
 
-#define CONTROL_SUBADDRESSES 0x07
-#define CONTROL_NUMBER       0x08
-#define CONTROL_REACTION     0x10
-#define CONTROL_RESERVED     0x20
-#define CONTROL_WARNING      0x40
-#define CONTROL_ERROR        0x80
-#define CONTROL_STATUS       0xE0
+#define CONTROL_RESERVED 0x20
+#define CONTROL_WARNING  0x40
+#define CONTROL_ERROR    0x80
+#define CONTROL_STATUS   0xE0
 
 #define MAX_SUBADDRESSES 7
 
 int proto_sis = -1;
 dissector_handle_t sis_handle;
 int sis_tap = -1;
+int hf_sis_service = -1;
+expert_module_t *sis_experts;
 
 static int hf_start = -1;
 static int hf_checksum = -1;
@@ -37,7 +36,6 @@ static int hf_control_reserved = -1;
 static int hf_control_warning = -1;
 static int hf_control_error = -1;
 static int hf_control_status = -1;
-static int hf_service = -1;
 static int hf_sender = -1;
 static int hf_receiver = -1;
 static int hf_subaddress = -1;
@@ -45,8 +43,6 @@ static int hf_number = -1;
 static int hf_talker = -1;
 static int hf_listener = -1;
 static int hf_station = -1;
-static int hf_status = -1;
-static int hf_raw = -1;
 
 static int ett_sis = -1;
 static int ett_control = -1;
@@ -68,8 +64,6 @@ static expert_field ei_sender_invalid = EI_INIT;
 static expert_field ei_receiver_reserved = EI_INIT;
 static expert_field ei_level_broadcast = EI_INIT;
 static expert_field ei_reaction_unexpected = EI_INIT;
-static expert_field ei_status = EI_INIT;
-static expert_field ei_status_telegram = EI_INIT;
 
 static const value_string checksum_states[] = {
     {PROTO_CHECKSUM_E_BAD, "Bad"},
@@ -90,6 +84,7 @@ typedef struct {
     unsigned declared; /* 0: its two lengths differ, or are not there */
     unsigned end;      /* of what belongs to the telegram and is there */
     sis_telegram_t *telegram;
+    wmem_strbuf_t *marks; /* for the end of the info column: what is wrong */
 } dissection_t;
 
 /* Something is wrong: an expert item, and a mark that people see in the info column. */
@@ -97,7 +92,7 @@ static void
 mark(const dissection_t *d, proto_item *ti, expert_field *ei, const char *text)
 {
     expert_add_info(d->pinfo, ti, ei);
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [%s]", text);
+    wmem_strbuf_append_printf(d->marks, "  [%s]", text);
 }
 
 unsigned
@@ -146,7 +141,7 @@ dissect_checksum(const dissection_t *d)
     proto_tree_add_checksum(d->tree, d->tvb, 1, hf_checksum, hf_checksum_status, &ei_checksum, d->pinfo,
                             expected, ENC_NA, flags);
     if (checksum != expected)
-        col_append_str(d->pinfo->cinfo, COL_INFO, "  [wrong checksum]");
+        wmem_strbuf_append(d->marks, "  [wrong checksum]");
 }
 
 static void
@@ -160,11 +155,11 @@ dissect_lengths(const dissection_t *d)
     } else if (there < d->declared) {
         expert_add_info_format(d->pinfo, ti, &ei_too_short, "The telegram is cut: %u of %u bytes", there,
                                d->declared);
-        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [cut: %u of %u bytes]", there, d->declared);
+        wmem_strbuf_append_printf(d->marks, "  [cut: %u of %u bytes]", there, d->declared);
     } else if (there > d->declared) {
         expert_add_info_format(d->pinfo, ti, &ei_too_long, "%u bytes follow the end of the telegram",
                                there - d->declared);
-        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [%u bytes too many]", there - d->declared);
+        wmem_strbuf_append_printf(d->marks, "  [%u bytes too many]", there - d->declared);
     }
 }
 
@@ -197,7 +192,7 @@ dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
     }
     expert_add_info_format(d->pinfo, ti, status == ECODRIVE03_ERROR ? &ei_control_error : &ei_control_status,
                            "Status in the telegram control: %s", text);
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [control status %u: %s]", status, text);
+    wmem_strbuf_append_printf(d->marks, "  [control status %u: %s]", status, text);
 }
 
 static void
@@ -228,7 +223,7 @@ static void
 dissect_service(const dissection_t *d)
 {
     uint8_t service = d->telegram->service;
-    proto_item *ti = proto_tree_add_item(d->tree, hf_service, d->tvb, 5, 1, ENC_NA);
+    proto_item *ti = proto_tree_add_item(d->tree, hf_sis_service, d->tvb, 5, 1, ENC_NA);
 
     if (sis_service_is_reserved(service) || (sis_edition == SIS_EDITION_ECODRIVE03 && service >= 0xE0))
         expert_add_info(d->pinfo, ti, &ei_service_reserved);
@@ -304,51 +299,48 @@ dissect_addresses(const dissection_t *d)
     add_generated_station(d, hf_station, d->telegram->listener, true);
 }
 
-/* General services, SERCOS services, ECODRIVE and SYNAX put a status byte first into a reaction
- * (chapter 2.3); the other product groups need not, and their bodies are not documented. */
-static bool
-has_status(uint8_t service)
-{
-    return service <= 0x1F || (service >= 0x80 && service <= 0x9F);
-}
-
-static bool
-is_phase_service(uint8_t service)
-{
-    return service == 0x12 || service == 0x1D || service == 0x92 || service == 0x9D;
-}
-
-static void
-dissect_status(const dissection_t *d, unsigned offset)
-{
-    uint8_t status = compat_get_uint8(d->tvb, offset);
-    const char *text = NULL;
-    proto_item *ti;
-
-    if (is_phase_service(d->telegram->service))
-        text = try_rval_to_str(status, sis_status_phase);
-    if (text == NULL)
-        text = rval_to_str_const(status, sis_status, "");
-    ti = proto_tree_add_uint_format_value(d->tree, hf_status, d->tvb, offset, 1, status, "%s (0x%02x)", text,
-                                          status);
-    if (status != 0) {
-        expert_add_info_format(d->pinfo, ti, status < 0xF0 ? &ei_status : &ei_status_telegram, "Status: %s",
-                               text);
-        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  [status: %s]", text);
-    }
-}
-
-static void
+/* Takes the useful data apart, with what their exchange knows. Gives words for the packet list. */
+static const char *
 dissect_useful_data(const dissection_t *d)
 {
-    unsigned offset = d->telegram->body_offset, there = tvb_reported_length(d->tvb);
+    wmem_allocator_t *pool = d->pinfo->pool;
+    const sis_telegram_t *telegram = d->telegram;
+    sis_record_t *record = telegram->is_good ? sis_exchange_find(d->tvb, d->pinfo, telegram) : NULL;
+    sis_exchange_t *exchange = record != NULL ? record->exchange : NULL;
+    sis_request_t request = {.service = telegram->service};
+    sis_body_t body = {.tvb = d->tvb,
+                       .pinfo = d->pinfo,
+                       .tree = d->tree,
+                       .root = d->root,
+                       .item = d->root,
+                       .offset = MIN(telegram->body_offset, d->end),
+                       .end = d->end,
+                       .is_cut = d->end < d->declared || d->declared == 0 || telegram->body_offset > d->end,
+                       .is_reaction = telegram->is_reaction,
+                       .service = telegram->service,
+                       .summary = wmem_strbuf_new(pool, sis_service_name(pool, telegram->service)),
+                       .marks = d->marks,
+                       .request = telegram->is_reaction ? NULL : &request,
+                       .asked = exchange != NULL ? exchange->request : NULL,
+                       .record = record};
 
-    if (d->telegram->is_reaction && has_status(d->telegram->service) && offset < d->end)
-        dissect_status(d, offset++);
-    if (offset < d->end)
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, offset, d->end - offset, ENC_NA);
+    if (record != NULL)
+        sis_exchange_show(record, d->tvb, d->pinfo, d->tree, d->root, telegram, d->marks);
+    else
+        sis_exchange_damaged(d->pinfo);
+    sis_dissect_body(&body);
+    if (exchange != NULL && !telegram->is_reaction)
+        sis_exchange_keep(exchange, &request);
+    return wmem_strbuf_get_str(body.summary);
+}
+
+static void
+dissect_trailer(const dissection_t *d)
+{
+    unsigned there = tvb_captured_length(d->tvb);
+
     if (d->end < there)
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, d->end, there - d->end, ENC_NA);
+        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, d->end, there - d->end, ENC_NA);
 }
 
 /* Reads the static header, 8 bytes. */
@@ -363,12 +355,19 @@ read_header(tvbuff_t *tvb, packet_info *pinfo)
     telegram->service = compat_get_uint8(tvb, 5);
     telegram->sender = compat_get_uint8(tvb, 6);
     telegram->receiver = compat_get_uint8(tvb, 7);
-    telegram->subaddress_count = telegram->control & CONTROL_SUBADDRESSES;
-    telegram->is_reaction = telegram->control & CONTROL_REACTION;
+    telegram->subaddress_count = telegram->control & SIS_CONTROL_SUBADDRESSES;
+    telegram->is_reaction = telegram->control & SIS_CONTROL_REACTION;
     telegram->talker = telegram->is_reaction ? telegram->receiver : telegram->sender;
     telegram->listener = telegram->is_reaction ? telegram->sender : telegram->receiver;
     telegram->body_offset =
-        SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & CONTROL_NUMBER) ? 1 : 0);
+        SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
+    telegram->declared = sis_declared_length(tvb, 0);
+    telegram->is_good = sis_is_good(tvb, 0) && telegram->body_offset <= telegram->declared;
+    telegram->last_address = telegram->receiver;
+    if (telegram->is_good && telegram->subaddress_count > 0)
+        telegram->last_address = compat_get_uint8(tvb, SIS_STATIC_LENGTH + telegram->subaddress_count - 1);
+    if (telegram->is_good && (telegram->control & SIS_CONTROL_NUMBER))
+        telegram->number = compat_get_uint8(tvb, telegram->body_offset - 1);
     return telegram;
 }
 
@@ -391,20 +390,17 @@ route_text(const dissection_t *d)
     return wmem_strbuf_get_str(text);
 }
 
-/* What the packet list and the head of the tree say: "16 -> 3  Command  Read parameter". */
-static void
-summarize(const dissection_t *d)
+/* Who speaks to whom; a reaction keeps the command's addresses. */
+static const char *
+stations_text(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
     const char *sender = sis_station_text(pool, telegram->sender), *route = route_text(d);
-    const char *name = sis_service_name(pool, telegram->service);
-    const char *talker = telegram->is_reaction ? route : sender,
-               *listener = telegram->is_reaction ? sender : route;
-    const char *kind = telegram->is_reaction ? "Reaction" : "Command";
 
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s -> %s  %s  %s", talker, listener, kind, name);
-    proto_item_append_text(d->root, ", %s -> %s, %s, %s", talker, listener, kind, name);
+    if (telegram->is_reaction)
+        return wmem_strdup_printf(pool, "%s -> %s", route, sender);
+    return wmem_strdup_printf(pool, "%s -> %s", sender, route);
 }
 
 static void
@@ -416,12 +412,14 @@ dissect_start(const dissection_t *d)
         mark(d, ti, &ei_start, "no start character");
 }
 
+/* Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044". */
 static void
-dissect_whole_header(dissection_t *d)
+dissect_whole_telegram(dissection_t *d)
 {
+    const char *stations, *kind, *words;
+
     d->telegram = read_header(d->tvb, d->pinfo);
     sis_set_addresses(d->pinfo, d->telegram->talker, d->telegram->listener);
-    summarize(d);
     dissect_start(d);
     dissect_checksum(d);
     proto_tree_add_item(d->tree, hf_length, d->tvb, 2, 1, ENC_NA);
@@ -429,8 +427,13 @@ dissect_whole_header(dissection_t *d)
     dissect_control(d);
     dissect_service(d);
     dissect_addresses(d);
-    dissect_useful_data(d);
-    d->telegram->is_good = sis_is_good(d->tvb, 0);
+    words = dissect_useful_data(d);
+    dissect_trailer(d);
+
+    stations = stations_text(d);
+    kind = d->telegram->is_reaction ? "Reaction" : "Command";
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s  %s  %s", stations, kind, words);
+    proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, words);
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
 
@@ -444,7 +447,7 @@ dissect_stump(const dissection_t *d)
                     SIS_STATIC_LENGTH);
     dissect_start(d);
     if (there > 1)
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, 1, there - 1, ENC_NA);
+        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, there - 1, ENC_NA);
     expert_add_info_format(d->pinfo, d->root, &ei_too_short,
                            "The telegram is cut: %u byte%s, it has at least %u", there,
                            plurality(there, "", "s"), SIS_STATIC_LENGTH);
@@ -459,17 +462,20 @@ dissect_no_telegram(const dissection_t *d)
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Not a telegram, %u byte%s", there, plurality(there, "", "s"));
     proto_item_append_text(d->root, ", not a telegram");
     expert_add_info(d->pinfo, d->root, &ei_start);
-    proto_tree_add_item(d->tree, hf_raw, d->tvb, 0, there, ENC_NA);
+    proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, there, ENC_NA);
 }
 
 void
 sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
 {
     unsigned there = tvb_reported_length(tvb);
-    dissection_t d = {.tvb = tvb, .pinfo = pinfo, .declared = sis_declared_length(tvb, 0)};
+    dissection_t d = {.tvb = tvb,
+                      .pinfo = pinfo,
+                      .declared = sis_declared_length(tvb, 0),
+                      .marks = wmem_strbuf_new(pinfo->pool, "")};
     const char *info = col_get_text(pinfo->cinfo, COL_INFO);
 
-    d.end = d.declared > 0 ? MIN(d.declared, there) : there;
+    d.end = MIN(d.declared > 0 ? d.declared : there, tvb_captured_length(tvb));
     d.root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
     d.tree = proto_item_add_subtree(d.root, ett_sis);
     if (info != NULL && info[0] != '\0' && !g_str_has_suffix(info, " "))
@@ -479,7 +485,9 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
     else if (there < SIS_STATIC_LENGTH)
         dissect_stump(&d);
     else
-        dissect_whole_header(&d);
+        dissect_whole_telegram(&d);
+    col_append_str(pinfo->cinfo, COL_INFO, wmem_strbuf_get_str(d.marks));
+    tvb_ensure_bytes_exist(tvb, 0, (int)there); /* else Wireshark says that the capture has cut the packet */
 }
 
 /* Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
@@ -520,14 +528,14 @@ static hf_register_info fields[] = {
     {&hf_length, {"Data length", "sis.length", FT_UINT8, BASE_DEC, NULL, 0, "Bytes after the static header of 8", HFILL}},
     {&hf_length_repeat, {"Data length repetition", "sis.length_repeat", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_control, {"Telegram control", "sis.control", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_control_subaddresses, {"Subaddresses", "sis.control.subaddresses", FT_UINT8, BASE_DEC, NULL, CONTROL_SUBADDRESSES, NULL, HFILL}},
-    {&hf_control_number, {"Telegram number", "sis.control.number", FT_BOOLEAN, 8, TFS(&present_absent), CONTROL_NUMBER, NULL, HFILL}},
-    {&hf_control_reaction, {"Kind", "sis.control.reaction", FT_BOOLEAN, 8, TFS(&command_reaction), CONTROL_REACTION, NULL, HFILL}},
+    {&hf_control_subaddresses, {"Subaddresses", "sis.control.subaddresses", FT_UINT8, BASE_DEC, NULL, SIS_CONTROL_SUBADDRESSES, NULL, HFILL}},
+    {&hf_control_number, {"Telegram number", "sis.control.number", FT_BOOLEAN, 8, TFS(&present_absent), SIS_CONTROL_NUMBER, NULL, HFILL}},
+    {&hf_control_reaction, {"Kind", "sis.control.reaction", FT_BOOLEAN, 8, TFS(&command_reaction), SIS_CONTROL_REACTION, NULL, HFILL}},
     {&hf_control_reserved, {"Reserved", "sis.control.reserved", FT_BOOLEAN, 8, NULL, CONTROL_RESERVED, NULL, HFILL}},
     {&hf_control_warning, {"System warning of the sender", "sis.control.warning", FT_BOOLEAN, 8, NULL, CONTROL_WARNING, NULL, HFILL}},
     {&hf_control_error, {"System error of the sender", "sis.control.error", FT_BOOLEAN, 8, NULL, CONTROL_ERROR, NULL, HFILL}},
     {&hf_control_status, {"Status", "sis.control.status", FT_UINT8, BASE_DEC, VALS(sis_control_status_ecodrive03), CONTROL_STATUS, NULL, HFILL}},
-    {&hf_service, {"Service", "sis.service", FT_UINT8, BASE_HEX | BASE_RANGE_STRING, RVALS(sis_services), 0, NULL, HFILL}},
+    {&hf_sis_service, {"Service", "sis.service", FT_UINT8, BASE_HEX | BASE_RANGE_STRING, RVALS(sis_services), 0, NULL, HFILL}},
     {&hf_sender, {"Sender address", "sis.sender", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_receiver, {"Receiver address", "sis.receiver", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_subaddress, {"Subaddress", "sis.subaddress", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
@@ -535,8 +543,6 @@ static hf_register_info fields[] = {
     {&hf_talker, {"Talker", "sis.talker", FT_UINT8, BASE_DEC, NULL, 0, "Who really sends: a reaction keeps the command's addresses", HFILL}},
     {&hf_listener, {"Listener", "sis.listener", FT_UINT8, BASE_DEC, NULL, 0, "For whom it really is", HFILL}},
     {&hf_station, {"Station", "sis.station", FT_UINT8, BASE_DEC, NULL, 0, "Talker or listener", HFILL}},
-    {&hf_status, {"Status", "sis.status", FT_UINT8, BASE_HEX | BASE_RANGE_STRING, RVALS(sis_status), 0, NULL, HFILL}},
-    {&hf_raw, {"Not decoded", "sis.raw", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
 };
 
 static ei_register_info experts[] = {
@@ -557,8 +563,6 @@ static ei_register_info experts[] = {
     {&ei_receiver_reserved, {"sis.receiver.reserved", PI_PROTOCOL, PI_WARN, "Receiver address that is not assigned or reserved (another edition? preference sis.edition)", EXPFILL}},
     {&ei_level_broadcast, {"sis.receiver.level_broadcast", PI_PROTOCOL, PI_WARN, "254 may only be the last address of the list", EXPFILL}},
     {&ei_reaction_unexpected, {"sis.reaction.unexpected", PI_PROTOCOL, PI_WARN, "A group or broadcast is not answered", EXPFILL}},
-    {&ei_status, {"sis.status.execution_error", PI_RESPONSE_CODE, PI_NOTE, "The status is an execution error", EXPFILL}},
-    {&ei_status_telegram, {"sis.status.telegram_error", PI_RESPONSE_CODE, PI_WARN, "The status is a telegram error", EXPFILL}},
 };
 
 static const enum_val_t edition_choices[] = {
@@ -577,7 +581,8 @@ sis_register_protocol(void)
     proto_sis = proto_register_protocol("Rexroth SIS serial protocol", "SIS", "sis");
     proto_register_field_array(proto_sis, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
-    expert_register_field_array(expert_register_protocol(proto_sis), experts, array_length(experts));
+    sis_experts = expert_register_protocol(proto_sis);
+    expert_register_field_array(sis_experts, experts, array_length(experts));
     sis_address_register();
 
     module = prefs_register_protocol(proto_sis, NULL);
@@ -585,6 +590,7 @@ sis_register_protocol(void)
         module, "edition", "Edition of the telegram header",
         "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", &sis_edition,
         edition_choices, FALSE);
+    sis_body_register(module);
     sis_transports_register_preferences(module);
 
     sis_handle = register_dissector("sis", dissect_sis, proto_sis);

@@ -11,15 +11,23 @@
 #define SIS_START         0x02
 #define SIS_STATIC_LENGTH 8u /* of the header; DatLW counts what comes after it */
 
+/* Telegram control (chapter 2.1). */
+#define SIS_CONTROL_SUBADDRESSES 0x07
+#define SIS_CONTROL_NUMBER       0x08
+#define SIS_CONTROL_REACTION     0x10
+
 /* One telegram's header; the tap "sis" gets it. */
 typedef struct {
-    unsigned length; /* bytes that are there */
-    bool is_good;    /* start character, equal lengths, all of it, checksum */
+    unsigned length;   /* bytes that are there */
+    unsigned declared; /* bytes it says it has; 0: it does not say */
+    bool is_good;      /* start character, equal lengths, all of it, checksum */
     uint8_t control;
     uint8_t service;
     uint8_t sender;
     uint8_t receiver;
     uint8_t subaddress_count;
+    uint8_t last_address; /* receiver or last subaddress: who is meant in the end */
+    uint8_t number;       /* of the telegram; 0: none */
     bool is_reaction;
     uint8_t talker; /* who really sends: a reaction keeps the command's addresses */
     uint8_t listener;

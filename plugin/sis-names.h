@@ -27,6 +27,21 @@ extern const value_string sis_control_status_ecodrive03[];
 extern const range_string sis_status[];
 extern const range_string sis_status_phase[];
 
+extern const value_string sis_errors_channel[];
+extern const value_string sis_subservices_identification[];
+extern const value_string sis_subservices_flash[];
+extern const value_string sis_errors_flash[];
+extern const value_string sis_shutdown_targets[];
+extern const value_string sis_device_types[];
+extern const value_string sis_subservices_initialization[];
+extern const value_string sis_errors_initialization[];
+extern const value_string sis_baud_masks[];
+extern const value_string sis_elements[];
+extern const value_string sis_errors_parameter[];
+extern const value_string sis_errors_phase[];
+extern const value_string sis_phases[];
+extern const value_string sis_data_states[];
+
 /* "Read parameter", or "ECODRIVE service 0x83" where only the range has a name. */
 const char *sis_service_name(wmem_allocator_t *scope, uint8_t service);
 

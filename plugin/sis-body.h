@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The useful data of one service: what is left of it, and how the files of the services take it apart. */
+
+#ifndef SIS_BODY_H
+#define SIS_BODY_H
+
+#include "packet-sis.h"
+#include "sis-names.h"
+#include "sis-parameters.h"
+
+#include <epan/expert.h>
+
+/* What a command asks for. Its reaction does not repeat all of it, so the exchange keeps it. */
+typedef struct sis_request {
+    uint8_t service;
+    uint8_t subservice;
+    uint8_t element;
+    uint8_t device;
+    bool has_device;
+    bool has_ident;
+    bool has_segment;
+    bool has_phase;
+    sis_ident_t ident;
+    uint16_t list_offset; /* as sent: bytes, or words in 0x81 and 0x8E */
+    uint16_t list_length;
+    uint8_t phase;
+    uint32_t address; /* of the memory */
+    const sis_known_t
+        *known; /* of the parameter, when the command was sent; NULL where nothing was learned */
+    struct sis_request *next; /* of the following element of service 0x04 */
+    struct sis_request *list; /* of the first element of service 0x04 */
+} sis_request_t;
+
+struct sis_record;
+
+typedef struct {
+    tvbuff_t *tvb;
+    packet_info *pinfo;
+    proto_tree *tree;
+    proto_item *root; /* of the telegram, or of an element of service 0x04 */
+    proto_item *item; /* of what was taken last */
+    unsigned offset;  /* of what has not been taken yet */
+    unsigned end;     /* of the useful data that is there */
+    bool is_cut;      /* there was more: the header has said so */
+    bool is_short;    /* something was missing, and that has been said */
+    bool is_nested;   /* an element of service 0x04 */
+    bool is_reaction;
+    uint8_t service;
+    uint8_t status; /* of a reaction */
+    const char *status_text;
+    uint32_t error;             /* the code, 0: none */
+    bool is_explained;          /* an error code has said more than the status */
+    wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
+    wmem_strbuf_t *marks;       /* and what is wrong, after that */
+    sis_request_t *request;     /* of a command: to be filled in */
+    const sis_request_t *asked; /* as the exchange has kept it; NULL where that is not known */
+    struct sis_record *record;  /* of the whole telegram; NULL for a damaged one */
+} sis_body_t;
+
+/* Fields that more than one service has. */
+extern int hf_sis_raw;
+extern int hf_sis_status;
+extern int hf_sis_device;
+extern int hf_sis_subservice;
+extern int hf_sis_error;
+extern int hf_sis_baud_mask;
+extern int hf_sis_data;
+
+extern int hf_sis_service; /* of packet-sis.c */
+extern expert_module_t *sis_experts;
+
+/* Wrong or missing data of a service; every use has a text of its own. */
+extern expert_field ei_sis_missing;
+extern expert_field ei_sis_unexpected;
+extern expert_field ei_sis_note;
+
+/* Whether so many bytes are left for a field; says so once per body if not. */
+bool sis_needs(sis_body_t *body, int hf, unsigned size);
+
+/* Adds `size` bytes, little endian, as field `hf`, and gives their value; item is set. Where they are not
+ * there: says so once per body, and false. */
+bool sis_take(sis_body_t *body, int hf, unsigned size, uint32_t *value);
+
+/* The same for a code whose text depends on the service: "Text (0x12)". Gives the text. */
+const char *
+sis_take_code(sis_body_t *body, int hf, unsigned size, const value_string *texts, uint32_t *value);
+
+/* Device address and subservice, with which the bodies of 0x00, 0x02 and 0x03 begin. */
+bool sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subservice);
+
+/* Remembers the device that a command is for. */
+void sis_request_device(sis_body_t *body, uint32_t device);
+
+/* Characters as a person reads them, all of them. */
+const char *sis_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, unsigned length);
+
+/* The rest of the body as bytes; false where there is none. */
+bool sis_take_rest(sis_body_t *body, int hf);
+
+/* The rest of the body as text, and into the summary. */
+void sis_take_text(sis_body_t *body, int hf);
+
+/* A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. */
+void sis_take_baud_mask(sis_body_t *body, bool several);
+
+unsigned sis_left(const sis_body_t *body);
+
+/* A reaction without error; its useful data follow. */
+bool sis_is_ok(const sis_body_t *body);
+
+/* The error code of the service that stands in place of useful data: two bytes ... */
+void sis_take_error(sis_body_t *body, const value_string *texts);
+/* ... or one byte, which makes a code with the subservice. */
+void sis_take_error_byte(sis_body_t *body, uint8_t subservice, const value_string *texts);
+
+/* After a status that is neither good nor the service's own error: takes what is there; false for those two.
+ */
+bool sis_take_channel_error(sis_body_t *body);
+
+/* Words for the packet list, and for what is wrong. */
+void sis_say(sis_body_t *body, const char *format, ...) G_GNUC_PRINTF(2, 3);
+void sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...) G_GNUC_PRINTF(3, 4);
+
+/* 0x10 for 0x10, 0x80, 0x90: the general service that a service of a product group is like, else the service
+ * itself. */
+uint8_t sis_general_service(uint8_t service);
+
+/* Whether a body begins with the parameter control and the device address. */
+bool sis_has_control_byte(uint8_t service);
+#define SIS_LAST_TRANSMISSION 0x04 /* bit 2 of the parameter control, fig. 8-1 */
+
+/* Whether a reaction of this service begins with a status byte. */
+bool sis_has_status(uint8_t service);
+
+/* Takes a whole body apart, status byte first; what is left over is marked. */
+void sis_dissect_body(sis_body_t *body);
+
+/* The services, each in its own file. */
+void sis_dissect_identification(sis_body_t *body);
+void sis_dissect_cancel(sis_body_t *body);
+void sis_dissect_flash(sis_body_t *body);
+void sis_dissect_initialization(sis_body_t *body);
+void sis_dissect_list(sis_body_t *body);
+void sis_dissect_parameter(sis_body_t *body);
+void sis_dissect_phase(sis_body_t *body);
+
+void sis_body_register(module_t *module);
+void sis_identification_register(void);
+void sis_cancel_register(void);
+void sis_flash_register(void);
+void sis_initialization_register(void);
+void sis_list_register(void);
+void sis_sercos_register(void);
+
+#endif

@@ -1,0 +1,397 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What belongs together: command and reaction, repeats (chapter 2.4), and the same exchange on two levels of
+ * a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every later
+ * one. */
+
+#include "sis-exchange.h"
+
+#include <epan/conversation.h>
+#include <epan/proto_data.h>
+
+#include "packet-sertap.h"
+#include "sis-address.h"
+
+static int hf_stream = -1;
+static int hf_reaction_in = -1;
+static int hf_command_in = -1;
+static int hf_reaction_time = -1;
+static int hf_repeat_of = -1;
+static int hf_routed_from = -1;
+
+static expert_field ei_unanswered = EI_INIT;
+static expert_field ei_unasked = EI_INIT;
+static expert_field ei_answered_before = EI_INIT;
+static expert_field ei_repeat = EI_INIT;
+
+static wmem_map_t *buses;   /* by bus number */
+static wmem_map_t *streams; /* by bus number and both stations */
+static wmem_map_t *routes;  /* streams whose commands had subaddresses: as key and value */
+
+/* A capture has an interface a line; SIS over TCP a connection. */
+static uint32_t
+bus_number(packet_info *pinfo)
+{
+    const conversation_t *conversation = pinfo->ptype == PT_TCP ? find_conversation_pinfo(pinfo, 0) : NULL;
+
+    if (conversation != NULL)
+        return UINT32_C(0x80000000) | conversation->conv_index;
+    if (pinfo->rec->presence_flags & WTAP_HAS_INTERFACE_ID)
+        return pinfo->rec->rec_header.packet_header.interface_id;
+    return 0;
+}
+
+static sis_bus_t *
+find_bus(packet_info *pinfo)
+{
+    void *key = GUINT_TO_POINTER(bus_number(pinfo));
+    sis_bus_t *bus = wmem_map_lookup(buses, key);
+
+    if (bus == NULL) {
+        bus = wmem_new0(wmem_file_scope(), sis_bus_t);
+        bus->learned = wmem_map_new(wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+        wmem_map_insert(buses, key, bus);
+    }
+    return bus;
+}
+
+static sis_stream_t *
+find_stream(packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    uint64_t low = MIN(telegram->sender, telegram->receiver),
+             high = MAX(telegram->sender, telegram->receiver);
+    uint64_t key = (uint64_t)bus_number(pinfo) << 16 | low << 8 | high;
+    sis_stream_t *stream = wmem_map_lookup(streams, &key);
+
+    if (stream == NULL) {
+        uint64_t *kept = wmem_new(wmem_file_scope(), uint64_t);
+
+        *kept = key;
+        stream = wmem_new0(wmem_file_scope(), sis_stream_t);
+        stream->number = wmem_map_size(streams);
+        stream->bus = find_bus(pinfo);
+        wmem_map_insert(streams, kept, stream);
+    }
+    return stream;
+}
+
+unsigned
+sis_direction(const sis_telegram_t *telegram)
+{
+    return telegram->sender > telegram->receiver;
+}
+
+void
+sis_exchange_damaged(packet_info *pinfo)
+{
+    if (!pinfo->fd->visited)
+        find_bus(pinfo)->damaged_in = pinfo->num;
+}
+
+bool
+sis_was_damaged_since(const sis_stream_t *stream, uint32_t frame)
+{
+    return stream->bus->damaged_in > frame;
+}
+
+/* When the last character of this packet came. */
+static nstime_t
+end_of_telegram(packet_info *pinfo)
+{
+    nstime_t end = pinfo->abs_ts, duration = sertap_duration(pinfo);
+
+    nstime_add(&end, &duration);
+    return end;
+}
+
+/* tvb_memeql() does not know that nothing equals nothing. */
+static bool
+is_equal(tvbuff_t *tvb, unsigned offset, const uint8_t *bytes, unsigned length)
+{
+    return length == 0 || tvb_memeql(tvb, offset, bytes, length) == 0;
+}
+
+/* The same bytes again, where the first had no good reaction; or with the same telegram number, whose
+ * reaction the slave has kept. Another step of a long reading has the same bytes, too, but a reaction in
+ * between. */
+static void
+find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
+            const sis_telegram_t *telegram)
+{
+    const sis_exchange_t *before = stream->from[direction].last;
+    unsigned length = telegram->declared;
+
+    if (before == NULL || stream->from[direction].length != length ||
+        !is_equal(tvb, 0, stream->from[direction].bytes, length))
+        return;
+    exchange->is_number_repeated = telegram->number > 0;
+    if (before->reaction_in == 0 || exchange->is_number_repeated)
+        exchange->repeat_of = before->repeat_of != 0 ? before->repeat_of : before->command_in;
+}
+
+/* Addresses of a telegram from the sender to the last subaddress: bytes 6 and following. */
+static bool
+is_one_level_below(tvbuff_t *tvb, const sis_telegram_t *telegram, const uint8_t *above, unsigned length)
+{
+    unsigned subaddresses = telegram->subaddress_count,
+             number = telegram->body_offset - SIS_STATIC_LENGTH - subaddresses;
+    unsigned rest = telegram->declared - SIS_STATIC_LENGTH - subaddresses; /* number and useful data */
+
+    return length == telegram->declared + 1 && (above[4] & 0x07) == subaddresses + 1 &&
+           above[5] == telegram->service && ((above[4] & 0x08) != 0) == (number != 0) &&
+           is_equal(tvb, 6, above + 7, subaddresses + 2) &&
+           is_equal(tvb, SIS_STATIC_LENGTH + subaddresses, above + SIS_STATIC_LENGTH + subaddresses + 1,
+                    rest);
+}
+
+typedef struct {
+    sis_exchange_t *exchange;
+    tvbuff_t *tvb;
+    const sis_telegram_t *telegram;
+} below_t;
+
+/* A router drops the first address and sends the rest on: is this what it made of a command that waits? */
+static void
+compare_route(void *key _U_, void *value, void *data)
+{
+    const sis_stream_t *stream = value;
+    const below_t *below = data;
+
+    for (unsigned direction = 0; direction < 2; direction++) {
+        sis_exchange_t *above = stream->from[direction].last;
+
+        if (above == NULL || above->reaction_in != 0 || above->forwarded != NULL ||
+            below->exchange->routed_from != 0)
+            continue;
+        if (is_one_level_below(below->tvb, below->telegram, stream->from[direction].bytes,
+                               stream->from[direction].length)) {
+            below->exchange->routed_from = above->command_in;
+            above->forwarded = below->exchange;
+        }
+    }
+}
+
+static sis_exchange_t *
+begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    sis_stream_t *stream = find_stream(pinfo, telegram);
+    unsigned direction = sis_direction(telegram);
+    sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
+    sis_exchange_t **master = &stream->bus->last[telegram->sender];
+
+    exchange->stream = stream;
+    exchange->direction = direction;
+    exchange->station = telegram->last_address;
+    exchange->command_in = pinfo->num;
+    exchange->command_end = end_of_telegram(pinfo);
+    exchange->needs_reaction = sis_is_answered(telegram->last_address);
+    if (exchange->needs_reaction)
+        find_repeat(exchange, stream, direction, tvb, telegram);
+    wmem_map_foreach(routes, compare_route, &(below_t){exchange, tvb, telegram});
+    if (*master != NULL && (*master)->needs_reaction && (*master)->reaction_in == 0)
+        (*master)->next_command_in = pinfo->num;
+    *master = exchange;
+
+    wmem_free(wmem_file_scope(), stream->from[direction].bytes);
+    stream->from[direction].bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
+    stream->from[direction].length = telegram->declared;
+    stream->from[direction].last = exchange;
+    if (telegram->subaddress_count > 0)
+        wmem_map_insert(routes, stream, stream);
+    return exchange;
+}
+
+/* Parameter control (but its bit 2) and device address of a parameter service, as far as they are there. */
+static bool
+is_same_access(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    unsigned body = telegram->body_offset; /* in the reaction the status comes first */
+
+    if (!sis_has_control_byte(telegram->service) || body + 2 > length || body + 3 > telegram->declared)
+        return true;
+    return ((command[body] ^ compat_get_uint8(tvb, body + 1)) & (uint8_t)~SIS_LAST_TRANSMISSION) == 0 &&
+           command[body + 1] == compat_get_uint8(tvb, body + 2);
+}
+
+/* Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a
+ * device swaps sender and receiver cannot be ruled out. */
+static bool
+is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    unsigned rest = telegram->body_offset - SIS_STATIC_LENGTH; /* subaddresses and telegram number */
+    bool is_kept = command[6] == telegram->sender && command[7] == telegram->receiver;
+    bool is_swapped = command[6] == telegram->receiver && command[7] == telegram->sender;
+    uint8_t layout = SIS_CONTROL_SUBADDRESSES | SIS_CONTROL_NUMBER;
+
+    if (command[5] != telegram->service || ((command[4] ^ telegram->control) & layout) != 0)
+        return false;
+    if (!(is_kept && is_equal(tvb, SIS_STATIC_LENGTH, command + SIS_STATIC_LENGTH, rest)) && !is_swapped)
+        return false;
+    return is_same_access(command, length, tvb, telegram);
+}
+
+static void
+end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    const sis_stream_t *stream = find_stream(pinfo, telegram);
+    unsigned kept = sis_direction(telegram);
+
+    for (unsigned i = 0; i < 2; i++) {
+        unsigned direction = i == 0 ? kept : !kept;
+        sis_exchange_t *exchange = stream->from[direction].last;
+
+        if (exchange == NULL ||
+            !is_reaction_to(stream->from[direction].bytes, stream->from[direction].length, tvb, telegram))
+            continue;
+        record->exchange = exchange;
+        if (exchange->reaction_in != 0) {
+            record->reaction_before = exchange->reaction_in;
+            return;
+        }
+        exchange->reaction_in = pinfo->num;
+        exchange->next_command_in = 0;
+        exchange->has_time = exchange->command_in != pinfo->num;
+        nstime_delta(&exchange->reaction_time, &pinfo->abs_ts, &exchange->command_end);
+        if (exchange->forwarded != NULL)
+            record->routed_from = exchange->forwarded->reaction_in;
+        return;
+    }
+}
+
+/* The how-manieth telegram of this packet: several may be in one. */
+static uint32_t
+telegram_key(packet_info *pinfo)
+{
+    enum { COUNTER = 0 };
+    unsigned count = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sis, COUNTER)) + 1;
+
+    p_set_proto_data(pinfo->pool, pinfo, proto_sis, COUNTER, GUINT_TO_POINTER(count));
+    return count;
+}
+
+sis_record_t *
+sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    uint32_t key = telegram_key(pinfo);
+    sis_record_t *record = p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, key);
+
+    if (record != NULL && record->service == telegram->service &&
+        record->is_reaction == telegram->is_reaction)
+        return record;
+    /* A telegram that the first pass did not see: TCP put its segments together in another way. */
+    if (record != NULL || pinfo->fd->visited)
+        return wmem_new0(pinfo->pool, sis_record_t);
+    record = wmem_new0(wmem_file_scope(), sis_record_t);
+    record->service = telegram->service;
+    record->is_reaction = telegram->is_reaction;
+    p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, key, record);
+    if (telegram->is_reaction)
+        end_exchange(record, tvb, pinfo, telegram);
+    else
+        record->exchange = begin_exchange(tvb, pinfo, telegram);
+    return record;
+}
+
+static sis_request_t *
+copy_request(const sis_request_t *request)
+{
+    sis_request_t *copy;
+
+    if (request == NULL)
+        return NULL;
+    copy = wmem_memdup(wmem_file_scope(), request, sizeof *request);
+    copy->list = copy_request(request->list);
+    copy->next = copy_request(request->next);
+    return copy;
+}
+
+void
+sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request)
+{
+    if (exchange->request == NULL)
+        exchange->request = copy_request(request);
+}
+
+static void
+add_frame(proto_tree *tree, tvbuff_t *tvb, int hf, uint32_t frame)
+{
+    if (frame != 0)
+        proto_item_set_generated(proto_tree_add_uint(tree, hf, tvb, 0, 0, frame));
+}
+
+static void
+show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+             proto_item *root, wmem_strbuf_t *marks)
+{
+    add_frame(tree, tvb, hf_reaction_in, exchange->reaction_in);
+    add_frame(tree, tvb, hf_repeat_of, exchange->repeat_of);
+    add_frame(tree, tvb, hf_routed_from, exchange->routed_from);
+    if (exchange->repeat_of != 0) {
+        expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again", exchange->repeat_of);
+        wmem_strbuf_append(marks, "  [repeat]");
+    }
+    if (exchange->next_command_in != 0)
+        expert_add_info_format(pinfo, root, &ei_unanswered, "No reaction before the next command (frame %u)",
+                               exchange->next_command_in);
+}
+
+static void
+show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+              proto_item *root)
+{
+    const sis_exchange_t *exchange = record->exchange;
+
+    if (exchange == NULL) {
+        expert_add_info(pinfo, root, &ei_unasked);
+        return;
+    }
+    add_frame(tree, tvb, hf_command_in, exchange->command_in);
+    add_frame(tree, tvb, hf_routed_from, record->routed_from);
+    if (record->reaction_before != 0)
+        expert_add_info_format(pinfo, root, &ei_answered_before,
+                               "The command was answered before, in frame %u", record->reaction_before);
+    else if (exchange->has_time)
+        proto_item_set_generated(
+            proto_tree_add_time(tree, hf_reaction_time, tvb, 0, 0, &exchange->reaction_time));
+}
+
+void
+sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+                  proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks)
+{
+    if (record->exchange != NULL)
+        proto_item_set_generated(
+            proto_tree_add_uint(tree, hf_stream, tvb, 0, 0, record->exchange->stream->number));
+    if (telegram->is_reaction)
+        show_reaction(record, tvb, pinfo, tree, root);
+    else if (record->exchange != NULL)
+        show_command(record->exchange, tvb, pinfo, tree, root, marks);
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_stream, {"Stream", "sis.stream", FT_UINT32, BASE_DEC, NULL, 0, "One number for each pair of stations", HFILL}},
+    {&hf_reaction_in, {"Reaction in", "sis.reaction_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, NULL, HFILL}},
+    {&hf_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
+    {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
+                         "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
+    {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
+    {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},
+};
+
+static ei_register_info experts[] = {
+    {&ei_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", EXPFILL}},
+    {&ei_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not in the capture", EXPFILL}},
+    {&ei_answered_before, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", EXPFILL}},
+    {&ei_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", EXPFILL}},
+};
+/* clang-format on */
+
+void
+sis_exchange_register(void)
+{
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    expert_register_field_array(sis_experts, experts, array_length(experts));
+    buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    streams = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+    routes = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+}

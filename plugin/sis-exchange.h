@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What belongs together: command and reaction, repeats, routed telegrams. */
+
+#ifndef SIS_EXCHANGE_H
+#define SIS_EXCHANGE_H
+
+#include "sis-body.h"
+
+/* A phase switch under way (chapter 8.5). */
+typedef struct {
+    uint32_t command_in; /* 0: none */
+    nstime_t begin;
+    uint8_t to;
+} sis_switch_t;
+
+/* One line, or one TCP connection. */
+typedef struct sis_bus {
+    uint32_t damaged_in;            /* the last damaged telegram; 0: none */
+    struct sis_exchange *last[256]; /* command of each master */
+    wmem_map_t *learned;            /* sis-learned.c */
+} sis_bus_t;
+
+/* A command and its reaction, as far as they are in the capture. Lives as long as the file. */
+typedef struct sis_exchange {
+    struct sis_stream *stream;
+    unsigned direction; /* in its stream */
+    uint32_t command_in;
+    uint32_t reaction_in;     /* 0: none */
+    uint32_t next_command_in; /* the master went on without a reaction; 0: no */
+    uint8_t station;          /* whom the command is for in the end */
+    uint32_t repeat_of;       /* the first of the same commands */
+    uint32_t routed_from;     /* the command one level above */
+    nstime_t command_end;     /* when its last character came */
+    nstime_t reaction_time;   /* valid if has_time */
+    bool has_time;
+    bool needs_reaction;            /* neither group nor broadcast */
+    bool is_number_repeated;        /* its telegram number was that of the command before */
+    struct sis_exchange *forwarded; /* the same exchange one level below */
+    sis_request_t *request;
+} sis_exchange_t;
+
+/* What was found out about one telegram in the first pass. */
+typedef struct sis_record {
+    uint8_t service; /* to know the telegram again */
+    bool is_reaction;
+    sis_exchange_t *exchange; /* NULL: a damaged telegram, or a reaction without a command */
+    uint32_t reaction_before; /* the command had been answered already, there */
+    uint32_t routed_from;     /* of a reaction: the one that came back from one level below */
+    uint32_t transfer;        /* this is a piece of the one that began there; 0: none */
+    uint32_t transfer_ended;  /* this telegram ended the transfer that began there, unfinished */
+    const char *transfer_reason;
+    sis_switch_t phase_switch; /* that this polls */
+    bool is_switch_end;        /* it ended here, well or not */
+    bool is_piece_repeated;
+    bool is_piece_missing;
+} sis_record_t;
+
+/* Two stations that talk; by the direction of the commands. */
+typedef struct sis_stream {
+    uint32_t number;
+    sis_bus_t *bus;
+    struct {
+        sis_exchange_t *last; /* command; NULL: none yet */
+        uint8_t *bytes;       /* of that command */
+        unsigned length;
+        sis_switch_t phase_switch;
+        struct sis_transfer *transfers; /* of sequential telegrams, under way */
+    } from[2];
+} sis_stream_t;
+
+/* Finds the exchange of a telegram: in the first pass by what is known until now, later as it was found then.
+ * `tvb` is a good telegram. The record is never NULL. */
+sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
+
+/* Keeps what a command asks for, once. */
+void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);
+
+/* A damaged telegram: the reaction that a command waits for may have been this one. */
+void sis_exchange_damaged(packet_info *pinfo);
+
+/* Adds what is known of the exchange to the tree, and marks. */
+void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+                       proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks);
+
+/* 0 or 1: in which of the two directions of its stream a telegram's command goes. */
+unsigned sis_direction(const sis_telegram_t *telegram);
+
+/* Whether a damaged telegram was seen on this bus since then. */
+bool sis_was_damaged_since(const sis_stream_t *stream, uint32_t frame);
+
+void sis_exchange_register(void);
+
+#endif

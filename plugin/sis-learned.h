@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the bus itself has said of its parameters: whoever reads name, unit and attribute tells every
+ * listener. */
+
+#ifndef SIS_LEARNED_H
+#define SIS_LEARNED_H
+
+#include "sis-body.h"
+
+/* What is known of a parameter of a device at this telegram: from the bus, else from the user's table, else
+ * built in. */
+sis_known_t sis_learned_known(sis_body_t *body, sis_ident_t ident, uint8_t device);
+
+/* A good reaction with an element, all of it. */
+void sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element, tvbuff_t *tvb);
+
+#endif
