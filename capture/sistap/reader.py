@@ -39,6 +39,7 @@ if sys.platform != "win32":
 
 READ_SIZE = 4096  # as much as the line discipline of Linux holds
 MEASURE_NS = 200_000_000
+_STEP_MS = 10  # so long, at most, is a sleep: one that was longer shows that the process had been stopped
 CONNECT_TIMEOUT_S = 5
 _URL_TIMEOUT_S = 0.05  # pyserial's own; changing it per read would configure the port each time
 
@@ -149,13 +150,14 @@ class PosixReader:
         self._poll = poll.poll
         self._decoder = MarkDecoder()
         self._counters = _error_counters(self._fd)
-        self._emptied_ns = monotonic_ns()  # when everything that had arrived had been read
+        self._emptied_ns = monotonic_ns()  # everything unread came later than this
 
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost."""
-        late = bool(self._poll(0))
-        if not late and not self._poll(timeout_s * 1000):
+        in_time = self._wait(timeout_s)
+        if in_time is None:
             return None
+        asked_ns = monotonic_ns()
         try:
             data = os.read(self._fd, READ_SIZE)
         except BlockingIOError:
@@ -165,21 +167,44 @@ class PosixReader:
         now = monotonic_ns()
         if not data:
             raise PortLost(self._lost)
-        uncertainty_ns = self._latency_ns
         decoder = self._decoder
-        if late or decoder.pending:  # it was here before it was asked for: since when, nobody knows
-            uncertainty_ns = min(uncertainty_ns + now - self._emptied_ns, UNCERTAINTY_UNKNOWN)
+        in_time = in_time and not decoder.pending
         characters, flags = decoder.feed(data)
+        uncertainty_ns = self._uncertainty_ns(len(characters), now - self._emptied_ns, in_time=in_time)
         if not decoder.pending and len(data) < READ_SIZE:
-            self._emptied_ns = now
+            self._emptied_ns = asked_ns
         if not characters:
             return None
-        if len(characters) > 1 and not late:
-            # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
-            uncertainty_ns = min(uncertainty_ns + self.settings.character_ns, UNCERTAINTY_UNKNOWN)
         if self._counters is not None:
             flags = self._with_counted(flags)
         return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns)
+
+    def _wait(self, timeout_s: float) -> bool | None:
+        """Wait for characters: None if none came, else whether they came while it waited for them."""
+        left_ms, step_ms = timeout_s * 1000, 0.0
+        asked_ns = monotonic_ns()
+        while not self._poll(step_ms):
+            if not self._decoder.pending:
+                self._emptied_ns = asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
+            if left_ms <= 0:
+                return None
+            step_ms = min(_STEP_MS, left_ms)
+            left_ms -= step_ms
+            asked_ns = monotonic_ns()
+        return step_ms > 0
+
+    def _uncertainty_ns(self, count: int, unseen_ns: int, *, in_time: bool) -> int:
+        """Bound how long characters had been there; for `unseen_ns` nobody had looked, or slept until they came.
+
+        They were not read within the latency if they were there before they were asked for, if so many take longer
+        than that, or if the sleep was longer than it was meant to be (the process was stopped): then, since when they
+        were there, nobody knows.
+        """
+        latency_ns, character_ns = self._latency_ns, self.settings.character_ns
+        if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > _STEP_MS * 1_000_000 + latency_ns:
+            return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
+        # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
+        return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)
 
     def close(self) -> None:
         """Let the port go."""

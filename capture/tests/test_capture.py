@@ -511,6 +511,18 @@ def _waiting(descriptor: int) -> int:
     return int.from_bytes(fcntl.ioctl(descriptor, termios.FIONREAD, bytes(4)), sys.byteorder)
 
 
+def test_a_capture_that_was_stopped_does_not_claim_good_times(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    process = tap.start("-w", str(path), "-c", "1")
+    process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
+    tap.send(ALL[0])
+    time.sleep(0.1)  # this long it is stopped
+    process.send_signal(signal.SIGCONT)
+    assert tap.end()[0] == 0
+    assert records(path)[1].uncertainty_ns > 100_000_000
+
+
 def test_unplugged(tap: Tap, tmp_path: Path) -> None:
     path = tmp_path / "x.pcapng"
     tap.start("-w", str(path))

@@ -285,6 +285,85 @@ def test_several_at_once_were_not_read_in_time(bus: Pty, monkeypatch: pytest.Mon
     source.close()
 
 
+@pytest.mark.parametrize(
+    ("data", "slept_ns", "more_ns"),
+    [
+        (b"A", 9_000_000, 0),  # no sleep is longer than 10 ms
+        (b"A", 10_000_000 + LATENCY, 0),
+        (b"A", 10_000_001 + LATENCY, 10_000_001 + LATENCY),
+        (b"A", 2_000_000_000, 2_000_000_000),
+        (b"A", 5_000_000_000, None),  # more than 32 bits of ns
+        # A character takes 95 us: three, two of them after the first, come within the latency of 300 us.
+        (b"ABC", 9_000_000, SETTINGS.character_ns),
+        (b"ABCDE", 9_000_000, 9_000_000),
+    ],
+)
+def test_a_process_that_was_stopped_says_so(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch, data: bytes, slept_ns: int, more_ns: int | None
+) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+
+    def poll(timeout_ms: float) -> list[tuple[int, int]]:
+        if not timeout_ms:
+            return []
+        clock.now += slept_ns
+        return [(0, select.POLLIN)]
+
+    monkeypatch.setattr(source, "_poll", poll)
+    bus.write(data)
+    read = source.read(PATIENCE_S)
+    assert read is not None
+    assert read.data == data
+    assert read.uncertainty_ns == (UNCERTAINTY_UNKNOWN if more_ns is None else LATENCY + more_ns)
+    monkeypatch.undo()
+    source.close()
+
+
+def test_a_silent_line_makes_nothing_uncertain(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+
+    def silence(timeout_ms: float) -> list[tuple[int, int]]:
+        clock.now += int(timeout_ms * 1_000_000)
+        return []
+
+    with monkeypatch.context() as patched:
+        patched.setattr(source, "_poll", silence)
+        began = clock.now
+        for _ in range(50):
+            assert source.read(0.1) is None
+        assert clock.now - began == 5_000_000_000
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    clock.now += 1_000_000
+    (read,) = collect(source, 1)
+    assert read.uncertainty_ns == LATENCY + 1_000_000
+    source.close()
+
+
+def test_characters_that_come_while_a_read_returns_are_no_surprise(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    real = os.read
+
+    def stopped(fd: int, size: int) -> bytes:
+        data = real(fd, size)
+        bus.write(b"B")
+        clock.now += 50_000_000
+        return data
+
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "read", stopped)
+        (read,) = collect(source, 1)
+    wait_until_readable(bus.port)
+    (read,) = collect(source, 1)
+    assert (read.data, read.uncertainty_ns) == (b"B", LATENCY + 50_000_000)
+    source.close()
+
+
 def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
@@ -296,7 +375,7 @@ def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch
     clock.now += 2_000
     read = source.read(PATIENCE_S)
     assert read is not None
-    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + 3_000)
+    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + 2_000)  # at 1_000 there was still nothing
     monkeypatch.undo()
     source.close()
 
