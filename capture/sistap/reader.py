@@ -18,6 +18,7 @@ import sys
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic_ns
 from typing import Protocol
@@ -385,7 +386,7 @@ def measured_latency_ns() -> int:
     try:
         tty.setraw(slave)
         written: list[int] = []
-        writer = threading.Thread(target=_write_for_measuring, args=(master, written), daemon=True)
+        writer = threading.Thread(target=_write_for_measuring, args=(os.dup(master), written), daemon=True)
         writer.start()
         worst = _worst_delay(slave, written, writer)
         writer.join()
@@ -396,11 +397,13 @@ def measured_latency_ns() -> int:
 
 
 def _write_for_measuring(master: int, written: list[int]) -> None:
+    """Write a character now and then, to a descriptor of its own: after a signal the reader does not wait for this."""
     end = monotonic_ns() + MEASURE_NS
-    while (now := monotonic_ns()) < end:
-        written.append(now)
-        os.write(master, b"\0")
-        time.sleep(0.0005)
+    with suppress(OSError), os.fdopen(master, "wb", buffering=0) as file:
+        while (now := monotonic_ns()) < end:
+            written.append(now)
+            file.write(b"\0")
+            time.sleep(0.0005)
 
 
 def _worst_delay(slave: int, written: list[int], writer: threading.Thread) -> int:

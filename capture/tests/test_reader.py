@@ -539,6 +539,26 @@ def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.Monk
     assert reader.measured_latency_ns() == measured  # a property of the process, not of a port
 
 
+def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    stumbled: list[object] = []
+    monkeypatch.setattr(threading, "excepthook", stumbled.append)
+    writers: list[threading.Thread] = []
+
+    def interrupted(slave: int, written: list[int], writer: threading.Thread) -> int:
+        writers.append(writer)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reader, "_worst_delay", interrupted)
+    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    reader.measured_latency_ns.cache_clear()
+    with pytest.raises(KeyboardInterrupt):
+        reader.measured_latency_ns()
+    writers[0].join(PATIENCE_S)
+    assert not stumbled
+    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+
+
 def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
     waiting: queue.Queue[int] = queue.Queue()
 
