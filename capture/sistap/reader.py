@@ -437,12 +437,13 @@ class UrlReader:
         self.adapter = port
         self.settings = settings
         self.line = line
-        over = f"{urlsplit(port).scheme}://" if "://" in port else port
+        scheme, separator, _ = port.partition("://")
+        over = scheme + separator
         self.timing = f"times are those of arrival at this program over {over}; no bound known"
         try:
             self._device = _closed_serial(port, settings)
             self._device.open()
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, KeyError) as error:  # KeyError: an option of loop:// that pyserial does not know
             raise PortError(_url_trouble(port, settings, error)) from error
         self._lost: str | None = None
 
@@ -479,16 +480,18 @@ def _url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     known = "bus://HOST:PORT, socket://HOST:PORT, rfc2217://HOST:PORT"
     text = f"{port} cannot be opened: {error}"
     cause = error.__context__
-    if isinstance(cause, OSError) and not isinstance(cause, serial.SerialException):
+    if "invalid baudrate" in str(error) or "Cannot configure port" in str(error):
+        text = f"{port} cannot do {settings.baud} Bd {settings.format}: choose another --baud or --format"
+    elif isinstance(error, OSError) and error.errno == errno.ENOENT:  # spy:// and the like have a device behind them
+        text = f"{port} does not exist: `sistap ports` lists the ports there are"
+    elif isinstance(cause, OSError) and not isinstance(cause, serial.SerialException):
         text = _connection_trouble(port, cause)
-    elif "://" in port and (cause or isinstance(error, ValueError)):
+    elif "://" in port and (cause or isinstance(error, ValueError | KeyError)):
         text = f"{port} is not the URL of a port: it is written {known}"
     elif "FileNotFoundError" in str(error):  # Windows
         text = f"{port} does not exist: `sistap ports` lists the ports there are"
     elif "PermissionError" in str(error):
         text = f"{port} is in use by another program: close that one first"
-    elif "Cannot configure port" in str(error):
-        text = f"{port} cannot do {settings.baud} Bd {settings.format}: choose another --baud or --format"
     return text
 
 
@@ -554,10 +557,10 @@ def _connect(port: str) -> socket.socket:
     try:
         url = urlsplit(port)
         host, number, path = url.hostname, url.port, url.path
-    except ValueError:
-        host, number, path = None, None, ""
-    if host and number:
-        return socket.create_connection((host, number), CONNECT_TIMEOUT_S)
+        if host and number:
+            return socket.create_connection((host, number), CONNECT_TIMEOUT_S)
+    except ValueError:  # also from a host that cannot be one, "a..b"
+        host, path = None, ""
     if host or not path:
         raise PortError(f"{port} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET")
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)

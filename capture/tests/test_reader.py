@@ -722,16 +722,35 @@ def test_refused_connection(server: socket.socket) -> None:
 
 
 @pytest.mark.parametrize(
-    "url", ["carrier://pigeon", "socket://", "socket://host", "socket://host:99999", "rfc2217://h"]
+    "url",
+    [
+        "carrier://pigeon",
+        "socket://",
+        "socket://host",
+        "socket://host:99999",
+        "socket://[x",
+        "socket://a..b:1",
+        "rfc2217://h",
+        "loop://?x=y",
+    ],
 )
 def test_wrong_url(url: str) -> None:
     assert refused(url).startswith(f"{url} is not the URL of a port: it is written bus://HOST:PORT, ")
 
 
+def test_a_url_of_a_device() -> None:
+    assert refused("spy:///dev/nope").startswith("spy:///dev/nope does not exist: ")
+    assert refused("loop://", LineSettings(99_999_999_999)) == (
+        "loop:// cannot do 99999999999 Bd 8E1: choose another --baud or --format"
+    )
+
+
 # -- The virtual bus ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("url", ["bus://", "bus://host", "bus://host:0x7", "bus://host:99999"])
+@pytest.mark.parametrize(
+    "url", ["bus://", "bus://host", "bus://host:0x7", "bus://host:99999", "bus://[x", "bus://a..b:5000"]
+)
 def test_wrong_bus_address(url: str) -> None:
     assert refused(url) == f"{url} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET"
 
