@@ -24,12 +24,15 @@ from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap import capture, cli, session
+from sistap.clock import Clock
 from sistap.console import Console
 from sistap.counters import Counters
 from sistap.line import Flag, LineSettings, Read
 from sistap.output import Output
+from sistap.pcapng import Interface
 from sistap.reader import PortError, PortLost
 from sistap.record import Event, Framing, Record, Type, unpack
+from sistap.writer import PcapngWriter
 
 START_NS = 1_700_000_000_000_000_000
 WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
@@ -335,6 +338,32 @@ def test_hints_and_progress_come_with_the_clock(capsys: pytest.CaptureFixture[st
     assert err.count("\r\x1b[Ksistap: nothing received for 5 s") == 1  # not behind the progress
     assert err.count("\r\x1b[K0 characters, 0 telegrams, 0 errors, longest interval 0.000 ms") == 7
     assert clock.ns == 7_000_000_000
+
+
+def test_a_wall_clock_that_is_set_is_an_event(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    clock = FakeClock()
+    path = tmp_path / "x.pcapng"
+
+    class Idle(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            clock.ns += 500_000_000
+            return None
+
+    hour = 3_600_000_000_000
+    monkeypatch.setattr(session, "CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0)))
+    output = Output(str(path))
+    reader, counters = Idle([]), Counters()
+    sink = PcapngWriter(output, Interface(252, "x"), counters)
+    session.Capture(reader, sink, output, counters, Console(), session.Conditions(duration_s=4), clock_ns=clock).run(
+        session.Stop()
+    )
+    output.close()
+    _, event = records(path)
+    assert (event.type, event.event) == (Type.EVENT, Event.MARKER)
+    assert event.data.decode().startswith("the wall clock moved by +3600.000 s (it was set, or the computer slept); ")
+    assert capsys.readouterr().err.count("the wall clock moved") == 1
 
 
 def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
