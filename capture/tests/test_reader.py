@@ -21,9 +21,11 @@ import serial
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap import ports, reader, wire
+from sistap import ports, wire
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.reader import MarkDecoder, PortError, PortLost, Reader, open_reader
+from sistap.reader import PortError, PortLost, Reader, device, latency, open_reader
+from sistap.reader.contract import READ_SIZE
+from sistap.reader.device import MarkDecoder, PosixReader
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
@@ -32,7 +34,7 @@ PATIENCE_S = 10  # never waited for unless something is broken
 
 @pytest.fixture(autouse=True)
 def measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reader, "measured_latency_ns", lambda: LATENCY)
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: LATENCY)
 
 
 class Pty:
@@ -223,7 +225,7 @@ class SteppedTime:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic_ns()
-        monkeypatch.setattr(reader, "monotonic_ns", lambda: self.now)
+        monkeypatch.setattr(device, "monotonic_ns", lambda: self.now)
 
 
 def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -248,7 +250,7 @@ def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch
 def test_a_reader_that_waited_is_not_late(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     source = open_reader(bus.port, SETTINGS)
     asked = threading.Event()
-    assert isinstance(source, reader.PosixReader)
+    assert isinstance(source, PosixReader)
     poll = source._poll
 
     def announced(timeout_ms: float) -> list[tuple[int, int]]:
@@ -383,7 +385,7 @@ def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch
 def test_what_a_full_read_left_behind_is_as_old_as_that_read(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
-    pieces = iter([bytes(reader.READ_SIZE), b"rest"])
+    pieces = iter([bytes(READ_SIZE), b"rest"])
     monkeypatch.setattr(os, "read", lambda fd, size: next(pieces))
     monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)])
     began = clock.now
@@ -521,7 +523,7 @@ def test_latency_of_adapters(
     source = open_reader(bus.port, LineSettings(9600))
     assert source.timing == phrase
     clock = SteppedTime(monkeypatch)
-    assert isinstance(source, reader.PosixReader)
+    assert isinstance(source, PosixReader)
     source._emptied_ns = clock.now  # not late
     bus.write(b"A")
     (read,) = collect(source, 1)
@@ -532,11 +534,11 @@ def test_latency_of_adapters(
 def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     open_before = len(list(Path("/proc/self/fd").iterdir()))
-    reader.measured_latency_ns.cache_clear()
-    measured = reader.measured_latency_ns()
+    latency.measured_latency_ns.cache_clear()
+    measured = latency.measured_latency_ns()
     assert 0 < measured < UNCERTAINTY_UNKNOWN
     assert len(list(Path("/proc/self/fd").iterdir())) == open_before
-    assert reader.measured_latency_ns() == measured  # a property of the process, not of a port
+    assert latency.measured_latency_ns() == measured  # a property of the process, not of a port
 
 
 def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -549,11 +551,11 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
         writers.append(writer)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reader, "_worst_delay", interrupted)
+    monkeypatch.setattr(latency, "_worst_delay", interrupted)
     open_before = len(list(Path("/proc/self/fd").iterdir()))
-    reader.measured_latency_ns.cache_clear()
+    latency.measured_latency_ns.cache_clear()
     with pytest.raises(KeyboardInterrupt):
-        reader.measured_latency_ns()
+        latency.measured_latency_ns()
     writers[0].join(PATIENCE_S)
     assert not stumbled
     assert len(list(Path("/proc/self/fd").iterdir())) == open_before
@@ -577,8 +579,8 @@ def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
     counts = iter([b"1", b"22", b"1"])
     monkeypatch.setattr(select, "poll", Poll)
     monkeypatch.setattr(os, "read", lambda fd, size: next(counts))
-    monkeypatch.setattr(reader, "monotonic_ns", waiting.get_nowait)
-    assert reader._worst_delay(0, [900, 2_000, 4_000, 9_000], Ended()) == 3_500  # type: ignore[arg-type]
+    monkeypatch.setattr(latency, "monotonic_ns", waiting.get_nowait)
+    assert latency._worst_delay(0, [900, 2_000, 4_000, 9_000], Ended()) == 3_500  # type: ignore[arg-type]
 
 
 # -- Ports that cannot be opened ---------------------------------------------------------------------------------------
