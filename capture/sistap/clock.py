@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 SLEW_PPM = 500  # what adjtime(3) allows itself
 CHECK_NS = 1_000_000_000  # how often the wall clock is looked at
+STEP_NS = 1_000_000_000  # a clock that moves by more than this between two looks was set
 
 
 class Clock:
@@ -26,6 +27,7 @@ class Clock:
         self._from = monotonic_ns()
         self._offset = self._measured_offset()
         self._behind = 0  # of the wall clock when last looked at; negative: ahead
+        self._looked_at = self._offset  # between the two clocks when a step was last asked for
 
     def wall_ns(self, monotonic_ns: int) -> int:
         """Give the wall time of an instant; later instants never get earlier times."""
@@ -38,6 +40,17 @@ class Clock:
     def now_ns(self) -> int:
         """Give the wall time of this moment."""
         return self.wall_ns(self._monotonic_ns())
+
+    def step_ns(self) -> int:
+        """Give by how much the wall clock was set since this was last asked, in ns; 0 if by no more than STEP_NS.
+
+        Ask every few seconds: what drifts meanwhile counts, too. The monotonic clock stands still while the computer
+        sleeps: that is a step.
+        """
+        self.now_ns()
+        before, self._looked_at = self._looked_at, self._offset + self._behind
+        step = self._looked_at - before
+        return step if abs(step) > STEP_NS else 0
 
     def _slewed(self, elapsed: int) -> int:
         """How far the offset has moved since the last look, of what it was behind."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from operator import sub
 
-from sistap.line import Flag, LineSettings, Read
+from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.record import INTERVAL_MAX, Framing, Record, Type
 from sistap.telegram import START, STATIC_LENGTH, checksum_good
 
@@ -60,7 +60,7 @@ class Framer(ABC):
             # The first of k characters came at least k - 1 character times before the last.
             pause_ns = time_ns - last_ns - (count - 1) * self.settings.character_ns
             flags = flags[:1] + flags[1:].translate(_WITH_SAME_READ)
-        if pause_ns >= self.silence_ns:
+        if self._silent(pause_ns, uncertainty_ns):
             records = self.flush()
         self._data += data
         self._flags += flags
@@ -80,6 +80,10 @@ class Framer(ABC):
         if self._data:
             self._cut(records, final=True)
         return records
+
+    def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:
+        """Tell whether a pause, by times as uncertain as this, ends what came before it."""
+        return pause_ns >= self.silence_ns
 
     @abstractmethod
     def _cut(self, records: list[Record], *, final: bool) -> None:
@@ -166,11 +170,31 @@ class SisFramer(Framer):
                 self._at += 1
             else:
                 break
-        certain = self._damaged[0][0] if self._damaged else self._at
+        certain = self._certain
         self._emit_others(records, certain if final else certain - (certain - self._done) % RUN_LIMIT)
         self._needed = needed
         if self._done:
             self._forget_done()
+
+    def idle(self, idle_ns: int) -> list[Record]:
+        """Give, too, what is decided and has waited for so long: other traffic may never pause."""
+        records = super().idle(idle_ns)
+        if self._data and self._times[-1] - self._times[1] + idle_ns >= self.silence_ns:
+            self._emit_others(records, self._certain)
+            self._forget_done()
+        return records
+
+    def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:
+        """Believe only what is certain: what waited while this process was stopped came without a pause.
+
+        Where nothing is known of the times, idle() alone tells of silence.
+        """
+        return uncertainty_ns != UNCERTAINTY_UNKNOWN and pause_ns - uncertainty_ns >= self.silence_ns
+
+    @property
+    def _certain(self) -> int:
+        """Before this, what is not in records is no part of a telegram."""
+        return self._damaged[0][0] if self._damaged else self._at
 
     def _judge(self, records: list[Record], start: int, end: int) -> None:
         """Decide about a telegram whose lengths agree and that is there to its end."""

@@ -37,9 +37,10 @@ class Hints:
         hint = None
         if not characters and elapsed_s >= SILENT_S:
             hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground), the port and --baud"
-        # A wrong parity makes no break; swapped wires and a wrong rate do.
-        elif all_wrong and characters >= ENOUGH_ERRORS and settings.parity in "EO" and not counters.breaks:
-            hint = f"every character has an error with {settings.format}: try --format 8N1, then another --baud"
+        # A wrong parity makes no break and spoils no telegram; swapped wires and a wrong rate do both.
+        elif all_wrong and characters >= ENOUGH_ERRORS and (counters.telegrams or not counters.breaks):
+            other = "8E1" if settings.parity == "N" else "8N1"
+            hint = f"every character has an error with {settings.format}: try --format {other}, then another --baud"
         elif all_wrong and characters >= ENOUGH_ERRORS:
             hint = "only breaks and framing errors: A and B may be swapped, or --baud is wrong"
         elif self._framing == Framing.SIS and characters >= ENOUGH_CHARACTERS and not counters.telegrams:

@@ -199,6 +199,13 @@ class Capture:
                     counters.written += self._sink.write(record)
 
     def _look(self, elapsed_s: float) -> None:
+        if step_ns := CLOCK.step_ns():
+            text = (
+                f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
+                "times in this capture go on without the step"
+            )
+            self._sink.write(self._event(Event.MARKER, text))
+            self._console.say(text)
         for hint in self._hints.look(self._counters, elapsed_s):
             self._console.say(hint)
         if self._progress:

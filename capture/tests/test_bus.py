@@ -802,6 +802,21 @@ def test_an_address_in_use(tmp_path: Path) -> None:
             assert "choose another" in result.stderr
 
 
+def test_a_path_that_is_too_long(tmp_path: Path) -> None:
+    command = [*BUS, "--listen", str(tmp_path / ("x" * 150))]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+    assert result.returncode == 3
+    assert result.stderr.endswith(": AF_UNIX path too long; choose another port (0: any free one) or PATH\n")
+
+
+def test_nobody_reads_its_name() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    result = subprocess.run(BUS, stdout=write, stderr=subprocess.PIPE, text=True, timeout=TIMEOUT_S, check=False)
+    os.close(write)
+    assert (result.returncode, result.stderr) == (1, "sistap bus: the bus stopped: Broken pipe\n")
+
+
 def test_a_socket_that_a_killed_bus_left_is_replaced_but_no_file(tmp_path: Path) -> None:
     path = tmp_path / "bus"
     with running("--listen", str(path)):

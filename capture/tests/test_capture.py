@@ -24,12 +24,15 @@ from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap import capture, cli, session
+from sistap.clock import Clock
 from sistap.console import Console
 from sistap.counters import Counters
 from sistap.line import Flag, LineSettings, Read
 from sistap.output import Output
+from sistap.pcapng import Interface
 from sistap.reader import PortError, PortLost
 from sistap.record import Event, Framing, Record, Type, unpack
+from sistap.writer import PcapngWriter
 
 START_NS = 1_700_000_000_000_000_000
 WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
@@ -337,6 +340,32 @@ def test_hints_and_progress_come_with_the_clock(capsys: pytest.CaptureFixture[st
     assert clock.ns == 7_000_000_000
 
 
+def test_a_wall_clock_that_is_set_is_an_event(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    clock = FakeClock()
+    path = tmp_path / "x.pcapng"
+
+    class Idle(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            clock.ns += 500_000_000
+            return None
+
+    hour = 3_600_000_000_000
+    monkeypatch.setattr(session, "CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0)))
+    output = Output(str(path))
+    reader, counters = Idle([]), Counters()
+    sink = PcapngWriter(output, Interface(252, "x"), counters)
+    session.Capture(reader, sink, output, counters, Console(), session.Conditions(duration_s=4), clock_ns=clock).run(
+        session.Stop()
+    )
+    output.close()
+    _, event = records(path)
+    assert (event.type, event.event) == (Type.EVENT, Event.MARKER)
+    assert event.data.decode().startswith("the wall clock moved by +3600.000 s (it was set, or the computer slept); ")
+    assert capsys.readouterr().err.count("the wall clock moved") == 1
+
+
 def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
     clock = FakeClock()
     path = tmp_path / "x"
@@ -509,6 +538,18 @@ def test_a_signal_ends_it_well_even_if_it_was_ignored(tap: Tap, tmp_path: Path, 
 def _waiting(descriptor: int) -> int:
     """How many characters nobody has read yet."""
     return int.from_bytes(fcntl.ioctl(descriptor, termios.FIONREAD, bytes(4)), sys.byteorder)
+
+
+def test_a_capture_that_was_stopped_does_not_claim_good_times(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x.pcapng"
+    process = tap.start("-w", str(path), "-c", "1")
+    process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
+    tap.send(ALL[0])
+    time.sleep(0.1)  # this long it is stopped
+    process.send_signal(signal.SIGCONT)
+    assert tap.end()[0] == 0
+    assert records(path)[1].uncertainty_ns > 100_000_000
 
 
 def test_unplugged(tap: Tap, tmp_path: Path) -> None:

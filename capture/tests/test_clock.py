@@ -63,6 +63,23 @@ def test_clock_set_by_an_hour_changes_an_interval_by_no_more_than_500_ppm() -> N
         assert abs(clock.now_ns() - before - 10_000_000) == 5_000  # 500 ppm of 10 ms
 
 
+def test_a_step_is_told_once_and_drift_never() -> None:
+    machine = Machine()
+    clock = machine.clock()
+    for _ in range(30_000):  # 100 ppm of that are 3 s
+        machine.turn(SECOND, ppm=100)
+        assert clock.step_ns() == 0
+    for hour in (3600 * SECOND, -3600 * SECOND):
+        machine.wall += hour
+        machine.turn(SECOND)
+        assert clock.step_ns() == hour
+        machine.turn(SECOND)
+        assert clock.step_ns() == 0
+    machine.wall += SECOND
+    machine.turn(SECOND)
+    assert clock.step_ns() == 0  # not more than a second
+
+
 @given(st.lists(st.tuples(st.integers(0, 5 * SECOND), st.integers(-3 * SECOND, 3 * SECOND)), max_size=40))
 def test_never_backwards_and_intervals_within_500_ppm(steps: list[tuple[int, int]]) -> None:
     machine = Machine()

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import accumulate
+from itertools import accumulate, groupby, zip_longest
 
 import pytest
 from hypothesis import example, given
@@ -171,6 +171,32 @@ def test_it_cuts_by_content_however_it_was_read(what: list[Read]) -> None:
     assert kinds(frame(*what)) == expected(b"".join(read.data for read in what))
 
 
+@given(read_lists(SILENCE_NS // 2), st.lists(st.integers(0, SILENCE_NS - 1)))
+@example(reads(b"x", b"\x02\x00\xff\xff", DAMAGED, GOOD, b"y" * 9, gap_ns=SILENCE_NS // 2), [0] * 5)
+def test_ticks_at_any_moment_cut_only_other_characters(what: list[Read], idle_ns: list[int]) -> None:
+    framer = SisFramer(0, SETTINGS)
+    records: list[Record] = []
+    for read, idle in zip_longest(what, idle_ns[: len(what)]):
+        records += framer.feed(read)
+        records += framer.idle(idle) if idle is not None else []
+    records += framer.flush()
+    untouched = frame(*what)
+    assert joined(kinds(records)) == joined(kinds(untouched))
+    for field in ("flags", "intervals"):
+        assert [x for r in records for x in getattr(r, field)] == [x for r in untouched for x in getattr(r, field)]
+    times = iter(read.time_ns for read in what for _ in read.data)
+    assert all(record.time_ns == [next(times) for _ in record.data][0] for record in records)
+
+
+def joined(records: list[tuple[str, bytes]]) -> list[tuple[str, bytes]]:
+    """Make one of other characters that follow each other."""
+    result = []
+    for name, group in groupby(records, lambda record: record[0]):
+        data = [data for _, data in group]
+        result += [(name, b"".join(data))] if name == OTHER else [(name, one) for one in data]
+    return result
+
+
 @given(st.lists(TELEGRAM, min_size=1, max_size=6))
 def test_telegrams_back_to_back_are_all_found(telegrams: list[bytes]) -> None:
     framer = SisFramer(0, SETTINGS)
@@ -241,9 +267,30 @@ def test_a_pause_below_a_second_cuts_nothing() -> None:
     early, late = reads(GOOD[:5], GOOD[5:], gap_ns=SILENCE_NS - 1)
     assert kinds(frame(early, late)) == [(FRAME, GOOD)]
     # Of the five characters of the second read the first came four character times before the last.
-    gap_ns = SILENCE_NS + 4 * SETTINGS.character_ns
+    # And it may have come a little earlier.
+    gap_ns = SILENCE_NS + 4 * SETTINGS.character_ns + late.uncertainty_ns
     assert kinds(frame(early, late._replace(time_ns=START_NS + gap_ns - 1))) == [(FRAME, GOOD)]
     assert kinds(frame(early, late._replace(time_ns=START_NS + gap_ns))) == [(OTHER, GOOD[:5]), (OTHER, GOOD[5:])]
+
+
+@pytest.mark.parametrize("uncertainty_ns", [3 * SILENCE_NS // 2, UNCERTAINTY_UNKNOWN])
+def test_what_waited_while_we_were_stopped_is_not_cut(uncertainty_ns: int) -> None:
+    early, late = reads(GOOD[:5], GOOD[5:], gap_ns=2 * SILENCE_NS)
+    assert kinds(frame(early, late._replace(uncertainty_ns=uncertainty_ns))) == [(FRAME, GOOD)]
+
+
+def test_other_traffic_that_never_pauses_comes_every_second() -> None:
+    framer = SisFramer(0, SETTINGS)
+    line = b"pos=12.5\r\n"
+    records: list[list[tuple[str, bytes]]] = []
+    for read in reads(*[line] * 11, b"\x02\x00\xff\xff", line, gap_ns=SILENCE_NS // 5):
+        assert framer.feed(read) == []
+        records.append(kinds(framer.idle(0)))
+    nothing: list[tuple[str, bytes]] = []
+    second = [*[nothing] * 5, [(OTHER, line * 6)]]
+    # What may become a telegram still waits, and what follows it.
+    assert records == [*second, *[nothing] * 5, [(OTHER, line * 5)], nothing]
+    assert kinds(framer.idle(SILENCE_NS)) == [(OTHER, b"\x02\x00\xff\xff" + line)]
 
 
 def test_other_characters_are_one_record_until_a_frame_a_pause_or_the_limit() -> None:
@@ -257,9 +304,9 @@ def test_other_characters_are_one_record_until_a_frame_a_pause_or_the_limit() ->
 def test_the_first_interval_is_unknown_and_a_long_one_saturated() -> None:
     pause_ns = INTERVAL_MAX + 1
     first, second, third = frame(
-        Read(1, START_NS, b"a", b"\0"),
-        Read(1, START_NS + pause_ns, b"bc", b"\0\0"),
-        Read(1, START_NS + 2 * pause_ns - 1, b"d", b"\0"),
+        Read(1, START_NS, b"a", b"\0", 1000),
+        Read(1, START_NS + pause_ns, b"bc", b"\0\0", 1000),
+        Read(1, START_NS + 2 * pause_ns - 1, b"d", b"\0", 1000),
     )
     assert (list(first.intervals), first.flags) == ([0], bytes([Flag.INTERVAL_UNKNOWN]))
     assert (list(second.intervals), second.flags) == (

@@ -42,9 +42,11 @@ def test_silence_after_the_first_character_is_no_trouble() -> None:
     assert hints(seen(TELEGRAMS["6-24"]), elapsed_s=60) == []
 
 
-@pytest.mark.parametrize(("flag", "settings"), [(Flag.BREAK, E81), (Flag.BREAK, N81), (Flag.CHARACTER_ERROR, N81)])
-def test_only_breaks_or_framing_errors(flag: Flag, settings: LineSettings) -> None:
-    (hint,) = hints(seen(bytes(20), flag), settings)
+@pytest.mark.parametrize("settings", [E81, N81])
+def test_only_breaks_or_framing_errors(settings: LineSettings) -> None:
+    counters = seen(b"x" * 20, Flag.CHARACTER_ERROR)
+    counters.add_read(Read(0, 0, b"\0", bytes([Flag.BREAK])))
+    (hint,) = hints(counters, settings)
     assert "A and B" in hint and "--baud" in hint
 
 
@@ -52,9 +54,18 @@ def test_every_character_a_parity_error() -> None:
     assert hints(seen(b"x" * 19, Flag.CHARACTER_ERROR)) == []
     (hint,) = hints(seen(b"x" * 20, Flag.CHARACTER_ERROR))
     assert "--format 8N1" in hint
+    (hint,) = hints(seen(b"x" * 20, Flag.CHARACTER_ERROR), N81)
+    assert "--format 8E1" in hint
     one_good = seen(b"x" * 20, Flag.CHARACTER_ERROR)
     one_good.add_read(Read(0, 0, b"x", b"\0"))
     assert hints(one_good) == []
+
+
+def test_good_telegrams_are_not_swapped_wires() -> None:
+    counters = seen(TELEGRAMS["6-24"] * 2, Flag.CHARACTER_ERROR)
+    counters.add_read(Read(0, 0, b"\0", bytes([Flag.BREAK])))  # somebody is plugged in
+    (hint,) = hints(counters, N81)
+    assert "--format 8E1" in hint
 
 
 def test_plenty_of_characters_and_no_telegram() -> None:

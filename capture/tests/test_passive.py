@@ -18,8 +18,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap import reader
 from sistap.line import LineSettings
+from sistap.reader import latency, open_reader
 
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
@@ -111,8 +111,8 @@ def test_modem_lines_of_a_real_port_only_go_down(monkeypatch: pytest.MonkeyPatch
         return real(fd, request, *rest)  # type: ignore[call-overload]
 
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
-    monkeypatch.setattr(reader, "measured_latency_ns", lambda: 0)
-    source = reader.open_reader(os.ttyname(slave), LineSettings())
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: 0)
+    source = open_reader(os.ttyname(slave), LineSettings())
     os.write(master, TELEGRAM)
     assert source.read(10)
     source.close()

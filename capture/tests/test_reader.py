@@ -21,9 +21,11 @@ import serial
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap import ports, reader, wire
+from sistap import ports, wire
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.reader import MarkDecoder, PortError, PortLost, Reader, open_reader
+from sistap.reader import PortError, PortLost, Reader, device, latency, open_reader
+from sistap.reader.contract import READ_SIZE
+from sistap.reader.device import MarkDecoder, PosixReader
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
@@ -32,7 +34,7 @@ PATIENCE_S = 10  # never waited for unless something is broken
 
 @pytest.fixture(autouse=True)
 def measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reader, "measured_latency_ns", lambda: LATENCY)
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: LATENCY)
 
 
 class Pty:
@@ -223,7 +225,7 @@ class SteppedTime:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic_ns()
-        monkeypatch.setattr(reader, "monotonic_ns", lambda: self.now)
+        monkeypatch.setattr(device, "monotonic_ns", lambda: self.now)
 
 
 def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -248,7 +250,7 @@ def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch
 def test_a_reader_that_waited_is_not_late(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     source = open_reader(bus.port, SETTINGS)
     asked = threading.Event()
-    assert isinstance(source, reader.PosixReader)
+    assert isinstance(source, PosixReader)
     poll = source._poll
 
     def announced(timeout_ms: float) -> list[tuple[int, int]]:
@@ -285,6 +287,85 @@ def test_several_at_once_were_not_read_in_time(bus: Pty, monkeypatch: pytest.Mon
     source.close()
 
 
+@pytest.mark.parametrize(
+    ("data", "slept_ns", "more_ns"),
+    [
+        (b"A", 9_000_000, 0),  # no sleep is longer than 10 ms
+        (b"A", 10_000_000 + LATENCY, 0),
+        (b"A", 10_000_001 + LATENCY, 10_000_001 + LATENCY),
+        (b"A", 2_000_000_000, 2_000_000_000),
+        (b"A", 5_000_000_000, None),  # more than 32 bits of ns
+        # A character takes 95 us: three, two of them after the first, come within the latency of 300 us.
+        (b"ABC", 9_000_000, SETTINGS.character_ns),
+        (b"ABCDE", 9_000_000, 9_000_000),
+    ],
+)
+def test_a_process_that_was_stopped_says_so(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch, data: bytes, slept_ns: int, more_ns: int | None
+) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+
+    def poll(timeout_ms: float) -> list[tuple[int, int]]:
+        if not timeout_ms:
+            return []
+        clock.now += slept_ns
+        return [(0, select.POLLIN)]
+
+    monkeypatch.setattr(source, "_poll", poll)
+    bus.write(data)
+    read = source.read(PATIENCE_S)
+    assert read is not None
+    assert read.data == data
+    assert read.uncertainty_ns == (UNCERTAINTY_UNKNOWN if more_ns is None else LATENCY + more_ns)
+    monkeypatch.undo()
+    source.close()
+
+
+def test_a_silent_line_makes_nothing_uncertain(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+
+    def silence(timeout_ms: float) -> list[tuple[int, int]]:
+        clock.now += int(timeout_ms * 1_000_000)
+        return []
+
+    with monkeypatch.context() as patched:
+        patched.setattr(source, "_poll", silence)
+        began = clock.now
+        for _ in range(50):
+            assert source.read(0.1) is None
+        assert clock.now - began == 5_000_000_000
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    clock.now += 1_000_000
+    (read,) = collect(source, 1)
+    assert read.uncertainty_ns == LATENCY + 1_000_000
+    source.close()
+
+
+def test_characters_that_come_while_a_read_returns_are_no_surprise(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    real = os.read
+
+    def stopped(fd: int, size: int) -> bytes:
+        data = real(fd, size)
+        bus.write(b"B")
+        clock.now += 50_000_000
+        return data
+
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "read", stopped)
+        (read,) = collect(source, 1)
+    wait_until_readable(bus.port)
+    (read,) = collect(source, 1)
+    assert (read.data, read.uncertainty_ns) == (b"B", LATENCY + 50_000_000)
+    source.close()
+
+
 def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
@@ -296,7 +377,7 @@ def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch
     clock.now += 2_000
     read = source.read(PATIENCE_S)
     assert read is not None
-    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + 3_000)
+    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + 2_000)  # at 1_000 there was still nothing
     monkeypatch.undo()
     source.close()
 
@@ -304,7 +385,7 @@ def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch
 def test_what_a_full_read_left_behind_is_as_old_as_that_read(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
-    pieces = iter([bytes(reader.READ_SIZE), b"rest"])
+    pieces = iter([bytes(READ_SIZE), b"rest"])
     monkeypatch.setattr(os, "read", lambda fd, size: next(pieces))
     monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)])
     began = clock.now
@@ -442,7 +523,7 @@ def test_latency_of_adapters(
     source = open_reader(bus.port, LineSettings(9600))
     assert source.timing == phrase
     clock = SteppedTime(monkeypatch)
-    assert isinstance(source, reader.PosixReader)
+    assert isinstance(source, PosixReader)
     source._emptied_ns = clock.now  # not late
     bus.write(b"A")
     (read,) = collect(source, 1)
@@ -453,11 +534,31 @@ def test_latency_of_adapters(
 def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     open_before = len(list(Path("/proc/self/fd").iterdir()))
-    reader.measured_latency_ns.cache_clear()
-    measured = reader.measured_latency_ns()
+    latency.measured_latency_ns.cache_clear()
+    measured = latency.measured_latency_ns()
     assert 0 < measured < UNCERTAINTY_UNKNOWN
     assert len(list(Path("/proc/self/fd").iterdir())) == open_before
-    assert reader.measured_latency_ns() == measured  # a property of the process, not of a port
+    assert latency.measured_latency_ns() == measured  # a property of the process, not of a port
+
+
+def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    stumbled: list[object] = []
+    monkeypatch.setattr(threading, "excepthook", stumbled.append)
+    writers: list[threading.Thread] = []
+
+    def interrupted(slave: int, written: list[int], writer: threading.Thread) -> int:
+        writers.append(writer)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(latency, "_worst_delay", interrupted)
+    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    latency.measured_latency_ns.cache_clear()
+    with pytest.raises(KeyboardInterrupt):
+        latency.measured_latency_ns()
+    writers[0].join(PATIENCE_S)
+    assert not stumbled
+    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
 
 
 def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -478,8 +579,8 @@ def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
     counts = iter([b"1", b"22", b"1"])
     monkeypatch.setattr(select, "poll", Poll)
     monkeypatch.setattr(os, "read", lambda fd, size: next(counts))
-    monkeypatch.setattr(reader, "monotonic_ns", waiting.get_nowait)
-    assert reader._worst_delay(0, [900, 2_000, 4_000, 9_000], Ended()) == 3_500  # type: ignore[arg-type]
+    monkeypatch.setattr(latency, "monotonic_ns", waiting.get_nowait)
+    assert latency._worst_delay(0, [900, 2_000, 4_000, 9_000], Ended()) == 3_500  # type: ignore[arg-type]
 
 
 # -- Ports that cannot be opened ---------------------------------------------------------------------------------------
@@ -623,16 +724,35 @@ def test_refused_connection(server: socket.socket) -> None:
 
 
 @pytest.mark.parametrize(
-    "url", ["carrier://pigeon", "socket://", "socket://host", "socket://host:99999", "rfc2217://h"]
+    "url",
+    [
+        "carrier://pigeon",
+        "socket://",
+        "socket://host",
+        "socket://host:99999",
+        "socket://[x",
+        "socket://a..b:1",
+        "rfc2217://h",
+        "loop://?x=y",
+    ],
 )
 def test_wrong_url(url: str) -> None:
     assert refused(url).startswith(f"{url} is not the URL of a port: it is written bus://HOST:PORT, ")
 
 
+def test_a_url_of_a_device() -> None:
+    assert refused("spy:///dev/nope").startswith("spy:///dev/nope does not exist: ")
+    assert refused("loop://", LineSettings(99_999_999_999)) == (
+        "loop:// cannot do 99999999999 Bd 8E1: choose another --baud or --format"
+    )
+
+
 # -- The virtual bus ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("url", ["bus://", "bus://host", "bus://host:0x7", "bus://host:99999"])
+@pytest.mark.parametrize(
+    "url", ["bus://", "bus://host", "bus://host:0x7", "bus://host:99999", "bus://[x", "bus://a..b:5000"]
+)
 def test_wrong_bus_address(url: str) -> None:
     assert refused(url) == f"{url} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET"
 

@@ -108,7 +108,7 @@ def _serve(args: argparse.Namespace, settings: LineSettings, faults: Faults, log
         return _fail(_USAGE, f"--listen {error}")
     except OSError as error:
         cure = "choose another port (0: any free one) or PATH" if args.listen else "close some terminals"
-        return _fail(_PORT, f"cannot listen at {args.listen or 'a pseudo terminal'}: {error.strerror}; {cure}")
+        return _fail(_PORT, f"cannot listen at {args.listen or 'a pseudo terminal'}: {error.strerror or error}; {cure}")
     try:
         print(wire.name, flush=True)
         wire.wait_for_listener()
@@ -116,7 +116,8 @@ def _serve(args: argparse.Namespace, settings: LineSettings, faults: Faults, log
             log.begin(f"{settings.baud} {settings.format}, seed {args.seed}, time 0 is {pace.wall_ns()} ns since 1970")
         serve(wire, bus(settings, args.seed, args.cycles, faults), log)
     except OSError as error:
-        return _fail(_FAILED, f"the bus stopped: {error.strerror}; the log has what was played before")
+        saved = "; the log has what was played before" if log else ""
+        return _fail(_FAILED, f"the bus stopped: {error.strerror or error}{saved}")
     finally:
         wire.close()
     return _DONE

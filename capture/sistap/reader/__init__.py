@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Readers: characters with their times and errors from a serial device, a pyserial URL, or a virtual bus.
+
+A reader only listens. It never writes to a port, sends no break, flushes no output, and lowers RTS and DTR: on many
+adapters RTS switches the RS485 transmitter on.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from sistap.line import LineSettings
+from sistap.reader.contract import PortError, PortLost, Reader
+from sistap.reader.url import UrlReader
+from sistap.reader.virtual import WireReader
+
+if sys.platform != "win32":
+    from sistap.reader.device import PosixReader
+
+__all__ = ["PortError", "PortLost", "Reader", "open_reader"]
+
+
+def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
+    """Open a device, a pyserial URL or a virtual bus ("bus://HOST:PORT", "bus:///SOCKET"). May raise PortError."""
+    if port.startswith("bus://"):
+        return WireReader(port, settings, line)
+    if settings.baud <= 0:
+        raise PortError(f"{port} needs a rate: say it with --baud")
+    if "://" in port or sys.platform == "win32":
+        return UrlReader(port, settings, line)
+    return PosixReader(port, settings, line)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What every reader is, and how it fails."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from sistap.line import LineSettings, Read
+
+READ_SIZE = 4096  # as much as the line discipline of Linux holds
+
+
+class PortError(Exception):
+    """A port cannot be opened; the text is one line that names the cure."""
+
+
+class PortLost(Exception):
+    """A port was lost while it was read; the text is one line that names the cure."""
+
+
+class Reader(Protocol):
+    """A source of characters."""
+
+    name: str  # what the user called it, e.g. "/dev/ttyUSB0"
+    adapter: str  # e.g. "FT232R USB UART (ftdi_sio, latency timer 16 ms)"
+    timing: str  # one phrase: how the times are bounded
+    settings: LineSettings
+    line: int
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+
+    def close(self) -> None:
+        """Let the port go."""

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Opens ports through pyserial, so that they only listen."""
+
+from __future__ import annotations
+
+import struct
+import sys
+
+import serial
+
+from sistap.line import LineSettings
+from sistap.reader.contract import PortError
+from sistap.reader.trouble import device_trouble
+
+if sys.platform != "win32":
+    import fcntl
+    import termios
+
+_URL_TIMEOUT_S = 0.05  # pyserial's own; changing it per read would configure the port each time
+
+# Linux, <asm-generic/ioctls.h>: struct termios2, of it c_ospeed.
+_TCGETS2 = 0x802C542A
+_TERMIOS2 = struct.Struct("40xI")
+
+
+def closed_serial(port: str, settings: LineSettings) -> serial.Serial:
+    """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is."""
+    device: serial.Serial = serial.serial_for_url(
+        port,
+        do_not_open=True,
+        baudrate=settings.baud,
+        bytesize=settings.data_bits,
+        parity=settings.parity,
+        stopbits=settings.stop_half_bits / 2,
+        exclusive=True,
+        timeout=_URL_TIMEOUT_S,
+    )
+    device.dtr = False
+    device.rts = False
+    return device
+
+
+def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> serial.Serial:
+    """Open a device exclusively, RTS and DTR down, no flow control, errors marked. May raise PortError."""
+    try:
+        device = closed_serial(port, settings)
+        if pseudo_terminal:
+            # Linux strips these from a pty, and libc takes it for an error when nothing else was to change.
+            device.bytesize, device.parity = 8, serial.PARITY_NONE
+        device.open()
+        try:
+            _mark_errors(device.fileno())
+            _check_speed(device.fileno(), settings.baud)
+        except BaseException:
+            device.close()
+            raise
+    except (OSError, ValueError, OverflowError, termios.error) as error:
+        raise PortError(device_trouble(port, settings, error)) from error
+    return device
+
+
+def _mark_errors(fd: int) -> None:
+    """Let the line discipline mark errors, which pyserial has switched off, and drop what came before."""
+    attributes = termios.tcgetattr(fd)
+    attributes[0] |= termios.PARMRK | termios.INPCK  # INPCK: without it no framing errors either
+    attributes[0] &= ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT | termios.ISTRIP)
+    attributes[6][termios.VMIN] = 1  # so that a read of nothing means that the port has gone
+    attributes[6][termios.VTIME] = 0
+    termios.tcsetattr(fd, termios.TCSANOW, attributes)
+    termios.tcflush(fd, termios.TCIFLUSH)
+
+
+def _check_speed(fd: int, baud: int) -> None:
+    """Raise ValueError if the driver quietly set another rate; 3 % is what a character can bear."""
+    try:
+        (speed,) = _TERMIOS2.unpack(fcntl.ioctl(fd, _TCGETS2, bytes(_TERMIOS2.size)))
+    except OSError:
+        return  # not Linux
+    if abs(speed - baud) > baud * 0.03:
+        raise ValueError(f"the driver set {speed} Bd")

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads any port that pyserial can open."""
+
+from __future__ import annotations
+
+import time
+from time import monotonic_ns
+
+from sistap.clock import CLOCK
+from sistap.line import LineSettings, Read
+from sistap.reader.contract import READ_SIZE, PortError, PortLost
+from sistap.reader.opening import closed_serial
+from sistap.reader.trouble import url_trouble
+
+
+class UrlReader:
+    """Reads through pyserial: URLs such as socket:// and rfc2217://, and the ports of Windows. No error flags."""
+
+    def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
+        """Open the port. May raise PortError."""
+        self.name = port
+        self.adapter = port
+        self.settings = settings
+        self.line = line
+        scheme, separator, _ = port.partition("://")
+        over = scheme + separator
+        self.timing = f"times are those of arrival at this program over {over}; no bound known"
+        try:
+            self._device = closed_serial(port, settings)
+            self._device.open()
+        except (OSError, ValueError, KeyError) as error:  # KeyError: an option of loop:// that pyserial does not know
+            raise PortError(url_trouble(port, settings, error)) from error
+        self._lost: str | None = None
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+        end = time.monotonic() + timeout_s
+        data = b""
+        while not self._lost and not data and time.monotonic() <= end:
+            data = self._waiting()
+        if data:
+            return Read(self.line, CLOCK.wall_ns(monotonic_ns()), data, bytes(len(data)))
+        if self._lost:
+            raise PortLost(self._lost)
+        return None
+
+    def _waiting(self) -> bytes:
+        """Take one character, and all that are there with it; what came before the port was lost is kept."""
+        data = b""
+        try:
+            data = self._device.read(1)
+            while data and len(data) < READ_SIZE and (waiting := self._device.in_waiting):
+                data += self._device.read(waiting)
+        except OSError as error:
+            self._lost = f"{self.name} is gone ({error}): connect it again and start a new capture"
+        return data
+
+    def close(self) -> None:
+        """Let the port go."""
+        self._device.close()

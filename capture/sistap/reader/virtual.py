@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads a virtual bus."""
+
+from __future__ import annotations
+
+import socket
+from collections import deque
+from urllib.parse import urlsplit
+
+from sistap import wire
+from sistap.line import LineSettings, Read
+from sistap.reader.contract import PortError, PortLost
+from sistap.reader.trouble import connection_trouble
+
+CONNECT_TIMEOUT_S = 5
+
+
+class WireReader:
+    """Reads the socket of a virtual bus (sistap.wire): its reads carry their own times, errors and line."""
+
+    def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
+        """Connect and say the line settings. May raise PortError."""
+        self.name = port
+        self.adapter = f"virtual bus at {port}"
+        self.timing = "times and their uncertainty are those the virtual bus says"
+        self.settings = settings
+        self.line = line
+        try:
+            self._socket = _connect(port)
+            self._socket.sendall(wire.pack_settings(settings))
+        except OSError as error:
+            raise PortError(connection_trouble(port, error)) from error
+        self._decoder = wire.ReadDecoder()
+        self._reads: deque[Read] = deque()
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+        if not self._reads:
+            self._receive(timeout_s)
+        return self._reads.popleft() if self._reads else None
+
+    def _receive(self, timeout_s: float) -> None:
+        self._socket.settimeout(timeout_s)
+        try:
+            data = self._socket.recv(65536)
+            self._reads.extend(self._decoder.feed(data))
+        except (TimeoutError, BlockingIOError):
+            return
+        except OSError:
+            data = b""
+        except ValueError as error:
+            raise PortLost(f"{self.name}: {error}: give the address that `sistap bus` prints") from error
+        if not data:
+            raise PortLost(f"the bus has ended ({self.name}): start it and a new capture")
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._socket.close()
+
+
+def _connect(port: str) -> socket.socket:
+    """Connect to bus://HOST:PORT or bus:///SOCKET. OSError, or PortError if it is written otherwise."""
+    try:
+        url = urlsplit(port)
+        host, number, path = url.hostname, url.port, url.path
+        if host and number:
+            return socket.create_connection((host, number), CONNECT_TIMEOUT_S)
+    except ValueError:  # also from a host that cannot be one, "a..b"
+        host, path = None, ""
+    if host or not path:
+        raise PortError(f"{port} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET")
+    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    connection.settimeout(CONNECT_TIMEOUT_S)
+    connection.connect(path)
+    return connection
