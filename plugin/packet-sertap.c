@@ -167,6 +167,21 @@ add_uncertainty(proto_tree *tree, tvbuff_t *tvb, uint32_t uncertainty)
                                          uncertainty / 1e6);
 }
 
+static void
+show_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
+{
+    proto_item *ti;
+
+    proto_tree_add_item(tree, hf_type, tvb, 2, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_line, tvb, 3, 1, ENC_BIG_ENDIAN);
+    ti = proto_tree_add_item(tree, hf_baud, tvb, 4, 4, ENC_BIG_ENDIAN);
+    if (record->baud == 0)
+        proto_item_append_text(ti, " (unknown)");
+    add_format(tree, pinfo, tvb, record);
+    proto_tree_add_item(tree, hf_framing, tvb, 11, 1, ENC_BIG_ENDIAN);
+    add_uncertainty(tree, tvb, record->uncertainty);
+}
+
 /* Reads the header of a record, offsets 0 to 19. False where nothing after it can be told. */
 static bool
 dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_record_t *record)
@@ -213,15 +228,8 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
     record->declared = tvb_get_ntohs(tvb, 16);
     record->event = tvb_get_ntohs(tvb, 18);
     record->data_offset = size;
-
-    proto_tree_add_item(tree, hf_type, tvb, 2, 1, ENC_BIG_ENDIAN);
-    proto_tree_add_item(tree, hf_line, tvb, 3, 1, ENC_BIG_ENDIAN);
-    ti = proto_tree_add_item(tree, hf_baud, tvb, 4, 4, ENC_BIG_ENDIAN);
-    if (record->baud == 0)
-        proto_item_append_text(ti, " (unknown)");
-    add_format(tree, pinfo, tvb, record);
-    proto_tree_add_item(tree, hf_framing, tvb, 11, 1, ENC_BIG_ENDIAN);
-    add_uncertainty(tree, tvb, record->uncertainty);
+    if (tree)
+        show_header(tvb, pinfo, tree, record);
     return true;
 }
 
@@ -446,9 +454,10 @@ dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const serta
 
     p_add_proto_data(pinfo->pool, pinfo, proto_sertap, FRAMING, GUINT_TO_POINTER((unsigned)record->framing));
     p_add_proto_data(pinfo->pool, pinfo, proto_sertap, RECORD, (void *)(uintptr_t)record);
+    if (record->count > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
+        return;
     col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
-    if (record->count > 0 && !compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
-        call_data_dissector(payload, pinfo, parent);
+    call_data_dissector(payload, pinfo, parent);
 }
 
 static int

@@ -432,7 +432,8 @@ dissect_whole_telegram(dissection_t *d)
 
     stations = stations_text(d);
     kind = d->telegram->is_reaction ? "Reaction" : "Command";
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s  %s  %s", stations, kind, words);
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s  %s  %s%s", stations, kind, words,
+                    wmem_strbuf_get_str(d->marks));
     proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, words);
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
@@ -443,9 +444,9 @@ dissect_stump(const dissection_t *d)
 {
     unsigned there = tvb_reported_length(d->tvb);
 
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "Cut telegram, %u of at least %u bytes", there,
-                    SIS_STATIC_LENGTH);
     dissect_start(d);
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "Cut telegram, %u of at least %u bytes%s", there,
+                    SIS_STATIC_LENGTH, wmem_strbuf_get_str(d->marks));
     if (there > 1)
         proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, there - 1, ENC_NA);
     expert_add_info_format(d->pinfo, d->root, &ei_too_short,
@@ -465,6 +466,17 @@ dissect_no_telegram(const dissection_t *d)
     proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, there, ENC_NA);
 }
 
+/* Something may be in the info column: another telegram of this packet, or TCP's words, which end with a
+ * space. */
+static void
+separate(packet_info *pinfo)
+{
+    const char *info = col_get_text(pinfo->cinfo, COL_INFO);
+
+    if (info != NULL && info[0] != '\0' && !g_str_has_suffix(info, " "))
+        col_append_str(pinfo->cinfo, COL_INFO, " | ");
+}
+
 void
 sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
 {
@@ -473,20 +485,17 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
                       .pinfo = pinfo,
                       .declared = sis_declared_length(tvb, 0),
                       .marks = wmem_strbuf_new(pinfo->pool, "")};
-    const char *info = col_get_text(pinfo->cinfo, COL_INFO);
 
+    separate(pinfo);
     d.end = MIN(d.declared > 0 ? d.declared : there, tvb_captured_length(tvb));
     d.root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
     d.tree = proto_item_add_subtree(d.root, ett_sis);
-    if (info != NULL && info[0] != '\0' && !g_str_has_suffix(info, " "))
-        col_append_str(pinfo->cinfo, COL_INFO, " | ");
     if (compat_get_uint8(tvb, 0) != SIS_START && d.declared != there)
         dissect_no_telegram(&d);
     else if (there < SIS_STATIC_LENGTH)
         dissect_stump(&d);
     else
         dissect_whole_telegram(&d);
-    col_append_str(pinfo->cinfo, COL_INFO, wmem_strbuf_get_str(d.marks));
     tvb_ensure_bytes_exist(tvb, 0, (int)there); /* else Wireshark says that the capture has cut the packet */
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Useful data: which file takes apart which service, and what all of them need (chapters 2.1 and 2.3). */
 
+#include "sis-export.h"
 #include "sis-sequence.h"
 #include "sis-values.h"
 
@@ -428,4 +429,5 @@ sis_body_register(module_t *module)
     sis_values_register();
     sis_exchange_register();
     sis_sequence_register();
+    sis_export_register();
 }

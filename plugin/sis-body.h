@@ -16,17 +16,14 @@ typedef struct sis_request {
     uint8_t subservice;
     uint8_t element;
     uint8_t device;
+    uint8_t phase;
     bool has_device;
     bool has_ident;
-    bool has_segment;
-    bool has_phase;
+    bool has_address;
     sis_ident_t ident;
-    uint16_t list_offset; /* as sent: bytes, or words in 0x81 and 0x8E */
-    uint16_t list_length;
-    uint8_t phase;
     uint32_t address; /* of the memory */
-    const sis_known_t
-        *known; /* of the parameter, when the command was sent; NULL where nothing was learned */
+    /* Of the parameter, when the command was sent; NULL where nothing was learned. */
+    const sis_known_t *known;
     struct sis_request *next; /* of the following element of service 0x04 */
     struct sis_request *list; /* of the first element of service 0x04 */
 } sis_request_t;

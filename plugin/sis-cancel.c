@@ -33,10 +33,8 @@ dissect_reaction(sis_body_t *body)
     bool had_device = body->asked != NULL && body->asked->has_device;
     bool is_alone = sis_left(body) == 1 && body->status == 0; /* there are error data after an error only */
 
-    if (had_device || (is_alone && body->asked == NULL)) {
-        if (!sis_take(body, hf_sis_device, 1, NULL))
-            return;
-    }
+    if ((had_device || is_alone) && !sis_take(body, hf_sis_device, 1, NULL))
+        return;
     if (body->status != 0)
         sis_take_rest(body, hf_sis_raw);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Service 0x02, flash operation (chapter 5). */
 
-#include "sis-body.h"
+#include "sis-export.h"
 
 #define READ_FLASH     0x92
 #define FIND_HEADER    0x93
@@ -33,8 +33,10 @@ take_address(sis_body_t *body)
     if (!sis_take(body, hf_address, 4, &address))
         return;
     sis_say(body, ", 0x%08x", address);
-    if (body->request != NULL)
+    if (body->request != NULL) {
+        body->request->has_address = true;
         body->request->address = address;
+    }
 }
 
 static void
@@ -56,13 +58,17 @@ take_code(sis_body_t *body, int hf, const value_string *texts)
         sis_say(body, ", %s", text);
 }
 
+/* Data of the memory, where the command says from which address on. */
 static void
-take_data(sis_body_t *body)
+take_data(sis_body_t *body, const sis_request_t *request)
 {
-    unsigned length = sis_left(body);
+    unsigned offset = body->offset, length = sis_left(body);
 
-    if (sis_take_rest(body, hf_sis_data))
-        sis_say(body, ", %u byte%s", length, plurality(length, "", "s"));
+    if (!sis_take_rest(body, hf_sis_data))
+        return;
+    sis_say(body, ", %u byte%s", length, plurality(length, "", "s"));
+    if (request != NULL && request->has_address)
+        sis_export_memory(body, request->address, offset, length);
 }
 
 static void
@@ -85,7 +91,7 @@ take_part(sis_body_t *body, part_t part)
         take_code(body, hf_device_type, sis_device_types);
         break;
     case DATA:
-        take_data(body);
+        take_data(body, body->request);
         break;
     case NOTHING:
         break;
@@ -125,7 +131,7 @@ dissect_data(sis_body_t *body, uint32_t subservice)
     uint32_t crc;
 
     if (subservice == READ_FLASH) {
-        take_data(body);
+        take_data(body, body->asked);
     } else if (subservice == FIND_HEADER) {
         take_address(body);
     } else if (subservice == BUILD_CHECKSUM && sis_left(body) >= 4) { /* IndraDrive; IF02 has no data here */

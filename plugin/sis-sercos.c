@@ -2,6 +2,7 @@
 /* Services 0x10, 0x11, 0x12, 0x1D, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters and
  * phases (chapter 8). */
 
+#include "sis-export.h"
 #include "sis-learned.h"
 #include "sis-sequence.h"
 #include "sis-values.h"
@@ -60,21 +61,30 @@ is_write(const access_t *access)
     return access->general == 0x1E || access->general == 0x1F;
 }
 
+static void
+show_control(const access_t *access)
+{
+    static int *const bits[] = {&hf_control_reserved, &hf_element, &hf_transmission, NULL};
+    const sis_body_t *body = access->body;
+
+    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_control), body->tvb, body->offset - 1,
+                                1, bits, ENC_NA);
+    proto_item_append_text(body->item, " (%s, %s)", val_to_str_const(access->element, sis_elements, ""),
+                           access->is_last ? "last transmission" : "more follows");
+}
+
 static bool
 take_control(access_t *access)
 {
-    static int *const bits[] = {&hf_control_reserved, &hf_element, &hf_transmission, NULL};
     sis_body_t *body = access->body;
     uint32_t control;
 
     if (!sis_take(body, hf_control, 1, &control))
         return false;
-    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_control), body->tvb, body->offset - 1,
-                                1, bits, ENC_NA);
     access->element = ELEMENT(control);
     access->is_last = control & SIS_LAST_TRANSMISSION;
-    proto_item_append_text(body->item, " (%s, %s)", val_to_str_const(access->element, sis_elements, ""),
-                           access->is_last ? "last transmission" : "more follows");
+    if (body->tree)
+        show_control(access);
     if (control & CONTROL_RESERVED)
         sis_mark(body, &ei_sis_note, "reserved bits of the parameter control");
     if (!sis_take(body, hf_sis_device, 1, &access->device))
@@ -245,6 +255,7 @@ show_piece(access_t *access, tvbuff_t *whole)
     tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_whole, NULL,
                                          "Data of all pieces, %u bytes", length);
     show_data(access, tree, whole);
+    sis_export_parameter(body, access->ident, (uint8_t)access->device, whole);
 }
 
 static void

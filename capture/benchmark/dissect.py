@@ -37,7 +37,7 @@ SETTINGS = LineSettings(115200, 8, "E", 2)
 START_NS = 1_700_000_000_000_000_000
 SILENCE_NS = 2_000_000  # before each telegram
 UNCERTAINTY_NS = 100_000
-GOAL_RATIO = 1.0
+GOAL_RATIO = 1.3
 
 # How tshark shows it, and the part of the packets that is enough for a way that is slow.
 MODES: dict[str, tuple[list[str], int]] = {
