@@ -252,6 +252,8 @@ dissect_receiver(const dissection_t *d, int hf, unsigned offset, bool is_last)
     const char *text = sis_kind_text(kind);
     proto_item *ti;
 
+    if (is_last && !sis_is_answered(receiver))
+        text = wmem_strdup_printf(d->pinfo->pool, "%s, does not answer", text);
     if (hf == hf_subaddress)
         ti = proto_tree_add_uint_format(d->tree, hf, d->tvb, offset, 1, receiver, "Subaddress %u: %u (%s)",
                                         offset - SIS_STATIC_LENGTH + 1, receiver, text);

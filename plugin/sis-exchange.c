@@ -187,8 +187,10 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
     if (exchange->needs_reaction)
         find_repeat(exchange, stream, direction, tvb, telegram);
     wmem_map_foreach(routes, compare_route, &(below_t){exchange, tvb, telegram});
-    if (*master != NULL && (*master)->needs_reaction && (*master)->reaction_in == 0)
+    if (*master != NULL && (*master)->needs_reaction && (*master)->reaction_in == 0) {
         (*master)->next_command_in = pinfo->num;
+        (*master)->is_reaction_damaged = sis_was_damaged_since(stream, (*master)->command_in);
+    }
     *master = exchange;
 
     wmem_free(wmem_file_scope(), stream->from[direction].bytes);
@@ -330,8 +332,9 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
         wmem_strbuf_append(marks, "  [repeat]");
     }
     if (exchange->next_command_in != 0)
-        expert_add_info_format(pinfo, root, &ei_unanswered, "No reaction before the next command (frame %u)",
-                               exchange->next_command_in);
+        expert_add_info_format(pinfo, root, &ei_unanswered,
+                               "No reaction before the next command (frame %u)%s", exchange->next_command_in,
+                               exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
 }
 
 static void

@@ -33,6 +33,7 @@ typedef struct sis_exchange {
     nstime_t command_end;     /* when its last character came */
     nstime_t reaction_time;   /* valid if has_time */
     bool has_time;
+    bool is_reaction_damaged;       /* perhaps: a damaged telegram came before the next command */
     bool needs_reaction;            /* neither group nor broadcast */
     bool is_number_repeated;        /* its telegram number was that of the command before */
     struct sis_exchange *forwarded; /* the same exchange one level below */

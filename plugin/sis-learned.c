@@ -37,6 +37,8 @@ sis_learned_known(sis_body_t *body, sis_ident_t ident, uint8_t device)
         body->request->known = learned;
     if (learned == NULL)
         return known;
+    known.minimum = learned->minimum;
+    known.maximum = learned->maximum;
     if (learned->name_from != SIS_FROM_NOWHERE) {
         known.name = learned->name;
         known.name_from = learned->name_from;
@@ -52,50 +54,68 @@ sis_learned_known(sis_body_t *body, sis_ident_t ident, uint8_t device)
     return known;
 }
 
+/* True if this is another text than before; then it is kept. */
+static bool
+update_text(const char **known, const char *text)
+{
+    if (text == NULL || g_strcmp0(*known, text) == 0)
+        return false;
+    *known = wmem_strdup(wmem_file_scope(), text);
+    return true;
+}
+
+static bool
+update_attribute(sis_known_t *known, tvbuff_t *tvb)
+{
+    uint32_t attribute;
+
+    if (tvb_captured_length(tvb) != 4)
+        return false;
+    attribute = tvb_get_letohl(tvb, 0);
+    if (known->attribute_from == SIS_FROM_BUS && known->attribute == attribute)
+        return false;
+    known->attribute = attribute;
+    known->attribute_from = SIS_FROM_BUS;
+    return true;
+}
+
 /* True if this says something new. */
 static bool
-update(sis_known_t *known, sis_element_t element, tvbuff_t *tvb)
+update(sis_known_t *known, wmem_allocator_t *pool, sis_element_t element, tvbuff_t *tvb, const char *shown)
 {
-    const char *text = sis_element_text(wmem_file_scope(), tvb);
-
-    if (element == SIS_ELEMENT_NAME && g_strcmp0(known->name, text) != 0) {
-        known->name = text;
+    switch (element) {
+    case SIS_ELEMENT_NAME:
         known->name_from = SIS_FROM_BUS;
-        return true;
-    }
-    if (element == SIS_ELEMENT_UNIT && g_strcmp0(known->unit, text) != 0) {
-        known->unit = text;
+        return update_text(&known->name, sis_element_text(pool, tvb));
+    case SIS_ELEMENT_UNIT:
         known->unit_from = SIS_FROM_BUS;
-        return true;
+        return update_text(&known->unit, sis_element_text(pool, tvb));
+    case SIS_ELEMENT_ATTRIBUTE:
+        return update_attribute(known, tvb);
+    case SIS_ELEMENT_MINIMUM:
+        return update_text(&known->minimum, shown);
+    case SIS_ELEMENT_MAXIMUM:
+        return update_text(&known->maximum, shown);
+    default:
+        return false;
     }
-    if (element == SIS_ELEMENT_ATTRIBUTE && tvb_captured_length(tvb) == 4) {
-        uint32_t attribute = tvb_get_letohl(tvb, 0);
-        bool is_new = known->attribute_from == SIS_FROM_NOWHERE || known->attribute != attribute;
-
-        known->attribute = attribute;
-        known->attribute_from = SIS_FROM_BUS;
-        return is_new;
-    }
-    return false;
 }
 
 void
-sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element, tvbuff_t *tvb)
+sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element, tvbuff_t *tvb,
+          const char *shown)
 {
-    bool is_description =
-        element == SIS_ELEMENT_NAME || element == SIS_ELEMENT_UNIT || element == SIS_ELEMENT_ATTRIBUTE;
+    const sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
     const sis_known_t *before = look_up(body, ident, device);
     sis_known_t known = {0};
-    const sis_exchange_t *exchange;
     uint64_t *key;
 
-    if (!is_description || body->pinfo->fd->visited || body->record == NULL || body->record->exchange == NULL)
+    if (body->pinfo->fd->visited || exchange == NULL)
         return;
     if (before != NULL)
         known = *before;
-    if (!update(&known, element, tvb))
+    if (!update(&known, body->pinfo->pool, element, tvb, shown))
         return;
-    exchange = body->record->exchange;
     key = wmem_new(wmem_file_scope(), uint64_t);
     *key = make_key(exchange, ident, device);
     wmem_map_insert(exchange->stream->bus->learned, key,

@@ -11,7 +11,8 @@
  * built in. */
 sis_known_t sis_learned_known(sis_body_t *body, sis_ident_t ident, uint8_t device);
 
-/* A good reaction with an element, all of it. */
-void sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element, tvbuff_t *tvb);
+/* A good reaction with an element, all of it, and the text that it was shown with (NULL: none). */
+void sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element, tvbuff_t *tvb,
+               const char *shown);
 
 #endif

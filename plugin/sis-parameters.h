@@ -32,6 +32,8 @@ typedef enum { SIS_FROM_NOWHERE, SIS_FROM_BUS, SIS_FROM_TABLE, SIS_BUILT_IN } si
 typedef struct sis_known {
     const char *name; /* NULL: unknown */
     const char *unit;
+    const char *minimum; /* as read on the bus, NULL: unknown */
+    const char *maximum;
     uint32_t attribute; /* valid unless attribute_from is SIS_FROM_NOWHERE */
     sis_source_t name_from;
     sis_source_t unit_from;

@@ -16,6 +16,9 @@ static int hf_element = -1;
 static int hf_transmission = -1;
 static int hf_parameter = -1;
 static int hf_parameter_name = -1;
+static int hf_parameter_unit = -1;
+static int hf_parameter_minimum = -1;
+static int hf_parameter_maximum = -1;
 static int hf_parameter_type = -1;
 static int hf_parameter_profile = -1;
 static int hf_parameter_set = -1;
@@ -95,20 +98,31 @@ take_control(access_t *access)
     return true;
 }
 
-/* The text of a parameter that is not in these bytes, or what is known of one that is. */
 static void
-add_parameter_name(access_t *access, proto_tree *tree, unsigned offset, unsigned length)
+add_generated(proto_tree *tree, tvbuff_t *tvb, int hf, const char *text, const char *source)
+{
+    proto_item *item;
+
+    if (text == NULL)
+        return;
+    item = proto_tree_add_string(tree, hf, tvb, 0, 0, text);
+    proto_item_set_generated(item);
+    proto_item_append_text(item, " (%s)", source);
+}
+
+/* What is known of a parameter, and where from. */
+static void
+add_known(const access_t *access, proto_tree *tree)
 {
     static const char *const sources[] = {"", "learned from the bus", "from the table SIS parameters",
                                           "built in"};
-    proto_item *item;
+    const sis_known_t *known = &access->known;
+    tvbuff_t *tvb = access->body->tvb;
 
-    if (access->known.name == NULL)
-        return;
-    item =
-        proto_tree_add_string(tree, hf_parameter_name, access->body->tvb, offset, length, access->known.name);
-    proto_item_set_generated(item);
-    proto_item_append_text(item, " (%s)", sources[access->known.name_from]);
+    add_generated(tree, tvb, hf_parameter_name, known->name, sources[known->name_from]);
+    add_generated(tree, tvb, hf_parameter_unit, known->unit, sources[known->unit_from]);
+    add_generated(tree, tvb, hf_parameter_minimum, known->minimum, sources[SIS_FROM_BUS]);
+    add_generated(tree, tvb, hf_parameter_maximum, known->maximum, sources[SIS_FROM_BUS]);
 }
 
 static const char *
@@ -156,7 +170,7 @@ take_parameter(access_t *access)
     tree = proto_item_add_subtree(body->item, ett_parameter);
     proto_tree_add_item(tree, hf_parameter_type, body->tvb, offset, 1, ENC_NA);
     proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2, bits_drive, ENC_LITTLE_ENDIAN);
-    add_parameter_name(access, tree, offset, 3);
+    add_known(access, tree);
     body->offset += 3;
     say_parameter(access);
     if (body->request != NULL) {
@@ -201,7 +215,7 @@ recall_parameter(access_t *access)
     proto_item_set_generated(item);
     if (access->known.name != NULL)
         proto_item_append_text(item, " (%s)", access->known.name);
-    add_parameter_name(access, proto_item_add_subtree(item, ett_parameter), 0, 0);
+    add_known(access, proto_item_add_subtree(item, ett_parameter));
     say_parameter(access);
 }
 
@@ -236,7 +250,7 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         sis_say(body, ", %u byte%s%s", length, plurality(length, "", "s"),
                 bytes_text(body->pinfo->pool, tvb));
     if (access->has_ident && is_whole && body->is_reaction)
-        sis_learn(body, access->ident, (uint8_t)access->device, access->element, tvb);
+        sis_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
 }
 
 static void
@@ -299,6 +313,18 @@ take_data_status(sis_body_t *body)
     sis_say(body, " = command %s%s", word, status & 0x0100 ? ", operating data invalid" : "");
 }
 
+/* The upper digit of a code names the element, also where the code is not defined. */
+static void
+take_parameter_error(sis_body_t *body)
+{
+    uint32_t digit;
+
+    sis_take_error(body, sis_errors_parameter);
+    digit = body->error >> 12;
+    if (digit >= 1 && digit < 8)
+        proto_item_append_text(body->item, ", element: %s", val_to_str_const(digit, sis_elements, ""));
+}
+
 static void
 dissect_parameter_command(access_t *access)
 {
@@ -324,7 +350,7 @@ dissect_parameter_reaction(access_t *access)
         return;
     recall_parameter(access);
     if (body->status == 0x01) {
-        sis_take_error(body, sis_errors_parameter);
+        take_parameter_error(body);
     } else if (sis_take_channel_error(body)) {
         return;
     } else if (!is_write(access)) {
@@ -459,6 +485,9 @@ static hf_register_info fields[] = {
     {&hf_transmission, {"Transmission", "sis.transmission", FT_BOOLEAN, 8, TFS(&last_current), SIS_LAST_TRANSMISSION, NULL, HFILL}},
     {&hf_parameter, {"Parameter", "sis.parameter", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_parameter_name, {"Name", "sis.parameter.name", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_unit, {"Unit", "sis.parameter.unit", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_minimum, {"Minimum", "sis.parameter.minimum", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_maximum, {"Maximum", "sis.parameter.maximum", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_parameter_type, {"Type", "sis.parameter.type", FT_UINT8, BASE_DEC, VALS(parameter_types), 0, NULL, HFILL}},
     {&hf_parameter_profile, {"Kind", "sis.parameter.product_specific", FT_BOOLEAN, 16, TFS(&product_standard), 0x8000, NULL, HFILL}},
     {&hf_parameter_set, {"Parameter set", "sis.parameter.set", FT_UINT16, BASE_DEC, NULL, 0x7000, NULL, HFILL}},
