@@ -16,6 +16,10 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import resource  # not on Windows
 
 NOBODY = 65534
 _FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
@@ -76,23 +80,33 @@ class Tshark:
                 readable[index + 1] = str(copy)
         return readable
 
+    def _settings(self, arguments: Sequence[str]) -> dict[str, Any]:
+        """Make what subprocess has to be told beside the command."""
+        nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if self._is_root else {}
+        environment = {**self._environment, "LC_ALL": "C.UTF-8", "TZ": "UTC"}
+        stdin = subprocess.DEVNULL if "-" not in arguments else None
+        return {"stdin": stdin, "cwd": self._folder, "env": environment, **nobody}
+
     def run(
         self, arguments: Sequence[str], *, capture: bool = True, extra_environment: dict[str, str] | None = None
     ) -> subprocess.CompletedProcess[str]:
         """Run tshark to its end; `capture` keeps stdout and stderr as text, else they pass through."""
-        nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if self._is_root else {}
-        return subprocess.run(  # type: ignore[call-overload,no-any-return]
-            [self._path, *self._readable(arguments)],
-            check=False,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-            stdin=subprocess.DEVNULL if "-" not in arguments else None,
-            capture_output=capture,
-            cwd=self._folder,
-            env={**self._environment, "LC_ALL": "C.UTF-8", "TZ": "UTC", **(extra_environment or {})},
-            **nobody,
+        settings = self._settings(arguments)
+        settings["env"] |= extra_environment or {}
+        command = [self._path, *self._readable(arguments)]
+        return subprocess.run(
+            command, check=False, text=True, encoding="utf-8", errors="replace", capture_output=capture, **settings
         )
+
+    def usage(self, arguments: Sequence[str]) -> resource.struct_rusage:
+        """Run tshark with its output thrown away; give what it used. TsharkError if it failed."""
+        command = [self._path, *self._readable(arguments)]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, **self._settings(arguments)) as process:
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            raise TsharkError(f"{Path(self._path).name} ended with exit code {process.returncode}")
+        return usage
 
     def output(self, *arguments: str) -> str:
         """Run tshark and give its stdout. TsharkError with its last words if it failed."""
