@@ -9,6 +9,7 @@
 
 #include <ws_version.h>
 #include <epan/packet.h>
+#include <wiretap/wtap.h>    /* wtap_rec: from 4.2 on packet.h does not bring it along */
 #include <epan/tfs.h>        /* true_false_string: from 4.6 on packet.h does not bring it along */
 #include <wsutil/str_util.h> /* plurality() */
 
@@ -21,6 +22,13 @@
 typedef bool compat_bool;
 #else
 typedef gboolean compat_bool;
+#endif
+
+/* The same for the callbacks of a user table, earlier. */
+#if WIRESHARK_AT_LEAST(4, 2)
+typedef bool compat_uat_bool;
+#else
+typedef gboolean compat_uat_bool;
 #endif
 
 /* Plugins describe themselves from 4.4 on. */

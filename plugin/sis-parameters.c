@@ -207,7 +207,7 @@ free_row(void *data)
     g_free(row->unit);
 }
 
-static compat_bool
+static compat_uat_bool
 check_row(void *data, char **error)
 {
     const row_t *row = data;
