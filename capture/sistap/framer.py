@@ -81,6 +81,11 @@ class Framer(ABC):
             self._cut(records, final=True)
         return records
 
+    @property
+    def empty(self) -> bool:
+        """Whether all characters are in records."""
+        return not self._data
+
     @abstractmethod
     def _cut(self, records: list[Record], *, final: bool) -> None:
         """Append what is decided to the records and drop it; everything, if nothing more comes (`final`)."""
