@@ -20,10 +20,8 @@ import time
 from collections import deque
 from pathlib import Path
 from time import monotonic_ns
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 from urllib.parse import urlsplit
-
-import serial
 
 from sistap import ports, wire
 from sistap.clock import CLOCK
@@ -36,6 +34,9 @@ if sys.platform != "win32":
     import pwd
     import termios
     import tty
+
+if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
+    import serial
 
 READ_SIZE = 4096  # as much as the line discipline of Linux holds
 MEASURE_NS = 200_000_000
@@ -216,7 +217,7 @@ def _open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> se
         device = _closed_serial(port, settings)
         if pseudo_terminal:
             # Linux strips these from a pty, and libc takes it for an error when nothing else was to change.
-            device.bytesize, device.parity = 8, serial.PARITY_NONE
+            device.bytesize, device.parity = 8, "N"
         device.open()
         try:
             _mark_errors(device.fileno())
@@ -231,6 +232,8 @@ def _open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> se
 
 def _closed_serial(port: str, settings: LineSettings) -> serial.Serial:
     """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is."""
+    import serial
+
     device: serial.Serial = serial.serial_for_url(
         port,
         do_not_open=True,
@@ -302,7 +305,7 @@ def _permission_cure(port: str) -> str:
     except OSError:
         return "its folder is not open to you"
     if not stat.S_ISCHR(status.st_mode):
-        return "and it is not a serial port"
+        return "it is not a serial port; `sistap ports` lists the ports there are"
     if status.st_mode & 0o060 == 0o060 and status.st_gid != 0:
         group = _group(status.st_gid)
         return f"it is for group {group}: `sudo usermod -aG {group} $USER`, then log in again"
@@ -448,6 +451,8 @@ class UrlReader:
 
 def _url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     """Say why pyserial could not open a port, and what to do."""
+    import serial
+
     known = "bus://HOST:PORT, socket://HOST:PORT, rfc2217://HOST:PORT"
     text = f"{port} cannot be opened: {error}"
     cause = error.__context__
