@@ -7,6 +7,7 @@ import argparse
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from sistap.bpf import Filter, FilterError
 from sistap.console import Console
@@ -19,6 +20,9 @@ from sistap.reader import Reader, open_reader
 from sistap.record import Record, Type
 from sistap.session import Capture, Conditions, Sink, Stop
 from sistap.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
+
+LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
+LARGEST_RATE = 0xFFFFFFFF
 
 DESCRIPTION = """\
 Listen to a serial line and record every character with its time: telegrams of the SIS protocol, and whatever else is on
@@ -41,7 +45,7 @@ examples:
                                                                only telegrams that write a parameter
 
 exit status:
-  0  done; also when stopped by Ctrl-C or SIGTERM
+  0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
   1  failed while running (port lost, disk full): what came before is saved
   2  wrong usage, wrong filter, or a FILE that cannot be written
   3  the port cannot be opened
@@ -65,6 +69,9 @@ class LineSink:
         self._output.write(lines(record).encode())
         return True
 
+    def look(self, time_ns: int) -> None:
+        """Do nothing: it is one output only."""
+
     def end(self, time_ns: int) -> None:
         """Print nothing."""
 
@@ -73,9 +80,22 @@ class Refused(Exception):
     """Options that do not go together; str() is the one line to show."""
 
 
+class _Once(argparse.Action):
+    """An option that, given twice, would silently lose one of its values."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, option: str | None = None
+    ) -> None:
+        if not value:
+            parser.error(f"{option} needs a {self.metavar}")
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"{option} can be given only once: start a capture for each {self.metavar}")
+        setattr(namespace, self.dest, value)
+
+
 def _positive(kind: Callable[[str], float], text: str) -> float:
     value = kind(text)
-    if not 0 < value < float("inf"):
+    if not 0 < value <= LARGEST:
         raise ValueError
     return value
 
@@ -84,7 +104,14 @@ def _number(text: str) -> int:
     try:
         return int(_positive(int, text))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0") from None
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
+
+
+def _rate(text: str) -> int:
+    rate = _number(text)
+    if rate > LARGEST_RATE:
+        raise argparse.ArgumentTypeError(f"{text} Bd are more than a record can hold ({LARGEST_RATE})")
+    return rate
 
 
 def _condition(text: str) -> tuple[str, float]:
@@ -112,9 +139,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add("-i", dest="port", metavar="PORT", required=True, help="the port to listen to")
-    add("-w", dest="file", metavar="FILE", help="write a pcapng file; - is standard output. Without it, print text")
-    add("--baud", type=_number, default=9600, metavar="RATE", help="rate in Bd (9600)")
+    add("-i", dest="port", action=_Once, metavar="PORT", required=True, help="the port to listen to")
+    add(
+        "-w",
+        dest="file",
+        action=_Once,
+        metavar="FILE",
+        help="write a pcapng file; - is standard output. Without it, print text",
+    )
+    add("--baud", type=_rate, default=9600, metavar="RATE", help="rate in Bd (9600)")
     add("--format", default="8E1", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
     add(
         "--framing",
@@ -162,20 +195,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Capture as told; give the exit code. May raise PortError."""
     stop = Stop()
+    console = Console()
     try:
         settings = _settings(args)
         limits = _limits(args)
         only = Filter(args.filter) if args.filter else None
-        output = Output(args.file or STANDARD_OUTPUT, limits, lambda: stop.requested)
+        _check_port(args)
+        output = Output(args.file or STANDARD_OUTPUT, limits, lambda: stop.requested, console.say)
     except (Refused, FilterError, OutputRefused) as error:
-        Console().say(str(error))
+        console.say(str(error))
         return 2
     try:
         reader = open_reader(args.port, settings)
     except BaseException:
-        output.discard()
+        output.close()
         raise
-    return _capture(args, reader, output, only, stop)
+    return _capture(args, reader, output, only, stop, console)
 
 
 def _settings(args: argparse.Namespace) -> LineSettings:
@@ -195,8 +230,6 @@ def _limits(args: argparse.Namespace) -> Limits:
         raise Refused("-b needs files: standard output is only one")
     if args.file == STANDARD_OUTPUT and os.isatty(1):
         raise Refused("a terminal cannot show a pcapng file: add | wireshark -k -i - or leave out -w")
-    if args.file and _is_same_file(args.file, args.port):
-        raise Refused(f"{args.file} is the port itself, which is never written to: choose a file with -w")
     if ring and not size and "duration" not in ring:
         raise Refused("-b files: does not say when a file is full: add -b duration:SECONDS or -b filesize:KB")
     if "files" in autostop and not ring:
@@ -210,6 +243,23 @@ def _limits(args: argparse.Namespace) -> Limits:
     )
 
 
+def _check_port(args: argparse.Namespace) -> None:
+    """Refuse a port that something would be written to."""
+    if args.file and _is_same_file(args.file, args.port):
+        raise Refused(f"{args.file} is the port itself, which is never written to: choose a file with -w")
+    if _is_own_terminal(args.port):
+        raise Refused(f"{args.port} is the terminal that sistap itself reads or writes: choose another port with -i")
+
+
+def _is_own_terminal(port: str) -> bool:
+    try:
+        device = Path(port).stat().st_rdev
+    except (OSError, ValueError):
+        return False
+    standard = any(os.isatty(stream) and os.fstat(stream).st_rdev == device for stream in range(3))
+    return standard or _is_same_file(port, "/dev/tty")
+
+
 def _is_same_file(one: str, other: str) -> bool:
     try:
         return Path(one).samefile(other)
@@ -217,14 +267,15 @@ def _is_same_file(one: str, other: str) -> bool:
         return False
 
 
-def _capture(args: argparse.Namespace, reader: Reader, output: Output, only: Filter | None, stop: Stop) -> int:
+def _capture(  # noqa: PLR0913 - it puts the parts together
+    args: argparse.Namespace, reader: Reader, output: Output, only: Filter | None, stop: Stop, console: Console
+) -> int:
     counters = Counters()
-    console = Console()
     sink: Sink = LineSink(output)
     if args.file:
         sink = PcapngWriter(output, _interface(args, reader), counters)
     conditions = Conditions(args.silence_ms, only, args.count, dict(args.autostop).get("duration"))
-    progress = bool(args.file) and not args.quiet and console.is_terminal
+    progress = bool(args.file) and not args.quiet and console.shows_progress
     try:
         capture = Capture(reader, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
         code = capture.run(stop)
@@ -253,5 +304,5 @@ def _summary(counters: Counters, output: Output) -> str:
     of_received = f" of {received}" if counters.written != received else ""
     return (
         f"{counters.written}{of_received} records ({counters.telegrams} telegrams, {counters.characters} characters, "
-        f"{counters.errors} errors) written to {output}"
+        f"{counters.errors} errors) written to {output.summary}"
     )

@@ -10,6 +10,8 @@ import sys
 from collections.abc import Sequence
 
 import sistap
+from sistap.console import Console
+from sistap.reader import PortError, PortLost
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {
@@ -55,12 +57,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # What is left in the buffer must not fail again when Python ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if not isinstance(error, BrokenPipeError):
-            print(f"sistap: {error}", file=sys.stderr)
+            Console().say(str(error))
         return FAILED
     except ModuleNotFoundError as error:
-        if error.name != "serial":
+        if not error.name or error.name.partition(".")[0] != "serial":
             raise
-        print("sistap: pyserial is missing: install the package python3-serial", file=sys.stderr)
+        Console().say(
+            f"pyserial is missing for {sys.executable}: `{sys.executable} -m pip install pyserial`, "
+            "or install the package python3-serial and run sistap with the system's own python3"
+        )
         return FAILED
 
 
@@ -77,20 +82,20 @@ def _run(arguments: Sequence[str]) -> int:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
     args = parser.parse_args(arguments)
-    # Only here: without pyserial `sistap --help` still helps.
-    from sistap.reader import PortError, PortLost  # noqa: PLC0415
-
     try:
         code: int = module.run(args)
     except (PortError, PortLost) as error:
-        print(f"sistap: {error}", file=sys.stderr)
+        Console().say(str(error))
         code = PORT_NOT_OPENED if isinstance(error, PortError) else FAILED
     return code
 
 
 def _open_standard_streams() -> None:
-    """Let no port get the number of a closed standard stream: what is printed would be written to it."""
-    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+    """Let no port get the number of a closed standard stream: what is printed would be written to it.
+
+    Only for reading: so it still cannot be written to.
+    """
+    while (descriptor := os.open(os.devnull, os.O_RDONLY)) <= 2:
         pass
     os.close(descriptor)
     for name in ("stdout", "stderr"):

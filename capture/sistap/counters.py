@@ -29,11 +29,15 @@ class Counters:
         self.telegrams = 0  # good ones
         self.damaged = 0  # telegrams with a wrong checksum
         self.longest_ns = 0  # interval inside any of these
-        self.written = 0  # records; events do not count
         # By line, for its interface statistics:
         self.received: Counter[int] = Counter()  # records that the framer made
-        self.accepted: Counter[int] = Counter()  # those that the filter let pass
+        self.accepted: Counter[int] = Counter()  # those that were written; events do not count
         self.gaps: Counter[int] = Counter()  # places where characters were lost
+
+    @property
+    def written(self) -> int:
+        """Records written, of all lines."""
+        return self.accepted.total()
 
     @property
     def errors(self) -> int:
@@ -59,7 +63,6 @@ class Counters:
 
     def __str__(self) -> str:
         """Give the progress line."""
-        return (
-            f"{self.characters} characters, {self.telegrams} telegrams, {self.errors} errors, "
-            f"longest interval {self.longest_ns / 1e6:.3f} ms"
-        )
+        longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
+        counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors} errors"
+        return f"{counts}, longest interval {longest}"

@@ -85,6 +85,11 @@ class Framer(ABC):
         """Tell whether a pause, by times as uncertain as this, ends what came before it."""
         return pause_ns >= self.silence_ns
 
+    @property
+    def empty(self) -> bool:
+        """Whether all characters are in records."""
+        return not self._data
+
     @abstractmethod
     def _cut(self, records: list[Record], *, final: bool) -> None:
         """Append what is decided to the records and drop it; everything, if nothing more comes (`final`)."""

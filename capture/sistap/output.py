@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Where a capture goes, block by block: a file, a pipe, or a row of files named as dumpcap names them.
 
-Each block is one write without a buffer, so that whatever happens to this process, whole blocks are there.
+A block goes into a file with one write and without a buffer, so that whatever happens to this process, whole blocks are
+there. Into a pipe or a terminal it goes in pieces that do not have to wait, so that a reader who does not read can
+never hold up a stop.
 """
 
 from __future__ import annotations
@@ -20,9 +22,14 @@ from typing import NamedTuple
 
 if sys.platform == "win32":
     import msvcrt
+else:
+    import fcntl
 
 STANDARD_OUTPUT = "-"
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
+PIECE = getattr(select, "PIPE_BUF", 512)  # bytes that a pipe takes without waiting once poll says that it takes any
+_WAIT_MS = 100  # so long, at most, does a stop take
+_PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
 
 
 class OutputError(Exception):
@@ -47,10 +54,23 @@ NO_LIMITS = Limits()
 
 
 def file_name(path: str, number: int, seconds: float) -> str:
-    """Name one of several files: BASE_00001_YYYYMMDDHHMMSS.EXT, local time."""
-    stamp = time.strftime("%Y%m%d%H%M%S", time.localtime(seconds))
+    """Name one of several files: BASE_00001_YYYYMMDDHHMMSS.EXT, local time. A folder keeps its name: it is refused."""
     plain = Path(path)
+    if plain.is_dir():
+        return path
+    stamp = time.strftime("%Y%m%d%H%M%S", time.localtime(seconds))
     return str(plain.with_name(f"{plain.stem}_{number % FILE_NUMBERS:05d}_{stamp}{plain.suffix}"))
+
+
+def never_waiting(descriptor: int) -> int:
+    """Duplicate a standard stream; if it is a terminal, so that a write does not wait where the terminal is stopped.
+
+    The stream itself must keep its mode: it is shared with the shell.
+    """
+    if os.isatty(descriptor) and sys.platform != "win32":
+        with contextlib.suppress(OSError):  # a terminal of another user
+            return os.open(os.ttyname(descriptor), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    return os.dup(descriptor)
 
 
 class Output:
@@ -61,110 +81,105 @@ class Output:
         path: str,
         limits: Limits = NO_LIMITS,
         stopped: Callable[[], bool] = lambda: False,
+        say: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Open the (first) file. `stopped` tells when not to wait any longer for the reader of a pipe."""
+        """Open the (first) file. `stopped` tells when not to wait any longer for the reader of a pipe.
+
+        `say` is told what does not end the capture at once. May raise OutputRefused.
+        """
         self._base = path
         self._limits = limits
         self._stopped = stopped
-        self._number = 0
-        self._written: deque[str] = deque()
-        # Of the file that is open:
-        self.path = path
-        self._descriptor = -1
-        self._created = False
-        self._regular = False
-        self._size = 0
-        self._begun = 0.0
-        self._poll: select.poll | None = None
-        self._open()
+        self._say = say
+        self._number = 1
+        self._begun = time.monotonic()
+        self._file = self._open()
+        self._next: _File | None = None
+        self._kept = deque([self._file.path])
+        self.failed = False  # the next of several files could not be opened: this one is the last
 
     @property
     def full(self) -> bool:
         """Whether the file has reached a limit."""
         size, duration_s = self._limits.size, self._limits.duration_s
-        return (size is not None and self._size >= size) or (
+        return (size is not None and self._file.size >= size) or (
             duration_s is not None and time.monotonic() - self._begun >= duration_s
         )
 
     @property
     def done(self) -> bool:
         """Whether the last file is full."""
-        return self.full and (not self._limits.several or self._number == self._limits.files)
+        return self.full and (self.failed or not self._limits.several or self._number == self._limits.files)
 
     def begin(self) -> None:
         """Start the file: empty it, if it is one."""
-        if self._regular and self._base != STANDARD_OUTPUT:
-            os.ftruncate(self._descriptor, 0)
+        self._file.empty()
         self._begun = time.monotonic()
 
     def write(self, block: bytes) -> None:
-        """Write one block. OutputError if that fails: then the file has been cut back to the block before."""
-        while self._poll and not self._poll.poll(100):
-            if self._stopped():  # must not hang on a reader of a pipe that does not read
-                raise OutputError(f"{self} is not being read; the last records are missing in it")
-        written = 0
+        """Write one block. OutputError if that fails: then a file has been cut back to the block before."""
+        file = self._file
+        rest = memoryview(block)
         try:
-            while written < len(block):
-                written += os.write(self._descriptor, block[written:])
+            while rest:
+                written = file.write_some(rest)
+                rest = rest[written:]
+                if not written and self._stopped():
+                    raise OutputError(f"{self} is not being read; the last records are missing in it")
         except OSError as error:
-            if self._regular:
-                with contextlib.suppress(OSError):
-                    os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - written)
+            file.cut(len(block) - len(rest))
             raise OutputError(self._reason(error)) from error
-        self._size += written
+        file.size += len(block)
 
     def check(self) -> None:
         """Tell while there is nothing to write whether a pipe still has a reader; OutputError if not."""
-        if self._poll and any(events & select.POLLERR for _, events in self._poll.poll(0)):
+        if self._file.deserted:
             raise OutputError(self._reason(BrokenPipeError(errno.EPIPE, "")))
 
-    def next_file(self) -> None:
-        """Go on with the next of several files; delete the oldest if there are too many."""
-        full = self._descriptor
+    def open_next(self) -> bool:
+        """Open the next of several files while this one can still be written; if that fails this one is the last."""
         try:
-            self._open()
-            os.close(full)
-            self.begin()
-            if self._limits.keep and len(self._written) > self._limits.keep:
-                Path(self._written.popleft()).unlink(missing_ok=True)
-        except (OSError, OutputRefused) as error:
-            raise OutputError(str(error)) from error
+            self._next = self._open(self._number + 1)
+        except OutputRefused as error:
+            self.failed = True
+            self._say(f"{error}; everything before it is saved")
+        return not self.failed
+
+    def go_on(self) -> None:
+        """Close this file for the one that `open_next` opened; delete the oldest if there are too many."""
+        assert self._next
+        self._file.close()
+        self._file, self._next = self._next, None
+        self._number += 1
+        self._kept.append(self._file.path)
+        if self._limits.keep and len(self._kept) > self._limits.keep:
+            oldest = self._kept.popleft()
+            try:
+                Path(oldest).unlink(missing_ok=True)
+            except OSError as error:
+                self._say(f"{oldest} cannot be deleted: {error.strerror}; it stays, delete it yourself")
 
     def close(self) -> None:
-        """Close the file."""
-        os.close(self._descriptor)
-
-    def discard(self) -> None:
-        """Close without having begun: leave no empty file behind."""
-        os.close(self._descriptor)
-        if self._created:
-            Path(self.path).unlink(missing_ok=True)
+        """Close the file. A new one with nothing in it does not stay behind."""
+        for file in (self._file, self._next):
+            if file:
+                file.close()
 
     def __str__(self) -> str:
-        """Name it for people."""
-        if self._base == STANDARD_OUTPUT:
-            return "standard output"
-        return f"{self.path} (file {self._number})" if self._limits.several else self.path
+        """Name for people what is written to now."""
+        return self._file.name
 
-    def _open(self) -> None:
-        self._number += 1
-        self._size = 0
-        self._begun = time.monotonic()
-        self.path = self._base
-        if self._limits.several:
-            self.path = file_name(self._base, self._number, time.time())
-        try:
-            self._descriptor, self._created = _open(self.path)
-        except OSError as error:
-            raise OutputRefused(
-                f"{self.path} cannot be written: {error.strerror}; choose another file with -w"
-            ) from error
-        self._written.append(self.path)
-        self._regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
-        self._poll = None
-        if not self._regular and hasattr(select, "poll"):  # Windows has none
-            self._poll = select.poll()
-            self._poll.register(self._descriptor, select.POLLOUT)
+    @property
+    def summary(self) -> str:
+        """Name for people all that was written to."""
+        if self._number == 1:
+            return str(self)
+        kept = len(self._kept)
+        deleted = f", of which the last {kept} were kept" if kept < self._number else ""
+        return f"{self._number} files{deleted}: {self._kept[0]} to {self._kept[-1]}"
+
+    def _open(self, number: int = 1) -> _File:
+        return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
 
     def _reason(self, error: OSError) -> str:
         if error.errno == errno.EPIPE:
@@ -172,12 +187,84 @@ class Output:
         return f"{self}: {error.strerror}; everything before it is saved"
 
 
+class _File:
+    """A file, pipe or terminal that is open for writing; `size` is that of what was written to it, in bytes."""
+
+    def __init__(self, path: str) -> None:
+        """Open without touching the content. May raise OutputRefused."""
+        self.path = path
+        self.name = "standard output" if path == STANDARD_OUTPUT else path  # for people
+        self.size = 0
+        try:
+            self._descriptor, self._created = _open(path)
+        except OSError as error:
+            raise OutputRefused(
+                f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
+            ) from error
+        self._regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
+        self._poll: select.poll | None = None
+        if self._regular and path != STANDARD_OUTPUT:
+            self._lock()
+        elif not self._regular and hasattr(select, "poll"):  # Windows has none
+            self._poll = select.poll()
+            self._poll.register(self._descriptor, select.POLLOUT)
+
+    def _lock(self) -> None:
+        """Keep other captures out. Where locks do not exist there is no protection."""
+        if sys.platform == "win32":
+            return
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(self._descriptor)
+            raise OutputRefused(
+                f"{self.path} is being written by another capture; choose another file with -w"
+            ) from None
+        except OSError:
+            pass
+
+    def empty(self) -> None:
+        """Drop what an older capture left; not what a shell appends to."""
+        if self._regular and self.path != STANDARD_OUTPUT:
+            os.ftruncate(self._descriptor, 0)
+
+    def write_some(self, data: memoryview) -> int:
+        """Write what can be, after waiting a moment if nothing can; give how many bytes. May raise OSError."""
+        if not self._poll:
+            return os.write(self._descriptor, data)
+        if not self._poll.poll(_WAIT_MS):
+            return 0
+        try:
+            return os.write(self._descriptor, data[:PIECE])
+        except BlockingIOError:
+            time.sleep(_PAUSE_S)
+            return 0
+
+    def cut(self, count: int) -> None:
+        """Take away the last bytes, if that is possible."""
+        if self._regular:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - count)
+
+    @property
+    def deserted(self) -> bool:
+        """Whether it is a pipe that has no reader any more."""
+        return self._poll is not None and any(events & select.POLLERR for _, events in self._poll.poll(0))
+
+    def close(self) -> None:
+        """Close, and delete it if it is new and empty."""
+        os.close(self._descriptor)
+        if self._created and not self.size:
+            Path(self.path).unlink(missing_ok=True)
+
+
 def _open(path: str) -> tuple[int, bool]:
     """Open for writing without touching the content: descriptor, and whether the file is new."""
     if path == STANDARD_OUTPUT:
+        os.write(1, b"")  # an OSError if it is closed, or open only for reading
         if sys.platform == "win32":
             msvcrt.setmode(1, os.O_BINARY)
-        return os.dup(1), False
+        return never_waiting(1), False
     flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
     try:
         return os.open(path, flags | os.O_EXCL, 0o666), True

@@ -7,6 +7,7 @@ Times are ns since 1970. Only what sistap needs: section, interfaces, enhanced p
 from __future__ import annotations
 
 import enum
+import os
 import struct
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -75,12 +76,12 @@ def _time(time_ns: int) -> bytes:
 
 
 def _text(code: int, text: str) -> list[Option]:
-    return [(code, text.encode())] if text else []
+    return [(code, text.encode(errors="backslashreplace"))] if text else []
 
 
-def section_header(application: str, operating_system: str, hardware: str = "") -> bytes:
+def section_header(application: str, operating_system: str) -> bytes:
     """Open a section: the first block of a file."""
-    options = [*_text(2, hardware), *_text(3, operating_system), *_text(4, application)]
+    options = [*_text(3, operating_system), *_text(4, application)]
     return _block(SECTION_HEADER, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1) + _options(options))
 
 
@@ -91,7 +92,7 @@ def interface_description(interface: Interface) -> bytes:
         options.append((8, struct.pack("<Q", interface.speed)))
     options.append((9, b"\x09"))  # if_tsresol: 10^-9 s
     if interface.filter:
-        options.append((11, b"\x00" + interface.filter.encode()))  # 0: a libpcap filter string
+        options.append((11, b"\x00" + os.fsencode(interface.filter)))  # 0: a libpcap filter string
     options += _text(15, interface.hardware)
     return _block(INTERFACE_DESCRIPTION, struct.pack("<HHI", interface.link_type, 0, 0) + _options(options))
 

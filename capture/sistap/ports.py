@@ -8,8 +8,6 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from serial.tools import list_ports
-
 SYSFS = Path("/sys")
 
 # Linux: include/uapi/linux/serial_core.h, the attribute `type` of a ttyS.
@@ -99,6 +97,8 @@ def _driver(device: Path) -> str:
 
 def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
     """List the ports there are, each with what is behind it, in natural order."""
+    from serial.tools import list_ports  # here: without pyserial the rest still works
+
     ports = []
     for info in sorted(list_ports.comports()):
         if _line(sysfs / "class/tty" / Path(info.device).name / "type") == _UART_NONE:

@@ -97,7 +97,7 @@ class Record(NamedTuple):
 
 def event(time_ns: int, line: int, settings: LineSettings, code: Event, text: str) -> Record:
     """Make an event record; the text is cut where it does not fit."""
-    data = text.encode()[:MAX_CHARACTERS].decode(errors="ignore").encode()
+    data = text.encode(errors="backslashreplace")[:MAX_CHARACTERS].decode(errors="ignore").encode()
     return Record(time_ns, Type.EVENT, line, settings, data, event=code)
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import gc
 import signal
+import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from types import FrameType
 from typing import Protocol
@@ -28,7 +30,7 @@ TICK_NS = 1_000_000_000  # how often hints and progress are looked at
 
 
 class Stop:
-    """Ends a capture on SIGINT and SIGTERM.
+    """Ends a capture on SIGINT, on SIGTERM, and on SIGHUP (the terminal is gone) unless nohup had it ignored.
 
     The handlers are our own because a job that a script starts with & inherits SIGINT ignored, and Python leaves it so.
     Until the capture runs (opening a fifo waits for its reader) they end the program as Ctrl-C does.
@@ -40,6 +42,8 @@ class Stop:
         self.running = False
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._handle)
+        if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+            signal.signal(signal.SIGHUP, self._handle)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.requested = True
@@ -55,6 +59,9 @@ class Sink(Protocol):
 
     def write(self, record: Record) -> bool:
         """Take a record; tell whether it was written."""
+
+    def look(self, time_ns: int) -> None:
+        """Look, while nothing comes, whether the time for something has come."""
 
     def end(self, time_ns: int) -> None:
         """End."""
@@ -120,7 +127,7 @@ class Capture:
             gc.unfreeze()
         if lost:
             self._console.say(str(lost))
-        return 1 if lost else 0
+        return 1 if lost or self._output.failed else 0
 
     def _run(self, stop: Stop) -> PortLost | None:
         lost: PortLost | None = None
@@ -150,7 +157,7 @@ class Capture:
         counters, count, duration_s = self._counters, self._conditions.count, self._conditions.duration_s
         started = now = self._clock_ns()
         tick = started + TICK_NS
-        end = started + int(duration_s * 1e9) if duration_s is not None else None
+        end = started + duration_s * 1e9 if duration_s is not None else None
         while not (
             stop.requested
             or self._output.done
@@ -168,6 +175,15 @@ class Capture:
                 tick = now + TICK_NS
                 self._idle(now)  # one line can be silent while another is not
                 self._look((now - started) / 1e9)
+        if stop.requested:
+            self._take_waiting()
+
+    def _take_waiting(self) -> None:
+        """Take what had arrived when the stop came; that the port goes at the same time is no loss."""
+        end = self._clock_ns() + int(READ_TIMEOUT_S * 1e9)
+        with suppress(PortLost):
+            while (now := self._clock_ns()) < end and (read := self._reader.read(0)):
+                self._take(read, now)
 
     def _take(self, read: Read, now: int) -> None:
         line = read.line
@@ -188,15 +204,17 @@ class Capture:
     def _idle(self, now: int) -> None:
         for line, framer in self._framers.items():
             self._emit(framer.idle(now - self._arrived_ns[line]))
+        # What a framer holds is older than now, and a new file begins with the time now.
+        if all(framer.empty for framer in self._framers.values()):
+            self._sink.look(self._wall_ns())
 
     def _emit(self, records: list[Record]) -> None:
         counters, only, count = self._counters, self._conditions.only, self._conditions.count
         for record in records:
-            counters.add_record(record)
-            if only is None or record.type != Type.FRAME or only.matches(record.data):
-                counters.accepted[record.line] += 1
-                if count is None or counters.written < count:
-                    counters.written += self._sink.write(record)
+            passes = only is None or record.type != Type.FRAME or only.matches(record.data)
+            if passes and (count is None or counters.written < count):
+                counters.accepted[record.line] += self._sink.write(record)
+            counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
 
     def _look(self, elapsed_s: float) -> None:
         if step_ns := CLOCK.step_ns():

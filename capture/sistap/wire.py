@@ -20,6 +20,7 @@ from sistap.line import PARITIES, LineSettings, Read
 
 _SETTINGS = struct.Struct(">cIBBB")
 _READ = struct.Struct(">cBHQI")
+_TIME_END_NS = 4_000_000_000 * 1_000_000_000  # in 2096; 32 bits for the seconds (RTAC) end ten years later
 SETTINGS_SIZE = _SETTINGS.size
 
 
@@ -58,7 +59,7 @@ class ReadDecoder:
         reads: list[Read] = []
         while len(self._pending) >= _READ.size:
             kind, line, count, time_ns, uncertainty_ns = _READ.unpack_from(self._pending)
-            if kind != b"R":
+            if kind != b"R" or time_ns >= _TIME_END_NS:
                 raise ValueError("the other end of the socket is not a sistap bus")
             end = _READ.size + 2 * count
             if len(self._pending) < end:

@@ -74,16 +74,20 @@ class PcapngWriter:
 
     def write(self, record: Record) -> bool:
         """Write a record, into the next file if this one is full; tell whether this link type has a place for it."""
-        if self._started and self._output.full and not self._output.done:
-            self.end(record.time_ns)
-            self._output.next_file()
-            self.begin(self._started._replace(time_ns=record.time_ns))
+        self.look(record.time_ns)
         payload = self._payload(record)
         if payload is None:
             return False
         interface = self._interface_of(record.line)
         self._output.write(pcapng.enhanced_packet(interface, record.time_ns, payload, packet_flags(record)))
         return True
+
+    def look(self, time_ns: int) -> None:
+        """Go on with the next file if this one is full."""
+        if self._started and self._output.full and not self._output.done and self._output.open_next():
+            self.end(time_ns)
+            self._output.go_on()
+            self.begin(self._started._replace(time_ns=time_ns))
 
     def end(self, time_ns: int) -> None:
         """End the file with the statistics of its interfaces."""

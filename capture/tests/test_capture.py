@@ -15,6 +15,7 @@ import termios
 import time
 import tty
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,7 @@ def reads(*pieces: bytes, line: int = 0, flag: int = 0) -> list[Read]:
 
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM)]
+    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     yield
     for number, handler in handlers:
         signal.signal(number, handler)
@@ -127,7 +128,7 @@ def test_the_first_record_says_how_the_file_was_taken(run: Run, tmp_path: Path) 
         assert part in record.data.decode()
 
 
-def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "x.pcapng"
     damaged = ALL[0][:-1] + b"\xff"
     what = [*reads(*ALL, damaged, b"text"), *reads(b"lost", flag=Flag.LOST_BEFORE)]
@@ -142,7 +143,7 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capsys: pyt
     assert statistics.options["isb_osdrop"] == 4
     characters = sum(len(read.data) for read in what)
     summary = f"sistap: 20 records (18 telegrams, {characters} characters, 5 errors) written to {path}\n"
-    assert capsys.readouterr().err.endswith(summary)
+    assert capfd.readouterr().err.endswith(summary)
 
 
 def test_two_directions_are_two_interfaces(run: Run, tmp_path: Path) -> None:
@@ -218,7 +219,113 @@ def test_files_stops(run: Run, tmp_path: Path) -> None:
     assert kept == (ALL * 9)[: len(kept)]
 
 
-def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_ring_file_has_the_statistics_of_what_is_in_it(run: Run, tmp_path: Path) -> None:
+    what = reads(*ALL * 3)
+    assert run(FakeReader(what), "-w", str(tmp_path / "x.pcapng"), "-b", "filesize:2") == 0
+    files = sorted(tmp_path.iterdir())
+    assert len(files) > 2
+    written = 0
+    for file in files:
+        written += len(frames(file))
+        (statistics,) = (block for block in blocks(file) if isinstance(block, InterfaceStatistics))
+        assert statistics.options["isb_ifrecv"] == statistics.options["isb_filteraccept"] == written
+
+
+@pytest.mark.parametrize("arguments", [["-c", "5"], ["--link-type", "rtac"]])
+def test_accepted_is_what_was_written(run: Run, tmp_path: Path, arguments: list[str]) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(b"text" + b"".join(ALL))), "-w", str(path), *arguments) == 0
+    (statistics,) = (block for block in blocks(path) if isinstance(block, InterfaceStatistics))
+    packets = sum(isinstance(block, EnhancedPacket) for block in blocks(path))
+    events = 0 if "rtac" in arguments else 1
+    assert statistics.options["isb_ifrecv"] == 1 + len(ALL)
+    assert statistics.options["isb_filteraccept"] == packets - events
+
+
+class SilentReader(FakeReader):
+    """Nothing comes; a tenth of a second passes at each read."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, count: int = 1000) -> None:
+        super().__init__([])
+        self.now = 100.0
+        self.count = count
+        monkeypatch.setattr("sistap.output.time.monotonic", lambda: self.now)
+
+    def read(self, timeout_s: float) -> Read | None:
+        self.now += 0.1
+        self.count -= 1
+        return super().read(timeout_s) if self.count < 0 else None
+
+
+def test_files_change_on_a_silent_line(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reader = SilentReader(monkeypatch)
+    assert run(reader, "-w", str(tmp_path / "x"), "-b", "duration:2", "-a", "files:3") == 0
+    files = sorted(tmp_path.iterdir())
+    assert [file.name[:7] for file in files] == ["x_00001", "x_00002", "x_00003"]
+    assert 106 <= reader.now < 107
+    for file in files:
+        assert [record.event for record in records(file)] == [Event.CAPTURE_STARTED]
+        assert isinstance(blocks(file)[-1], InterfaceStatistics)
+
+
+def test_a_file_does_not_change_inside_a_telegram(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its first character would be older than the beginning of its file."""
+
+    class Reader(SilentReader):
+        def read(self, timeout_s: float) -> Read | None:
+            super().read(timeout_s)
+            return next(self._reads, None)
+
+    reader = Reader(monkeypatch, count=30)
+    reader._reads = iter([*reads(ALL[0][:5]), None, *reads(ALL[0][5:])])  # type: ignore[list-item]
+    assert run(reader, "-w", str(tmp_path / "x"), "-b", "duration:0.15") == 0
+    for file in tmp_path.iterdir():
+        packets = [block for block in blocks(file) if isinstance(block, EnhancedPacket)]
+        times = [packet.timestamp_high << 32 | packet.timestamp_low for packet in packets]
+        assert times == sorted(times)
+    assert [data for file in sorted(tmp_path.iterdir()) for data in frames(file)] == [ALL[0]]
+
+
+def test_if_the_next_file_cannot_be_opened_all_is_in_the_one_before(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "x"
+    names = iter([str(path), "/missing/x"])
+    monkeypatch.setattr("sistap.output.file_name", lambda *_: next(names))
+    what = reads(b"".join(ALL), b"text")
+    assert run(FakeReader(what), "-w", str(path), "-b", "filesize:1") == 1
+    assert b"".join(record.data for record in records(path)[1:]) in (b"".join(ALL), b"".join(ALL) + b"text")
+    assert isinstance(blocks(path)[-1], InterfaceStatistics)
+    err = capfd.readouterr().err
+    assert "/missing/x cannot be written: No such file or directory" in err
+    assert err.endswith(f"written to {path}\n")
+
+
+def test_what_had_arrived_before_a_stop_is_saved(run: Run, tmp_path: Path) -> None:
+    class Stopped(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            if timeout_s:
+                os.kill(os.getpid(), signal.SIGTERM)
+                return None
+            if waiting := next(self._reads, None):
+                return waiting
+            raise PortLost("/dev/ttyFAKE is gone")  # at the same time, by the same Ctrl-C
+
+    path = tmp_path / "x"
+    assert run(Stopped(reads(*ALL)), "-w", str(path)) == 0
+    assert frames(path) == ALL
+
+
+def test_names_that_are_not_utf_8(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"\xff.pcapng")
+    reader = FakeReader(reads(*ALL))
+    reader.name = os.fsdecode(b"/dev/tty\xff")
+    assert run(reader, "-w", str(path)) == 0
+    assert frames(path) == ALL
+    assert "/dev/tty\\udcff" in records(path)[0].data.decode()
+
+
+def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "x.pcapng"
     reader = FakeReader(reads(ALL[0], ALL[1][:5]), lost="/dev/ttyFAKE is gone: plug it in again")
     assert run(reader, "-w", str(path)) == 1
@@ -230,7 +337,7 @@ def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capsys: pytest.Ca
         (Type.EVENT, Event.ADAPTER_LOST),
     ]
     assert isinstance(blocks(path)[-1], InterfaceStatistics)
-    assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in capsys.readouterr().err
+    assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in capfd.readouterr().err
 
 
 def test_without_w_a_line_per_telegram(run: Run, capfd: pytest.CaptureFixture[str]) -> None:
@@ -241,7 +348,7 @@ def test_without_w_a_line_per_telegram(run: Run, capfd: pytest.CaptureFixture[st
 
 
 def test_a_port_that_does_not_open_leaves_the_old_file(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     def open_reader(port: str, settings: LineSettings) -> FakeReader:
         raise PortError(f"{port} does not exist: try another")
@@ -251,7 +358,7 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     path.write_bytes(b"old")
     assert cli.main(["capture", "-i", "/dev/x", "-w", str(path)]) == 3
     assert path.read_bytes() == b"old"
-    assert capsys.readouterr().err == "sistap: /dev/x does not exist: try another\n"
+    assert capfd.readouterr().err == "sistap: /dev/x does not exist: try another\n"
 
 
 @pytest.mark.parametrize(
@@ -266,13 +373,15 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
         (["-w", "x", "-b", "files:5"], "-b files: does not say when a file is full"),
         (["-w", "x", "-a", "files:5"], "-a files: needs several files"),
         (["--link-type", "rtac"], "need a file"),
+        (["-w", ".", "-b", "duration:1"], "cannot be written: Is a directory"),
+        (["-w", "/", "-b", "duration:1"], "cannot be written: Is a directory"),
     ],
 )
 def test_wrong_options_are_one_line(
-    run: Run, arguments: list[str], text: str, capsys: pytest.CaptureFixture[str]
+    run: Run, arguments: list[str], text: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert run(FakeReader([]), *arguments) == 2
-    err = capsys.readouterr().err
+    err = capfd.readouterr().err
     assert text in err and err.count("\n") == 1
 
 
@@ -289,21 +398,52 @@ def test_wrong_options_are_one_line(
         ["capture", "-i", "x", "--framing", "silence:"],
         ["capture", "-i", "x", "--link-type", "user16"],
         ["capture", "-i", "x", "--baud", "fast"],
+        ["capture", "-i", "x", "--baud", "4294967296"],
+        ["capture", "-i", "x", "-a", "duration:1e300"],
+        ["capture", "-i", "x", "--framing", "silence:1e305"],
+        ["capture", "-i", "x", "-i", "y"],
+        ["capture", "-i", "x", "-w", "y", "-w", "z"],
+        ["capture", "-i", "x", "-w", ""],
+        ["capture", "-i", ""],
     ],
 )
-def test_wrong_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage(run: Run, arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         cli.main(arguments)
     assert end.value.code == 2
-    assert "Traceback" not in capsys.readouterr().err
+    assert "Traceback" not in capfd.readouterr().err
 
 
-def test_the_file_must_not_be_the_port(run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("descriptor", [0, 1, 2])
+def test_the_port_must_not_be_the_terminal_it_runs_in(tap: Tap, descriptor: int) -> None:
+    streams = [subprocess.DEVNULL, subprocess.DEVNULL, subprocess.DEVNULL]
+    streams[descriptor] = tap.slave
+    command = [sys.executable, "-m", "sistap", "capture", "-i", tap.port]
+    process = subprocess.Popen(command, stdin=streams[0], stdout=streams[1], stderr=streams[2])
+    try:
+        assert process.wait(DEADLINE_S) == 2
+    finally:
+        process.kill()
+
+
+def test_dev_tty_is_the_terminal_it_runs_in(tap: Tap) -> None:
+    def own_terminal() -> None:
+        os.setsid()
+        fcntl.ioctl(tap.slave, termios.TIOCSCTTY, 0)
+
+    port, tap.port = tap.port, "/dev/tty"
+    tap.start(stdin=subprocess.DEVNULL, preexec_fn=own_terminal)
+    text = "sistap: /dev/tty is the terminal that sistap itself reads or writes: choose another port with -i\n"
+    assert tap.end() == (2, "", text)
+    tap.port = port
+
+
+def test_the_file_must_not_be_the_port(run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     master, slave = pty.openpty()
     reader = FakeReader([])
     reader.name = os.ttyname(slave)
     assert run(reader, "-w", reader.name) == 2
-    assert "is the port itself" in capsys.readouterr().err
+    assert "is the port itself" in capfd.readouterr().err
     assert select.select([master], [], [], 0)[0] == []
     os.close(master)
     os.close(slave)
@@ -319,7 +459,7 @@ class FakeClock:
         return self.ns
 
 
-def test_hints_and_progress_come_with_the_clock(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     clock = FakeClock()
 
     class Slow(FakeReader):
@@ -334,14 +474,14 @@ def test_hints_and_progress_come_with_the_clock(capsys: pytest.CaptureFixture[st
         Slow([]), capture.LineSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
     assert running.run(stop) == 0
-    err = capsys.readouterr().err
+    err = capfd.readouterr().err
     assert err.count("\r\x1b[Ksistap: nothing received for 5 s") == 1  # not behind the progress
-    assert err.count("\r\x1b[K0 characters, 0 telegrams, 0 errors, longest interval 0.000 ms") == 7
+    assert err.count("\r\x1b[K0 characters, 0 telegrams, 0 errors, longest interval not known") == 7
     assert clock.ns == 7_000_000_000
 
 
 def test_a_wall_clock_that_is_set_is_an_event(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     clock = FakeClock()
     path = tmp_path / "x.pcapng"
@@ -363,7 +503,7 @@ def test_a_wall_clock_that_is_set_is_an_event(
     _, event = records(path)
     assert (event.type, event.event) == (Type.EVENT, Event.MARKER)
     assert event.data.decode().startswith("the wall clock moved by +3600.000 s (it was set, or the computer slept); ")
-    assert capsys.readouterr().err.count("the wall clock moved") == 1
+    assert capfd.readouterr().err.count("the wall clock moved") == 1
 
 
 def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
@@ -591,8 +731,8 @@ def test_the_reader_of_the_output_is_gone(tap: Tap, arguments: list[str]) -> Non
     assert "sistap: the reader of standard output is gone" in err and "Traceback" not in err
 
 
-def test_closed_standard_streams_are_no_way_into_the_port(tap: Tap) -> None:
-    command = f"exec {sys.executable} -m sistap capture -i {tap.port} -c 1 >&- 2>&- <&-"
+def test_closed_standard_streams_are_no_way_into_the_port(tap: Tap, tmp_path: Path) -> None:
+    command = f"exec {sys.executable} -m sistap capture -i {tap.port} -w {tmp_path / 'x'} -c 1 >&- 2>&- <&-"
     process = subprocess.Popen(["sh", "-c", command])
     try:
         # Its end closes the port: send again until then, as nothing tells when it listens.
@@ -604,6 +744,158 @@ def test_closed_standard_streams_are_no_way_into_the_port(tap: Tap) -> None:
         process.wait()
     assert process.returncode == 0
     assert select.select([tap.master], [], [], 0)[0] == []
+
+
+@pytest.mark.parametrize("arguments", [[], ["-w", "-"]])
+def test_a_closed_standard_output_is_refused(tap: Tap, arguments: list[str]) -> None:
+    tap.start(*arguments, stdout=None, preexec_fn=lambda: os.close(1))
+    code, _, err = tap.end()
+    text = "sistap: standard output cannot be written: Bad file descriptor; choose another file with -w\n"
+    assert (code, err) == (2, text)
+
+
+class Stuck:
+    """A terminal that takes nothing more: stopped by Ctrl-S, or nobody reads what is at its other end."""
+
+    def __init__(self, how: str) -> None:
+        self.master, self.slave = pty.openpty()
+        if how == "Ctrl-S":
+            termios.tcflow(self.slave, termios.TCOOFF)
+        else:
+            os.set_blocking(self.slave, False)
+            while select.select([], [self.slave], [], 0.1)[1]:  # what it takes moves on, and makes room again
+                with suppress(BlockingIOError):
+                    os.write(self.slave, b"x" * 64)
+            os.set_blocking(self.slave, True)
+
+    def close(self) -> None:
+        os.close(self.master)
+        os.close(self.slave)
+
+
+@pytest.fixture(params=["Ctrl-S", "not read"])
+def stuck(request: pytest.FixtureRequest) -> Iterator[Stuck]:
+    terminal = Stuck(request.param)
+    yield terminal
+    terminal.close()
+
+
+def launch(tap: Tap, *arguments: str, **popen: Any) -> subprocess.Popen[bytes]:
+    """Start without waiting for what it says."""
+    tap.process = subprocess.Popen([sys.executable, "-m", "sistap", "capture", "-i", tap.port, *arguments], **popen)
+    return tap.process
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("arguments", [[], ["-q"]])
+def test_a_stuck_terminal_does_not_hold_up_a_capture(
+    tap: Tap, tmp_path: Path, stuck: Stuck, arguments: list[str], number: signal.Signals
+) -> None:
+    path = tmp_path / "x"
+    process = launch(tap, "-w", str(path), *arguments, stderr=stuck.slave)
+    wait_for(lambda: path.exists() and path.stat().st_size > 0)
+    tap.send(*ALL, ALL[0][:4])
+    wait_for(lambda: len(frames(path)) == len(ALL) and not _waiting(tap.slave))
+    process.send_signal(number)
+    assert process.wait(DEADLINE_S) == 0
+    assert records(path)[-1].data == ALL[0][:4]
+    assert isinstance(blocks(path)[-1], InterfaceStatistics)
+
+
+def test_text_on_a_stuck_terminal_does_not_hold_up_a_stop(tap: Tap, stuck: Stuck) -> None:
+    process = tap.start(stdout=stuck.slave)
+    tap.send(*ALL)
+    process.send_signal(signal.SIGTERM)
+    code, _, err = tap.end()
+    assert code == 1
+    assert err.endswith("standard output is not being read; the last records are missing in it\n")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("arguments", [[], ["-w", "-"]])
+def test_a_pipe_that_is_not_read_does_not_hold_up_a_stop(
+    tap: Tap, arguments: list[str], number: signal.Signals
+) -> None:
+    """A block of it is many times larger than what the pipe holds."""
+    process = tap.start(*arguments, pipesize=8192)
+    assert process.stdout
+    pipe = process.stdout.fileno()
+    tap.send(bytes(4096))
+    wait_for(lambda: _waiting(pipe) >= 4096 and not _waiting(tap.slave))
+    process.send_signal(number)
+    assert process.wait(DEADLINE_S) == 1
+    assert process.stderr
+    assert b"standard output is not being read; the last records are missing in it" in process.stderr.read()
+
+
+def test_a_pipe_that_does_not_wait_loses_nothing(tap: Tap, tmp_path: Path) -> None:
+    """Such as one that was shared with a program that made it so."""
+    process = tap.start("-w", "-", pipesize=8192, preexec_fn=lambda: os.set_blocking(1, False))
+    assert process.stdout
+    tap.send(bytes(4096), bytes(4096))
+    received = b""
+    while len(received) < 6 * 8192 and (piece := os.read(process.stdout.fileno(), 65536)):
+        received += piece
+    process.send_signal(signal.SIGTERM)
+    rest, err = process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 0, err
+    path = tmp_path / "x"
+    path.write_bytes(received + rest)
+    assert b"".join(record.data for record in records(path)[1:]) == bytes(8192)
+
+
+def test_a_terminal_that_goes_away_ends_it_well(tap: Tap, tmp_path: Path) -> None:
+    master, slave = pty.openpty()
+
+    def own_terminal() -> None:
+        os.setsid()
+        fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+
+    path = tmp_path / "x"
+    process = launch(tap, "-w", str(path), stdin=slave, stdout=slave, stderr=slave, preexec_fn=own_terminal)
+    os.close(slave)
+    wait_for(lambda: path.exists() and path.stat().st_size > 0)
+    tap.send(ALL[0], ALL[1][:4])
+    wait_for(lambda: len(frames(path)) == 1 and not _waiting(tap.slave))
+    os.close(master)
+    assert process.wait(DEADLINE_S) == 0
+    assert [record.data for record in records(path)[1:]] == [ALL[0], ALL[1][:4]]
+
+
+def test_nohup_keeps_it_running(tap: Tap, tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    process = tap.start("-w", str(path), preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    process.send_signal(signal.SIGHUP)
+    tap.send(*ALL)
+    wait_for(lambda: len(frames(path)) == len(ALL))
+    process.send_signal(signal.SIGTERM)
+    assert tap.end()[0] == 0
+
+
+def test_a_full_disk_for_what_it_says_changes_no_exit_code(tap: Tap, tmp_path: Path) -> None:
+    tap.port = str(tmp_path / "ttyUSB9")
+    with open("/dev/full", "wb") as full:
+        assert launch(tap, stderr=full).wait(DEADLINE_S) == 3
+
+
+WITHOUT_PYSERIAL = "import sys; sys.modules['serial'] = None; from sistap.cli import main; sys.exit(main(sys.argv[1:]))"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (["capture", "--help"], 0, ""),
+        (["capture", "-i", "bus://127.0.0.1:1"], 3, "nothing listens at bus://127.0.0.1:1"),
+        (["bus", "--baud", "0"], 2, "--baud 0 is no rate"),
+        (["ports"], 1, f"pyserial is missing for {sys.executable}: `{sys.executable} -m pip install pyserial`, or "),
+        (["capture", "-i", "socket://127.0.0.1:1"], 1, "pyserial is missing"),
+    ],
+)
+def test_without_pyserial(arguments: list[str], code: int, text: str) -> None:
+    command = [sys.executable, "-c", WITHOUT_PYSERIAL, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE_S)
+    assert done.returncode == code
+    assert text in done.stderr and done.stderr.count("\n") == bool(text)
 
 
 def test_progress_on_a_terminal(tap: Tap, tmp_path: Path) -> None:
@@ -618,7 +910,7 @@ def test_progress_on_a_terminal(tap: Tap, tmp_path: Path) -> None:
     tap.process.send_signal(signal.SIGINT)
     while b"written to" not in said:
         said += os.read(master, 4096)
-    assert b"\r\x1b[Ksistap: 0 records" in said
+    assert b"\r\x1b[Ksistap: 0 records" in said and b"not known\r\x1b[K" in said
     assert b"\r\x1b[K0 characters, 0 telegrams, 0 errors" in said
     assert tap.process.wait(DEADLINE_S) == 0
     os.close(master)

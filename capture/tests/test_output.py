@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.output import Limits, Output, OutputError, OutputRefused, file_name
+from sistap.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
 
 
 @contextmanager
@@ -54,7 +54,7 @@ def test_no_space_left() -> None:
 def test_a_file_is_emptied_only_when_the_capture_begins(tmp_path: Path) -> None:
     path = tmp_path / "x"
     path.write_bytes(b"an older capture")
-    Output(str(path)).discard()
+    Output(str(path)).close()
     assert path.read_bytes() == b"an older capture"
     output = Output(str(path))
     output.begin()
@@ -64,14 +64,15 @@ def test_a_file_is_emptied_only_when_the_capture_begins(tmp_path: Path) -> None:
 
 def test_a_new_file_is_gone_if_the_capture_does_not_begin(tmp_path: Path) -> None:
     path = tmp_path / "x"
-    Output(str(path)).discard()
+    Output(str(path)).close()
     assert not path.exists()
 
 
-@pytest.mark.parametrize("name", ["missing/x", "."])
-def test_a_path_that_cannot_be_written_is_refused(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("limits", [NO_LIMITS, Limits(duration_s=1, several=True)])
+@pytest.mark.parametrize("name", ["{}/missing/x", "{}", "{}/.", "{}/..", ".", "/"])
+def test_a_path_that_cannot_be_written_is_refused(tmp_path: Path, name: str, limits: Limits) -> None:
     with pytest.raises(OutputRefused, match="cannot be written: .*; choose another file with -w"):
-        Output(str(tmp_path / name))
+        Output(name.format(tmp_path), limits)
 
 
 def test_the_reader_of_a_pipe_is_gone(tmp_path: Path) -> None:
@@ -115,6 +116,71 @@ def test_a_pipe_that_nobody_reads_does_not_hold_up_a_stop(tmp_path: Path) -> Non
     os.close(reader)
 
 
+def test_a_block_larger_than_the_pipe_does_not_hold_up_a_stop(tmp_path: Path) -> None:
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    reader = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    output = Output(str(fifo), stopped=lambda: True)
+    refused: list[str] = []
+
+    def write() -> None:
+        try:
+            output.write(bytes(1_000_000))
+        except OutputError as error:
+            refused.append(str(error))
+
+    thread = threading.Thread(target=write, daemon=True)
+    thread.start()
+    thread.join(20)
+    assert refused == [f"{fifo} is not being read; the last records are missing in it"]
+    os.close(reader)
+
+
+def test_a_large_block_comes_whole_through_a_pipe(tmp_path: Path) -> None:
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    reader = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    os.set_blocking(reader, True)
+    output = Output(str(fifo))
+    block = os.urandom(1_000_000)
+
+    def write() -> None:
+        output.write(block)
+        output.close()
+
+    thread = threading.Thread(target=write, daemon=True)
+    thread.start()
+    with os.fdopen(reader, "rb") as stream:
+        assert stream.read() == block
+    thread.join()
+
+
+def test_two_captures_do_not_write_one_file(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    first = Output(str(path))
+    with pytest.raises(OutputRefused, match="x is being written by another capture; choose another file with -w"):
+        Output(str(path))
+    first.begin()
+    first.write(b"abc")
+    first.close()
+    Output(str(path)).close()
+    assert path.read_bytes() == b"abc"
+
+
+def test_only_a_file_that_was_there_stays_empty(tmp_path: Path) -> None:
+    """A full disk at the very beginning."""
+    new, old = tmp_path / "new", tmp_path / "old"
+    old.touch()
+    for path in (new, old):
+        output = Output(str(path))
+        output.begin()
+        with pytest.raises(OutputError, match="File too large"), small_files():
+            output.write(bytes(2000))
+        output.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["old"]
+    assert old.read_bytes() == b""
+
+
 @pytest.fixture
 def utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("TZ", "UTC")
@@ -139,7 +205,9 @@ def test_several_files_and_only_the_newest_kept(tmp_path: Path) -> None:
         assert output.full
         assert output.done == (number == 4)
         if number < 4:
-            output.next_file()
+            assert output.open_next()
+            output.go_on()
+            output.begin()
     output.close()
     files = sorted(tmp_path.iterdir())
     assert [file.read_bytes() for file in files] == [b"3" * 10, b"4" * 10]
@@ -157,6 +225,67 @@ def test_a_file_is_full_after_its_time(tmp_path: Path, monkeypatch: pytest.Monke
     assert not output.full
     now = 105.0
     assert output.full and not output.done
-    output.next_file()
+    assert output.open_next()
+    output.go_on()
+    output.begin()
     assert not output.full
     output.close()
+
+
+def ring(tmp_path: Path, said: list[str]) -> Output:
+    """Two files are kept, a byte fills one."""
+    output = Output(str(tmp_path / "x"), Limits(size=1, several=True, keep=2), say=said.append)
+    output.begin()
+    output.write(b"1")
+    return output
+
+
+def go_on(output: Output) -> None:
+    assert output.open_next()
+    output.go_on()
+    output.begin()
+    output.write(b"x")
+
+
+def test_an_oldest_file_that_cannot_be_deleted_is_said_and_stays(tmp_path: Path) -> None:
+    said: list[str] = []
+    output = ring(tmp_path, said)
+    oldest = next(tmp_path.iterdir())
+    oldest.unlink()
+    oldest.mkdir()  # which cannot be unlinked, as a file that is open on Windows, or immutable
+    for _ in range(4):
+        go_on(output)
+    output.close()
+    assert said == [f"{oldest} cannot be deleted: Is a directory; it stays, delete it yourself"]
+    assert sorted(file.name[:7] for file in tmp_path.iterdir()) == ["x_00001", "x_00004", "x_00005"]
+
+
+def test_the_summary_names_all_files_that_are_there(tmp_path: Path) -> None:
+    output = ring(tmp_path, [])
+    assert re.fullmatch(rf"{tmp_path}/x_00001_\d+", output.summary)
+    go_on(output)
+    assert re.fullmatch(rf"2 files: {tmp_path}/x_00001_\d+ to {tmp_path}/x_00002_\d+", output.summary)
+    go_on(output)
+    kept = rf"3 files, of which the last 2 were kept: {tmp_path}/x_00002_\d+ to {tmp_path}/x_00003_\d+"
+    assert re.fullmatch(kept, output.summary)
+    output.close()
+
+
+def test_if_the_next_file_cannot_be_opened_this_one_is_the_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    output = ring(tmp_path, said)
+    monkeypatch.setattr("sistap.output.file_name", lambda *_: "/missing/x")
+    assert not output.done
+    assert not output.open_next()
+    assert output.done and output.failed
+    assert said == [
+        "/missing/x cannot be written: No such file or directory; choose another file with -w; "
+        "everything before it is saved"
+    ]
+    output.write(b"2")
+    output.close()
+    (file,) = tmp_path.iterdir()
+    assert file.read_bytes() == b"12"
+    assert output.summary == str(file)

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import struct
 import sys
-
-import serial
+from typing import TYPE_CHECKING
 
 from sistap.line import LineSettings
 from sistap.reader.contract import PortError
@@ -15,6 +14,9 @@ from sistap.reader.trouble import device_trouble
 if sys.platform != "win32":
     import fcntl
     import termios
+
+if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
+    import serial
 
 _URL_TIMEOUT_S = 0.05  # pyserial's own; changing it per read would configure the port each time
 
@@ -25,6 +27,8 @@ _TERMIOS2 = struct.Struct("40xI")
 
 def closed_serial(port: str, settings: LineSettings) -> serial.Serial:
     """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is."""
+    import serial
+
     device: serial.Serial = serial.serial_for_url(
         port,
         do_not_open=True,
@@ -46,7 +50,7 @@ def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> ser
         device = closed_serial(port, settings)
         if pseudo_terminal:
             # Linux strips these from a pty, and libc takes it for an error when nothing else was to change.
-            device.bytesize, device.parity = 8, serial.PARITY_NONE
+            device.bytesize, device.parity = 8, "N"
         device.open()
         try:
             _mark_errors(device.fileno())

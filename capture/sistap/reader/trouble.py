@@ -9,8 +9,6 @@ import stat
 import sys
 from pathlib import Path
 
-import serial
-
 from sistap.line import LineSettings
 
 if sys.platform != "win32":
@@ -47,6 +45,8 @@ def lost_text(port: str, pseudo_terminal: bool) -> str:
 
 def url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     """Say why pyserial could not open a port, and what to do."""
+    import serial  # here: without pyserial the rest still works
+
     known = "bus://HOST:PORT, socket://HOST:PORT, rfc2217://HOST:PORT"
     text = f"{port} cannot be opened: {error}"
     cause = error.__context__
@@ -92,7 +92,7 @@ def _permission_cure(port: str) -> str:
     except OSError:
         return "its folder is not open to you"
     if not stat.S_ISCHR(status.st_mode):
-        return "and it is not a serial port"
+        return "it is not a serial port; `sistap ports` lists the ports there are"
     if status.st_mode & 0o060 == 0o060 and status.st_gid != 0:
         group = _group(status.st_gid)
         return f"it is for group {group}: `sudo usermod -aG {group} $USER`, then log in again"
