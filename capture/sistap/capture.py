@@ -284,6 +284,8 @@ def _capture(  # noqa: PLR0913 - it puts the parts together
         output.close()
     if args.file:
         console.say(_summary(counters, output))
+    elif not args.quiet:
+        console.say(str(counters))
     return code
 
 
@@ -304,5 +306,5 @@ def _summary(counters: Counters, output: Output) -> str:
     of_received = f" of {received}" if counters.written != received else ""
     return (
         f"{counters.written}{of_received} records ({counters.telegrams} telegrams, {counters.characters} characters, "
-        f"{counters.errors} errors) written to {output.summary}"
+        f"{counters.errors}) written to {output.summary}"
     )

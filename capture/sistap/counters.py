@@ -40,9 +40,10 @@ class Counters:
         return self.accepted.total()
 
     @property
-    def errors(self) -> int:
-        """Faulty characters and telegrams with a wrong checksum."""
-        return self.faulty_characters + self.damaged
+    def errors(self) -> str:
+        """Faulty characters and telegrams with a wrong checksum, in words."""
+        faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
+        return f"{faulty}, {self.damaged} wrong checksum{'' if self.damaged == 1 else 's'}"
 
     def add_read(self, read: Read) -> None:
         """Count characters."""
@@ -64,5 +65,5 @@ class Counters:
     def __str__(self) -> str:
         """Give the progress line."""
         longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
-        counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors} errors"
+        counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors}"
         return f"{counts}, longest interval {longest}"

@@ -11,6 +11,7 @@ from sistap.line import Flag
 from sistap.names import service_name
 from sistap.record import Framing, Record, Type
 
+BROADCAST = 255  # in both editions
 _FOLD = 16  # characters a line
 _PRINTABLE = bytes(c if 0x20 <= c < 0x7F else ord(".") for c in range(256))
 _ERRORS = {
@@ -39,12 +40,19 @@ def _telegram(record: Record) -> str:
     header = telegram.parse(record.data)
     direction = "Reaction" if header.reaction else "Command"
     checksum = "checksum WRONG" if record.checksum_bad else "checksum ok"
+    status = telegram.status(header)
     longest_ns = longest_interval_ns(record)
     longest = f"{longest_ns / 1e6:.3f} ms" if longest_ns else "not known, all in one read"
+    stations = f"{_station(header.talker)} -> {_station(header.listener)}"
+    outcome = f"  STATUS 0x{status:02x}" if status else ""
     return (
-        f"{f'{header.talker} -> {header.listener}':10}  {direction:8}  {service_name(header.service)}"
-        f"  {checksum}  longest interval {longest}"
+        f"{stations:10}  {direction:8}  {service_name(header.service)}{outcome}  {checksum}"
+        f"  longest interval {longest}"
     )
+
+
+def _station(address: int) -> str:
+    return "all" if address == BROADCAST else str(address)
 
 
 def _hex_and_text(data: bytes) -> str:

@@ -44,6 +44,12 @@ class Header(NamedTuple):
         return self.sender if self.reaction else self.receiver
 
 
+def status(header: Header) -> int | None:
+    """Give the status byte of a reaction, None where there is none: product groups need not send one (chapter 2.1)."""
+    has_status = header.reaction and (header.service <= 0x1F or 0x80 <= header.service <= 0x9F)
+    return header.body[0] if has_status and header.body else None
+
+
 def checksum_good(telegram: bytes) -> bool:
     """Tell whether all bytes add up to 0 modulo 256."""
     return sum(telegram) & 0xFF == 0

@@ -12,6 +12,7 @@ from specification import TELEGRAMS
 from sistap.line import Flag, LineSettings
 from sistap.lines import lines
 from sistap.record import Framing, Record, Type
+from sistap.telegram import build
 
 NOON_NS = 1_700_049_600_000_000_000  # 2023-11-15 12:00:00 UTC
 
@@ -50,6 +51,16 @@ def test_a_command() -> None:
 def test_a_reaction_is_told_from_who_really_speaks() -> None:
     # Fig. 7-2 keeps the command's addresses, 16 and 3; 3 answers.
     assert "  3 -> 16     Reaction  Execute a list of SIS services  " in lines(record(TELEGRAMS["7-2"]))
+
+
+def test_an_error_status_is_told() -> None:
+    # Ident number not available: status 1, control byte, device, 0x1001 (facts of fig. 8-48).
+    refused = build(0x10, 16, 3, bytes([1, 0x3C, 3, 0x01, 0x10]), reaction=True)
+    assert "  3 -> 16     Reaction  Read parameter  STATUS 0x01  checksum ok  " in lines(record(refused))
+
+
+def test_a_broadcast_is_for_all() -> None:
+    assert "  16 -> all   Command   Initialization" in lines(record(TELEGRAMS["6-24"]))
 
 
 def test_what_is_wrong_is_marked() -> None:
