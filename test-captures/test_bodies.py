@@ -68,3 +68,13 @@ def test_fields(name: str, passes: tuple[str, ...], tshark: Tshark) -> None:
         if compared(packet, item) != expected(item)
     ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_unit_of_a_list_segment(tshark: Tshark) -> None:
+    """Offset and length count words in ECODRIVE's services, bytes in all others (chapter 8.1)."""
+    capture = str(Path(__file__).parent / "bodies.pcapng")
+    columns = ("-T", "fields", "-e", "sis.service", "-e", "_ws.col.Info")
+    lines = tshark.output("-r", capture, "-Y", "sis.list_length", *columns).splitlines()
+    words = {line.split("\t")[0] for line in lines if " words at offset " in line}
+    octets = {line.split("\t")[0] for line in lines if " bytes at offset " in line}
+    assert (words, octets) == ({"0x81", "0x8e"}, {"0x11", "0x1e", "0x91", "0x9e"})
