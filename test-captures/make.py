@@ -61,6 +61,7 @@ class Item:
     flags: dict[int, int] = field(default_factory=dict)  # by character, counted from 1
     pauses_ns: dict[int, int] = field(default_factory=dict)
     raw: bytes | None = None  # for `record` and `segment`
+    expected: dict[str, str] = field(default_factory=dict)  # by field, without its "sis."; from `fields`
 
     def record(self, silence_ns: int | None) -> bytes:
         """Pack the record, or give the bytes as they stand."""
@@ -108,6 +109,7 @@ class Scenario:
         self.options: list[str] = []
         self.items: list[Item] = []
         self._defaults: dict[str, object] = {}
+        self._stations = (16, 3)
         self._port = 4200
         self._sequence: dict[tuple[int, str], int] = {}
         for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -150,6 +152,25 @@ class Scenario:
 
     def _do_telegram(self, rest: str) -> None:
         self._add(data=bytes.fromhex(rest))
+
+    def _do_stations(self, rest: str) -> None:
+        sender, receiver = rest.split()
+        self._stations = (int(sender), int(receiver))
+
+    def _add_body(self, rest: str, reaction: bool) -> None:
+        service, _, body = rest.partition(" ")
+        self._add(data=telegram.build(int(service, 16), *self._stations, body_bytes(body), reaction=reaction))
+
+    def _do_command(self, rest: str) -> None:
+        self._add_body(rest, reaction=False)
+
+    def _do_reaction(self, rest: str) -> None:
+        self._add_body(rest, reaction=True)
+
+    def _do_fields(self, rest: str) -> None:
+        for word in shlex.split(rest):
+            name, _, value = word.partition("=")
+            self.items[-1].expected[name] = value
 
     def _do_other(self, rest: str) -> None:
         text = rest.partition("#")[0].strip()
@@ -227,12 +248,17 @@ class Scenario:
         return b"".join(blocks)
 
     def dissection(self, tshark: Tshark, capture: Path) -> str:
-        """What tshark, 4.0 to 4.6, says of it: a line a packet, and the tree of the protocols to show under it."""
-        layers = ["-P", "-V", "-O", self.show]
+        """What tshark, 4.0 to 4.6, says of it: a line a packet, and the trees to show, if any, under it."""
+        layers = ["-P", "-V", "-O", self.show] if self.show else []
         text = tshark.output("-r", str(capture), "-t", "r", *self.options, *layers)
         for pattern, replacement in _OF_ANY_VERSION:
             text = pattern.sub(replacement, text)
         return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
+
+
+def body_bytes(text: str) -> bytes:
+    """Read hexadecimal digits, and characters in double quotes."""
+    return bytes.fromhex(re.sub('"([^"]*)"', lambda quoted: quoted[1].encode("ascii").hex(), text))
 
 
 def rtac_header(payload: bytes, time_ns: int) -> bytes:

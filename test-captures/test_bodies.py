@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Useful data: every telegram with a line `fields` under it has these fields, and no others of those named here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from make import Item, Scenario, scenarios
+from sistap.tshark import Tshark
+
+# A `fields` line names all of these that the telegram has ...
+FIELDS = (
+    "status device subservice error raw data text version firmware type_key baud_mask canceled_service address "
+    "memory_length shutdown_target device_type crc32 timing.ms test_ms element_length element parameter list_offset "
+    "list_length data_status phase value element.name element.unit attribute list.actual list.maximum sequence.count"
+).split()
+# ... and of these expert items; with their number, where there are several.
+EXPERTS = "body.missing body.unexpected body.note list.recursion reaction.unasked reaction.again sequence.ended".split()
+# It may name these.
+DETAILS = (
+    "transmission parameter_control parameter.name parameter.type parameter.product_specific parameter.set "
+    "parameter.number data_status.set data_status.enabled data_status.not_executed data_status.impossible "
+    "data_status.invalid attribute.factor attribute.length attribute.command attribute.format attribute.decimals "
+    "attribute.protected_2 attribute.protected_3 attribute.protected_4 sequence.length"
+).split()
+
+BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them
+
+SCENARIOS = {path: Scenario(path) for path in scenarios()}
+
+
+def shown(tshark: Tshark, path: Path, *passes: str) -> list[dict[str, str]]:
+    """Give every packet's fields as tshark prints them; of an expert item how often it is there."""
+    names = FIELDS + EXPERTS + DETAILS
+    options = [option for name in names for option in ("-e", f"sis.{name}")]
+    command = ("-r", str(path.with_suffix(".pcapng")), *SCENARIOS[path].options, "-T", "fields", *options)
+    packets = []
+    for line in tshark.output(*passes, *command).splitlines():
+        cells = [BOOLEANS.get(cell, cell) for cell in line.split("\t")]
+        packet = {name: cell for name, cell in zip(names, cells, strict=True) if cell}
+        for name in packet.keys() & set(EXPERTS):
+            packet[name] = str(packet[name].count(",") + 1)
+        packets.append(packet)
+    return packets
+
+
+def compared(packet: dict[str, str], item: Item) -> dict[str, str]:
+    """Leave out the details that the item does not ask for."""
+    return {name: value for name, value in packet.items() if name not in DETAILS or name in item.expected}
+
+
+def expected(item: Item) -> dict[str, str]:
+    """Give what the item's `fields` line says; an expert item is there once if it does not say more."""
+    return {name: value or "1" if name in EXPERTS else value for name, value in item.expected.items()}
+
+
+@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])
+@pytest.mark.parametrize("name", ["bodies", "bodies-preferences"])
+def test_fields(name: str, passes: tuple[str, ...], tshark: Tshark) -> None:
+    path = Path(__file__).parent / f"{name}.txt"
+    packets, items = shown(tshark, path, *passes), SCENARIOS[path].items
+    assert len(packets) == len(items)
+    wrong = [
+        f"{number}: {item.data.hex(' ')}\n  expected {expected(item)}\n  shown    {compared(packet, item)}"
+        for number, (packet, item) in enumerate(zip(packets, items, strict=True), 1)
+        if compared(packet, item) != expected(item)
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_unit_of_a_list_segment(tshark: Tshark) -> None:
+    """Offset and length count words in ECODRIVE's services, bytes in all others (chapter 8.1)."""
+    capture = str(Path(__file__).parent / "bodies.pcapng")
+    columns = ("-T", "fields", "-e", "sis.service", "-e", "_ws.col.Info")
+    lines = tshark.output("-r", capture, "-Y", "sis.list_length", *columns).splitlines()
+    words = {line.split("\t")[0] for line in lines if " words at offset " in line}
+    octets = {line.split("\t")[0] for line in lines if " bytes at offset " in line}
+    assert (words, octets) == ({"0x81", "0x8e"}, {"0x11", "0x1e", "0x91", "0x9e"})
