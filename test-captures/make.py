@@ -255,7 +255,7 @@ class Scenario:
 
     def dissection(self, tshark: Tshark, capture: Path) -> str:
         """What tshark, 4.0 to 4.6, says of it: a line a packet, and the tree of the protocols to show under it."""
-        layers = ["-P", "-V", "-O", self.show]
+        layers = ["-P", "-V", "-O", self.show] if self.show else []
         text = tshark.output("-r", str(capture), "-t", "r", *self.options, *layers)
         for pattern, replacement in _OF_ANY_VERSION:
             text = pattern.sub(replacement, text)
