@@ -97,6 +97,12 @@ SEQUENCES: Table = {
     125: "data=6162; sequence.whole_in=129",
     127: "data=6162",
     129: "data=63,616263; sequence.piece=125,129; sequence.length=3",
+    # Busy is no refusal: the same command again, and the reading goes on
+    132: "data=4142; sequence.whole_in=140",
+    140: "data=4344,41424344; sequence.piece=132,140; sequence.length=4",
+    # The name read in the middle of the operating data is no piece of them
+    142: "data=4142",
+    144: "data=4e; sequence.ended",
 }
 
 
