@@ -196,6 +196,23 @@ ROUTES: Table = {
     31: "command_in=29; reaction_time=0.060312497",
 }
 
+ROUTES_INTERLEAVED: Table = {
+    1: "reaction_in=6",
+    2: "reaction_in=5; routed_from=1",
+    3: "reaction_in=8",
+    4: "reaction_in=7; routed_from=3",
+    5: "command_in=2",
+    6: "command_in=1; routed_from=5",
+    7: "command_in=4",
+    8: "command_in=3; routed_from=7",
+}
+
+EXCHANGES_SWAPPED: Table = {
+    1: "reaction_in=3",
+    2: "reaction.unasked",
+    3: "command_in=1",
+}
+
 
 def test_exchanges(tshark: Tshark) -> None:
     check(tshark, "exchanges", FIELDS, EXPERTS, EXCHANGES)
@@ -207,3 +224,11 @@ def test_repeats(tshark: Tshark) -> None:
 
 def test_routes(tshark: Tshark) -> None:
     check(tshark, "routes", FIELDS, EXPERTS, ROUTES)
+
+
+def test_routes_interleaved(tshark: Tshark) -> None:
+    check(tshark, "routes-interleaved", "reaction_in command_in routed_from", "reaction.unasked", ROUTES_INTERLEAVED)
+
+
+def test_exchanges_swapped(tshark: Tshark) -> None:
+    check(tshark, "exchanges-swapped", "reaction_in command_in", "reaction.unasked", EXCHANGES_SWAPPED)

@@ -48,6 +48,16 @@ PHASES: Table = {
     58: "phase=4; phase.switch_in=53; phase.switch_time=0.159374990",
 }
 
+PHASES_ROUTED: Table = {
+    1: "phase=4",
+    4: "phase=4",
+    6: "phase=4; phase.switch_in=1; phase.switch_time=0.165104155",
+}
+
 
 def test_phases(tshark: Tshark) -> None:
     check(tshark, "phases", "phase error phase.switch_in phase.switch_time", "", PHASES)
+
+
+def test_phases_routed(tshark: Tshark) -> None:
+    check(tshark, "phases-routed", "phase phase.switch_in phase.switch_time", "", PHASES_ROUTED)

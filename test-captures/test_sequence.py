@@ -7,7 +7,7 @@ from pathlib import Path
 
 from make import Scenario
 from sistap.tshark import Tshark
-from tables import Table, check, shown
+from tables import HERE, Table, check, shown
 
 FIELDS = "data value sequence.piece sequence.length sequence.whole_in"
 EXPERTS = "sequence.ended sequence.piece_missing"
@@ -105,9 +105,64 @@ SEQUENCES: Table = {
     144: "data=4e; sequence.ended",
 }
 
+SEQUENCES_REPEATED: Table = {
+    # A telegram number: the first reaction was damaged, the kept one is the piece
+    2: "data=4142; sequence.whole_in=6",
+    4: "data=4344",
+    6: "data=4344,41424344; sequence.piece=2,6; sequence.length=4",
+    # A telegram number: the first command was not answered
+    8: "data=4142; sequence.whole_in=11",
+    11: "data=4344,41424344; sequence.piece=8,11; sequence.length=4",
+    # The last piece written again is not a parameter of its own
+    13: "data=01004400",
+    14: "data=6162; sequence.whole_in=16",
+    16: "data=6364,61626364; sequence.piece=14,16; sequence.length=4; value=abcd",
+    17: "data=6364",
+    # A gap: the damaged reaction lost its form, so the tap recorded it as other characters
+    20: "data=4142",
+    24: "data=4546; sequence.piece_missing",
+    # The tap alone took a reading command for damaged: the slave answered, and what it sent belongs to nothing known
+    26: "data=4142",
+    28: "data=4344; reaction.again",
+    30: "data=4546; sequence.piece_missing",
+    # The tap alone took a written piece for damaged: the slave accepted it
+    31: "data=6162",
+    33: "data=6364",
+    34: "reaction.again",
+    35: "data=6566; sequence.piece_missing",
+    # The tap lost characters between two pieces
+    38: "data=4142",
+    41: "data=4546; sequence.piece_missing",
+    # A command that arrived damaged was not executed: status 0xF4, and the same piece again
+    43: "data=4142; sequence.whole_in=47",
+    47: "data=4344,41424344; sequence.piece=43,47; sequence.length=4",
+}
+
+SEQUENCES_APART: Table = {
+    # Another device is cancelled: this one goes on
+    2: "data=4142; sequence.whole_in=6",
+    6: "data=4344,41424344; sequence.piece=2,6; sequence.length=4",
+    # Another service of the device is cancelled: this one goes on
+    8: "data=4142; sequence.whole_in=12",
+    12: "data=4344,41424344; sequence.piece=8,12; sequence.length=4",
+    # Drives 8 and 9 behind router 4, both with device address 0: two readings
+    14: "data=4142; sequence.whole_in=18",
+    16: "data=6162; sequence.whole_in=20",
+    18: "data=4344,41424344; sequence.piece=14,18; sequence.length=4",
+    20: "data=6364,61626364; sequence.piece=16,20; sequence.length=4",
+}
+
 
 def test_sequences(tshark: Tshark) -> None:
     check(tshark, "sequences", FIELDS, EXPERTS, SEQUENCES)
+
+
+def test_sequences_repeated(tshark: Tshark) -> None:
+    check(tshark, "sequences-repeated", FIELDS, f"{EXPERTS} reaction.again", SEQUENCES_REPEATED)
+
+
+def test_sequences_apart(tshark: Tshark) -> None:
+    check(tshark, "sequences-apart", FIELDS, EXPERTS, SEQUENCES_APART)
 
 
 LONGEST = 65_535
@@ -143,3 +198,9 @@ def test_longest_list(tshark: Tshark, tmp_path: Path) -> None:
         for number, piece in enumerate(pieces[:-1]):
             whole = {"sequence.whole_in": str(2 + 2 * len(pieces))} if passes else {}
             assert frames[4 + 2 * number] == {"data": piece.hex()} | whole
+
+
+def test_last_piece_without_data_ends_a_reading(tshark: Tshark) -> None:
+    for passes in ((), ("-2",)):
+        frames = shown(tshark, HERE / "sequences-empty.pcapng", "data sequence.piece sequence.length", *passes)
+        assert frames[8] == {"data": "4546,43444546", "sequence.piece": "6,8", "sequence.length": "4"}
