@@ -29,7 +29,7 @@ from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings  # noqa: E402
 from sistap.tshark import Tshark  # noqa: E402
 
 START_NS = 1_700_000_000_000_000_000
-STEP_NS = 25_000_000  # of silence before the next packet
+SILENCE_NS = 25_000_000  # before the next packet, unless `silence` says otherwise
 
 LINKTYPE_RAW_IPV4 = 228
 LINK_TYPES = {
@@ -57,6 +57,7 @@ class Item:
     settings: LineSettings = field(default_factory=LineSettings)
     uncertainty_ns: int = 310_000
     line: int = 0
+    interface: int = 0
     event: int = 0
     flags: dict[int, int] = field(default_factory=dict)  # by character, counted from 1
     pauses_ns: dict[int, int] = field(default_factory=dict)
@@ -67,18 +68,12 @@ class Item:
         """Pack the record, or give the bytes as they stand."""
         if self.raw is not None:
             return self.raw
-        intervals = [self.settings.character_ns] * len(self.data)
+        intervals = self._intervals(silence_ns or 0)
         flags = bytearray(len(self.data))
         for index, flag in self.flags.items():
             flags[index - 1] = flag
-            if flag & Flag.SAME_READ:
-                intervals[index - 1] = 0
-        for index, pause_ns in self.pauses_ns.items():
-            intervals[index - 1] = pause_ns
         if silence_ns is None:
             flags[:1] = bytes([Flag.INTERVAL_UNKNOWN]) if flags else b""
-        if intervals:
-            intervals[0] = silence_ns or 0
         made = record.Record(
             self.time_ns,
             self.kind,
@@ -92,10 +87,19 @@ class Item:
         packed = made.pack()
         return packed[:18] + struct.pack(">H", self.event) + packed[20:] if self.event else packed
 
+    def _intervals(self, silence_ns: int) -> list[int]:
+        intervals = [self.settings.character_ns] * len(self.data)
+        for index, flag in self.flags.items():
+            if flag & Flag.SAME_READ:
+                intervals[index - 1] = 0
+        for index, pause_ns in self.pauses_ns.items():
+            intervals[index - 1] = pause_ns
+        return [silence_ns, *intervals[1:]] if intervals else []
+
     @property
     def end_ns(self) -> int:
         """When the last character came."""
-        return self.time_ns + max(0, len(self.data) - 1) * self.settings.character_ns + sum(self.pauses_ns.values())
+        return self.time_ns + sum(self._intervals(0))
 
 
 class Scenario:
@@ -109,7 +113,9 @@ class Scenario:
         self.options: list[str] = []
         self.items: list[Item] = []
         self._defaults: dict[str, object] = {}
-        self._stations = (16, 3)
+        self._stations = "16>3"
+        self._silence_ns = SILENCE_NS
+        self._interfaces = [path.stem]
         self._port = 4200
         self._sequence: dict[tuple[int, str], int] = {}
         for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -146,8 +152,16 @@ class Scenario:
     def _do_direction(self, rest: str) -> None:
         self._defaults["line"] = int(rest)
 
+    def _do_interface(self, rest: str) -> None:
+        if rest not in self._interfaces:
+            self._interfaces.append(rest)
+        self._defaults["interface"] = self._interfaces.index(rest)
+
+    def _do_silence(self, rest: str) -> None:
+        self._silence_ns = round(float(rest) * 1e6)
+
     def _add(self, **values: object) -> None:
-        start_ns = self.items[-1].end_ns + STEP_NS if self.items else START_NS
+        start_ns = self.items[-1].end_ns + self._silence_ns if self.items else START_NS
         self.items.append(Item(start_ns, **{**self._defaults, **values}))  # type: ignore[arg-type]
 
     def _do_telegram(self, rest: str) -> None:
@@ -155,17 +169,22 @@ class Scenario:
 
     def _do_stations(self, rest: str) -> None:
         sender, receiver = rest.split()
-        self._stations = (int(sender), int(receiver))
+        self._stations = f"{sender}>{receiver}"
 
-    def _add_body(self, rest: str, reaction: bool) -> None:
-        service, _, body = rest.partition(" ")
-        self._add(data=telegram.build(int(service, 16), *self._stations, body_bytes(body), reaction=reaction))
+    def _built(self, rest: str, *, reaction: bool) -> bytes:
+        return built_telegram(rest if ">" in rest.split()[0] else f"{self._stations} {rest}", reaction=reaction)
 
     def _do_command(self, rest: str) -> None:
-        self._add_body(rest, reaction=False)
+        self._add(data=self._built(rest, reaction=False))
 
     def _do_reaction(self, rest: str) -> None:
-        self._add_body(rest, reaction=True)
+        self._add(data=self._built(rest, reaction=True))
+
+    def _do_byte(self, rest: str) -> None:
+        index, value = rest.split()
+        data = bytearray(self.items[-1].data)
+        data[int(index) - 1] = int(value, 16)
+        self.items[-1].data = bytes(data)
 
     def _do_fields(self, rest: str) -> None:
         for word in shlex.split(rest):
@@ -216,14 +235,15 @@ class Scenario:
         """What the packets hold, without the link type's own header."""
         if self.link != "sertap":
             return [item.raw if item.raw is not None else item.data for item in self.items]
-        last: dict[int, int] = {}
+        last: dict[tuple[int, int], int] = {}
         payloads = []
         for item in self.items:
             has_times = item.kind != record.Type.EVENT and item.raw is None
-            silence = item.time_ns - last[item.line] if item.line in last else None
+            line = item.interface, item.line
+            silence = item.time_ns - last[line] if line in last else None
             payloads.append(item.record(silence if has_times else None))
             if has_times:
-                last[item.line] = item.end_ns
+                last[line] = item.end_ns
         return payloads
 
     def _packet_flags(self, item: Item) -> int:
@@ -237,14 +257,14 @@ class Scenario:
 
     def capture(self) -> bytes:
         """Make the whole capture file."""
-        interface = pcapng.Interface(LINK_TYPES[self.link], self.path.stem)
+        interfaces = [pcapng.Interface(LINK_TYPES[self.link], name) for name in self._interfaces]
         blocks = [
             pcapng.section_header("test-captures/make.py", ""),
-            pcapng.interface_description(interface),
+            *map(pcapng.interface_description, interfaces),
         ]
         for item, payload in zip(self.items, self._payloads(), strict=True):
             data = LINK_HEADERS[self.link](payload, item.time_ns)
-            blocks.append(pcapng.enhanced_packet(0, item.time_ns, data, self._packet_flags(item)))
+            blocks.append(pcapng.enhanced_packet(item.interface, item.time_ns, data, self._packet_flags(item)))
         return b"".join(blocks)
 
     def dissection(self, tshark: Tshark, capture: Path) -> str:
@@ -259,6 +279,23 @@ class Scenario:
 def body_bytes(text: str) -> bytes:
     """Read hexadecimal digits, and characters in double quotes."""
     return bytes.fromhex(re.sub('"([^"]*)"', lambda quoted: quoted[1].encode("ascii").hex(), text))
+
+
+def built_telegram(text: str, *, reaction: bool) -> bytes:
+    """Make a telegram from `16>3/2/8:5 10 BODY`: stations and telegram number, service, useful data."""
+    addresses, service, *body = text.split(None, 2)
+    stations, _, number = addresses.partition(":")
+    sender, _, route = stations.partition(">")
+    receiver, *subaddresses = map(int, route.split("/"))
+    return telegram.build(
+        int(service, 16),
+        int(sender),
+        receiver,
+        body_bytes("".join(body)),
+        reaction=reaction,
+        subaddresses=bytes(subaddresses),
+        number=int(number) if number else None,
+    )
 
 
 def rtac_header(payload: bytes, time_ns: int) -> bytes:

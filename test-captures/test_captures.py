@@ -11,6 +11,7 @@ import pytest
 
 from make import Scenario, scenarios
 from sistap.tshark import Tshark
+from tables import LATER as LATER_NAMES
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 
@@ -26,8 +27,7 @@ def test_dissection(path: Path, tshark: Tshark) -> None:
     assert Scenario(path).dissection(tshark, path.with_suffix(".pcapng")) == expected
 
 
-# What only a later packet can tell: there in the second pass, and in the first not.
-LATER = {"sis.reaction_in", "sis.sequence.whole_in", "sis.command.unanswered"}
+LATER = {f"sis.{name}" for name in LATER_NAMES}
 
 
 def fields(element: ElementTree.Element) -> Iterator[str]:

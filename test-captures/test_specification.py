@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.tshark import Tshark
+from tables import BOOLEANS
 
 CAPTURE = Path(__file__).parent / "specification.pcapng"
 
@@ -75,8 +76,6 @@ BODY = (
     "device subservice baud_mask test_ms timing.ms version type_key phase error raw command_in reaction_in repeat_of "
     "routed_from"
 ).split()
-
-BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them
 
 
 def expected(figure: Figure) -> dict[str, str]:

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Commands, reactions, repeats and routed telegrams: what belongs together, worked out by hand from the facts."""
+
+from __future__ import annotations
+
+from sistap.tshark import Tshark
+from tables import Table, check
+
+FIELDS = "reaction_in command_in reaction_time repeat_of routed_from"
+EXPERTS = "command.unanswered command.repeat reaction.unasked reaction.again"
+
+EXCHANGES: Table = {
+    # Command and reaction; its time is the silence between them
+    1: "reaction_in=2",
+    2: "command_in=1; reaction_time=0.012500000",
+    # A poll again is no repeat, the first was answered; this device swaps the addresses
+    3: "reaction_in=4",
+    4: "command_in=3; reaction_time=0.020000000",
+    # Two slaves: 3 is silent, 4 answers
+    5: "command.unanswered",
+    6: "reaction_in=7",
+    7: "command_in=6; reaction_time=0.025000000",
+    # Two masters with the same slave
+    8: "reaction_in=11",
+    9: "reaction_in=10",
+    10: "command_in=9; reaction_time=0.025000000",
+    11: "command_in=8; reaction_time=0.093333328",
+    # Another service
+    12: "reaction_in=14",
+    13: "reaction.unasked",
+    14: "command_in=12; reaction_time=0.066041662",
+    # Another element
+    15: "reaction_in=17",
+    16: "reaction.unasked",
+    17: "command_in=15; reaction_time=0.066041662",
+    # Another device
+    18: "reaction_in=20",
+    19: "reaction.unasked",
+    20: "command_in=18; reaction_time=0.066041662",
+    # Another telegram number, or none
+    21: "reaction_in=23",
+    22: "reaction.unasked",
+    23: "command_in=21; reaction_time=0.061458330",
+    24: "reaction_in=26",
+    25: "reaction.unasked",
+    26: "command_in=24; reaction_time=0.060312497",
+    # The right telegram number, addresses swapped
+    27: "reaction_in=28",
+    28: "command_in=27; reaction_time=0.025000000",
+    # Repeats: the reaction belongs to the last of them
+    29: "command.unanswered",
+    30: "repeat_of=29; command.repeat; command.unanswered",
+    31: "repeat_of=29; command.repeat; reaction_in=32",
+    32: "command_in=31; reaction_time=0.025000000",
+    33: "command_in=31; reaction.again",
+    # A late reaction of device 5 is none of the command to device 6
+    34: "command.unanswered",
+    35: "reaction_in=37",
+    36: "reaction.unasked",
+    37: "command_in=35; reaction_time=0.066041662",
+    # Groups and broadcasts are not answered; point-to-point is
+    42: "reaction_in=43",
+    43: "command_in=42; reaction_time=0.025000000",
+    # A damaged reaction, then the repeat
+    44: "command.unanswered",
+    46: "repeat_of=44; command.repeat; reaction_in=47",
+    47: "command_in=46; reaction_time=0.025000000",
+    # A damaged command, then a good one
+    49: "reaction_in=50",
+    50: "command_in=49; reaction_time=0.025000000",
+    # A reaction without a command
+    51: "reaction.unasked",
+    # Refused, with nothing but the status
+    52: "reaction_in=53",
+    53: "command_in=52; reaction_time=0.025000000",
+    # Masters that ask each other
+    54: "reaction_in=56",
+    55: "reaction_in=57",
+    56: "command_in=54; reaction_time=0.058020831",
+    57: "command_in=55; reaction_time=0.060312497",
+    # A pause inside the command, and another rate: from its last character
+    58: "reaction_in=59",
+    59: "command_in=58; reaction_time=0.030000000",
+    60: "reaction_in=61",
+    61: "command_in=60; reaction_time=0.001500000",
+    # Two directions, each on its own line of the tap
+    62: "reaction_in=63",
+    63: "command_in=62; reaction_time=0.001500000",
+    # Nothing after it says that it stays unanswered
+}
+
+REPEATS: Table = {
+    # Unanswered
+    1: "command.unanswered",
+    2: "repeat_of=1; command.repeat; reaction_in=3",
+    3: "command_in=2",
+    # A cyclic poll: answered each time
+    4: "reaction_in=5",
+    5: "command_in=4",
+    # The steps of a long reading
+    6: "reaction_in=7",
+    7: "command_in=6",
+    8: "reaction_in=9",
+    9: "command_in=8",
+    10: "reaction_in=11",
+    11: "command_in=10",
+    # The same telegram number: the slave sends the reaction that it has kept
+    12: "reaction_in=13",
+    13: "command_in=12",
+    14: "repeat_of=12; command.repeat; reaction_in=15",
+    15: "command_in=14",
+    # Number 0 is always processed
+    16: "reaction_in=17",
+    17: "command_in=16",
+    18: "reaction_in=19",
+    19: "command_in=18",
+    # Number 0 unanswered
+    20: "command.unanswered",
+    21: "repeat_of=20; command.repeat; reaction_in=22",
+    22: "command_in=21",
+    # The same number with another static header
+    23: "reaction_in=24",
+    24: "command_in=23",
+    25: "reaction_in=26",
+    26: "command_in=25",
+    # A number between: only the last reaction is kept
+    27: "reaction_in=28",
+    28: "command_in=27",
+    29: "reaction_in=30",
+    30: "command_in=29",
+    31: "reaction_in=32",
+    32: "command_in=31",
+    # Another station between
+    33: "command.unanswered",
+    34: "reaction_in=35",
+    35: "command_in=34",
+    36: "repeat_of=33; command.repeat; reaction_in=37",
+    37: "command_in=36",
+    # Another master is no repeat
+    38: "command.unanswered",
+    39: "reaction_in=40",
+    40: "command_in=39",
+    # Another command between, then it again: no repeat of the one before it
+    41: "command.unanswered",
+    42: "reaction_in=43",
+    43: "command_in=42",
+    # Three times, each names the first
+    44: "command.unanswered",
+    45: "repeat_of=44; command.repeat; command.unanswered",
+    46: "repeat_of=44; command.repeat; reaction_in=47",
+    47: "command_in=46",
+    # One that was answered with an error was answered
+    48: "reaction_in=49",
+    49: "command_in=48",
+    50: "reaction_in=51",
+    51: "command_in=50",
+}
+
+ROUTES: Table = {
+    # Two drives behind one router, one after the other
+    1: "reaction_in=4",
+    2: "reaction_in=3; routed_from=1",
+    3: "command_in=2; reaction_time=0.025000000",
+    4: "command_in=1; routed_from=3; reaction_time=0.093333328",
+    5: "reaction_in=8",
+    6: "reaction_in=7; routed_from=5",
+    7: "command_in=6; reaction_time=0.025000000",
+    8: "command_in=5; routed_from=7; reaction_time=0.093333328",
+    # What router 3 asks by itself comes from nowhere
+    9: "reaction_in=10",
+    10: "command_in=9; reaction_time=0.025000000",
+    # Two masters, their commands interleaved, with the same useful data
+    11: "reaction_in=15",
+    12: "reaction_in=18",
+    13: "reaction_in=14; routed_from=11",
+    14: "command_in=13; reaction_time=0.025000000",
+    15: "command_in=11; routed_from=14; reaction_time=0.127499992",
+    16: "reaction_in=17; routed_from=12",
+    17: "command_in=16; reaction_time=0.025000000",
+    18: "command_in=12; routed_from=17; reaction_time=0.198124986",
+    # Another service, another drive, another telegram number: not what the router sent on
+    19: "command.unanswered",
+    20: "command.unanswered",
+    21: "command.unanswered",
+    22: "command.unanswered",
+    23: "reaction_in=24; routed_from=19",
+    24: "command_in=23; reaction_time=0.025000000",
+    # Read through the router: the same parameter on both levels
+    25: "reaction_in=28",
+    26: "reaction_in=27; routed_from=25",
+    27: "command_in=26; reaction_time=0.025000000",
+    28: "command_in=25; routed_from=27; reaction_time=0.104791658",
+    # A reaction on the other level, with the same addresses: none of this command
+    29: "reaction_in=31",
+    30: "reaction.unasked",
+    31: "command_in=29; reaction_time=0.060312497",
+}
+
+ROUTES_INTERLEAVED: Table = {
+    1: "reaction_in=6",
+    2: "reaction_in=5; routed_from=1",
+    3: "reaction_in=8",
+    4: "reaction_in=7; routed_from=3",
+    5: "command_in=2",
+    6: "command_in=1; routed_from=5",
+    7: "command_in=4",
+    8: "command_in=3; routed_from=7",
+}
+
+EXCHANGES_SWAPPED: Table = {
+    1: "reaction_in=3",
+    2: "reaction.unasked",
+    3: "command_in=1",
+}
+
+
+def test_exchanges(tshark: Tshark) -> None:
+    check(tshark, "exchanges", FIELDS, EXPERTS, EXCHANGES)
+
+
+def test_repeats(tshark: Tshark) -> None:
+    check(tshark, "repeats", "reaction_in command_in repeat_of", EXPERTS, REPEATS)
+
+
+def test_routes(tshark: Tshark) -> None:
+    check(tshark, "routes", FIELDS, EXPERTS, ROUTES)
+
+
+def test_routes_interleaved(tshark: Tshark) -> None:
+    check(tshark, "routes-interleaved", "reaction_in command_in routed_from", "reaction.unasked", ROUTES_INTERLEAVED)
+
+
+def test_exchanges_swapped(tshark: Tshark) -> None:
+    check(tshark, "exchanges-swapped", "reaction_in command_in", "reaction.unasked", EXCHANGES_SWAPPED)

@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Parameters: values by their attributes, commands, and what is learned from the bus."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import pytest
+
+from make import Scenario
+from sistap.tshark import Tshark, TsharkError
+from tables import HERE, Table, check
+
+FIELDS = "parameter parameter.name value attribute element.name element.unit error list.actual list.maximum"
+ATTRIBUTE = "attribute.factor attribute.length attribute.command attribute.format attribute.decimals"
+PROTECTED = "attribute.protected_2 attribute.protected_3 attribute.protected_4"
+STATUS = (
+    "data_status data_status.set data_status.enabled data_status.not_executed data_status.impossible "
+    "data_status.invalid"
+)
+
+VALUES: Table = {
+    # 2 bytes, binary
+    2: "attribute=0x00010001",
+    4: "value=0b1000 0000 0000 0101",
+    # 2 bytes, unsigned
+    6: "attribute=0x00110001",
+    8: "value=65535",
+    # 2 bytes, unsigned, factor 5, two decimal places: 100 x 5 / 100
+    10: "attribute=0x02110005",
+    12: "value=5.00",
+    # 2 bytes, signed
+    14: "attribute=0x00210001",
+    16: "value=-1",
+    # 2 bytes, signed, the least
+    18: "attribute=0x00210001",
+    20: "value=-32768",
+    # 2 bytes, hexadecimal
+    22: "attribute=0x00310001",
+    24: "value=0x12AB",
+    # 2 bytes, ident number
+    26: "attribute=0x00510001",
+    28: "value=P-0-0044",
+    # 2 bytes, ident number with parameter set
+    30: "attribute=0x00510001",
+    32: "value=P-2-0044",
+    # 4 bytes, binary
+    34: "attribute=0x00020001",
+    36: "value=0b1111 0000 0000 0000 0000 0000 0000 0001",
+    # 4 bytes, unsigned
+    38: "attribute=0x00120001",
+    40: "value=4294967295",
+    # 4 bytes, signed, three decimal places
+    42: "attribute=0x03220001",
+    44: "value=-0.001",
+    # 4 bytes, hexadecimal
+    46: "attribute=0x00320001",
+    48: "value=0x0EADBEEF",
+    # 4 bytes, float
+    50: "attribute=0x00620001",
+    52: "value=-1.5",
+    # 8 bytes, unsigned
+    54: "attribute=0x00130001",
+    56: "value=18446744073709551615",
+    # 8 bytes, signed, the least
+    58: "attribute=0x00230001",
+    60: "value=-9223372036854775808",
+    # 8 bytes, signed, 15 decimal places
+    62: "attribute=0x0f230001",
+    64: "value=0.000000000000001",
+    # 8 bytes, float
+    66: "attribute=0x00630001",
+    68: "value=1.5",
+    # list of single bytes, unsigned
+    70: "attribute=0x00140001",
+    72: "value=1,2,255",
+    # list of 2-byte elements, signed
+    74: "attribute=0x00250001",
+    76: "value=-1,2",
+    # list of 2-byte elements, ident numbers
+    78: "attribute=0x00550001",
+    80: "value=S-0-0047,P-0-0012",
+    # list of 4-byte elements, unsigned, one decimal place
+    82: "attribute=0x01160001",
+    84: "value=1.0,2.0",
+    # list of 4-byte elements, float
+    86: "attribute=0x00660001",
+    88: "value=1,-2",
+    # list of 8-byte elements, unsigned
+    90: "attribute=0x00170001",
+    92: "value=1,2",
+    # text
+    94: "attribute=0x00440001",
+    96: "value=AB",
+    # text with length words: actual 2, maximum 40
+    98: "attribute=0x00440001",
+    100: "value=AB; list.actual=2; list.maximum=40",
+    # list with length words: actual 4, maximum 8
+    102: "attribute=0x00150001",
+    104: "value=1,2; list.actual=4; list.maximum=8",
+    # not length words: 2 + 4 are not 8 bytes
+    106: "attribute=0x00150001",
+    108: "value=2,8,5,8",
+    # not length words: more than the maximum
+    110: "attribute=0x00150001",
+    112: "value=4,2,1,2",
+    # an empty list with length words
+    114: "attribute=0x00150001",
+    116: "list.actual=0; list.maximum=8",
+    # 4 bytes where the attribute says 2: no value
+    118: "attribute=0x00110001",
+    # length code 0 is not defined: no value
+    122: "attribute=0x00200001",
+    # A remainder of a list is not a value: bytes
+    126: "attribute=0x00160001",
+    128: "value=7; raw=0102",
+    # Its minimum is as long as one element
+    130: "value=9",
+    # Elements with a unit; that of S-0-0400 is "mm"
+    134: "value=1 mm,2 mm",
+    # A segment never begins with length words
+    135: "list_offset=0; list_length=8",
+    136: "value=524292 mm,1 mm",
+    137: "list_offset=40; list_length=4; value=100000000 mm",
+    # The ident number, read
+    140: "value=S-0-0400",
+}
+
+PARAMETERS: Table = {
+    # Before anything is known
+    1: "parameter=S-0-0047",
+    2: "parameter=S-0-0047",
+    # Attribute 0x04220001: 4 bytes, signed, 4 decimal places; unit; name
+    3: "parameter=S-0-0047",
+    4: "parameter=S-0-0047; attribute=0x04220001",
+    5: "parameter=S-0-0047",
+    6: "parameter=S-0-0047; value=-12.3450",
+    7: "parameter=S-0-0047",
+    8: "parameter=S-0-0047; element.unit=deg",
+    9: "parameter=S-0-0047",
+    10: "parameter=S-0-0047; element.name=Position",
+    11: "parameter=S-0-0047; parameter.name=Position",
+    12: "parameter=S-0-0047; parameter.name=Position; value=-12.3450 deg",
+    13: "parameter=S-0-0047; parameter.name=Position; value=12.3456 deg",
+    14: "parameter=S-0-0047; parameter.name=Position",
+    # Minimum and maximum are scaled, too
+    15: "parameter=S-0-0047; parameter.name=Position",
+    16: "parameter=S-0-0047; parameter.name=Position; value=-178.8032 deg",
+    17: "parameter=S-0-0047; parameter.name=Position",
+    18: "parameter=S-0-0047; parameter.name=Position; value=0.0001 deg",
+    # Another device, another station, the P parameter of the same number, another parameter set: unknown
+    19: "parameter=S-0-0047",
+    20: "parameter=S-0-0047",
+    21: "parameter=S-0-0047",
+    22: "parameter=S-0-0047",
+    23: "parameter=P-0-0047",
+    24: "parameter=P-0-0047",
+    25: "parameter=S-2-0047",
+    26: "parameter=S-2-0047",
+    27: "parameter=A-0-0047",
+    28: "parameter=A-0-0047",
+    # Another master asks the same drive: known
+    29: "parameter=S-0-0047; parameter.name=Position",
+    30: "parameter=S-0-0047; parameter.name=Position; value=-12.3450 deg",
+    # A new name, in two pieces and with length words (actual 4, maximum 40): from then on
+    31: "parameter=S-0-0047; parameter.name=Position",
+    32: "parameter=S-0-0047; parameter.name=Position",
+    33: "parameter=S-0-0047; parameter.name=Position",
+    34: "parameter=S-0-0047; parameter.name=Position; element.name=Axis; list.actual=4; list.maximum=40",
+    35: "parameter=S-0-0047; parameter.name=Axis",
+    36: "parameter=S-0-0047; parameter.name=Axis; value=-12.3450 deg",
+    # A new attribute: 4 bytes, unsigned, 1 decimal place
+    37: "parameter=S-0-0047; parameter.name=Axis",
+    38: "parameter=S-0-0047; parameter.name=Axis; attribute=0x01120001",
+    39: "parameter=S-0-0047; parameter.name=Axis",
+    40: "parameter=S-0-0047; parameter.name=Axis; value=1.0 deg",
+    # A damaged reaction teaches nothing; a refused one neither
+    41: "parameter=S-0-0047; parameter.name=Axis",
+    42: "element.name=Bad",
+    43: "parameter=S-0-0047; parameter.name=Axis",
+    44: "parameter=S-0-0047; parameter.name=Axis; error=0x2001",
+    45: "parameter=S-0-0047; parameter.name=Axis",
+    46: "parameter=S-0-0047; parameter.name=Axis; value=1.0 deg",
+    # How parameters are written: sets, kinds, undocumented types
+    47: "parameter=P-2-0012",
+    48: "parameter=S-7-4095",
+    49: "parameter=C-0-4095",
+    50: "parameter=type3-0-0066",
+    # Names that are built in
+    51: "parameter=S-0-0044; parameter.name=Velocity data scaling type",
+    52: "parameter=C-0-0066; parameter.name=Master axis, position feedback value",
+    53: "parameter=A-0-0066",
+    # A learned name goes before the built-in one
+    54: "parameter=S-0-0044; parameter.name=Velocity data scaling type",
+    55: "parameter=S-0-0044; parameter.name=Velocity data scaling type; element.name=Scale",
+    56: "parameter=S-0-0044; parameter.name=Scale",
+    57: "parameter=S-0-0044; parameter.name=Scale",
+    # Drives 8 and 9 behind router 4, both with device address 0: each has its own
+    58: "parameter=S-0-0047",
+    59: "parameter=S-0-0047; element.name=8",
+    60: "parameter=S-0-0047",
+    61: "parameter=S-0-0047",
+    62: "parameter=S-0-0047; parameter.name=8",
+    63: "parameter=S-0-0047; parameter.name=8",
+}
+
+USER_TABLE: Table = {
+    # The table alone
+    1: "parameter.name=Table position",
+    2: "parameter.name=Table position; value=-12.3450 mm",
+    # The bus says that there is no unit: length words, actual 0, maximum 40
+    3: "parameter.name=Table position",
+    4: "parameter.name=Table position",
+    5: "parameter.name=Table position",
+    6: "parameter.name=Table position; value=-12.3450",
+    # The bus says the name
+    7: "parameter.name=Table position",
+    8: "parameter.name=Table position",
+    9: "parameter.name=Axis",
+    10: "parameter.name=Axis; value=-12.3450",
+    # The bus says the attribute: 4 bytes, unsigned, 1 decimal place
+    11: "parameter.name=Axis",
+    12: "parameter.name=Axis",
+    13: "parameter.name=Axis",
+    14: "parameter.name=Axis; value=1.0",
+    # Another device: still the table
+    15: "parameter.name=Table position",
+    16: "parameter.name=Table position; value=-12.3450 mm",
+    # The table goes before the built-in name; a row without a name leaves it; a row is for one parameter set
+    17: "parameter.name=Table scaling",
+    18: "parameter.name=Table scaling",
+    19: "parameter.name=Master axis, position feedback value",
+    20: "parameter.name=Master axis, position feedback value",
+    21: "parameter.name=Master axis, position feedback value",
+    22: "parameter.name=Master axis, position feedback value; value=12.3456 deg",
+    23: "parameter.name=Second set",
+    24: "parameter.name=Second set",
+    25: "parameter.name=C300 Command set absolute measuring",
+    26: "parameter.name=C300 Command set absolute measuring",
+    # The bus goes before the built-in name, too
+    27: "parameter.name=C300 Command set absolute measuring",
+    28: "parameter.name=C300 Command set absolute measuring",
+    29: "parameter.name=C300",
+    30: "parameter.name=C300",
+}
+
+COMMANDS: Table = {
+    # Attribute 0x70090001: factor 1, 2 bytes, a command, binary, no decimal places, write-protected in phases 2, 3
+    # and 4
+    2: "attribute=0x70090001; attribute.factor=1; attribute.length=1; attribute.command=1; "
+    "attribute.format=0; attribute.decimals=0; attribute.protected_2=1; attribute.protected_3=1; "
+    "attribute.protected_4=1",
+    # Attribute 0x2F660102 of S-0-0001: factor 258, list of 4-byte elements, float, 15 places, write-protected in
+    # phase 3
+    4: "attribute=0x2f660102; attribute.factor=258; attribute.length=6; attribute.command=0; "
+    "attribute.format=6; attribute.decimals=15; attribute.protected_2=0; attribute.protected_3=1; "
+    "attribute.protected_4=0",
+    # Requests: set and enable, interrupt, clear
+    5: "value=0b0000 0000 0000 0011 (set and enable)",
+    7: "value=0b0000 0000 0000 0001 (interrupt)",
+    9: "value=0b0000 0000 0000 0000 (clear)",
+    11: "value=0b0000 0000 0000 0010",
+    # Data status: fig. 8-42 and 8-43, the request repeats the ident number
+    13: "value=P-0-0012",
+    14: "data_status=0x0003; data_status.set=1; data_status.enabled=1; data_status.not_executed=0; "
+    "data_status.impossible=0; data_status.invalid=0",
+    # Without it: in process, interrupted, not possible, not set, operating data invalid
+    16: "data_status=0x0007; data_status.set=1; data_status.enabled=1; data_status.not_executed=1; "
+    "data_status.impossible=0; data_status.invalid=0",
+    18: "data_status=0x0005; data_status.set=1; data_status.enabled=0; data_status.not_executed=1; "
+    "data_status.impossible=0; data_status.invalid=0",
+    20: "data_status=0x000f; data_status.set=1; data_status.enabled=1; data_status.not_executed=1; "
+    "data_status.impossible=1; data_status.invalid=0",
+    22: "data_status=0x0000; data_status.set=0; data_status.enabled=0; data_status.not_executed=0; "
+    "data_status.impossible=0; data_status.invalid=0",
+    24: "data_status=0x0100; data_status.set=0; data_status.enabled=0; data_status.not_executed=0; "
+    "data_status.impossible=0; data_status.invalid=1",
+}
+
+
+def test_values(tshark: Tshark) -> None:
+    check(tshark, "values", "attribute value list.actual list.maximum list_offset list_length raw", "", VALUES)
+
+
+def test_parameters(tshark: Tshark) -> None:
+    check(tshark, "parameters", FIELDS, "", PARAMETERS)
+
+
+def test_user_table(tshark: Tshark) -> None:
+    options = Scenario(HERE / "user-table.txt").options
+    check(tshark, "user-table", "parameter.name value", "", USER_TABLE, *options)
+
+
+def test_commands(tshark: Tshark) -> None:
+    check(tshark, "commands", f"attribute {ATTRIBUTE} {PROTECTED} {STATUS} value", "", COMMANDS)
+
+
+@pytest.mark.parametrize("number", ["4096", "8-0001", "12-1", "", "S-0-0047", "1-", "-1"])
+def test_user_table_refuses_what_is_no_number(number: str, tshark: Tshark) -> None:
+    row = f'uat:sis_parameters:"S","{number}","A name","","0"'
+    with pytest.raises(TsharkError):
+        tshark.output("-r", str(HERE / "user-table.pcapng"), "-o", row)
+
+
+# Frames of user-table.txt whose names come from each source.
+SOURCES = {
+    "learned from the bus": [9, 10, 11, 12, 13, 14, 29, 30],
+    "from the table SIS parameters": [1, 2, 3, 4, 5, 6, 7, 8, 15, 16, 17, 18, 23, 24],
+    "built in": [19, 20, 21, 22, 25, 26, 27, 28],
+}
+
+
+def test_source_of_a_name_is_shown(tshark: Tshark) -> None:
+    scenario = Scenario(HERE / "user-table.txt")
+    text = tshark.output("-r", str(HERE / "user-table.pcapng"), *scenario.options, "-T", "pdml")
+    found: dict[str, list[int]] = {source: [] for source in SOURCES}
+    for number, packet in enumerate(ElementTree.fromstring(text), 1):
+        for field in packet.iter("field"):
+            if field.get("name") == "sis.parameter.name":
+                source = str(field.get("showname")).rpartition("(")[2].rstrip(")]")
+                found[source].append(number)
+    assert found == SOURCES

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Sequential telegrams: which pieces make a whole, and which do not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from make import Scenario
+from sistap.tshark import Tshark
+from tables import HERE, Table, check, shown
+
+FIELDS = "data value sequence.piece sequence.length sequence.whole_in"
+EXPERTS = "sequence.ended sequence.piece_missing"
+
+SEQUENCES: Table = {
+    2: "data=01004400",
+    # Read in three pieces: "ABC", "DEF", "GH"
+    4: "data=414243; sequence.whole_in=8",
+    6: "data=444546; sequence.whole_in=8",
+    8: "data=4748,4142434445464748; sequence.piece=4,6,8; sequence.length=8; value=ABCDEFGH",
+    # Written in three pieces; the reaction's control byte is 3C or 38
+    9: "data=616263; sequence.whole_in=13",
+    11: "data=646566; sequence.whole_in=13",
+    13: "data=6768,6162636465666768; sequence.piece=9,11,13; sequence.length=8; value=abcdefgh",
+    # The same parameter read twice in a row
+    16: "data=4142; sequence.whole_in=18",
+    18: "data=43,414243; sequence.piece=16,18; sequence.length=3; value=ABC",
+    20: "data=4445; sequence.whole_in=22",
+    22: "data=46,444546; sequence.piece=20,22; sequence.length=3; value=DEF",
+    # Two pieces with the same bytes are two
+    23: "data=6161; sequence.whole_in=27",
+    25: "data=6161; sequence.whole_in=27",
+    27: "data=62,6161616162; sequence.piece=23,25,27; sequence.length=5; value=aaaab",
+    # A segment of a list is never a piece
+    30: "data=4142; value=AB",
+    31: "data=6162; value=ab",
+    # Two drives behind one station, interleaved
+    34: "data=4142; sequence.whole_in=38",
+    36: "data=6162; sequence.whole_in=40",
+    38: "data=43,414243; sequence.piece=34,38; sequence.length=3",
+    40: "data=63,616263; sequence.piece=36,40; sequence.length=3",
+    # Two stations, interleaved
+    42: "data=4142; sequence.whole_in=46",
+    44: "data=6162; sequence.whole_in=48",
+    46: "data=43,414243; sequence.piece=42,46; sequence.length=3",
+    48: "data=63,616263; sequence.piece=44,48; sequence.length=3",
+    # A gap: what was damaged may have been a piece, and the slave may have gone on
+    50: "data=4142",
+    52: "data=4344",
+    54: "data=4546; sequence.piece_missing",
+    # Cancelled in the middle; then from the beginning
+    56: "data=4142",
+    57: "sequence.ended",
+    60: "data=4344; sequence.whole_in=62",
+    62: "data=4546,43444546; sequence.piece=60,62; sequence.length=4",
+    # Status 0xF8 in the middle; then from the beginning
+    64: "data=4142",
+    66: "sequence.ended",
+    68: "data=4344",
+    # Another parameter of the same device read in between
+    70: "data=4142",
+    72: "data=78; sequence.ended",
+    74: "data=4344",
+    # Another parameter refused with 0x800C: the first goes on
+    76: "data=4142; sequence.whole_in=82",
+    82: "data=4344,41424344; sequence.piece=76,82; sequence.length=4",
+    # A written piece again is not added twice
+    83: "data=6162; sequence.whole_in=86",
+    84: "data=6162",
+    86: "data=6364,61626364; sequence.piece=83,86; sequence.length=4",
+    # Refused while written; what follows is not put to it
+    88: "data=6162",
+    89: "sequence.ended",
+    90: "data=6364",
+    # A telegram number repeated: the kept reaction again is not another piece
+    93: "data=4142; sequence.whole_in=97",
+    95: "data=4142",
+    97: "data=4344,41424344; sequence.piece=93,97; sequence.length=4",
+    # Operating data and name of the same parameter do not mix
+    99: "data=4e61; sequence.whole_in=101",
+    101: "data=6d65,4e616d65; sequence.piece=99,101; sequence.length=4",
+    103: "data=41",
+    # Another master reads the same parameter of the same device: neither gets pieces of the other
+    105: "data=4142; sequence.whole_in=109",
+    109: "data=4344,41424344; sequence.piece=105,109; sequence.length=4",
+    # Two drives behind a router: what the routers send on is one reading on each level
+    112: "data=4142; sequence.whole_in=116",
+    113: "data=4142; sequence.whole_in=117",
+    116: "data=4344,41424344; sequence.piece=112,116; sequence.length=4",
+    117: "data=4344,41424344; sequence.piece=113,117; sequence.length=4",
+    # A damaged command was not heard: its piece comes once, with the repeat
+    118: "data=6162; sequence.whole_in=123",
+    120: "data=6364",
+    121: "data=6364; sequence.whole_in=123",
+    123: "data=65,6162636465; sequence.piece=118,121,123; sequence.length=5",
+    # A damaged reaction to a written piece: all pieces are there
+    125: "data=6162; sequence.whole_in=129",
+    127: "data=6162",
+    129: "data=63,616263; sequence.piece=125,129; sequence.length=3",
+    # Busy is no refusal: the same command again, and the reading goes on
+    132: "data=4142; sequence.whole_in=140",
+    140: "data=4344,41424344; sequence.piece=132,140; sequence.length=4",
+    # The name read in the middle of the operating data is no piece of them
+    142: "data=4142",
+    144: "data=4e; sequence.ended",
+}
+
+SEQUENCES_REPEATED: Table = {
+    # A telegram number: the first reaction was damaged, the kept one is the piece
+    2: "data=4142; sequence.whole_in=6",
+    4: "data=4344",
+    6: "data=4344,41424344; sequence.piece=2,6; sequence.length=4",
+    # A telegram number: the first command was not answered
+    8: "data=4142; sequence.whole_in=11",
+    11: "data=4344,41424344; sequence.piece=8,11; sequence.length=4",
+    # The last piece written again is not a parameter of its own
+    13: "data=01004400",
+    14: "data=6162; sequence.whole_in=16",
+    16: "data=6364,61626364; sequence.piece=14,16; sequence.length=4; value=abcd",
+    17: "data=6364",
+    # A gap: the damaged reaction lost its form, so the tap recorded it as other characters
+    20: "data=4142",
+    24: "data=4546; sequence.piece_missing",
+    # The tap alone took a reading command for damaged: the slave answered, and what it sent belongs to nothing known
+    26: "data=4142",
+    28: "data=4344; reaction.again",
+    30: "data=4546; sequence.piece_missing",
+    # The tap alone took a written piece for damaged: the slave accepted it
+    31: "data=6162",
+    33: "data=6364",
+    34: "reaction.again",
+    35: "data=6566; sequence.piece_missing",
+    # The tap lost characters between two pieces
+    38: "data=4142",
+    41: "data=4546; sequence.piece_missing",
+    # A command that arrived damaged was not executed: status 0xF4, and the same piece again
+    43: "data=4142; sequence.whole_in=47",
+    47: "data=4344,41424344; sequence.piece=43,47; sequence.length=4",
+}
+
+SEQUENCES_APART: Table = {
+    # Another device is cancelled: this one goes on
+    2: "data=4142; sequence.whole_in=6",
+    6: "data=4344,41424344; sequence.piece=2,6; sequence.length=4",
+    # Another service of the device is cancelled: this one goes on
+    8: "data=4142; sequence.whole_in=12",
+    12: "data=4344,41424344; sequence.piece=8,12; sequence.length=4",
+    # Drives 8 and 9 behind router 4, both with device address 0: two readings
+    14: "data=4142; sequence.whole_in=18",
+    16: "data=6162; sequence.whole_in=20",
+    18: "data=4344,41424344; sequence.piece=14,18; sequence.length=4",
+    20: "data=6364,61626364; sequence.piece=16,20; sequence.length=4",
+}
+
+
+def test_sequences(tshark: Tshark) -> None:
+    check(tshark, "sequences", FIELDS, EXPERTS, SEQUENCES)
+
+
+def test_sequences_repeated(tshark: Tshark) -> None:
+    check(tshark, "sequences-repeated", FIELDS, f"{EXPERTS} reaction.again", SEQUENCES_REPEATED)
+
+
+def test_sequences_apart(tshark: Tshark) -> None:
+    check(tshark, "sequences-apart", FIELDS, EXPERTS, SEQUENCES_APART)
+
+
+LONGEST = 65_535
+PIECE = 236  # bytes of data in each reaction (chapter 8.2)
+
+
+def long_list() -> bytes:
+    """Give the longest list there is: its two length words, then single bytes."""
+    words = (LONGEST - 4).to_bytes(2, "little") * 2
+    return words + bytes(i % 251 for i in range(LONGEST - 4))
+
+
+def test_longest_list(tshark: Tshark, tmp_path: Path) -> None:
+    """65,535 bytes in 278 pieces; P-0-0072 is a list of single unsigned bytes by its attribute."""
+    data = long_list()
+    pieces = [data[start : start + PIECE] for start in range(0, len(data), PIECE)]
+    lines = ["command 16>3 10 1C 05 00 48 80", "reaction 16>3 10 00 1C 05 01 00 14 00"]
+    for piece in pieces:
+        control = "3C" if piece is pieces[-1] else "38"
+        lines += ["command 16>3 10 3C 05 00 48 80", f"reaction 16>3 10 00 {control} 05 {piece.hex()}"]
+    (tmp_path / "long.txt").write_text("\n".join(lines))
+    capture = tmp_path / "long.pcapng"
+    capture.write_bytes(Scenario(tmp_path / "long.txt").capture())
+    fields = "data value sequence.length sequence.count sequence.whole_in list.actual list.maximum"
+    for passes in ((), ("-2",)):
+        frames = shown(tshark, capture, fields, *passes)
+        last = frames.pop(len(frames))
+        assert last["sequence.length"] == str(LONGEST)
+        assert last["sequence.count"] == str(len(pieces)) == "278"
+        assert last["list.actual"] == last["list.maximum"] == str(LONGEST - 4)
+        assert last["value"] == ",".join(map(str, data[4:]))
+        assert last["data"] == f"{pieces[-1].hex()},{data.hex()}"
+        for number, piece in enumerate(pieces[:-1]):
+            whole = {"sequence.whole_in": str(2 + 2 * len(pieces))} if passes else {}
+            assert frames[4 + 2 * number] == {"data": piece.hex()} | whole
+
+
+def test_last_piece_without_data_ends_a_reading(tshark: Tshark) -> None:
+    for passes in ((), ("-2",)):
+        frames = shown(tshark, HERE / "sequences-empty.pcapng", "data sequence.piece sequence.length", *passes)
+        assert frames[8] == {"data": "4546,43444546", "sequence.piece": "6,8", "sequence.length": "4"}
