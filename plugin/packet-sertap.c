@@ -61,6 +61,7 @@ static expert_field ei_event = EI_INIT;
 
 static dissector_table_t framing_table;
 static int tap_sertap = -1;
+static wmem_map_t *disturbances; /* by interface: sertap_disturbance() */
 
 static const value_string types[] = {
     {SERTAP_FRAME, "Frame"},
@@ -447,6 +448,39 @@ sertap_duration(packet_info *pinfo)
     return duration;
 }
 
+sertap_disturbance_t
+sertap_disturbance(packet_info *pinfo)
+{
+    static const sertap_disturbance_t none = {0};
+    const sertap_disturbance_t *found =
+        wmem_map_lookup(disturbances, GUINT_TO_POINTER(compat_interface(pinfo)));
+
+    return found != NULL ? *found : none;
+}
+
+/* Fewer other characters are what a line says when its direction turns. */
+#define SHORTEST_FRAME 8
+
+static void
+note_disturbance(packet_info *pinfo, const sertap_record_t *record)
+{
+    bool is_lost = record->flags & SERTAP_LOST_BEFORE ||
+                   (record->type == SERTAP_EVENT &&
+                    (record->event == EVENT_CHARACTERS_LOST || record->event == EVENT_ADAPTER_LOST));
+    bool is_unframed = record->type == SERTAP_OTHER && record->count >= SHORTEST_FRAME;
+    sertap_disturbance_t *kept;
+
+    if (pinfo->fd->visited || !(is_lost || is_unframed))
+        return;
+    kept = wmem_new(wmem_file_scope(), sertap_disturbance_t);
+    *kept = sertap_disturbance(pinfo);
+    if (is_lost)
+        kept->lost_in = pinfo->num;
+    if (is_unframed)
+        kept->unframed_in = pinfo->num;
+    wmem_map_insert(disturbances, GUINT_TO_POINTER(compat_interface(pinfo)), kept);
+}
+
 static void
 dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const sertap_record_t *record)
 {
@@ -479,9 +513,11 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     check_count(tvb, pinfo, ti, record);
     proto_item_append_text(root, ", %s", val_to_str_const(record->type, types, "type of a later version"));
     if (record->type == SERTAP_EVENT) {
+        note_disturbance(pinfo, record);
         dissect_event(tvb, pinfo, tree, record);
     } else {
         survey_characters(tvb, record);
+        note_disturbance(pinfo, record);
         if (tree && record->timed > 0)
             add_characters(tree, pinfo, tvb, record);
         if (record->type == SERTAP_FRAME)
@@ -597,6 +633,8 @@ sertap_register_protocol(void)
     register_decode_as_framing();
     register_dissector("sertap", dissect_sertap, proto_sertap);
     tap_sertap = register_tap("sertap");
+    disturbances =
+        wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
     sertap_statistics_register();
 }
 

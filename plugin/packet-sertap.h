@@ -50,6 +50,14 @@ const sertap_record_t *sertap_record(packet_info *pinfo);
 /* From the first to the last character of this packet; 0 where there are no times. */
 nstime_t sertap_duration(packet_info *pinfo);
 
+/* First pass: packets of this interface so far that may hide a frame; 0: none. */
+typedef struct {
+    uint32_t lost_in;     /* the last before or in which characters were lost */
+    uint32_t unframed_in; /* the last with so many other characters that they may have been a frame */
+} sertap_disturbance_t;
+
+sertap_disturbance_t sertap_disturbance(packet_info *pinfo);
+
 void sertap_register(void);
 void sertap_statistics_register(void);
 

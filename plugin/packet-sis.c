@@ -252,8 +252,6 @@ dissect_receiver(const dissection_t *d, int hf, unsigned offset, bool is_last)
     const char *text = sis_kind_text(kind);
     proto_item *ti;
 
-    if (is_last && !sis_is_answered(receiver))
-        text = wmem_strdup_printf(d->pinfo->pool, "%s, does not answer", text);
     if (hf == hf_subaddress)
         ti = proto_tree_add_uint_format(d->tree, hf, d->tvb, offset, 1, receiver, "Subaddress %u: %u (%s)",
                                         offset - SIS_STATIC_LENGTH + 1, receiver, text);
@@ -398,11 +396,11 @@ stations_text(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    const char *sender = sis_station_text(pool, telegram->sender), *route = route_text(d);
+    const char *route = route_text(d);
 
     if (telegram->is_reaction)
-        return wmem_strdup_printf(pool, "%s -> %s", route, sender);
-    return wmem_strdup_printf(pool, "%s -> %s", sender, route);
+        return wmem_strdup_printf(pool, "%s -> %u", route, telegram->sender);
+    return wmem_strdup_printf(pool, "%u -> %s", telegram->sender, route);
 }
 
 static void

@@ -24,9 +24,11 @@ static expert_field ei_status_telegram = EI_INIT;
 static compat_bool clc_as_sercos = false;
 static compat_bool ecodrive_phases = false;
 
+typedef void (*body_dissector_t)(sis_body_t *body);
+
 static const struct {
     uint8_t service;
-    void (*dissect)(sis_body_t *body);
+    body_dissector_t dissect;
 } services[] = {
     {0x00, sis_dissect_identification}, {0x01, sis_dissect_cancel},    {0x02, sis_dissect_flash},
     {0x03, sis_dissect_initialization}, {0x04, sis_dissect_list},      {0x10, sis_dissect_parameter},
@@ -283,8 +285,8 @@ sis_take_channel_error(sis_body_t *body)
 {
     if (body->status == 0x02)
         sis_take_error(body, sis_errors_channel);
-    else if (body->status > 0x02)
-        sis_take_rest(body, hf_sis_raw); /* nobody says what it is; after a telegram error there is nothing */
+    else if (body->status > 0x02 && body->status < 0xF0)
+        sis_take_rest(body, hf_sis_raw); /* nobody says what it is */
     return body->status >= 0x02;
 }
 
@@ -333,24 +335,20 @@ is_plain_text(const sis_body_t *body)
 static void
 dissect_undocumented(sis_body_t *body)
 {
-    if (body->service >= 0x80 && is_plain_text(body))
-        sis_take_text(body, hf_text);
-    else
-        sis_take_rest(body, hf_sis_raw);
+    if (body->is_reaction && sis_has_status(body->service) && sis_take_channel_error(body))
+        return;
+    sis_take_rest(body, hf_sis_raw);
 }
 
-static void
-dissect_service(sis_body_t *body)
+/* NULL: the documents do not say what is in it. */
+static body_dissector_t
+find_dissector_of(uint8_t service)
 {
-    uint8_t service = sis_general_service(body->service);
-
     for (unsigned i = 0; i < array_length(services); i++) {
-        if (services[i].service == service) {
-            services[i].dissect(body);
-            return;
-        }
+        if (services[i].service == sis_general_service(service))
+            return services[i].dissect;
     }
-    dissect_undocumented(body);
+    return NULL;
 }
 
 /* What no field has taken: a field that is not there as a whole, or more than the service has. */
@@ -362,7 +360,7 @@ show_leftover(sis_body_t *body)
     if (left == 0)
         return;
     body->item = proto_tree_add_item(body->tree, hf_sis_raw, body->tvb, body->offset, left, ENC_NA);
-    if (!body->is_short)
+    if (!body->is_short && !body->is_cut)
         sis_mark(body, &ei_sis_unexpected, "%u byte%s more than this service has", left,
                  plurality(left, "", "s"));
     body->offset = body->end;
@@ -371,14 +369,17 @@ show_leftover(sis_body_t *body)
 void
 sis_dissect_body(sis_body_t *body)
 {
-    bool is_refused;
+    body_dissector_t dissect = find_dissector_of(body->service);
 
+    if (dissect == NULL && body->service >= 0x80 && is_plain_text(body)) {
+        sis_take_text(body, hf_text); /* a record of a product group, without a status */
+        return;
+    }
     if (body->is_reaction && sis_has_status(body->service))
         take_status(body);
     /* After a telegram error not even the useful data header has to be there. */
-    is_refused = body->status >= 0xF0 && sis_left(body) == 0;
-    if (!body->is_short && !is_refused)
-        dissect_service(body);
+    if (!body->is_short && (body->status < 0xF0 || sis_left(body) > 0))
+        (dissect != NULL ? dissect : dissect_undocumented)(body);
     if (body->status != 0 && !body->is_explained) /* an error code says more */
         wmem_strbuf_append_printf(body->marks, "  [status: %s]", body->status_text);
     show_leftover(body);

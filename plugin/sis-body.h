@@ -18,6 +18,8 @@ typedef struct sis_request {
     uint8_t device;
     uint8_t phase;
     bool has_device;
+    bool has_subservice; /* of 0x01: the service to cancel */
+    bool is_ambiguous;   /* of 0x01: subservice is that or the device */
     bool has_ident;
     bool has_address;
     sis_ident_t ident;

@@ -35,9 +35,7 @@ bus_number(packet_info *pinfo)
 
     if (conversation != NULL)
         return UINT32_C(0x80000000) | conversation->conv_index;
-    if (pinfo->rec->presence_flags & WTAP_HAS_INTERFACE_ID)
-        return pinfo->rec->rec_header.packet_header.interface_id;
-    return 0;
+    return compat_interface(pinfo);
 }
 
 static sis_bus_t *
@@ -54,22 +52,43 @@ find_bus(packet_info *pinfo)
     return bus;
 }
 
-static sis_stream_t *
-find_stream(packet_info *pinfo, const sis_telegram_t *telegram)
+/* Two stations, with what lies between them: a drive behind a router is not the router. */
+typedef struct {
+    uint32_t bus;
+    uint8_t low, high;
+    uint8_t subaddress_count;
+    uint8_t subaddresses[7];
+} stream_key_t;
+
+static unsigned
+hash_stream_key(const void *key)
 {
-    uint64_t low = MIN(telegram->sender, telegram->receiver),
-             high = MAX(telegram->sender, telegram->receiver);
-    uint64_t key = (uint64_t)bus_number(pinfo) << 16 | low << 8 | high;
-    sis_stream_t *stream = wmem_map_lookup(streams, &key);
+    return wmem_strong_hash(key, sizeof(stream_key_t));
+}
 
+static gboolean
+are_stream_keys_equal(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(stream_key_t)) == 0;
+}
+
+static sis_stream_t *
+find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    stream_key_t key = {0};
+    sis_stream_t *stream;
+
+    key.bus = bus_number(pinfo);
+    key.low = MIN(telegram->sender, telegram->receiver);
+    key.high = MAX(telegram->sender, telegram->receiver);
+    key.subaddress_count = telegram->subaddress_count;
+    tvb_memcpy(tvb, key.subaddresses, SIS_STATIC_LENGTH, telegram->subaddress_count);
+    stream = wmem_map_lookup(streams, &key);
     if (stream == NULL) {
-        uint64_t *kept = wmem_new(wmem_file_scope(), uint64_t);
-
-        *kept = key;
         stream = wmem_new0(wmem_file_scope(), sis_stream_t);
         stream->number = wmem_map_size(streams);
         stream->bus = find_bus(pinfo);
-        wmem_map_insert(streams, kept, stream);
+        wmem_map_insert(streams, wmem_memdup(wmem_file_scope(), &key, sizeof key), stream);
     }
     return stream;
 }
@@ -83,14 +102,27 @@ sis_direction(const sis_telegram_t *telegram)
 void
 sis_exchange_damaged(packet_info *pinfo)
 {
-    if (!pinfo->fd->visited)
-        find_bus(pinfo)->damaged_in = pinfo->num;
+    sis_bus_t *bus;
+
+    if (pinfo->fd->visited)
+        return;
+    bus = find_bus(pinfo);
+    bus->damaged_in = pinfo->num;
+    bus->damaged_count++;
 }
 
-bool
-sis_was_damaged_since(const sis_stream_t *stream, uint32_t frame)
+/* A telegram whose length was damaged is no telegram at all: the tap calls it other characters. */
+static void
+note_disturbance(packet_info *pinfo)
 {
-    return stream->bus->damaged_in > frame;
+    sertap_disturbance_t seen = sertap_disturbance(pinfo);
+    sis_bus_t *bus = find_bus(pinfo);
+
+    bus->lost_in = seen.lost_in;
+    if (seen.unframed_in > bus->damaged_in) {
+        bus->damaged_in = seen.unframed_in;
+        bus->damaged_count++;
+    }
 }
 
 /* When the last character of this packet came. */
@@ -123,9 +155,12 @@ find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direc
     if (before == NULL || stream->from[direction].length != length ||
         !is_equal(tvb, 0, stream->from[direction].bytes, length))
         return;
-    exchange->is_number_repeated = telegram->number > 0;
-    if (before->reaction_in == 0 || exchange->is_number_repeated)
-        exchange->repeat_of = before->repeat_of != 0 ? before->repeat_of : before->command_in;
+    exchange->is_reaction_kept = telegram->number > 0;
+    exchange->is_kept_reaction_seen = exchange->is_reaction_kept && before->reaction_in != 0;
+    if (before->reaction_in != 0 && !exchange->is_reaction_kept)
+        return;
+    exchange->repeat_of = before->repeat_of != 0 ? before->repeat_of : before->command_in;
+    exchange->transfer = before->transfer;
 }
 
 /* Addresses of a telegram from the sender to the last subaddress: bytes 6 and following. */
@@ -173,7 +208,7 @@ compare_route(void *key _U_, void *value, void *data)
 static sis_exchange_t *
 begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    sis_stream_t *stream = find_stream(pinfo, telegram);
+    sis_stream_t *stream = find_stream(tvb, pinfo, telegram);
     unsigned direction = sis_direction(telegram);
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
     sis_exchange_t **master = &stream->bus->last[telegram->sender];
@@ -189,7 +224,7 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
     wmem_map_foreach(routes, compare_route, &(below_t){exchange, tvb, telegram});
     if (*master != NULL && (*master)->needs_reaction && (*master)->reaction_in == 0) {
         (*master)->next_command_in = pinfo->num;
-        (*master)->is_reaction_damaged = sis_was_damaged_since(stream, (*master)->command_in);
+        (*master)->is_reaction_damaged = stream->bus->damaged_in > (*master)->command_in;
     }
     *master = exchange;
 
@@ -226,7 +261,7 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
 
     if (command[5] != telegram->service || ((command[4] ^ telegram->control) & layout) != 0)
         return false;
-    if (!(is_kept && is_equal(tvb, SIS_STATIC_LENGTH, command + SIS_STATIC_LENGTH, rest)) && !is_swapped)
+    if (!(is_kept || is_swapped) || !is_equal(tvb, SIS_STATIC_LENGTH, command + SIS_STATIC_LENGTH, rest))
         return false;
     return is_same_access(command, length, tvb, telegram);
 }
@@ -234,7 +269,7 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
 static void
 end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    const sis_stream_t *stream = find_stream(pinfo, telegram);
+    const sis_stream_t *stream = find_stream(tvb, pinfo, telegram);
     unsigned kept = sis_direction(telegram);
 
     for (unsigned i = 0; i < 2; i++) {
@@ -282,6 +317,7 @@ sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *teleg
     /* A telegram that the first pass did not see: TCP put its segments together in another way. */
     if (record != NULL || pinfo->fd->visited)
         return wmem_new0(pinfo->pool, sis_record_t);
+    note_disturbance(pinfo);
     record = wmem_new0(wmem_file_scope(), sis_record_t);
     record->service = telegram->service;
     record->is_reaction = telegram->is_reaction;
@@ -383,7 +419,7 @@ static hf_register_info fields[] = {
 
 static ei_register_info experts[] = {
     {&ei_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", EXPFILL}},
-    {&ei_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not in the capture", EXPFILL}},
+    {&ei_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not known", EXPFILL}},
     {&ei_answered_before, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", EXPFILL}},
     {&ei_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", EXPFILL}},
 };
@@ -395,6 +431,7 @@ sis_exchange_register(void)
     proto_register_field_array(proto_sis, fields, array_length(fields));
     expert_register_field_array(sis_experts, experts, array_length(experts));
     buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
-    streams = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+    streams =
+        wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_stream_key, are_stream_keys_equal);
     routes = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
 }

@@ -15,7 +15,9 @@ typedef struct {
 
 /* One line, or one TCP connection. */
 typedef struct sis_bus {
-    uint32_t damaged_in;            /* the last damaged telegram; 0: none */
+    uint32_t damaged_in; /* the last damaged telegram, or what may have been one; 0: none */
+    uint32_t damaged_count;
+    uint32_t lost_in;               /* the last loss of characters; 0: none */
     struct sis_exchange *last[256]; /* command of each master */
     wmem_map_t *learned;            /* sis-learned.c */
 } sis_bus_t;
@@ -33,9 +35,12 @@ typedef struct sis_exchange {
     nstime_t command_end;     /* when its last character came */
     nstime_t reaction_time;   /* valid if has_time */
     bool has_time;
-    bool is_reaction_damaged;       /* perhaps: a damaged telegram came before the next command */
-    bool needs_reaction;            /* neither group nor broadcast */
-    bool is_number_repeated;        /* its telegram number was that of the command before */
+    bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
+    bool needs_reaction;      /* neither group nor broadcast */
+    bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
+                              then */
+    bool is_kept_reaction_seen;
+    uint32_t transfer;              /* of sequential telegrams, this is a step of it */
     struct sis_exchange *forwarded; /* the same exchange one level below */
     sis_request_t *request;
 } sis_exchange_t;
@@ -85,9 +90,6 @@ void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *p
 
 /* 0 or 1: in which of the two directions of its stream a telegram's command goes. */
 unsigned sis_direction(const sis_telegram_t *telegram);
-
-/* Whether a damaged telegram was seen on this bus since then. */
-bool sis_was_damaged_since(const sis_stream_t *stream, uint32_t frame);
 
 void sis_exchange_register(void);
 

@@ -54,8 +54,11 @@ take_code(sis_body_t *body, int hf, const value_string *texts)
     uint32_t value;
     const char *text = sis_take_code(body, hf, 1, texts, &value);
 
-    if (text != NULL)
-        sis_say(body, ", %s", text);
+    if (text == NULL)
+        return;
+    sis_say(body, ", %s", text);
+    if (try_val_to_str(value, texts) == NULL)
+        sis_mark(body, &ei_sis_note, "0x%02x is not defined", value);
 }
 
 /* Data of the memory, where the command says from which address on. */
@@ -64,8 +67,9 @@ take_data(sis_body_t *body, const sis_request_t *request)
 {
     unsigned offset = body->offset, length = sis_left(body);
 
-    if (!sis_take_rest(body, hf_sis_data))
+    if (!sis_needs(body, hf_sis_data, 1))
         return;
+    sis_take_rest(body, hf_sis_data);
     sis_say(body, ", %u byte%s", length, plurality(length, "", "s"));
     if (request != NULL && request->has_address)
         sis_export_memory(body, request->address, offset, length);

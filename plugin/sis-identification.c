@@ -3,6 +3,8 @@
 
 #include "sis-body.h"
 
+#define VERSION_LENGTH 5 /* "nnVmm" */
+
 static int hf_version = -1;
 static int hf_firmware = -1;
 static int hf_type_key = -1;
@@ -12,6 +14,9 @@ dissect_data(sis_body_t *body, uint32_t subservice)
 {
     switch (subservice) {
     case 0x01:
+        if (sis_left(body) != VERSION_LENGTH && !body->is_cut)
+            sis_mark(body, sis_left(body) < VERSION_LENGTH ? &ei_sis_missing : &ei_sis_unexpected,
+                     "a SIS version has %u characters", VERSION_LENGTH);
         sis_take_text(body, hf_version);
         break;
     case 0x02:

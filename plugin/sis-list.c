@@ -34,6 +34,7 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
                           .item = root,
                           .offset = list->offset,
                           .end = list->offset + length,
+                          .is_cut = list->is_cut && list->offset + length == list->end,
                           .is_nested = true,
                           .is_reaction = list->is_reaction,
                           .service = service,
@@ -48,9 +49,18 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
         add_request(list, element.request);
     }
     sis_dissect_body(&element);
+    list->is_explained |= element.is_explained || element.status != 0;
     proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
                            wmem_strbuf_get_str(element.marks));
     sis_say(list, "; %s%s", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks));
+}
+
+static void
+show_recursion(sis_body_t *list, unsigned length)
+{
+    sis_mark(list, &ei_recursion, "a list in a list");
+    if (length > 0)
+        proto_tree_add_item(list->tree, hf_sis_raw, list->tvb, list->offset, length, ENC_NA);
 }
 
 /* Length, service, body. */
@@ -72,7 +82,7 @@ dissect_element(sis_body_t *list, unsigned number, const sis_request_t *asked)
         if (length + 1 > there && !list->is_cut)
             sis_mark(list, &ei_sis_missing, "element %u is cut", number);
         if (service == LIST_SERVICE)
-            sis_mark(list, &ei_recursion, "a list in a list");
+            show_recursion(list, end - 2);
         else
             dissect_element_body(list, root, (uint8_t)service, end - 2, asked);
         list->offset += end - 2;
@@ -85,12 +95,12 @@ sis_dissect_list(sis_body_t *body)
 {
     const sis_request_t *asked = body->asked != NULL ? body->asked->list : NULL;
 
+    if (body->is_reaction && sis_take_channel_error(body))
+        return;
     for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++) {
         dissect_element(body, number, asked);
         asked = asked != NULL ? asked->next : NULL;
     }
-    if (body->is_reaction) /* the elements tell their own errors */
-        body->is_explained = true;
 }
 
 /* clang-format off */

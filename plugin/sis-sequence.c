@@ -42,9 +42,10 @@ typedef struct sis_transfer {
     uint8_t element;
     uint8_t device;
     sis_ident_t ident;
-    uint32_t begun_in; /* names it, too */
-    uint32_t last_in;  /* the latest piece */
-    bool is_broken;    /* a piece may be missing: the pieces are no longer put together */
+    uint32_t begun_in;      /* names it, too */
+    uint32_t last_in;       /* the latest piece */
+    uint32_t damaged_count; /* of its bus, then */
+    bool is_broken;         /* a piece may be missing: the pieces are no longer put together */
 } transfer_t;
 
 static transfer_t **
@@ -80,30 +81,63 @@ end_transfer(transfer_t **link)
     wmem_free(wmem_file_scope(), transfer);
 }
 
+/* A step that was taken before: the same command again, or its reaction again. */
+static bool
+is_taken_before(const sis_record_t *record)
+{
+    const sis_exchange_t *exchange = record->exchange;
+
+    if (record->is_reaction)
+        return record->reaction_before != 0 || exchange->is_kept_reaction_seen;
+    return exchange->repeat_of != 0;
+}
+
+static unsigned
+damaged_since(const transfer_t *transfer, const sis_exchange_t *exchange)
+{
+    return exchange->stream->bus->damaged_count - transfer->damaged_count;
+}
+
+/* Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a
+ * command that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends
+ * the reaction again that it has kept. */
+static bool
+is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
+{
+    const sis_exchange_t *exchange = record->exchange;
+    unsigned enough = record->is_reaction && exchange->repeat_of != 0 ? 1 : 2;
+
+    if (exchange->stream->bus->lost_in > transfer->last_in)
+        return true;
+    return !exchange->is_reaction_kept && damaged_since(transfer, exchange) >= enough;
+}
+
 /* Whose piece these data are; decided once, in the order of the capture. */
 static void
 place_piece(sis_record_t *record, packet_info *pinfo, const transfer_t *like, bool is_last)
 {
-    const sis_exchange_t *exchange = record->exchange;
+    sis_exchange_t *exchange = record->exchange;
     transfer_t **link = find_transfer(exchange, like), *transfer = *link;
-    bool is_repeat = exchange->repeat_of != 0;
 
-    if (transfer == NULL && is_last)
+    record->is_piece_repeated = is_taken_before(record);
+    if (transfer == NULL && (is_last || record->is_piece_repeated)) {
+        record->transfer = record->is_piece_repeated ? exchange->transfer : 0; /* of one that is over */
         return;
+    }
     if (transfer == NULL) {
         transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
         transfer->begun_in = transfer->last_in = pinfo->num;
+        transfer->damaged_count = exchange->stream->bus->damaged_count;
     }
-    record->transfer = transfer->begun_in;
-    if (record->is_reaction)
-        record->is_piece_repeated = record->reaction_before != 0 || exchange->is_number_repeated;
-    else
-        record->is_piece_repeated = is_repeat; /* it was put in its place when it came first */
-    if (record->is_reaction && is_repeat && sis_was_damaged_since(exchange->stream, transfer->last_in))
-        transfer->is_broken = true; /* what was damaged may have been a piece */
+    record->transfer = exchange->transfer = transfer->begun_in;
+    if (!record->is_piece_repeated && is_piece_missing(record, transfer))
+        transfer->is_broken = true;
     record->is_piece_missing = transfer->is_broken;
+    if (record->is_piece_repeated)
+        return;
     transfer->last_in = pinfo->num;
-    if (is_last && (!record->is_piece_repeated || record->is_reaction))
+    transfer->damaged_count = exchange->stream->bus->damaged_count;
+    if (is_last)
         end_transfer(link);
 }
 
@@ -114,14 +148,26 @@ put_together(sis_body_t *body, bool is_last)
     unsigned length = sis_left(body);
     fragment_head *head;
 
+    body->item = body->root;
     if (record->is_piece_missing)
-        expert_add_info(body->pinfo, body->root, &ei_piece_missing);
-    if (record->is_piece_missing || record->is_piece_repeated || length == 0)
+        sis_mark(body, &ei_piece_missing, "a piece may be missing");
+    if (record->is_piece_missing || record->is_piece_repeated)
         return NULL;
     head = fragment_add_seq_next(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL, length,
                                  !is_last);
     return process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head, &items,
                                     NULL, body->tree);
+}
+
+bool
+sis_is_sequence_open(const sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device)
+{
+    transfer_t like = {.service = body->service, .element = element, .device = device, .ident = ident};
+    const sis_record_t *record = body->record;
+
+    if (body->is_nested || record == NULL || record->exchange == NULL)
+        return false;
+    return body->pinfo->fd->visited ? record->transfer != 0 : *find_transfer(record->exchange, &like) != NULL;
 }
 
 tvbuff_t *
@@ -154,13 +200,30 @@ end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
     end_transfer(link);
 }
 
+/* Device and service may be missing; one byte alone may be either (chapter 4). */
+static bool
+is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
+{
+    bool is_device = transfer->device == cancel->device, is_service = transfer->service == cancel->subservice;
+
+    if (cancel->has_device && cancel->has_subservice)
+        return is_device && is_service;
+    if (cancel->is_ambiguous)
+        return transfer->device == cancel->subservice || is_service;
+    return true;
+}
+
 static void
-cancel_transfers(sis_record_t *record)
+cancel_transfers(sis_record_t *record, const sis_request_t *cancel)
 {
     transfer_t **link = transfers_of(record->exchange);
 
-    while (*link != NULL)
-        end_with_note(record, link, "cancelled");
+    while (*link != NULL) {
+        if (is_cancelled(cancel, *link))
+            end_with_note(record, link, "cancelled");
+        else
+            link = &(*link)->next;
+    }
 }
 
 /* A device has one transfer at a time: when another parameter was accessed with success, it has given up the
@@ -186,9 +249,14 @@ watch_reaction(const sis_body_t *body)
     transfer_t like = {
         .service = body->service, .element = asked->element, .device = asked->device, .ident = asked->ident};
     transfer_t **link = find_transfer(record->exchange, &like);
-    bool is_to_be_repeated =
-        body->status == 0x02 || body->error == SERVICE_CHANNEL_BUSY || body->error == PARAMETER_OCCUPIED;
+    /* Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes
+     * again. */
+    bool is_to_be_repeated = body->status == 0x02 || body->error == SERVICE_CHANNEL_BUSY ||
+                             body->error == PARAMETER_OCCUPIED ||
+                             (body->status >= 0xF1 && body->status <= 0xF4);
 
+    if (*link != NULL && record->reaction_before != 0 && damaged_since(*link, record->exchange) > 0)
+        (*link)->is_broken = true; /* it answers a command that the tap alone saw damaged */
     if (body->status == 0)
         end_others(record, &like);
     else if (*link != NULL && !is_to_be_repeated)
@@ -198,9 +266,11 @@ watch_reaction(const sis_body_t *body)
 static void
 watch(const sis_body_t *body)
 {
-    if (!body->is_reaction && body->service == 0x01)
-        cancel_transfers(body->record);
-    else if (body->is_reaction && body->asked != NULL && sis_has_control_byte(body->service))
+    if (!body->is_reaction || body->asked == NULL)
+        return;
+    if (body->service == 0x01 && body->status == 0)
+        cancel_transfers(body->record, body->asked);
+    else if (sis_has_control_byte(body->service))
         watch_reaction(body);
 }
 

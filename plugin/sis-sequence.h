@@ -12,6 +12,9 @@
 tvbuff_t *
 sis_sequence_data(sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device, bool is_last);
 
+/* Whether a transfer of this parameter is under way: then its last piece may be empty. */
+bool sis_is_sequence_open(const sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device);
+
 /* Whether these data are a piece. */
 bool sis_is_piece(const sis_body_t *body);
 

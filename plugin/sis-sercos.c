@@ -180,21 +180,35 @@ take_parameter(access_t *access)
     return true;
 }
 
-/* Offset and length count words in ECODRIVE's services, bytes in all others. */
+static void
+check_announced(sis_body_t *body, unsigned announced)
+{
+    unsigned sent = sis_left(body);
+
+    if (!body->is_cut && sent > 0 && sent != announced)
+        sis_mark(body, sent < announced ? &ei_sis_missing : &ei_sis_unexpected,
+                 "%u byte%s announced, %u sent", announced, plurality(announced, "", "s"), sent);
+}
+
+/* Offset and length count words in ECODRIVE's services, bytes in all others. A reading may ask for any
+ * length; what is written should be as long as it says. */
 static bool
 take_segment(access_t *access)
 {
     sis_body_t *body = access->body;
-    const char *unit = body->service == 0x81 || body->service == 0x8E ? "words" : "bytes";
+    bool is_words = body->service == 0x81 || body->service == 0x8E;
+    const char *unit = is_words ? "word" : "byte";
     uint32_t offset, length;
 
     if (!sis_take(body, hf_list_offset, 2, &offset))
         return false;
-    proto_item_append_text(body->item, " %s", unit);
+    proto_item_append_text(body->item, " %s%s", unit, plurality(offset, "", "s"));
     if (!sis_take(body, hf_list_length, 2, &length))
         return false;
-    proto_item_append_text(body->item, " %s", unit);
-    sis_say(body, ", %u %s at offset %u", length, unit, offset);
+    proto_item_append_text(body->item, " %s%s", unit, plurality(length, "", "s"));
+    sis_say(body, ", %u %s%s at offset %u", length, unit, plurality(length, "", "s"), offset);
+    if (is_write(access))
+        check_announced(body, length * (is_words ? 2 : 1));
     return true;
 }
 
@@ -278,7 +292,9 @@ take_data(access_t *access)
     sis_body_t *body = access->body;
     tvbuff_t *data;
 
-    if (sis_left(body) == 0 || body->is_short)
+    if (body->is_short ||
+        (sis_left(body) == 0 &&
+         !sis_is_sequence_open(body, access->ident, (uint8_t)access->element, (uint8_t)access->device)))
         return;
     if (is_segment(access) || (!access->has_ident && access->is_last))
         data = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
@@ -321,7 +337,7 @@ take_parameter_error(sis_body_t *body)
 
     sis_take_error(body, sis_errors_parameter);
     digit = body->error >> 12;
-    if (digit >= 1 && digit < 8)
+    if (digit >= 1 && digit < 8 && try_val_to_str(body->error, sis_errors_parameter) == NULL)
         proto_item_append_text(body->item, ", element: %s", val_to_str_const(digit, sis_elements, ""));
 }
 
@@ -335,6 +351,8 @@ dissect_parameter_command(access_t *access)
     if (is_segment(access) && !take_segment(access))
         return;
     if (is_write(access)) {
+        if (access->element != SIS_ELEMENT_DATA && access->element != SIS_ELEMENT_IDENT)
+            sis_mark(body, &ei_sis_note, "only operating data and ident number can be written");
         if (sis_left(body) == 0 && access->element != SIS_ELEMENT_IDENT)
             sis_needs(body, hf_sis_data, 1);
         take_data(access);
@@ -429,7 +447,7 @@ show_switch(sis_body_t *body)
     nstime_delta(&taken, &body->pinfo->abs_ts, &record->phase_switch.begin);
     item = proto_tree_add_time(body->tree, hf_switch_time, body->tvb, 0, 0, &taken);
     proto_item_set_generated(item);
-    sis_say(body, ", %s after %.3f s", body->status == 0 ? "reached" : "given up", nstime_to_sec(&taken));
+    sis_say(body, ", %s after %.3f s", body->status == 0 ? "reached" : "failed", nstime_to_sec(&taken));
 }
 
 static void
@@ -438,13 +456,14 @@ dissect_phase_reaction(sis_body_t *body)
     bool is_switch = sis_general_service(body->service) == 0x1D;
     uint32_t phase = 0;
 
-    if (body->status == 0x01 || body->status > 0x02) {
-        sis_take_rest(body, hf_sis_raw); /* described nowhere; after a telegram error there is nothing */
+    if (body->status == 0x01 || (body->status > 0x02 && sis_take_channel_error(body))) {
+        if (body->status == 0x01)
+            sis_take_rest(body, hf_sis_raw); /* described nowhere */
         return;
     }
-    if (is_switch && body->status == 0 && sis_left(body) == 0)
-        sis_say(body, ", accepted"); /* the documents differ whether the phase follows */
-    else if (!take_phase(body, &phase))
+    if (is_switch && body->status == 0)
+        sis_say(body, ", accepted"); /* the documents differ whether the phase of now follows */
+    if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &phase))
         return;
     if (body->status == 0x02)
         sis_take_error(body, sis_errors_phase);

@@ -65,6 +65,15 @@ def is_ident(control: bytes) -> bool:
     return bool(control) and control[0] >> 3 & 7 == 1
 
 
+def segment_limits(service: int, body: bytes) -> Limits:
+    """Offset and length, then as many data as that says, in words for ECODRIVE."""
+    least = 9 if is_ident(body) else 10
+    if len(body) < 10:
+        return least, OPEN
+    announced = int.from_bytes(body[7:9], "little") * (2 if service == 0x8E else 1)
+    return 9 + announced, 9 + announced
+
+
 def command_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a table
     subservice = body[1] if len(body) > 1 else -1
     match general(service):
@@ -85,7 +94,7 @@ def command_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a ta
         case 0x1D:
             return 1, 1
         case 0x1E:
-            return 9 if is_ident(body) else 10, OPEN
+            return segment_limits(service, body)
         case 0x1F:
             return 5 if is_ident(body) else 6, OPEN
     return 0, OPEN
@@ -124,18 +133,23 @@ def reaction_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a t
         return good_reaction_limits(service, body)
     if status == 2 and like in (0x12, 0x1D):
         return 4, 4
-    if status == 2 and header > 1:
+    if status == 2 and like != 0x01:  # whose reaction may have a device address or not
         return header + 2, header + 2
     if status == 1:
         return ERRORS.get(like, (header, OPEN))
-    if status >= 0xF0 and like in HEADERS | dict.fromkeys((0x12, 0x1D)):
+    if status >= 0xF0 and like != 0x01:
         return 1 if len(body) == 1 else header, header  # no useful data
     return header, OPEN
 
 
+def has_elements(service: int, reaction: bool, body: bytes) -> bool:
+    """Tell whether this is a list that was executed, well or not."""
+    return service == 0x04 and not (reaction and body[:1] > b"\x01")
+
+
 def is_short(service: int, reaction: bool, body: bytes) -> bool:
-    """Tell whether something is missing; service 0x04 is as good as its elements."""
-    if service != 0x04:
+    """Tell whether something is missing; service 0x04 is as good as its elements, if it has any."""
+    if not has_elements(service, reaction, body):
         limits = reaction_limits if reaction else command_limits
         return len(body) < limits(service, body)[0]
     if reaction and not body:
@@ -153,7 +167,7 @@ def is_short(service: int, reaction: bool, body: bytes) -> bool:
 def is_long(service: int, reaction: bool, body: bytes) -> bool:
     """Tell whether there is more than the service has; what follows the last element of a list is an element."""
     limits = reaction_limits if reaction else command_limits
-    return service != 0x04 and len(body) > limits(service, body)[1]
+    return not has_elements(service, reaction, body) and len(body) > limits(service, body)[1]
 
 
 EXPERTS = (

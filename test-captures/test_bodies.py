@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,6 @@ def test_unit_of_a_list_segment(tshark: Tshark) -> None:
     capture = str(Path(__file__).parent / "bodies.pcapng")
     columns = ("-T", "fields", "-e", "sis.service", "-e", "_ws.col.Info")
     lines = tshark.output("-r", capture, "-Y", "sis.list_length", *columns).splitlines()
-    words = {line.split("\t")[0] for line in lines if " words at offset " in line}
-    octets = {line.split("\t")[0] for line in lines if " bytes at offset " in line}
+    words = {line.split("\t")[0] for line in lines if re.search(" words? at offset ", line)}
+    octets = {line.split("\t")[0] for line in lines if re.search(" bytes? at offset ", line)}
     assert (words, octets) == ({"0x81", "0x8e"}, {"0x11", "0x1e", "0x91", "0x9e"})

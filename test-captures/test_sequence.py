@@ -50,7 +50,7 @@ SEQUENCES: Table = {
     54: "data=4546; sequence.piece_missing",
     # Cancelled in the middle; then from the beginning
     56: "data=4142",
-    57: "sequence.ended",
+    58: "sequence.ended",
     60: "data=4344; sequence.whole_in=62",
     62: "data=4546,43444546; sequence.piece=60,62; sequence.length=4",
     # Status 0xF8 in the middle; then from the beginning
