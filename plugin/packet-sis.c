@@ -412,6 +412,17 @@ dissect_start(const dissection_t *d)
         mark(d, ti, &ei_start, "no start character");
 }
 
+#define HEAD_LENGTH 160 /* characters: Wireshark cuts a line of the tree soon after */
+
+static const char *
+shortened(wmem_allocator_t *scope, const char *words)
+{
+    if (g_utf8_strlen(words, -1) <= HEAD_LENGTH)
+        return words;
+    return wmem_strdup_printf(scope, "%.*s...", (int)(g_utf8_offset_to_pointer(words, HEAD_LENGTH) - words),
+                              words);
+}
+
 /* Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044". */
 static void
 dissect_whole_telegram(dissection_t *d)
@@ -434,7 +445,8 @@ dissect_whole_telegram(dissection_t *d)
     kind = d->telegram->is_reaction ? "Reaction" : "Command";
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s  %s  %s%s", stations, kind, words,
                     wmem_strbuf_get_str(d->marks));
-    proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, words);
+    if (d->tree)
+        proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, shortened(d->pinfo->pool, words));
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
 

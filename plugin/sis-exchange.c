@@ -378,6 +378,7 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
               proto_item *root)
 {
     const sis_exchange_t *exchange = record->exchange;
+    nstime_t time;
 
     if (exchange == NULL) {
         expert_add_info(pinfo, root, &ei_unasked);
@@ -388,9 +389,11 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
     if (record->reaction_before != 0)
         expert_add_info_format(pinfo, root, &ei_answered_before,
                                "The command was answered before, in frame %u", record->reaction_before);
-    else if (exchange->has_time)
-        proto_item_set_generated(
-            proto_tree_add_time(tree, hf_reaction_time, tvb, 0, 0, &exchange->reaction_time));
+    else if (exchange->has_time) {
+        time = exchange->reaction_time;
+        proto_item_set_generated(proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &time,
+                                                                  "%.3f ms", nstime_to_sec(&time) * 1e3));
+    }
 }
 
 void

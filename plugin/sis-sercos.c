@@ -445,7 +445,8 @@ show_switch(sis_body_t *body)
         return;
     }
     nstime_delta(&taken, &body->pinfo->abs_ts, &record->phase_switch.begin);
-    item = proto_tree_add_time(body->tree, hf_switch_time, body->tvb, 0, 0, &taken);
+    item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%.3f s",
+                                            nstime_to_sec(&taken));
     proto_item_set_generated(item);
     sis_say(body, ", %s after %.3f s", body->status == 0 ? "reached" : "failed", nstime_to_sec(&taken));
 }
