@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +16,10 @@ from pathlib import Path
 from sistap.tshark import Tshark, TsharkError
 
 SISTAP = [sys.executable, "-m", "sistap"]
+CAPTURE = Path(__file__).parent.parent / "build" / "demo.pcapng"
 SECONDS = 6
-PACKETS = 50
+PACKETS = 60
+VALUE = 'sis.value contains "rpm" && sis.control.reaction == 1'
 
 
 @contextmanager
@@ -38,44 +39,42 @@ def heading(text: str, command: str) -> None:
     print(f"\n-- {text}\n   {command}\n", flush=True)
 
 
-def show(tshark: Tshark, capture: Path) -> None:
+def show(tshark: Tshark) -> None:
     """Print what a person would look at first."""
-    heading("The bus, a line a telegram", "tshark -r demo.pcapng")
-    packets = tshark.output("-r", str(capture)).splitlines()
-    print("\n".join(line for line in packets[:PACKETS]))
+    capture = ("-r", str(CAPTURE))
+    heading("The bus, a line a telegram", "tshark -r build/demo.pcapng")
+    packets = tshark.output(*capture).splitlines()
+    print("\n".join(packets[:PACKETS]))
     if len(packets) > PACKETS:
         print(f"  ... and {len(packets) - PACKETS} more")
-    heading(
-        "One of them, taken apart", "tshark -r demo.pcapng -V -O sis -Y 'sis.subaddress && sis.control.reaction == 1'"
-    )
-    chosen = ("-Y", "sis.subaddress && sis.control.reaction == 1", "-V", "-O", "sis")
-    print(tshark.output("-r", str(capture), *chosen).split("\n\n")[0])
-    heading("Who talked to whom", "tshark -r demo.pcapng -q -z endpoints,sis")
-    print(tshark.output("-r", str(capture), "-q", "-z", "endpoints,sis"))
-    heading("The time between characters, in microseconds", "tshark -r demo.pcapng -q -z sertap,tree")
-    print(tshark.output("-r", str(capture), "-q", "-z", "sertap,tree"))
+    heading("One of them, taken apart", f"tshark -r build/demo.pcapng -V -O sis -Y '{VALUE}'")
+    print(tshark.output(*capture, "-Y", VALUE, "-V", "-O", "sis").split("\n\n")[0])
+    heading("Who talked to whom", "tshark -r build/demo.pcapng -q -z endpoints,sis")
+    print(tshark.output(*capture, "-q", "-z", "endpoints,sis"))
+    heading("The time between characters, in microseconds", "tshark -r build/demo.pcapng -q -z sertap,tree")
+    print(tshark.output(*capture, "-q", "-z", "sertap,tree"))
 
 
 def main() -> int:
     """Run the demo; give the exit code."""
-    with tempfile.TemporaryDirectory() as folder:
-        capture = Path(folder) / "demo.pcapng"
-        with virtual_bus() as port:
-            command = ["capture", "-i", port, "-w", str(capture), "-a", f"duration:{SECONDS}"]
-            heading(
-                f"A virtual bus plays on {port}; {SECONDS} seconds of it", f"sistap {' '.join(command[:4])} demo.pcapng"
-            )
-            code = subprocess.run([*SISTAP, *command], check=False).returncode
-        if code != 0:
-            return code
-        try:
-            with Tshark() as tshark:
-                if "sis.so" not in tshark.output("-G", "plugins"):
-                    raise TsharkError("tshark does not load sis.so: is WIRESHARK_PLUGIN_DIR set?")
-                show(tshark, capture)
-        except TsharkError as error:
-            print(f"demo: {error}", file=sys.stderr)
-            return 1
+    CAPTURE.parent.mkdir(exist_ok=True)
+    with virtual_bus() as port:
+        command = ["capture", "-i", port, "-w", str(CAPTURE), "-a", f"duration:{SECONDS}"]
+        heading(
+            f"A virtual bus plays on {port}; {SECONDS} seconds of it",
+            f"sistap {' '.join(command[:4])} build/demo.pcapng",
+        )
+        code = subprocess.run([*SISTAP, *command], check=False).returncode
+    if code != 0:
+        return code
+    try:
+        with Tshark() as tshark:
+            if "sis.so" not in tshark.output("-G", "plugins"):
+                raise TsharkError("tshark does not load sis.so: is WIRESHARK_PLUGIN_DIR set?")
+            show(tshark)
+    except TsharkError as error:
+        print(f"demo: {error}", file=sys.stderr)
+        return 1
     return 0
 
 
