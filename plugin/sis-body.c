@@ -204,10 +204,11 @@ void
 sis_take_text(sis_body_t *body, int hf)
 {
     unsigned offset = body->offset, length = sis_left(body);
-    const char *text = sis_text(body->pinfo->pool, body->tvb, offset, length);
+    const char *text;
 
     if (!sis_needs(body, hf, 1))
         return;
+    text = sis_text(body->pinfo->pool, body->tvb, offset, length);
     body->item = proto_tree_add_string(body->tree, hf, body->tvb, offset, length, text);
     sis_say(body, ": \"%s\"", text);
     body->offset = body->end;

@@ -10,6 +10,7 @@
 
 #include "packet-sertap.h"
 #include "sis-address.h"
+#include "sis-learned.h"
 
 static int hf_stream = -1;
 static int hf_reaction_in = -1;
@@ -25,13 +26,19 @@ static expert_field ei_repeat = EI_INIT;
 
 static wmem_map_t *buses;   /* by bus number */
 static wmem_map_t *streams; /* by bus number and both stations */
-static wmem_map_t *routes;  /* streams whose commands had subaddresses: as key and value */
+static wmem_map_t *routes;  /* streams with a command with subaddresses that waits: as key and value */
+
+static bool
+is_connection(packet_info *pinfo)
+{
+    return pinfo->ptype == PT_TCP;
+}
 
 /* A capture has an interface a line; SIS over TCP a connection. */
 static uint32_t
 bus_number(packet_info *pinfo)
 {
-    const conversation_t *conversation = pinfo->ptype == PT_TCP ? find_conversation_pinfo(pinfo, 0) : NULL;
+    const conversation_t *conversation = is_connection(pinfo) ? find_conversation_pinfo(pinfo, 0) : NULL;
 
     if (conversation != NULL)
         return UINT32_C(0x80000000) | conversation->conv_index;
@@ -46,7 +53,8 @@ find_bus(packet_info *pinfo)
 
     if (bus == NULL) {
         bus = wmem_new0(wmem_file_scope(), sis_bus_t);
-        bus->learned = wmem_map_new(wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+        bus->is_connection = is_connection(pinfo);
+        bus->learned = sis_learned_new();
         wmem_map_insert(buses, key, bus);
     }
     return bus;
@@ -179,9 +187,9 @@ is_one_level_below(tvbuff_t *tvb, const sis_telegram_t *telegram, const uint8_t 
 }
 
 typedef struct {
-    sis_exchange_t *exchange;
     tvbuff_t *tvb;
     const sis_telegram_t *telegram;
+    sis_exchange_t *above; /* found: the oldest */
 } below_t;
 
 /* A router drops the first address and sends the rest on: is this what it made of a command that waits? */
@@ -189,20 +197,30 @@ static void
 compare_route(void *key _U_, void *value, void *data)
 {
     const sis_stream_t *stream = value;
-    const below_t *below = data;
+    below_t *below = data;
 
     for (unsigned direction = 0; direction < 2; direction++) {
         sis_exchange_t *above = stream->from[direction].last;
 
         if (above == NULL || above->reaction_in != 0 || above->forwarded != NULL ||
-            below->exchange->routed_from != 0)
+            (below->above != NULL && below->above->command_in < above->command_in))
             continue;
         if (is_one_level_below(below->tvb, below->telegram, stream->from[direction].bytes,
-                               stream->from[direction].length)) {
-            below->exchange->routed_from = above->command_in;
-            above->forwarded = below->exchange;
-        }
+                               stream->from[direction].length))
+            below->above = above;
     }
+}
+
+static void
+find_route(sis_exchange_t *exchange, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    below_t below = {tvb, telegram, NULL};
+
+    wmem_map_foreach(routes, compare_route, &below);
+    if (below.above == NULL)
+        return;
+    exchange->routed_from = below.above->command_in;
+    below.above->forwarded = exchange;
 }
 
 static sis_exchange_t *
@@ -216,12 +234,13 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
     exchange->stream = stream;
     exchange->direction = direction;
     exchange->station = telegram->last_address;
+    tvb_memcpy(tvb, exchange->path, 7, 1 + telegram->subaddress_count);
     exchange->command_in = pinfo->num;
     exchange->command_end = end_of_telegram(pinfo);
     exchange->needs_reaction = sis_is_answered(telegram->last_address);
     if (exchange->needs_reaction)
         find_repeat(exchange, stream, direction, tvb, telegram);
-    wmem_map_foreach(routes, compare_route, &(below_t){exchange, tvb, telegram});
+    find_route(exchange, tvb, telegram);
     if (*master != NULL && (*master)->needs_reaction && (*master)->reaction_in == 0) {
         (*master)->next_command_in = pinfo->num;
         (*master)->is_reaction_damaged = stream->bus->damaged_in > (*master)->command_in;
@@ -266,6 +285,16 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
     return is_same_access(command, length, tvb, telegram);
 }
 
+/* The master went on, and a damaged telegram came since: a reaction now is that one's, not this command's. */
+static bool
+is_given_up(const sis_exchange_t *exchange)
+{
+    const sis_bus_t *bus = exchange->stream->bus;
+
+    return exchange->reaction_in == 0 && exchange->next_command_in != 0 &&
+           bus->damaged_in > exchange->next_command_in;
+}
+
 static void
 end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
@@ -276,7 +305,7 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
         unsigned direction = i == 0 ? kept : !kept;
         sis_exchange_t *exchange = stream->from[direction].last;
 
-        if (exchange == NULL ||
+        if (exchange == NULL || is_given_up(exchange) ||
             !is_reaction_to(stream->from[direction].bytes, stream->from[direction].length, tvb, telegram))
             continue;
         record->exchange = exchange;
@@ -285,7 +314,9 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
             return;
         }
         exchange->reaction_in = pinfo->num;
-        exchange->next_command_in = 0;
+        if (stream->bus->is_connection)
+            exchange->next_command_in = 0; /* there a master need not wait */
+        wmem_map_remove(routes, stream);
         exchange->has_time = exchange->command_in != pinfo->num;
         nstime_delta(&exchange->reaction_time, &pinfo->abs_ts, &exchange->command_end);
         if (exchange->forwarded != NULL)

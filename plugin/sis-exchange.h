@@ -15,6 +15,7 @@ typedef struct {
 
 /* One line, or one TCP connection. */
 typedef struct sis_bus {
+    bool is_connection;
     uint32_t damaged_in; /* the last damaged telegram, or what may have been one; 0: none */
     uint32_t damaged_count;
     uint32_t lost_in;               /* the last loss of characters; 0: none */
@@ -29,6 +30,7 @@ typedef struct sis_exchange {
     uint32_t command_in;
     uint32_t reaction_in;     /* 0: none */
     uint32_t next_command_in; /* the master went on without a reaction; 0: no */
+    uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for, then 0 */
     uint8_t station;          /* whom the command is for in the end */
     uint32_t repeat_of;       /* the first of the same commands */
     uint32_t routed_from;     /* the command one level above */
@@ -52,7 +54,7 @@ typedef struct sis_record {
     sis_exchange_t *exchange; /* NULL: a damaged telegram, or a reaction without a command */
     uint32_t reaction_before; /* the command had been answered already, there */
     uint32_t routed_from;     /* of a reaction: the one that came back from one level below */
-    uint32_t transfer;        /* this is a piece of the one that began there; 0: none */
+    uint32_t transfer;        /* number of the one this is a piece of; 0: none */
     uint32_t transfer_ended;  /* this telegram ended the transfer that began there, unfinished */
     const char *transfer_reason;
     sis_switch_t phase_switch; /* that this polls */

@@ -7,19 +7,46 @@
 #include "sis-exchange.h"
 #include "sis-values.h"
 
-/* Station, device and parameter. */
-static uint64_t
+/* A parameter of a device behind a station, which may be behind routers. */
+typedef struct {
+    uint8_t path[8];
+    uint8_t device;
+    uint8_t type;
+    uint16_t number;
+} learned_key_t;
+
+static unsigned
+hash_key(const void *key)
+{
+    return wmem_strong_hash(key, sizeof(learned_key_t));
+}
+
+static gboolean
+are_keys_equal(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(learned_key_t)) == 0;
+}
+
+wmem_map_t *
+sis_learned_new(void)
+{
+    return wmem_map_new(wmem_file_scope(), hash_key, are_keys_equal);
+}
+
+static learned_key_t
 make_key(const sis_exchange_t *exchange, sis_ident_t ident, uint8_t device)
 {
-    return (uint64_t)exchange->station << 32 | (uint64_t)device << 24 | (uint64_t)ident.type << 16 |
-           ident.number;
+    learned_key_t key = {.device = device, .type = ident.type, .number = ident.number};
+
+    memcpy(key.path, exchange->path, sizeof key.path);
+    return key;
 }
 
 static const sis_known_t *
 look_up(const sis_body_t *body, sis_ident_t ident, uint8_t device)
 {
     const sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
-    uint64_t key;
+    learned_key_t key;
 
     if (exchange == NULL)
         return NULL;
@@ -83,10 +110,15 @@ update_attribute(sis_known_t *known, tvbuff_t *tvb)
 static bool
 update(sis_known_t *known, wmem_allocator_t *pool, sis_element_t element, tvbuff_t *tvb, const char *shown)
 {
+    const char *name;
+
     switch (element) {
     case SIS_ELEMENT_NAME:
+        name = sis_element_text(pool, tvb);
+        if (name[0] == '\0') /* no name at all; an empty unit says that there is none */
+            return false;
         known->name_from = SIS_FROM_BUS;
-        return update_text(&known->name, sis_element_text(pool, tvb));
+        return update_text(&known->name, name);
     case SIS_ELEMENT_UNIT:
         known->unit_from = SIS_FROM_BUS;
         return update_text(&known->unit, sis_element_text(pool, tvb));
@@ -108,7 +140,7 @@ sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t ele
     const sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
     const sis_known_t *before = look_up(body, ident, device);
     sis_known_t known = {0};
-    uint64_t *key;
+    learned_key_t key;
 
     if (body->pinfo->fd->visited || exchange == NULL)
         return;
@@ -116,8 +148,7 @@ sis_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t ele
         known = *before;
     if (!update(&known, body->pinfo->pool, element, tvb, shown))
         return;
-    key = wmem_new(wmem_file_scope(), uint64_t);
-    *key = make_key(exchange, ident, device);
-    wmem_map_insert(exchange->stream->bus->learned, key,
+    key = make_key(exchange, ident, device);
+    wmem_map_insert(exchange->stream->bus->learned, wmem_memdup(wmem_file_scope(), &key, sizeof key),
                     wmem_memdup(wmem_file_scope(), &known, sizeof known));
 }

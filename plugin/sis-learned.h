@@ -7,6 +7,9 @@
 
 #include "sis-body.h"
 
+/* What one bus has said: nothing yet. Lives as long as the file. */
+wmem_map_t *sis_learned_new(void);
+
 /* What is known of a parameter of a device at this telegram: from the bus, else from the user's table, else
  * built in. */
 sis_known_t sis_learned_known(sis_body_t *body, sis_ident_t ident, uint8_t device);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Parameters: how they are written, and what the user's table and the built-in one say of them. What the bus
- * says of them is learned in sis-exchange.c. */
+ * says of them is learned in sis-learned.c. */
 
 #include "sis-parameters.h"
 

@@ -33,7 +33,29 @@ static const fragment_items items = {
     &hf_whole_in,         &hf_length,         NULL,         "pieces",
 };
 
+/* A transfer is found again by its number alone: who talks to whom was compared before. */
+static void *
+transfer_key(const packet_info *pinfo _U_, const uint32_t id, const void *data _U_)
+{
+    return GUINT_TO_POINTER(id);
+}
+
+static void
+free_nothing(void *key _U_)
+{
+}
+
 static reassembly_table table;
+static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
+
+static uint32_t
+next_transfer(void)
+{
+    uint32_t number = GPOINTER_TO_UINT(wmem_map_lookup(counters, NULL)) + 1;
+
+    wmem_map_insert(counters, NULL, GUINT_TO_POINTER(number));
+    return number;
+}
 
 /* A transfer under way, from one station to another. */
 typedef struct sis_transfer {
@@ -42,7 +64,8 @@ typedef struct sis_transfer {
     uint8_t element;
     uint8_t device;
     sis_ident_t ident;
-    uint32_t begun_in;      /* names it, too */
+    uint32_t number;
+    uint32_t begun_in;
     uint32_t last_in;       /* the latest piece */
     uint32_t damaged_count; /* of its bus, then */
     bool is_broken;         /* a piece may be missing: the pieces are no longer put together */
@@ -126,10 +149,11 @@ place_piece(sis_record_t *record, packet_info *pinfo, const transfer_t *like, bo
     }
     if (transfer == NULL) {
         transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
+        transfer->number = next_transfer();
         transfer->begun_in = transfer->last_in = pinfo->num;
         transfer->damaged_count = exchange->stream->bus->damaged_count;
     }
-    record->transfer = exchange->transfer = transfer->begun_in;
+    record->transfer = exchange->transfer = transfer->number;
     if (!record->is_piece_repeated && is_piece_missing(record, transfer))
         transfer->is_broken = true;
     record->is_piece_missing = transfer->is_broken;
@@ -155,8 +179,13 @@ put_together(sis_body_t *body, bool is_last)
         return NULL;
     head = fragment_add_seq_next(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL, length,
                                  !is_last);
-    return process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head, &items,
-                                    NULL, body->tree);
+    if (is_last || head == NULL)
+        return process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head,
+                                        &items, NULL, body->tree);
+    /* Not by process_reassembled_data(): the last piece may be in this packet, too. */
+    proto_item_set_generated(
+        proto_tree_add_uint(body->tree, hf_whole_in, body->tvb, 0, 0, head->reassembled_in));
+    return NULL;
 }
 
 bool
@@ -313,10 +342,13 @@ static ei_register_info experts[] = {
 void
 sis_sequence_register(void)
 {
+    static const reassembly_table_functions functions = {g_direct_hash, g_direct_equal, transfer_key,
+                                                         transfer_key,  free_nothing,   free_nothing};
     static int *trees[] = {&ett_pieces, &ett_piece};
 
     proto_register_field_array(proto_sis, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
     expert_register_field_array(sis_experts, experts, array_length(experts));
-    reassembly_table_register(&table, &addresses_reassembly_table_functions);
+    reassembly_table_register(&table, &functions);
+    counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
 }

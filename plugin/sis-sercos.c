@@ -281,7 +281,7 @@ show_piece(access_t *access, tvbuff_t *whole)
         return;
     length = tvb_captured_length(whole);
     tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_whole, NULL,
-                                         "Data of all pieces, %u bytes", length);
+                                         "Data of all pieces, %u byte%s", length, plurality(length, "", "s"));
     show_data(access, tree, whole);
     sis_export_parameter(body, access->ident, (uint8_t)access->device, whole);
 }

@@ -76,6 +76,16 @@ get_number(tvbuff_t *tvb, unsigned offset, unsigned size)
     return value;
 }
 
+/* With a point in every locale: people filter for it. */
+static const char *
+double_text(wmem_allocator_t *scope, int digits, double value)
+{
+    char format[8], text[G_ASCII_DTOSTR_BUF_SIZE];
+
+    snprintf(format, sizeof format, "%%.%dg", digits);
+    return wmem_strdup(scope, g_ascii_formatd(text, sizeof text, format, value));
+}
+
 /* Fixed point: exact, as the decimal places say. */
 static const char *
 decimal_text(wmem_allocator_t *scope, uint64_t magnitude, bool is_negative, const layout_t *layout)
@@ -86,8 +96,8 @@ decimal_text(wmem_allocator_t *scope, uint64_t magnitude, bool is_negative, cons
     for (unsigned i = 0; i < layout->decimals; i++)
         unit *= 10;
     if (!g_uint64_checked_mul(&scaled, magnitude, layout->factor))
-        return wmem_strdup_printf(scope, "%s%.*f", sign, (int)layout->decimals,
-                                  (double)magnitude * layout->factor / (double)unit);
+        return wmem_strdup_printf(scope, "%s%s", sign,
+                                  double_text(scope, 17, (double)magnitude * layout->factor / (double)unit));
     if (layout->decimals == 0)
         return wmem_strdup_printf(scope, "%s%" PRIu64, sign, scaled);
     return wmem_strdup_printf(scope, "%s%" PRIu64 ".%0*" PRIu64, sign, scaled / unit, (int)layout->decimals,
@@ -111,7 +121,7 @@ float_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout
     double value =
         layout->size == 8 ? tvb_get_letohieee_double(tvb, offset) : tvb_get_letohieee_float(tvb, offset);
 
-    return wmem_strdup_printf(scope, "%.*g", layout->size == 8 ? 15 : 7, value);
+    return double_text(scope, layout->size == 8 ? 15 : 7, value);
 }
 
 static const char *
@@ -232,7 +242,8 @@ add_attribute(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb)
     return wmem_strdup_printf(pinfo->pool, "0x%08x", tvb_get_letohl(tvb, 0));
 }
 
-#define SHOWN_IN_LIST 4
+#define SHOWN_IN_LIST 4u
+#define SHOWN_IN_TREE 100000u /* more than a SERCOS list can have; Wireshark gives up at ten times that */
 
 /* All elements into the tree, the first few into the text. Which one of its list the first of a segment is
  * cannot be told. */
@@ -248,7 +259,7 @@ add_list(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const layout_t *la
     if (is_wanted)
         subtree = proto_tree_add_subtree_format(tree, tvb, offset, length, ett_list, NULL, "%u element%s",
                                                 count, plurality(count, "", "s"));
-    for (unsigned i = 0; i < count && (is_wanted || i < SHOWN_IN_LIST); i++) {
+    for (unsigned i = 0; i < MIN(count, is_wanted ? SHOWN_IN_TREE : SHOWN_IN_LIST); i++) {
         unsigned at = offset + i * layout->size;
         const char *value = value_text(pinfo->pool, tvb, at, layout);
 

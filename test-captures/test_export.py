@@ -40,8 +40,8 @@ def test_objects(tshark: Tshark, tmp_path: Path) -> None:
         tshark.output("-q", "-r", str(capture), "--export-objects", f"sis,{folder}")
         objects = {file.name: file.read_bytes() for file in folder.iterdir()}
     assert objects == {
-        "memory of station 3, 0x00010000 to 0x00010007.bin": b"ABcdEFGH",
-        "memory of station 3, 0x00020000 to 0x00020002.bin": b"far",
-        "memory of station 3, 0x00030000 to 0x00030004.bin": b"hello",
-        "S-0-0017 of device 3, packet 14.bin": b"\x01\x00\x02\x00",
+        "0x00010000 to 0x00010007, memory written, station 3.bin": b"ABcdEFGH",
+        "0x00020000 to 0x00020002, memory written, station 3.bin": b"far",
+        "0x00030000 to 0x00030004, memory read, station 3.bin": b"hello",
+        "S-0-0017 of device 3 at station 3, packet 14.bin": b"\x01\x00\x02\x00",
     }
