@@ -204,3 +204,11 @@ def test_last_piece_without_data_ends_a_reading(tshark: Tshark) -> None:
     for passes in ((), ("-2",)):
         frames = shown(tshark, HERE / "sequences-empty.pcapng", "data sequence.piece sequence.length", *passes)
         assert frames[8] == {"data": "4546,43444546", "sequence.piece": "6,8", "sequence.length": "4"}
+
+
+def test_several_telegrams_in_a_packet(tshark: Tshark) -> None:
+    """Every transfer keeps to its own pieces, in both passes."""
+    for passes in ([], ["-2"]):
+        fields = ("-T", "fields", "-e", "sis.data")
+        data = tshark.output(*passes, "-r", str(HERE / "sequences-packed.pcapng"), *fields).splitlines()
+        assert data == ["4142,43,414243,6162,63,616263", "4142", "", "43,414243"]
