@@ -8,6 +8,10 @@
 
 typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
 
+/* Events that leave a gap. */
+#define SERTAP_CHARACTERS_LOST 3
+#define SERTAP_ADAPTER_LOST    4
+
 #define SERTAP_SAME_READ          0x01
 #define SERTAP_CHARACTER_ERROR    0x02
 #define SERTAP_BREAK              0x04
@@ -43,12 +47,18 @@ typedef struct {
 
 #define SERTAP_UNCERTAINTY_UNKNOWN 0xFFFFFFFF
 
-/* The record that this packet is, from the first character of the payload on; NULL where it is none. Valid
- * while the packet is dissected. */
+/* The record that this packet is; NULL where it is none. Valid while the packet is dissected. */
 const sertap_record_t *sertap_record(packet_info *pinfo);
 
-/* From the first to the last character of this packet; 0 where there are no times. */
-nstime_t sertap_duration(packet_info *pinfo);
+/* The first of the record's characters that `part`, cut out of its payload, has. */
+unsigned sertap_index(const sertap_record_t *record, tvbuff_t *part);
+
+/* How long one character takes, start and stop bits included; 0 where the rate is not known. */
+int64_t sertap_character_ns(const sertap_record_t *record);
+
+/* A time since 1970. */
+int64_t sertap_ns(const nstime_t *time);
+nstime_t sertap_time(int64_t ns);
 
 /* First pass: packets of this interface so far that may hide a frame; 0: none. */
 typedef struct {
@@ -58,7 +68,15 @@ typedef struct {
 
 sertap_disturbance_t sertap_disturbance(packet_info *pinfo);
 
+/* First pass: in which part of the last second, or of the time since the line's first character, there were
+ * characters on the line, in percent; negative: not known. */
+float sertap_load(packet_info *pinfo);
+
+/* First pass: takes a record into account. */
+void sertap_line_note(packet_info *pinfo, const sertap_record_t *record);
+
 void sertap_register(void);
+void sertap_line_register(void);
 void sertap_statistics_register(void);
 
 #endif

@@ -9,6 +9,7 @@
 #include "sis-address.h"
 #include "sis-body.h"
 #include "sis-exchange.h"
+#include "sis-timing.h"
 
 #define CONTROL_RESERVED 0x20
 #define CONTROL_WARNING  0x40
@@ -305,10 +306,11 @@ dissect_useful_data(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    sis_record_t *record = telegram->is_good ? sis_exchange_find(d->tvb, d->pinfo, telegram) : NULL;
-    sis_exchange_t *exchange = record != NULL ? record->exchange : NULL;
+    sis_record_t *record = sis_exchange_find(d->tvb, d->pinfo, telegram);
+    sis_exchange_t *exchange = record->exchange;
     sis_request_t request = {.service = telegram->service};
-    sis_body_t body = {.tvb = d->tvb,
+    sis_body_t body = {.telegram = telegram,
+                       .tvb = d->tvb,
                        .pinfo = d->pinfo,
                        .tree = d->tree,
                        .root = d->root,
@@ -322,15 +324,14 @@ dissect_useful_data(const dissection_t *d)
                        .marks = d->marks,
                        .request = telegram->is_reaction ? NULL : &request,
                        .asked = exchange != NULL ? exchange->request : NULL,
-                       .record = record};
+                       .record = telegram->is_good ? record : NULL};
 
-    if (record != NULL)
+    if (telegram->is_good)
         sis_exchange_show(record, d->tvb, d->pinfo, d->tree, d->root, telegram, d->marks);
-    else
-        sis_exchange_damaged(d->pinfo);
     sis_dissect_body(&body);
     if (exchange != NULL && !telegram->is_reaction)
         sis_exchange_keep(exchange, &request);
+    sis_timing_dissect(d->telegram, record, &body);
     return wmem_strbuf_get_str(body.summary);
 }
 
@@ -362,6 +363,7 @@ read_header(tvbuff_t *tvb, packet_info *pinfo)
     telegram->body_offset =
         SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
     telegram->declared = sis_declared_length(tvb, 0);
+    telegram->times = sis_times(tvb, pinfo, telegram->declared != 0 ? MIN(there, telegram->declared) : there);
     telegram->is_good = sis_is_good(tvb, 0) && telegram->body_offset <= telegram->declared;
     telegram->last_address = telegram->receiver;
     if (telegram->is_good && telegram->subaddress_count > 0)
@@ -612,6 +614,7 @@ sis_register_protocol(void)
         "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", &sis_edition,
         edition_choices, FALSE);
     sis_body_register(module);
+    sis_timing_register(module);
     sis_transports_register_preferences(module);
 
     sis_handle = register_dissector("sis", dissect_sis, proto_sis);

@@ -4,7 +4,7 @@
 #ifndef PACKET_SIS_H
 #define PACKET_SIS_H
 
-#include "compat.h"
+#include "sis-times.h"
 
 #include <epan/prefs.h>
 
@@ -16,7 +16,21 @@
 #define SIS_CONTROL_NUMBER       0x08
 #define SIS_CONTROL_REACTION     0x10
 
-/* One telegram's header; the tap "sis" gets it. */
+struct sis_record;
+
+/* What the timing of a telegram says; times in ns. */
+typedef struct {
+    bool has_silence; /* before the telegram */
+    int64_t silence;
+    sis_longest_t longest; /* of its intervals; at is 0 where they are not known or nobody asks */
+    int64_t tza;           /* limits; 0: not known, so there is no verdict */
+    int64_t trs;
+    bool has_reaction_time;
+    sis_verdict_t trs_verdict;
+    int64_t wait; /* TwM; negative: none */
+} sis_timing_t;
+
+/* One telegram; the tap "sis" gets it. */
 typedef struct {
     unsigned length;   /* bytes that are there */
     unsigned declared; /* bytes it says it has; 0: it does not say */
@@ -32,6 +46,9 @@ typedef struct {
     uint8_t talker; /* who really sends: a reaction keeps the command's addresses */
     uint8_t listener;
     unsigned body_offset; /* of the useful data */
+    sis_times_t times;
+    const struct sis_record *record;
+    sis_timing_t timing;
 } sis_telegram_t;
 
 extern int proto_sis;
