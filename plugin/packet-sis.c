@@ -4,6 +4,7 @@
 
 #include "packet-sis.h"
 
+#include <epan/proto_data.h>
 #include <epan/tap.h>
 
 #include "sis-address.h"
@@ -332,6 +333,9 @@ dissect_useful_data(const dissection_t *d)
     if (exchange != NULL && !telegram->is_reaction)
         sis_exchange_keep(exchange, &request);
     sis_timing_dissect(d->telegram, record, &body);
+    d->telegram->status_text = body.status_text;
+    d->telegram->error_text = body.error_text;
+    d->telegram->error = body.error;
     return wmem_strbuf_get_str(body.summary);
 }
 
@@ -449,7 +453,15 @@ dissect_whole_telegram(dissection_t *d)
                     wmem_strbuf_get_str(d->marks));
     if (d->tree)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, shortened(d->pinfo->pool, words));
+    d->telegram->before = p_get_proto_data(d->pinfo->pool, d->pinfo, proto_sis, SIS_KEY_LAST_TELEGRAM);
+    p_set_proto_data(d->pinfo->pool, d->pinfo, proto_sis, SIS_KEY_LAST_TELEGRAM, d->telegram);
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
+}
+
+const sis_telegram_t *
+sis_last_telegram(packet_info *pinfo)
+{
+    return p_get_proto_data(pinfo->pool, pinfo, proto_sis, SIS_KEY_LAST_TELEGRAM);
 }
 
 /* Less than the 8 bytes that every telegram has. */
@@ -620,6 +632,7 @@ sis_register_protocol(void)
     sis_handle = register_dissector("sis", dissect_sis, proto_sis);
     sis_tap = register_tap("sis");
     sis_statistics_register();
+    sis_tables_register();
 }
 
 static void

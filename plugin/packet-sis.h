@@ -31,10 +31,11 @@ typedef struct {
 } sis_timing_t;
 
 /* One telegram; the tap "sis" gets it. */
-typedef struct {
-    unsigned length;   /* bytes that are there */
-    unsigned declared; /* bytes it says it has; 0: it does not say */
-    bool is_good;      /* start character, equal lengths, all of it, checksum */
+typedef struct sis_telegram {
+    struct sis_telegram *before; /* in the same packet; NULL: none */
+    unsigned length;             /* bytes that are there */
+    unsigned declared;           /* bytes it says it has; 0: it does not say */
+    bool is_good;                /* start character, equal lengths, all of it, checksum */
     uint8_t control;
     uint8_t service;
     uint8_t sender;
@@ -49,7 +50,13 @@ typedef struct {
     sis_times_t times;
     const struct sis_record *record;
     sis_timing_t timing;
+    const char *status_text; /* of a reaction; NULL: it has none */
+    const char *error_text;  /* NULL: there is no error code */
+    uint32_t error;
 } sis_telegram_t;
+
+/* What is kept while a packet is dissected (p_add_proto_data). */
+enum { SIS_KEY_COUNTER, SIS_KEY_LAST_TELEGRAM };
 
 extern int proto_sis;
 extern dissector_handle_t sis_handle; /* telegrams, one after the other, as much as there is */
@@ -57,6 +64,9 @@ extern int sis_tap;
 
 /* How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ). */
 unsigned sis_declared_length(tvbuff_t *tvb, unsigned offset);
+
+/* The last telegram of a packet that has been dissected; NULL: it has none. */
+const sis_telegram_t *sis_last_telegram(packet_info *pinfo);
 
 /* Sum of bytes modulo 256; 0 for a telegram with a good checksum. */
 uint8_t sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length);
@@ -71,5 +81,6 @@ void sis_register(void);
 void sis_transports_register_preferences(module_t *module);
 void sis_transports_handoff(void);
 void sis_statistics_register(void);
+void sis_tables_register(void);
 
 #endif

@@ -250,6 +250,7 @@ mark_error(sis_body_t *body, const char *text, uint32_t code)
     sis_mark(body, &ei_status, "error 0x%04x: %s", code, text);
     body->is_explained = true;
     body->error = code;
+    body->error_text = text;
 }
 
 void

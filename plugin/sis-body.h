@@ -51,7 +51,8 @@ typedef struct {
     uint8_t service;
     uint8_t status; /* of a reaction */
     const char *status_text;
-    uint32_t error;             /* the code, 0: none */
+    uint32_t error; /* the code, 0: none */
+    const char *error_text;
     bool is_explained;          /* an error code has said more than the status */
     wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;       /* and what is wrong, after that */

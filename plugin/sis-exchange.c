@@ -250,7 +250,11 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
     tvb_memcpy(tvb, exchange->path, 7, 1 + telegram->subaddress_count);
     exchange->command_in = pinfo->num;
     exchange->command_end = telegram->times.end;
-    exchange->command_end_earliest = telegram->times.end_earliest;
+    exchange->command_duration = (uint32_t)MIN(telegram->times.end - telegram->times.begin, UINT32_MAX);
+    exchange->command_spread =
+        telegram->times.is_bounded
+            ? (uint32_t)MIN(telegram->times.end - telegram->times.end_earliest, UINT32_MAX)
+            : UINT32_MAX;
     exchange->wait = -1;
     exchange->needs_reaction = sis_is_answered(telegram->last_address);
     if (exchange->needs_reaction)
@@ -342,10 +346,9 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
 static uint32_t
 telegram_key(packet_info *pinfo)
 {
-    enum { COUNTER = 0 };
-    unsigned count = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sis, COUNTER)) + 1;
+    unsigned count = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sis, SIS_KEY_COUNTER)) + 1;
 
-    p_set_proto_data(pinfo->pool, pinfo, proto_sis, COUNTER, GUINT_TO_POINTER(count));
+    p_set_proto_data(pinfo->pool, pinfo, proto_sis, SIS_KEY_COUNTER, GUINT_TO_POINTER(count));
     return count;
 }
 

@@ -30,18 +30,19 @@ typedef struct sis_exchange {
     struct sis_stream *stream;
     unsigned direction; /* in its stream */
     uint32_t command_in;
-    uint32_t reaction_in;     /* 0: none */
-    uint32_t next_command_in; /* the master went on without a reaction; 0: no */
-    uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for, then 0 */
-    uint8_t station;          /* whom the command is for in the end */
-    uint32_t repeat_of;       /* the first of the same commands */
-    uint32_t routed_from;     /* the command one level above */
-    uint32_t gave_up;         /* the master's command before, unanswered until now; 0: none */
-    uint8_t gave_up_station;  /* whom that was for */
-    int64_t command_end;      /* when its last character came, ns since 1970 */
-    int64_t command_end_earliest;
-    int64_t reaction_time; /* ns, valid if has_time */
-    int64_t wait;          /* TwM, ns: of a repeat, or after a broadcast; negative: none */
+    uint32_t reaction_in;      /* 0: none */
+    uint32_t next_command_in;  /* the master went on without a reaction; 0: no */
+    uint8_t path[8];           /* from the receiver through subaddresses to whom the command is for, then 0 */
+    uint8_t station;           /* whom the command is for in the end */
+    uint32_t repeat_of;        /* the first of the same commands */
+    uint32_t routed_from;      /* the command one level above */
+    uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
+    uint8_t gave_up_station;   /* whom that was for */
+    int64_t command_end;       /* when its last character came, ns since 1970 */
+    uint32_t command_duration; /* ns */
+    uint32_t command_spread;   /* ns: so much earlier its last character can have come; UINT32_MAX: unknown */
+    int64_t reaction_time;     /* ns, valid if has_time */
+    int64_t wait;              /* TwM, ns: of a repeat, or after a broadcast; negative: none */
     bool has_time;
     bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
     bool needs_reaction;      /* neither group nor broadcast */

@@ -236,11 +236,12 @@ static void
 show_trs(const timing_t *t)
 {
     const sis_exchange_t *exchange = t->record->exchange;
-    bool is_resolvable = t->telegram->times.is_bounded && exchange->command_end_earliest != 0;
+    bool is_resolvable = t->telegram->times.is_bounded && exchange->command_spread != UINT32_MAX;
     sis_span_t span = {0, SIS_ANY_TIME};
 
     if (is_resolvable)
-        span = sis_span_between(exchange->command_end_earliest, exchange->command_end, &t->telegram->times);
+        span = sis_span_between(exchange->command_end - exchange->command_spread, exchange->command_end,
+                                &t->telegram->times);
     t->timing->trs_verdict = sis_judge(span, t->timing->trs);
     show_verdict(t, &trs, trs_ms == 0 ? setting(t, SIS_TRS) : NULL, t->timing->trs, t->timing->trs_verdict,
                  is_resolvable ? span_text(t, &span) : "how exact the times are is not known");
