@@ -19,7 +19,7 @@ typedef struct {
     int64_t begin; /* of the first character on the line */
 } window_t;
 
-typedef struct {
+typedef struct sertap_line {
     sertap_disturbance_t disturbance;
     window_t window;
 } line_t;
@@ -40,9 +40,9 @@ find_line(packet_info *pinfo)
 }
 
 sertap_disturbance_t
-sertap_disturbance(packet_info *pinfo)
+sertap_disturbance(const sertap_record_t *record)
 {
-    return find_line(pinfo)->disturbance;
+    return record->known->disturbance;
 }
 
 /* Fewer other characters are what a line says when its direction turns. */
@@ -96,9 +96,9 @@ note_spell(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 }
 
 void
-sertap_line_note(packet_info *pinfo, const sertap_record_t *record)
+sertap_line_note(packet_info *pinfo, sertap_record_t *record)
 {
-    line_t *line = find_line(pinfo);
+    line_t *line = record->known = find_line(pinfo);
 
     note_disturbance(line, pinfo, record);
     if (record->type != SERTAP_EVENT)
@@ -107,9 +107,9 @@ sertap_line_note(packet_info *pinfo, const sertap_record_t *record)
 
 /* Of the oldest spell only a part may lie in the window. */
 float
-sertap_load(packet_info *pinfo)
+sertap_load(const sertap_record_t *record)
 {
-    const window_t *window = &find_line(pinfo)->window;
+    const window_t *window = &record->known->window;
     const spell_t *first = window->spells + window->head;
     int64_t end, begin, busy = window->busy;
 

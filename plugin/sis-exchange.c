@@ -115,20 +115,17 @@ sis_direction(const sis_telegram_t *telegram)
 }
 
 static void
-note_damaged(packet_info *pinfo)
+note_damaged(sis_bus_t *bus, packet_info *pinfo)
 {
-    sis_bus_t *bus = sis_exchange_bus(pinfo);
-
     bus->damaged_in = pinfo->num;
     bus->damaged_count++;
 }
 
 /* A telegram whose length was damaged is no telegram at all: the tap calls it other characters. */
 static void
-note_disturbance(packet_info *pinfo)
+note_disturbance(sis_bus_t *bus, const sertap_record_t *record)
 {
-    sertap_disturbance_t seen = sertap_disturbance(pinfo);
-    sis_bus_t *bus = sis_exchange_bus(pinfo);
+    sertap_disturbance_t seen = sertap_disturbance(record);
 
     bus->lost_in = MAX(bus->lost_in, seen.lost_in);
     if (seen.unframed_in > bus->damaged_in) {
@@ -357,20 +354,27 @@ sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *teleg
 {
     uint32_t key = telegram_key(pinfo);
     sis_record_t *record = p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, key);
+    const sertap_record_t *tap = sertap_record(pinfo);
+    sis_bus_t *bus;
 
     if (record != NULL && record->service == telegram->service &&
         record->is_reaction == telegram->is_reaction)
         return record;
     /* A telegram that the first pass did not see: TCP put its segments together in another way. */
-    if (record != NULL || pinfo->fd->visited)
-        return wmem_new0(pinfo->pool, sis_record_t);
-    note_disturbance(pinfo);
+    if (record != NULL || pinfo->fd->visited) {
+        record = wmem_new0(pinfo->pool, sis_record_t);
+        record->load = -1;
+        return record;
+    }
+    bus = sis_exchange_bus(pinfo);
+    if (tap != NULL)
+        note_disturbance(bus, tap);
     record = wmem_new0(wmem_file_scope(), sis_record_t);
     record->service = telegram->service;
     record->is_reaction = telegram->is_reaction;
     p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, key, record);
     if (!telegram->is_good)
-        note_damaged(pinfo);
+        note_damaged(bus, pinfo);
     else if (telegram->is_reaction)
         end_exchange(record, tvb, pinfo, telegram);
     else

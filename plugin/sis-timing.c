@@ -444,12 +444,13 @@ static void
 note(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_t *body)
 {
     uint8_t address = record->exchange != NULL ? record->exchange->path[0] : telegram->receiver;
-    sis_bus_t *bus = sis_exchange_bus(body->pinfo);
+    const sis_bus_t *bus =
+        record->exchange != NULL ? record->exchange->stream->bus : sis_exchange_bus(body->pinfo);
 
     if (!telegram->is_good || !sis_is_answered(address))
         address = SIS_ALL_STATIONS;
     record->settings = sis_bus_settings(bus->told, address, telegram->times.begin);
-    record->load = telegram->times.record != NULL ? sertap_load(body->pinfo) : -1;
+    record->load = telegram->times.record != NULL ? sertap_load(telegram->times.record) : -1;
     note_cycle(record, telegram, body);
 }
 
@@ -476,17 +477,17 @@ static hf_register_info fields[] = {
     {&hf_silence_before, {"Silence before", "sis.silence_before", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the character before it on this line, arrival to arrival", HFILL}},
     {&hf_tza_interval_max, {"Longest interval", "sis.tza.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been", HFILL}},
     {&hf_tza_position, {"Longest interval before character", "sis.tza.position", FT_UINT16, BASE_DEC, NULL, 0, "Its number in the telegram, from 1", HFILL}},
-    {&hf_tza_limit, {"TzA, longest interval allowed", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_tza_limit, {"TzA (longest interval allowed)", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_tza_set_in, {"TzA set in", "sis.tza.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_tza_verdict, {"TzA", "sis.tza.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
-    {&hf_trs_limit, {"TrS, longest reaction time allowed", "sis.trs.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_tza_verdict, {"Verdict on TzA", "sis.tza.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
+    {&hf_trs_limit, {"TrS (longest reaction time allowed)", "sis.trs.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_trs_set_in, {"TrS set in", "sis.trs.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_trs_verdict, {"TrS", "sis.trs.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
+    {&hf_trs_verdict, {"Verdict on TrS", "sis.trs.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
     {&hf_twm_wait, {"Wait of the master (TwM)", "sis.twm.wait", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the end of its command before: of the one that is repeated, or of a broadcast", HFILL}},
     {&hf_tmas_cycle, {"Master control word cycle", "sis.tmas.cycle", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two writings of S-0-0134 to the same device, begin to begin", HFILL}},
-    {&hf_tmas_limit, {"Tmas, longest cycle allowed", "sis.tmas.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "While the machine moves", HFILL}},
+    {&hf_tmas_limit, {"Tmas (longest cycle allowed)", "sis.tmas.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "While the machine moves", HFILL}},
     {&hf_tmas_set_in, {"Tmas set in", "sis.tmas.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_tmas_verdict, {"Tmas", "sis.tmas.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
+    {&hf_tmas_verdict, {"Verdict on Tmas", "sis.tmas.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
     {&hf_bus_baud, {"Baud rate of the bus", "sis.bus.baud", FT_UINT32, BASE_DEC, NULL, 0, "As the bus was told", HFILL}},
     {&hf_bus_baud_set_in, {"Baud rate set in", "sis.bus.baud.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_bus_load, {"Bus load", "sis.bus.load", FT_DOUBLE, BASE_NONE, NULL, 0, "Percent of the last second in which there were characters on the line", HFILL}},
