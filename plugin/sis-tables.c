@@ -123,7 +123,7 @@ add_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
     row->station = station;
     sis_quantiles_init(&row->intervals);
     items[0].user_data.ptr_value = row;
-    items[0].value.string_value = station == ALL ? g_strdup("All") : g_strdup_printf("%d", station);
+    items[0].value.string_value = station == ALL ? g_strdup("All") : g_strdup_printf("%3d", station);
     stat_tap_init_table_row(table, index, table->num_fields, items);
     return index;
 }
