@@ -18,6 +18,7 @@ static int hf_reaction_in = -1;
 static int hf_command_in = -1;
 static int hf_reaction_time = -1;
 static int hf_repeat_of = -1;
+static int hf_gave_up = -1;
 static int hf_routed_from = -1;
 
 static expert_field ei_unanswered = EI_INIT;
@@ -415,6 +416,7 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
 {
     add_frame(tree, tvb, hf_reaction_in, exchange->reaction_in);
     add_frame(tree, tvb, hf_repeat_of, exchange->repeat_of);
+    add_frame(tree, tvb, hf_gave_up, exchange->gave_up);
     add_frame(tree, tvb, hf_routed_from, exchange->routed_from);
     if (exchange->repeat_of != 0) {
         expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again", exchange->repeat_of);
@@ -470,6 +472,7 @@ static hf_register_info fields[] = {
     {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
                          "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
     {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
+    {&hf_gave_up, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
     {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},
 };
 

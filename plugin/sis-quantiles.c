@@ -8,8 +8,8 @@ void
 sis_quantiles_init(sis_quantiles_t *quantiles)
 {
     memset(quantiles, 0, sizeof *quantiles);
-    quantiles->p50.part = 0.50;
-    quantiles->p99.part = 0.99;
+    quantiles->p50.percent = 50;
+    quantiles->p99.percent = 99;
 }
 
 /* Below 32 ns a bucket is 1 ns; from there on the five bits after the first one tell the bucket. */
@@ -36,10 +36,8 @@ end_of_bucket(unsigned bucket)
 static void
 move(sis_quantile_t *quantile, const sis_quantiles_t *quantiles, unsigned bucket)
 {
-    uint64_t wanted = (uint64_t)(quantile->part * (double)quantiles->count);
+    uint64_t wanted = (quantile->percent * quantiles->count + 99) / 100;
 
-    if (wanted < quantiles->count)
-        wanted++; /* so many values, this one included, are not larger */
     if (bucket < quantile->bucket)
         quantile->below++;
     while (quantile->below >= wanted)

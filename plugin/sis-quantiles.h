@@ -11,7 +11,7 @@
 
 /* Where one quantile is. Moves by a few buckets at most with each value. */
 typedef struct {
-    double part; /* 0.99: p99 */
+    unsigned percent; /* of the values are not larger */
     unsigned bucket;
     uint64_t below; /* values in the buckets before */
 } sis_quantile_t;
