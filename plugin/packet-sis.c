@@ -210,11 +210,13 @@ dissect_control(const dissection_t *d)
     static int *const bits_ecodrive03[] = {&hf_control_status, &hf_control_reaction, &hf_control_number,
                                            &hf_control_subaddresses, NULL};
     bool is_if02 = sis_edition == SIS_EDITION_IF02;
-    proto_item *ti =
-        proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
-                                          is_if02 ? bits_if02 : bits_ecodrive03, ENC_NA, BMT_NO_APPEND);
+    proto_item *ti = NULL;
 
-    proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
+    if (d->tree != NULL) {
+        ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
+                                               is_if02 ? bits_if02 : bits_ecodrive03, ENC_NA, BMT_NO_APPEND);
+        proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
+    }
     if (is_if02)
         dissect_control_if02(d, ti);
     else
@@ -295,6 +297,8 @@ dissect_addresses(const dissection_t *d)
     if (d->declared > 0 && d->telegram->body_offset > d->declared)
         mark(d, d->root, &ei_header_too_long, "header longer than telegram");
 
+    if (d->tree == NULL)
+        return;
     add_generated_station(d, hf_talker, d->telegram->talker, false);
     add_generated_station(d, hf_listener, d->telegram->listener, false);
     add_generated_station(d, hf_station, d->telegram->talker, true);
