@@ -26,6 +26,7 @@ class Adapter(NamedTuple):
     latency_ms: int | None = None  # latency timer of a USB adapter: it sends no earlier unless it is full
     fifo_trigger: int | None = None  # characters in the FIFO of a UART that raise an interrupt
     pseudo_terminal: bool = False
+    serial: str = ""  # serial number of a USB adapter
 
     @property
     def latency(self) -> str:
@@ -52,15 +53,41 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
     return Adapter(
         _above(tty / "device", "product") or (f"{uart} UART" if uart else ""),
         _driver(tty / "device"),
-        _number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
-        _number(tty / "rx_trig_bytes"),
+        number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
+        number(tty / "rx_trig_bytes"),
+        serial=_above(tty / "device", "serial"),
     )
+
+
+def identity(port: str, behind: Adapter) -> str:
+    """Name the hardware itself: an adapter with a serial number is the same at whatever port it turns up."""
+    if behind.serial:
+        return f"{behind.name} {behind.serial}"
+    return f"{behind.name or 'unknown adapter'} at {os.path.realpath(port)}"
 
 
 def _is_pseudo_terminal(port: str) -> bool:
     try:
         return os.major(Path(port).stat().st_rdev) in _PTY_SLAVE_MAJORS
     except (OSError, AttributeError):  # missing, or no major numbers on this system
+        return False
+
+
+def is_own_terminal(port: str) -> bool:
+    """Tell whether a port is the terminal that this program reads or writes."""
+    try:
+        device = Path(port).stat().st_rdev
+    except (OSError, ValueError):
+        return False
+    standard = any(os.isatty(stream) and os.fstat(stream).st_rdev == device for stream in range(3))
+    return standard or is_same_file(port, "/dev/tty")
+
+
+def is_same_file(one: str, other: str) -> bool:
+    """Tell whether two paths are one file; no if one of them does not exist."""
+    try:
+        return Path(one).samefile(other)
+    except OSError:
         return False
 
 
@@ -71,7 +98,8 @@ def _line(file: Path) -> str:
         return ""
 
 
-def _number(file: Path) -> int | None:
+def number(file: Path) -> int | None:
+    """Read a number of sysfs; None if there is none."""
     text = _line(file)
     return int(text) if text.isdecimal() else None
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import pty
@@ -47,6 +48,7 @@ class FakeReader:
     name = "/dev/ttyFAKE"
     adapter = "adapter of a test (latency timer 1 ms)"
     timing = "uncertainty 1 ms"
+    notes: tuple[str, ...] = ()
     line = 0
 
     def __init__(self, reads: list[Read], lost: str = "") -> None:
@@ -126,6 +128,50 @@ def test_the_first_record_says_how_the_file_was_taken(run: Run, tmp_path: Path) 
     assert record.settings == LineSettings(19200, 8, "N", 2)
     for part in (FakeReader.name, FakeReader.adapter, FakeReader.timing, "19200 Bd 8N1"):
         assert part in record.data.decode()
+
+
+def test_what_makes_the_times_worse_is_said_once_each(
+    run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    reader = FakeReader([])
+    reader.notes = ("its latency timer stays at 16 ms", "the self-test does not hold here")
+    assert run(reader, "-w", str(tmp_path / "x"), "-q") == 0
+    said = capfd.readouterr().err.splitlines()
+    assert said[:2] == [f"sistap: {note}" for note in reader.notes]
+    assert len(said) == 3  # and the summary
+
+
+def test_a_capture_runs_with_real_time_priority_and_leaves_it(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    policy, asked = [os.SCHED_OTHER], []
+
+    def setscheduler(pid: int, new: int, parameter: os.sched_param) -> None:
+        policy[0] = new
+        asked.append((pid, new, parameter.sched_priority))
+
+    monkeypatch.setattr(os, "sched_getscheduler", lambda pid: policy[0])
+    monkeypatch.setattr(os, "sched_setscheduler", setscheduler)
+
+    class Reader(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            assert policy == [os.SCHED_FIFO]
+            return super().read(timeout_s)
+
+    assert run(Reader(reads(*ALL), lost="gone"), "-w", str(tmp_path / "x")) == 1
+    assert asked == [(0, os.SCHED_FIFO, 1), (0, os.SCHED_OTHER, 0)]  # sched(7): 1 is the smallest
+
+
+def test_a_capture_runs_without_real_time_priority_too(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(pid: int, new: int, parameter: os.sched_param) -> None:
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    assert run(FakeReader(reads(*ALL)), "-w", str(tmp_path / "x"), "-q") == 0
+    assert frames(tmp_path / "x") == ALL
+    assert len(capfd.readouterr().err.splitlines()) == 1  # the summary
 
 
 def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
