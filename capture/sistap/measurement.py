@@ -56,10 +56,10 @@ def load() -> tuple[list[Result], str]:
         if not path.exists():
             return [], ""
         return _parse(_text(path)), ""
-    except (OSError, RuntimeError) as error:
-        return [], f"the result of the last self-test cannot be read and is ignored: {error}"
     except (ValueError, TypeError, KeyError, RecursionError):
         return [], f"{path} is not what `sistap selftest` writes and is ignored: run it again to replace the file"
+    except (OSError, RuntimeError) as error:
+        return [], f"the result of the last self-test cannot be read and is ignored: {error}"
 
 
 def store(result: Result) -> Path:

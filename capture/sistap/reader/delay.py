@@ -10,6 +10,7 @@ import select
 import threading
 import time
 import tty
+from array import array
 from contextlib import suppress
 from time import monotonic_ns
 
@@ -24,7 +25,7 @@ class LoopBroken(Exception):
     """What was sent did not come back; the text is one clause."""
 
 
-def through_pty(duration_ns: int) -> list[int]:
+def through_pty(duration_ns: int) -> array[int]:
     """Measure on a pseudo terminal of our own, in ns; OSError without one."""
     master, slave = pty.openpty()
     try:
@@ -35,22 +36,22 @@ def through_pty(duration_ns: int) -> list[int]:
         os.close(slave)
 
 
-def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0) -> list[int]:
+def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0) -> array[int]:
     """Send characters one by one; give for each the time from its end on the line until it was seen, in ns.
 
     LoopBroken or OSError if they do not come back.
     """
-    written: list[int] = []
+    written = array("q")
     # A descriptor of its own: after a signal the reader does not wait for this.
     arguments = (os.dup(writing), written, monotonic_ns() + duration_ns, character_ns)
     writer = threading.Thread(target=_write, args=arguments, daemon=True)
     writer.start()
-    seen = _read(reading, written, writer)
+    delays = _read(reading, written, writer)
     writer.join()
-    return [max(0, delay - character_ns) for delay in seen]
+    return array("q", (max(0, delay - character_ns) for delay in delays))
 
 
-def _write(writing: int, written: list[int], end_ns: int, character_ns: int) -> None:
+def _write(writing: int, written: array[int], end_ns: int, character_ns: int) -> None:
     """Write a character now and then, at no rhythm that the hardware's could hide."""
     with suppress(OSError), os.fdopen(writing, "wb", buffering=0) as stream:
         while (now := monotonic_ns()) < end_ns:
@@ -59,11 +60,11 @@ def _write(writing: int, written: list[int], end_ns: int, character_ns: int) -> 
             time.sleep(character_ns / 1e9 + random.uniform(0.0002, 0.0008))
 
 
-def _read(reading: int, written: list[int], writer: threading.Thread) -> list[int]:
+def _read(reading: int, written: array[int], writer: threading.Thread) -> array[int]:
     """Read what the writer writes, until it ends; give the times from write to read, in ns."""
     poll = select.poll()
     poll.register(reading, select.POLLIN)
-    delays: list[int] = []
+    delays = array("q")
     while writer.is_alive() or len(delays) < len(written):
         seen = len(delays)
         if poll.poll(10):
@@ -73,7 +74,7 @@ def _read(reading: int, written: list[int], writer: threading.Thread) -> list[in
                 raise LoopBroken("the port is gone")
             if len(written) < seen + len(data) or data != _characters(seen, len(data)):
                 raise LoopBroken(f"what came back is not what was sent ({data[:8].hex(' ')})")
-            delays += [now - sent for sent in written[seen : seen + len(data)]]
+            delays.extend(now - sent for sent in written[seen : seen + len(data)])
         elif seen < len(written) and monotonic_ns() - written[seen] > PATIENCE_NS:
             raise LoopBroken("a character that was sent did not come back within a second")
     return delays
