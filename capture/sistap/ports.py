@@ -50,12 +50,13 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
         return Adapter("pseudo terminal", pseudo_terminal=True)
     tty = sysfs / "class/tty" / Path(os.path.realpath(port)).name
     uart = _UARTS.get(_line(tty / "type"), "")
+    usb = _usb_device(tty / "device")
     return Adapter(
-        _above(tty / "device", "product") or (f"{uart} UART" if uart else ""),
+        (_line(usb / "product") if usb else "") or (f"{uart} UART" if uart else ""),
         _driver(tty / "device"),
         number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
         number(tty / "rx_trig_bytes"),
-        serial=_above(tty / "device", "serial"),
+        serial=_line(usb / "serial") if usb else "",
     )
 
 
@@ -104,13 +105,10 @@ def number(file: Path) -> int | None:
     return int(text) if text.isdecimal() else None
 
 
-def _above(device: Path, attribute: str) -> str:
-    """Read an attribute of a device or of the nearest one above that has it (interface, then USB device)."""
+def _usb_device(device: Path) -> Path | None:
+    """Find the USB device that has the device as an interface, or below one: it names its product."""
     real = device.resolve()
-    for folder in (real, *real.parents[:3]):
-        if text := _line(folder / attribute):
-            return text
-    return ""
+    return next((folder for folder in (real, *real.parents[:3]) if _line(folder / "product")), None)
 
 
 def _driver(device: Path) -> str:

@@ -25,14 +25,15 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap import capture, cli, session
+from sistap import capture, cli, ports, session
 from sistap.clock import Clock
 from sistap.console import Console
 from sistap.counters import Counters
 from sistap.line import Flag, LineSettings, Read
 from sistap.output import Output
 from sistap.pcapng import Interface
-from sistap.reader import PortError, PortLost
+from sistap.reader import PortError, PortLost, latency
+from sistap.reader.device import PosixReader
 from sistap.record import Event, Framing, Record, Type, unpack
 from sistap.writer import PcapngWriter
 
@@ -172,6 +173,29 @@ def test_a_capture_runs_without_real_time_priority_too(
     assert run(FakeReader(reads(*ALL)), "-w", str(tmp_path / "x"), "-q") == 0
     assert frames(tmp_path / "x") == ALL
     assert len(capfd.readouterr().err.splitlines()) == 1  # the summary
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_port_is_put_back_when_a_signal_ends_a_capture(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
+) -> None:
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    timer = tmp_path / "bus/usb-serial/devices" / Path(os.ttyname(slave)).name / "latency_timer"
+    timer.parent.mkdir(parents=True)
+    timer.write_text("16\n")
+    monkeypatch.setattr(ports, "SYSFS", tmp_path)
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: 0)
+
+    def read(reader: PosixReader, timeout_s: float) -> None:
+        assert timer.read_text() == "1"
+        os.kill(os.getpid(), number)
+
+    monkeypatch.setattr(PosixReader, "read", read)
+    assert cli.main(["capture", "-i", os.ttyname(slave), "-q"]) == 0
+    assert timer.read_text() == "16"
+    for descriptor in (master, slave):
+        os.close(descriptor)
 
 
 def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
