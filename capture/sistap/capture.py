@@ -262,8 +262,6 @@ def _capture(  # noqa: PLR0913 - it puts the parts together
     conditions = Conditions(args.silence_ms, only, args.count, dict(args.autostop).get("duration"))
     progress = bool(args.file) and not args.quiet and console.shows_progress
     try:
-        for note in reader.notes:
-            console.say(note)
         capture = Capture(reader, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
         code = capture.run(stop)
     finally:
