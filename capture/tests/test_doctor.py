@@ -212,16 +212,29 @@ def test_a_port(capsys: pytest.CaptureFixture[str], port: str) -> None:
     assert points["times"][1].startswith("uncertainty 0.25 ms, measured by selftest on 2026-11-20")
 
 
-def test_what_tuning_cannot_do_is_poor(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, port: str, tmp_path: Path
-) -> None:
-    def refuse(file: Path, text: str) -> int:
-        raise PermissionError(errno.EACCES, "Permission denied")
-
+@pytest.fixture
+def timer(monkeypatch: pytest.MonkeyPatch, port: str, tmp_path: Path) -> Path:
+    """The latency timer of the port, as if it were an FTDI adapter; at 16 ms."""
     timer = tmp_path / "bus/usb-serial/devices" / Path(port).name / "latency_timer"
     timer.parent.mkdir(parents=True)
     timer.write_text("16\n")
     monkeypatch.setattr(ports, "SYSFS", tmp_path)
+    return timer
+
+
+def test_what_tuning_can_do_is_said_and_undone(capsys: pytest.CaptureFixture[str], port: str, timer: Path) -> None:
+    code, points = examined(capsys, "-i", port)
+    assert (code, points["times"][0]) == (0, "good")
+    assert "; latency timer 16 -> 1 ms; " in points["times"][1]
+    assert timer.read_text() == "16"
+
+
+def test_what_tuning_cannot_do_is_poor(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, port: str, timer: Path
+) -> None:
+    def refuse(file: Path, text: str) -> int:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
     monkeypatch.setattr(Path, "write_text", refuse)
     assert cli.main(["doctor", "-i", port]) == 0
     (line,) = (line for line in capsys.readouterr().out.splitlines() if "latency timer stays" in line)

@@ -80,24 +80,38 @@ def port() -> Iterator[Callable[[Callable[[bytes], bytes]], Port]]:
 # -- Measuring ---------------------------------------------------------------------------------------------------------
 
 
-def test_delays_are_from_write_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
+class Ended:
+    """A writer that has written all that it will."""
+
+    def is_alive(self) -> bool:
+        return False
+
+
+def read_back(monkeypatch: pytest.MonkeyPatch, came: list[bytes], at_ns: list[int], written_ns: list[int]) -> list[int]:
+    """What the delays are when these characters come at these times."""
+
     class Poll:
         def register(self, fd: int, events: int) -> None: ...
 
         def poll(self, timeout: float) -> bool:
             return True
 
-    class Ended:
-        def is_alive(self) -> bool:
-            return False
-
-    now = iter([1_000, 5_500, 9_100])  # reads of the characters written at 900; 2000 and 4000; 9000
-    came = iter([b"@", b"AB", b"C"])
+    reads, now = iter(came), iter(at_ns)
     monkeypatch.setattr(select, "poll", Poll)
-    monkeypatch.setattr(os, "read", lambda fd, size: next(came))
+    monkeypatch.setattr(os, "read", lambda fd, size: next(reads))
     monkeypatch.setattr(delay, "monotonic_ns", lambda: next(now))
-    delays = delay._read(0, array("q", [900, 2_000, 4_000, 9_000]), Ended())  # type: ignore[arg-type]
-    assert list(delays) == [100, 3_500, 1_500, 100]
+    return list(delay._read(0, array("q", written_ns), Ended()))  # type: ignore[arg-type]
+
+
+def test_delays_are_from_write_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    delays = read_back(monkeypatch, [b"@", b"AB", b"C"], [1_000, 5_500, 9_100], [900, 2_000, 4_000, 9_000])
+    assert delays == [100, 3_500, 1_500, 100]
+
+
+@pytest.mark.parametrize("came", [b"@A", b"A", b""])  # one more than was sent, another one, the end
+def test_what_was_not_sent_is_no_delay(monkeypatch: pytest.MonkeyPatch, came: bytes) -> None:
+    with pytest.raises(delay.LoopBroken):
+        read_back(monkeypatch, [came], [1_000], [900])
 
 
 def test_the_time_on_the_line_is_no_delay(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,8 +129,9 @@ def test_through_a_pseudo_terminal(no_pauses: None) -> None:
 
 
 def test_quantiles() -> None:
-    thousand = range(1, 1001)
-    assert [selftest.quantile(thousand, share) for share in selftest.QUANTILES.values()] == [500, 900, 990, 999, 1000]
+    for count, expected in ((1000, [500, 900, 990, 999, 1000]), (1001, [501, 901, 991, 1000, 1001])):
+        values = range(1, count + 1)
+        assert [selftest.quantile(values, share) for share in selftest.QUANTILES.values()] == expected
     assert [selftest.quantile([7], share) for share in selftest.QUANTILES.values()] == [7] * 5
 
 
