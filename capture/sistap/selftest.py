@@ -89,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else "a pseudo terminal"
     print(f"measuring for {args.duration:g} s through {where}, with {priority.words()}", flush=True)
     try:
-        place, conditions, measured = _measure(args, settings)
+        place, conditions, measured = _measure(args, settings, console)
     except (delay.LoopBroken, OSError) as error:
         console.say(f"no result: {error}{_cure(args.port)}")
         return _FAILED
@@ -118,7 +118,9 @@ def _checked(args: argparse.Namespace) -> LineSettings:
     return LineSettings.parse(args.baud, args.format)
 
 
-def _measure(args: argparse.Namespace, settings: LineSettings) -> tuple[str, measurement.Conditions, Sequence[int]]:
+def _measure(
+    args: argparse.Namespace, settings: LineSettings, console: Console
+) -> tuple[str, measurement.Conditions, Sequence[int]]:
     """Give what was measured, under which conditions, and the delays in ns. May raise PortError."""
     duration_ns = int(args.duration * 1e9)
     if not args.port:
@@ -129,7 +131,7 @@ def _measure(args: argparse.Namespace, settings: LineSettings) -> tuple[str, mea
         tuning = Tuning(args.port, device.fileno(), settings)
         try:
             for line in tuning.missed:
-                Console().say(line)
+                console.say(line)
             behind = ports.adapter(args.port)
             with _undisturbed():
                 delays = delay.through(device.fileno(), device.fileno(), duration_ns, settings.character_ns)
