@@ -135,6 +135,8 @@ class Capture:
         stop.running = True
         if not self._quiet:
             self._console.say(f"capturing on {self._description}")
+        for note in self._reader.notes:
+            self._console.say(note)
         try:
             self._loop(stop)
         except PortLost as error:
