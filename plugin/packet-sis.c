@@ -89,6 +89,18 @@ typedef struct {
     wmem_strbuf_t *marks; /* for the end of the info column: what is wrong */
 } dissection_t;
 
+sis_packet_t *
+sis_packet(packet_info *pinfo)
+{
+    sis_packet_t *packet = p_get_proto_data(pinfo->pool, pinfo, proto_sis, 0);
+
+    if (packet == NULL) {
+        packet = wmem_new0(pinfo->pool, sis_packet_t);
+        p_add_proto_data(pinfo->pool, pinfo, proto_sis, 0, packet);
+    }
+    return packet;
+}
+
 /* Something is wrong: an expert item, and a mark that people see in the info column. */
 static void
 mark(const dissection_t *d, proto_item *ti, expert_field *ei, const char *text)
@@ -437,6 +449,7 @@ shortened(wmem_allocator_t *scope, const char *words)
 static void
 dissect_whole_telegram(dissection_t *d)
 {
+    sis_packet_t *packet = sis_packet(d->pinfo);
     const char *stations, *kind, *words;
 
     d->telegram = read_header(d->tvb, d->pinfo);
@@ -457,15 +470,9 @@ dissect_whole_telegram(dissection_t *d)
                     wmem_strbuf_get_str(d->marks));
     if (d->tree)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, shortened(d->pinfo->pool, words));
-    d->telegram->before = p_get_proto_data(d->pinfo->pool, d->pinfo, proto_sis, SIS_KEY_LAST_TELEGRAM);
-    p_set_proto_data(d->pinfo->pool, d->pinfo, proto_sis, SIS_KEY_LAST_TELEGRAM, d->telegram);
+    d->telegram->before = packet->last;
+    packet->last = d->telegram;
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
-}
-
-const sis_telegram_t *
-sis_last_telegram(packet_info *pinfo)
-{
-    return p_get_proto_data(pinfo->pool, pinfo, proto_sis, SIS_KEY_LAST_TELEGRAM);
 }
 
 /* Less than the 8 bytes that every telegram has. */

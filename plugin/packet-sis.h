@@ -32,10 +32,10 @@ typedef struct {
 
 /* One telegram; the tap "sis" gets it. */
 typedef struct sis_telegram {
-    struct sis_telegram *before; /* in the same packet; NULL: none */
-    unsigned length;             /* bytes that are there */
-    unsigned declared;           /* bytes it says it has; 0: it does not say */
-    bool is_good;                /* start character, equal lengths, all of it, checksum */
+    const struct sis_telegram *before; /* in the same packet; NULL: none */
+    unsigned length;                   /* bytes that are there */
+    unsigned declared;                 /* bytes it says it has; 0: it does not say */
+    bool is_good;                      /* start character, equal lengths, all of it, checksum */
     uint8_t control;
     uint8_t service;
     uint8_t sender;
@@ -55,8 +55,13 @@ typedef struct sis_telegram {
     uint32_t error;
 } sis_telegram_t;
 
-/* What is kept while a packet is dissected (p_add_proto_data). */
-enum { SIS_KEY_COUNTER, SIS_KEY_LAST_TELEGRAM };
+/* Several telegrams may be in one packet; kept while it is dissected. */
+typedef struct {
+    unsigned count;             /* of those whose exchange was looked for */
+    const sis_telegram_t *last; /* that has been dissected; NULL: none */
+} sis_packet_t;
+
+sis_packet_t *sis_packet(packet_info *pinfo);
 
 extern int proto_sis;
 extern dissector_handle_t sis_handle; /* telegrams, one after the other, as much as there is */
@@ -64,9 +69,6 @@ extern int sis_tap;
 
 /* How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ). */
 unsigned sis_declared_length(tvbuff_t *tvb, unsigned offset);
-
-/* The last telegram of a packet that has been dissected; NULL: it has none. */
-const sis_telegram_t *sis_last_telegram(packet_info *pinfo);
 
 /* Sum of bytes modulo 256; 0 for a telegram with a good checksum. */
 uint8_t sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length);

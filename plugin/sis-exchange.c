@@ -340,20 +340,10 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
     }
 }
 
-/* The how-manieth telegram of this packet: several may be in one. */
-static uint32_t
-telegram_key(packet_info *pinfo)
-{
-    unsigned count = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sis, SIS_KEY_COUNTER)) + 1;
-
-    p_set_proto_data(pinfo->pool, pinfo, proto_sis, SIS_KEY_COUNTER, GUINT_TO_POINTER(count));
-    return count;
-}
-
 sis_record_t *
 sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    uint32_t key = telegram_key(pinfo);
+    uint32_t key = ++sis_packet(pinfo)->count; /* several telegrams may be in one packet */
     sis_record_t *record = p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, key);
     const sertap_record_t *tap = sertap_record(pinfo);
     sis_bus_t *bus;

@@ -372,7 +372,7 @@ bus_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *
 {
     stat_tap_table *table = table_of(data);
     const sertap_record_t *record = sertap_record(pinfo);
-    const sis_telegram_t *telegram = sis_last_telegram(pinfo);
+    const sis_telegram_t *telegram = sis_packet(pinfo)->last;
 
     if (record != NULL && record->type != SERTAP_EVENT)
         count_record(table, pinfo, record);
