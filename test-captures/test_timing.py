@@ -102,6 +102,22 @@ def test_position_names_its_field(tshark: Tshark) -> None:
         assert position.lower().startswith(f"{number} ({name.lower()}"), position
 
 
+def begins_telegram(characters: bytes) -> bool:
+    """Tell what chapter 10.5 asks of an alternative start: the start character, and the length twice."""
+    return characters[:1] == b"\x02" and len(characters) >= 4 and characters[2] == characters[3]
+
+
+def test_what_a_receiver_makes_of_a_pause(tshark: Tshark) -> None:
+    scenario = Scenario(HERE / "timing-pauses.txt")
+    command = ("-r", str(HERE / "timing-pauses.pcapng"), *scenario.options, "-T", "fields", "-e", "_ws.expert.message")
+    begun = []
+    for message, item in zip(tshark.output(*command).splitlines(), scenario.items, strict=True):
+        if "tza.exceeded" in item.expected:
+            begun.append(begins_telegram(item.data[int(item.expected["tza.position"]) - 1 :]))
+            assert ("begins anew" in message, "goes on" in message) == (begun[-1], not begun[-1]), message
+    assert set(begun) == {False, True}
+
+
 def test_exceeded_is_marked_in_the_packet_list(tshark: Tshark) -> None:
     scenario = Scenario(HERE / "timing-pauses.txt")
     columns = ("-T", "fields", "-e", "_ws.col.Info")
@@ -110,12 +126,22 @@ def test_exceeded_is_marked_in_the_packet_list(tshark: Tshark) -> None:
         assert ("[TzA exceeded]" in info) == ("tza.exceeded" in item.expected), info
 
 
+def written(folder: Path, *lines: str) -> Path:
+    """Make a capture of a few lines."""
+    (folder / "few.txt").write_text("\n".join(lines))
+    (folder / "few.pcapng").write_bytes(Scenario(folder / "few.txt").capture())
+    return folder / "few.pcapng"
+
+
+def test_a_telegram_cut_in_its_header(tshark: Tshark, tmp_path: Path) -> None:
+    capture = written(tmp_path, "telegram 02 E9 02 02 00", "pause 4 6", "telegram 02")
+    frames = shown(tshark, capture, "tza.position tza.verdict", "-o", "sis.tza_ms:5")
+    assert frames == {1: {"tza.position": "4", "tza.verdict": "1"}, 2: {}}
+
+
 def test_without_the_taps_times_there_is_no_verdict(tshark: Tshark, tmp_path: Path) -> None:
     """A packet's time is then any time: of pauses it says nothing, of reactions nothing certain."""
-    lines = "@link sis\nsilence 90\ncommand 16>3 12\nreaction 16>3 12 00 04\n"
-    (tmp_path / "bare.txt").write_text(lines)
-    capture = tmp_path / "bare.pcapng"
-    capture.write_bytes(Scenario(tmp_path / "bare.txt").capture())
+    capture = written(tmp_path, "@link sis", "silence 90", "command 16>3 12", "reaction 16>3 12 00 04")
     options = ("-o", "sis.tza_ms:5", "-o", "sis.trs_ms:50")
     fields = "silence_before tza.interval_max tza.position tza.verdict trs.verdict bus.load"
     for cells in shown(tshark, capture, fields, *options).values():
@@ -137,9 +163,7 @@ LOADS = [
 @pytest.mark.parametrize(("silence_ms", "percent"), [load[1:] for load in LOADS], ids=[load[0] for load in LOADS])
 def test_load(silence_ms: float, percent: float, tshark: Tshark, tmp_path: Path) -> None:
     """At most one telegram (0.92 s/100) stands across the beginning of the second."""
-    (tmp_path / "load.txt").write_text(f"silence {silence_ms:.6f}\n" + "command 16>3 12\n" * 300)
-    capture = tmp_path / "load.pcapng"
-    capture.write_bytes(Scenario(tmp_path / "load.txt").capture())
+    capture = written(tmp_path, f"silence {silence_ms:.6f}", *["command 16>3 12"] * 300)
     loads = [float(cells["bus.load"]) for cells in shown(tshark, capture, "bus.load").values()]
     assert len(loads) == 300
     assert max(loads) <= 100
