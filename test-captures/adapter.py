@@ -86,15 +86,15 @@ class Window(NamedTuple):
     latest: int
 
 
-def windows(record: Record, character_ns: float) -> list[Window]:
+def windows(record: Record, character_ns: int) -> list[Window]:
     """Tell when each character can have arrived. The record's uncertainty is known."""
     times = list(itertools.accumulate(record.intervals[1:], initial=record.time_ns))
     firsts = [i for i, flag in enumerate(record.flags) if i == 0 or not flag & Flag.SAME_READ]
     found = []
     for first, end in itertools.pairwise([*firsts, len(times)]):
         for i in range(first, end):
-            earliest = times[i] - record.uncertainty_ns + int((i - first) * character_ns)
-            found.append(Window(earliest, times[i] - int((end - 1 - i) * character_ns)))
+            earliest = times[i] - record.uncertainty_ns + (i - first) * character_ns
+            found.append(Window(earliest, times[i] - (end - 1 - i) * character_ns))
     return found
 
 
@@ -126,17 +126,15 @@ def provably(line: Sequence[Window], limit_ns: int, character_ns: int) -> int:
 def admissible(record: Record, limit_ns: int, before: Record | None = None) -> set[int]:
     """Give the verdicts that are right about the intervals inside a record; or about the one between two records.
 
-    Whatever the windows of neighbours decide must be said, by a judge that lets senders be a little fast. What only
-    all windows together prove, or only if every sender keeps its rate, may be said.
+    Whatever the windows of neighbours decide must be said. What only all windows together prove may be said.
     """
     parts = [before, record] if before else [record]
     if any(part.uncertainty_ns == UNCERTAINTY_UNKNOWN for part in parts):
         return {UNRESOLVED}
-
-    def line(character_ns: float) -> list[Window]:
-        joined = [window for part in parts for window in windows(part, character_ns)]
-        return joined[len(before.data) - 1 :][:2] if before else joined
-
-    character_ns = record.settings.character_ns
-    must = surely(line(character_ns * (1 - TOLERANCE)), limit_ns)
-    return {must} if must != UNRESOLVED else {UNRESOLVED, provably(line(character_ns), limit_ns, character_ns)}
+    # As fast as the sender can be: its own rate is not known.
+    character_ns = int(record.settings.character_ns * (1 - TOLERANCE))
+    line = [window for part in parts for window in windows(part, character_ns)]
+    if before:
+        line = line[len(before.data) - 1 :][:2]
+    must = surely(line, limit_ns)
+    return {must} if must != UNRESOLVED else {UNRESOLVED, provably(line, limit_ns, character_ns)}

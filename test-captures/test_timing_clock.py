@@ -102,7 +102,7 @@ def verdict_of(arrivals: Sequence[int], limit_ms: int) -> int:
 def believable(record: Record, one: Sent) -> None:
     """Check the model itself: its records say nothing wrong about when the characters arrived."""
     if record.uncertainty_ns != UNCERTAINTY_UNKNOWN:
-        spacing_ns = record.settings.character_ns * (1 - TOLERANCE)
+        spacing_ns = int(record.settings.character_ns * (1 - TOLERANCE))
         for window, arrived_ns in zip(windows(record, spacing_ns), one.arrivals, strict=True):
             assert window.earliest <= arrived_ns <= window.latest
 
