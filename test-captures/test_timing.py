@@ -19,7 +19,7 @@ TIMES = {
     *("silence_before", "reaction_time", "tza.interval_max", "tza.limit", "trs.limit"),
     *("twm.wait", "tmas.cycle", "tmas.limit"),
 }
-EXPERTS = "tza.exceeded tza.unresolved trs.exceeded trs.unresolved tmas.exceeded"
+EXPERTS = "tza.exceeded tza.unresolved trs.exceeded trs.unresolved tmas.exceeded tmas.unresolved"
 
 # What the `fields` lines of each capture name, where it is there.
 FIELDS = {
@@ -48,7 +48,7 @@ def table(scenario: Scenario) -> Table:
 @pytest.mark.parametrize("name", FIELDS)
 def test_verdicts(name: str, tshark: Tshark) -> None:
     scenario = Scenario(HERE / f"{name}.txt")
-    experts = f"{EXPERTS} command.unanswered" if name == "timing-reactions" else EXPERTS
+    experts = f"{EXPERTS} command.unanswered twm.early" if name == "timing-reactions" else EXPERTS
     check(tshark, name, FIELDS[name], experts, table(scenario), *scenario.options)
 
 
