@@ -343,6 +343,7 @@ dissect_useful_data(const dissection_t *d)
                        .asked = exchange != NULL ? exchange->request : NULL,
                        .record = telegram->is_good ? record : NULL};
 
+    sis_timing_note(record, telegram, d->pinfo);
     if (telegram->is_good)
         sis_exchange_show(record, d->tvb, d->pinfo, d->tree, d->root, telegram, d->marks);
     sis_dissect_body(&body);

@@ -33,11 +33,17 @@ sis_told_new(void)
     return wmem_new0(wmem_file_scope(), struct sis_told);
 }
 
+/* A station that is told something for the first time has so far what is valid for all. */
 static station_t *
 find_station(struct sis_told *told, uint8_t address)
 {
-    if (told->stations[address] == NULL)
+    const station_t *all = told->stations[SIS_ALL_STATIONS];
+
+    if (told->stations[address] == NULL) {
         told->stations[address] = wmem_new0(wmem_file_scope(), station_t);
+        if (all != NULL)
+            told->stations[address]->valid = all->valid;
+    }
     return told->stations[address];
 }
 
@@ -110,7 +116,8 @@ is_broadcast(sis_address_kind_t kind)
     return kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST;
 }
 
-/* Told through a router it is not for a station of this line. */
+/* Told through a router it is not for a station of this line. A slave reacts to 0xFF with the new values
+ * already. */
 void
 sis_bus_learn(sis_body_t *body)
 {
@@ -118,38 +125,33 @@ sis_bus_learn(sis_body_t *body)
     const sis_request_t *request = body->is_reaction ? body->asked : body->request;
     sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
     bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
+    struct sis_told *told;
+    uint8_t address;
 
     if (body->pinfo->fd->visited || exchange == NULL || request == NULL || !request->has_setting ||
         telegram->subaddress_count > 0 || (is_for_all ? body->is_reaction : !body->is_reaction))
         return;
     if (body->is_reaction && (body->status != 0 || body->record->reaction_before != 0))
         return;
-    learn(exchange->stream->bus->told, is_for_all ? SIS_ALL_STATIONS : exchange->path[0], request,
-          exchange->command_in, body->pinfo->num, telegram->times.end);
-}
-
-/* Whichever was accepted later; of what was accepted at the same time, what was set later. */
-static sis_setting_t
-later(sis_setting_t a, sis_setting_t b)
-{
-    if (a.accepted_in != b.accepted_in)
-        return a.accepted_in > b.accepted_in ? a : b;
-    return a.set_in > b.set_in ? a : b;
+    told = exchange->stream->bus->told;
+    address = is_for_all ? SIS_ALL_STATIONS : exchange->path[0];
+    learn(told, address, request, exchange->command_in, body->pinfo->num, telegram->times.end);
+    if (body->is_reaction && request->subservice == SIS_ACCEPT)
+        body->record->settings = sis_bus_settings(told, address, telegram->times.begin);
 }
 
 static const sis_settings_t *
 make_settings(struct sis_told *told, uint8_t address)
 {
+    const station_t *all = told->stations[SIS_ALL_STATIONS], *own = told->stations[address];
     sis_settings_t *settings = wmem_new0(wmem_file_scope(), sis_settings_t);
 
-    for (unsigned i = 0; i < 2; i++) {
-        uint8_t from = i == 0 ? SIS_ALL_STATIONS : address;
-
-        for (unsigned kind = 0; kind < SIS_SETTINGS && told->stations[from] != NULL; kind++)
-            settings->of[kind] = later(settings->of[kind], told->stations[from]->valid.of[kind]);
-        if (told->tests[from].end != 0)
-            settings->of[SIS_BAUD] = told->tests[from].rate;
-    }
+    if (own != NULL || all != NULL)
+        *settings = own != NULL ? own->valid : all->valid;
+    if (told->tests[SIS_ALL_STATIONS].end != 0)
+        settings->of[SIS_BAUD] = told->tests[SIS_ALL_STATIONS].rate;
+    if (told->tests[address].end != 0)
+        settings->of[SIS_BAUD] = told->tests[address].rate;
     return settings;
 }
 

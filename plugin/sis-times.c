@@ -140,22 +140,43 @@ span_inside(const sis_times_t *times, const read_t *before, const read_t *read, 
     return span;
 }
 
-static void
-consider(sis_longest_t *longest, const sis_interval_t *interval, int64_t limit)
+/* A start character and two equal lengths: there a receiver begins anew after too long a pause, if the
+ * character comes directly after it (chapter 10.5). */
+static bool
+looks_like_start(const sis_times_t *times, unsigned at)
 {
-    sis_verdict_t verdict = sis_judge(interval->span, limit);
-    bool is_exceeded = verdict == SIS_TIME_EXCEEDED, was_exceeded = longest->verdict == SIS_TIME_EXCEEDED;
-    const sis_span_t *span = &interval->span, *known = &longest->interval.span;
+    tvbuff_t *tvb = times->record->tvb;
+    unsigned offset = times->record->data_offset + times->first + at - 1;
 
+    return compat_get_uint8(tvb, offset) == 0x02 && at + 3 <= times->count &&
+           compat_get_uint8(tvb, offset + 2) == compat_get_uint8(tvb, offset + 3);
+}
+
+/* By how much an interval counts: an unknown one does not. */
+static int64_t
+weight(const sis_times_t *times, const sis_interval_t *interval, bool is_exceeded)
+{
+    if (flags_of(times->record, times->first + interval->at - 1) & SERTAP_INTERVAL_UNKNOWN)
+        return -1;
+    if (is_exceeded)
+        return interval->span.least;
+    return interval->span.most != SIS_ANY_TIME ? interval->span.most : interval->recorded;
+}
+
+static void
+consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interval, int64_t limit)
+{
+    sis_verdict_t verdict = sis_judge(interval.span, limit);
+    bool is_exceeded = verdict == SIS_TIME_EXCEEDED, was_exceeded = longest->verdict == SIS_TIME_EXCEEDED;
+
+    interval.weight = weight(times, &interval, is_exceeded);
+    if (is_exceeded && longest->restart_at == 0 && looks_like_start(times, interval.at))
+        longest->restart_at = interval.at;
     if (longest->verdict == SIS_TIME_OK || is_exceeded)
         longest->verdict = verdict;
-    if (longest->interval.at == 0 || (is_exceeded && !was_exceeded))
-        longest->interval = *interval;
-    else if (is_exceeded == was_exceeded &&
-             (is_exceeded                 ? span->least > known->least
-              : span->most != known->most ? span->most > known->most
-                                          : interval->recorded > longest->interval.recorded))
-        longest->interval = *interval;
+    if (longest->interval.at == 0 || (is_exceeded && !was_exceeded) ||
+        (is_exceeded == was_exceeded && interval.weight > longest->interval.weight))
+        longest->interval = interval;
 }
 
 sis_longest_t
@@ -172,12 +193,12 @@ sis_longest(const sis_times_t *times, int64_t limit)
 
         if (before.size > 0) {
             interval.span = span_before(times, &before, &read, i);
-            consider(&longest, &interval, limit);
+            consider(&longest, times, interval, limit);
         }
         if (read.size > 1) {
             interval = (sis_interval_t){.at = i - times->first + 2};
             interval.span = span_inside(times, &before, &read, i);
-            consider(&longest, &interval, limit);
+            consider(&longest, times, interval, limit);
         }
         before = read;
     }

@@ -81,10 +81,13 @@ static const judgement_t trs = {"TrS",           &hf_trs_limit,    &hf_trs_set_i
 static const judgement_t tmas = {"Tmas",           &hf_tmas_limit,    &hf_tmas_set_in,
                                  &hf_tmas_verdict, &ei_tmas_exceeded, &ei_tmas_unresolved};
 
+/* More digits where three would make it look like a whole number of ms, as limits are. */
 static const char *
 ms_text(const timing_t *t, int64_t ns)
 {
-    return wmem_strdup_printf(t->pinfo->pool, "%.3f ms", (double)ns / MS);
+    int digits = ns % MS != 0 && (ns + 500) % MS < 1000 ? 6 : 3;
+
+    return wmem_strdup_printf(t->pinfo->pool, "%.*f ms", digits, (double)ns / MS);
 }
 
 static const char *
@@ -161,7 +164,7 @@ static const char *
 position_text(const timing_t *t, unsigned n)
 {
     static const char *const header[] = {
-        "Start",   "Checksum",       "Length",          "Length repetition", "Telegram control",
+        "Start",   "Checksum",       "Data length",     "Data length repetition", "Telegram control",
         "Service", "Sender address", "Receiver address"};
     const sis_telegram_t *telegram = t->telegram;
     unsigned subaddress = n - SIS_STATIC_LENGTH;
@@ -176,21 +179,20 @@ position_text(const timing_t *t, unsigned n)
     return wmem_strdup_printf(pool, "Useful data, byte %u", n - telegram->body_offset);
 }
 
-/* What a receiver does after so long a pause: only where the next character is 0x02 it may begin anew there,
- * and does if a telegram begins with it (chapter 10.5). */
+/* What a receiver does after so long a pause (chapter 10.5). */
 static const char *
-receiver_words(const timing_t *t, unsigned n)
+receiver_words(const timing_t *t)
 {
-    tvbuff_t *tvb = t->body->tvb;
-    unsigned at = n - 1;
+    const sis_longest_t *longest = &t->timing->longest;
 
-    if (compat_get_uint8(tvb, at) != SIS_START)
-        return "a receiver goes on";
-    if (at + 4 > t->telegram->times.count)
-        return "the character after it is 0x02: a receiver goes on, unless a telegram begins with it";
-    if (sis_declared_length(tvb, at) == 0)
-        return "the character after it is 0x02, but no telegram begins with it: a receiver goes on";
-    return "the characters after it look like the start of a telegram: a receiver begins anew with them";
+    if (longest->verdict != SIS_TIME_EXCEEDED)
+        return "";
+    if (longest->restart_at != 0)
+        return wmem_strdup_printf(t->pinfo->pool,
+                                  "; character %u looks like the start of a telegram: a receiver begins anew "
+                                  "there",
+                                  longest->restart_at);
+    return "; a receiver goes on";
 }
 
 static const char *
@@ -227,8 +229,8 @@ show_tza(const timing_t *t)
     if (t->timing->tza == 0)
         return;
     show_verdict(t, &tza, tza_ms == 0 ? setting(t, SIS_TZA) : NULL, t->timing->tza, longest->verdict,
-                 wmem_strdup_printf(t->pinfo->pool, "%s before character %u (%s); %s", text, interval->at,
-                                    position, receiver_words(t, interval->at)));
+                 wmem_strdup_printf(t->pinfo->pool, "%s before character %u (%s)%s", text, interval->at,
+                                    position, receiver_words(t)));
 }
 
 /* The reaction time of a slave on this line; behind a router it holds times of other lines. */
@@ -354,7 +356,7 @@ find_timing(timing_t *t)
     if (is_longest_wanted(t))
         timing->longest = sis_longest(&t->telegram->times, timing->tza);
     timing->has_reaction_time = is_answer;
-    if (is_answer && (trs_ms != 0 || t->telegram->subaddress_count == 0))
+    if (is_answer && t->telegram->subaddress_count == 0)
         timing->trs = limit(t, SIS_TRS, trs_ms);
     timing->wait = exchange != NULL && !t->telegram->is_reaction ? exchange->wait : -1;
 }
@@ -439,19 +441,19 @@ note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_
     last->times = telegram->times;
 }
 
-/* First pass: what is valid now. A swapped reaction's slave is in its command. */
-static void
-note(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_t *body)
+/* A swapped reaction's slave is in its command. */
+void
+sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_info *pinfo)
 {
     uint8_t address = record->exchange != NULL ? record->exchange->path[0] : telegram->receiver;
-    const sis_bus_t *bus =
-        record->exchange != NULL ? record->exchange->stream->bus : sis_exchange_bus(body->pinfo);
+    const sis_bus_t *bus = record->exchange != NULL ? record->exchange->stream->bus : sis_exchange_bus(pinfo);
 
+    if (pinfo->fd->visited)
+        return;
     if (!telegram->is_good || !sis_is_answered(address))
         address = SIS_ALL_STATIONS;
     record->settings = sis_bus_settings(bus->told, address, telegram->times.begin);
     record->load = telegram->times.record != NULL ? sertap_load(telegram->times.record) : -1;
-    note_cycle(record, telegram, body);
 }
 
 void
@@ -464,7 +466,7 @@ sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_bod
                   .pinfo = body->pinfo};
 
     if (!body->pinfo->fd->visited)
-        note(record, telegram, body);
+        note_cycle(record, telegram, body);
     telegram->record = record;
     find_timing(&t);
     if ((body->tree != NULL || t.timing->tza > 0 || t.timing->trs > 0 || record->cycle != NULL) &&

@@ -133,12 +133,6 @@ def written(folder: Path, *lines: str) -> Path:
     return folder / "few.pcapng"
 
 
-def test_a_telegram_cut_in_its_header(tshark: Tshark, tmp_path: Path) -> None:
-    capture = written(tmp_path, "telegram 02 E9 02 02 00", "pause 4 6", "telegram 02")
-    frames = shown(tshark, capture, "tza.position tza.verdict", "-o", "sis.tza_ms:5")
-    assert frames == {1: {"tza.position": "4", "tza.verdict": "1"}, 2: {}}
-
-
 def test_without_the_taps_times_there_is_no_verdict(tshark: Tshark, tmp_path: Path) -> None:
     """A packet's time is then any time: of pauses it says nothing, of reactions nothing certain."""
     capture = written(tmp_path, "@link sis", "silence 90", "command 16>3 12", "reaction 16>3 12 00 04")

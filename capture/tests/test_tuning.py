@@ -129,8 +129,8 @@ def test_what_cannot_be_set_is_said_with_its_cost_and_cure(
     assert line.startswith("/dev/ttyUSB0: its latency timer stays at 16 ms, so times are up to 16.0 ms late: ")
     assert f"`echo 1 | sudo tee {timer}`" in line
     assert 'ATTR{latency_timer}="1"' in line
-    (line,) = uart.missed  # 4 characters of 11 bits at 9600 Bd are 4.58 ms
-    assert line.startswith("/dev/ttyS0: its FIFO trigger stays at 8, so times are up to 4.6 ms late: ")
+    (line,) = uart.missed  # 8 - 2 + 4 characters of 11 bits at 9600 Bd are 11.46 ms
+    assert line.startswith("/dev/ttyS0: its FIFO trigger stays at 8, so times are up to 11.5 ms late: ")
     assert f"`echo 1 | sudo tee {trigger}`" in line
     usb.undo()
     uart.undo()

@@ -13,7 +13,8 @@ from sistap.reader import delay
 
 MEASURE_NS = 200_000_000
 
-# A 16550 raises its interrupt four character times after the last character if its trigger level is not reached.
+# A 16550 raises its interrupt at its trigger level, or four character times after the last character: then the first of
+# trigger - 1 characters has been there for trigger - 2 more.
 _FIFO_TIMEOUT_CHARACTERS = 4
 
 
@@ -70,9 +71,9 @@ def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Cond
     return measurement.conditions(adapter=str(behind), line=f"{settings.baud} Bd {settings.format}")
 
 
-def held_by_fifo_ns(settings: LineSettings) -> int:
-    """Give how long a 16550 keeps characters that do not fill it up to its trigger, in ns."""
-    return _FIFO_TIMEOUT_CHARACTERS * settings.character_ns
+def held_by_fifo_ns(trigger: int, settings: LineSettings) -> int:
+    """Give how long at most a 16550 keeps a character until its interrupt, in ns."""
+    return (trigger - 2 + _FIFO_TIMEOUT_CHARACTERS) * settings.character_ns
 
 
 def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
@@ -80,7 +81,7 @@ def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
     if behind.latency_ms is not None:
         return behind.latency_ms * 1_000_000, behind.latency
     if behind.fifo_trigger is not None and behind.fifo_trigger > 1:
-        return held_by_fifo_ns(settings), f"FIFO time-out {_FIFO_TIMEOUT_CHARACTERS} characters"
+        return held_by_fifo_ns(behind.fifo_trigger, settings), f"FIFO trigger {behind.fifo_trigger}"
     return 0, ""
 
 

@@ -53,7 +53,7 @@ _KNOBS = (
         "FIFO trigger",
         "",
         "class/tty/{}/rx_trig_bytes",
-        lambda _, settings: held_by_fifo_ns(settings),
+        held_by_fifo_ns,
         "or run sistap with sudo",
     ),
 )
