@@ -17,6 +17,12 @@ from sistap.tshark import Tshark
 CAPTURE = HERE / "specification.pcapng"
 
 
+def is_silent(tshark: Tshark) -> bool:
+    """Tell whether there is one line and no more about a script that does nothing."""
+    lines = tshark.run(["-r", str(CAPTURE)]).stderr.splitlines()
+    return len(lines) == 1 and lines[0].endswith("is there already, so this copy does nothing")
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Give a plugin folder with sis.lua."""
@@ -32,12 +38,14 @@ def test_beside_the_plugin(folder: Path, plugin: Tshark) -> None:
         plugins = both.output("-G", "plugins")
         assert "sis.so" in plugins
         assert "sis.lua" in plugins
+        assert is_silent(both)
         assert not parity.compare(plugin, both, CAPTURE)
 
 
 def test_beside_a_copy(folder: Path, script: Tshark) -> None:
     shutil.copy(SCRIPT, folder / "sis-copy.lua")
     with Tshark(plugins=folder) as both:
+        assert is_silent(both)
         assert not parity.compare(script, both, CAPTURE)
 
 
@@ -46,5 +54,5 @@ def test_old_wireshark(folder: Path) -> None:
     with Tshark(plugins=folder) as old:
         done = old.run(["-r", str(CAPTURE)])
     assert done.returncode == 0
-    assert "sis.lua needs Wireshark 4.0 or later; this is 3.6.2" in done.stderr
+    assert "sis.lua needs Wireshark 4.0 or later, this is 3.6.2" in done.stderr
     assert "Exported PDU" in done.stdout
