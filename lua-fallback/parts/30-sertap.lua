@@ -68,12 +68,12 @@ do
     return scaled - (scaled - x)
   end
 
-  -- Of the oldest spell only a part may lie in the window.
+  -- In percent; nil where it is not known. Of the oldest spell only a part may lie in the window.
   function T.load(record)
     local line = record.known
     local first, last = line.spells[line.head], line.spells[line.last]
 
-    if not first then return -1 end
+    if not first then return nil end
     local busy, begin = line.busy, max(last[2] - WINDOW_NS, line.begin)
     if first[1] < begin then
       busy = busy - floor(first[3] * (begin - first[1]) / (first[2] - first[1]))
@@ -86,12 +86,12 @@ end
 
 do
   local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
+  local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
   K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
   K.CHARACTERS_LOST, K.ADAPTER_LOST = 3, 4
   K.SAME_READ, K.CHARACTER_ERROR, K.BREAK, K.LOST_BEFORE = 0x01, 0x02, 0x04, 0x08
   K.UNLOCATED_ERROR, K.INTERVAL_UNKNOWN, K.INTERVAL_SATURATED = 0x10, 0x20, 0x40
-  K.UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
   local types = {[K.FRAME] = "Frame", [K.OTHER] = "Other characters", [K.EVENT] = "Event"}
   local line_names = {[0] = "Shared bus", [1] = "First direction", [2] = "Second direction"}
@@ -214,10 +214,10 @@ do
 
   -- Unknown has no value: a filter for bad times would find it.
   local function add_uncertainty(tree, tvb, uncertainty)
-    if uncertainty == K.UNCERTAINTY_UNKNOWN then
-      add_subtree(tree, tvb, 12, 4, "Uncertainty of the times: unknown")
-    else
+    if uncertainty then
       add_value(tree, FT.uncertainty, tvb, 12, 4, nstime(uncertainty), strformat("%.3f ms", uncertainty / 1e6))
+    else
+      add_subtree(tree, tvb, 12, 4, "Uncertainty of the times: unknown")
     end
   end
 
@@ -267,6 +267,7 @@ do
     _, record.data_offset, record.type, record.line, record.baud, record.data_bits, record.parity,
       record.stop_half_bits, record.framing, record.uncertainty, record.declared, record.event =
       Struct.unpack(">BBBBI4BBBBI4I2I2", bytes)
+    if record.uncertainty == UNCERTAINTY_UNKNOWN then record.uncertainty = nil end
     if tree then show_header(tvb, tree, record) end
     return true
   end
@@ -300,6 +301,7 @@ do
   end
 
   local function read_intervals(bytes, offset, count)
+    if count == 0 then return {} end -- the record may end before them
     local intervals = {Struct.unpack(interval_formats[min(count, CHUNK)], bytes, offset + 1)}
 
     for done = CHUNK, count - 1, CHUNK do
@@ -384,7 +386,7 @@ do
       strformat("%s, before character %d", text, at + 1))
 
     set_generated(item)
-    if record.uncertainty ~= K.UNCERTAINTY_UNKNOWN then
+    if record.uncertainty then
       append_text(item, strformat(" (times uncertain by %.3f ms)", record.uncertainty / 1e6))
     end
   end
