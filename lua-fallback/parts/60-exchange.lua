@@ -54,19 +54,13 @@ do
   function S.exchange_bus(pinfo)
     local connection = pinfo.port_type == PORT_TYPE_TCP and tcp_stream()
     local record = T.record(pinfo)
-    local known, key = buses, nil
+    local known, key = connections, connection and connection.value
 
-    if connection then
-      known, key = connections, connection.value
-    else
-      key = S.interface(pinfo)
-      if record and record.line == 2 and key > 0 then
-        key = key - 1
-      end
+    if not connection then
+      known, key = buses, S.interface(pinfo)
+      if record and record.line == 2 and key > 0 then key = key - 1 end
     end
-    if not known[key] then
-      known[key] = new_bus(connection and true)
-    end
+    known[key] = known[key] or new_bus(connection and true)
     return known[key]
   end
 

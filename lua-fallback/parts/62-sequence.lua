@@ -26,12 +26,12 @@ do
 
   local NO_IDENT = {type = 0, number = 0} -- of a command that was too short for one
 
-  -- A transfer: { service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
-  -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: { frame, bytes },
-  -- whole_in, bytes: of the whole }. A record keeps the one that it is a piece of.
+  -- A transfer: {service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
+  -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: {frame, length}, whole_in,
+  -- bytes: of the whole}. A record keeps the one that it is a piece of.
 
-  -- Useful data, or what was put together from pieces: { tvb, offset, length, bytes }. tvb of a whole is made when it is
-  -- shown.
+  -- Useful data, or what was put together from pieces: {tvb, offset, length, bytes}. A whole has its tvb where there is
+  -- a tree.
   function S.data(body)
     local left = S.left(body)
 
@@ -79,8 +79,8 @@ do
   end
 
   -- Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a command
-  -- that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends the reaction again
-  -- that it has kept.
+  -- that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends the reaction
+  -- again that it has kept.
   local function is_piece_missing(record, transfer)
     local exchange = record.exchange
     local enough = record.is_reaction and exchange.repeat_of and 1 or 2

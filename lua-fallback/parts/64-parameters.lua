@@ -1,6 +1,6 @@
 
--- parameters (sis-parameters.c): how parameters are written, and what the built-in table says of them. What the bus says
--- of them is learned below. Lua has no tables that the user edits.
+-- parameters (sis-parameters.c): how parameters are written, and what the built-in table says of them. What the bus
+-- says of them is learned below. Lua has no tables that the user edits.
 
 -- Elements of a parameter, bits 3 to 5 of the parameter control (fig. 8-1).
 K.ELEMENT_CHANNEL = 0
@@ -87,8 +87,8 @@ do
   end
 end
 
--- learned (sis-learned.c): what the bus itself has said of its parameters. It is learned in the first pass; every command
--- keeps what was known when it was sent, so that all passes show the same.
+-- learned (sis-learned.c): what the bus itself has said of its parameters. It is learned in the first pass; every
+-- command keeps what was known when it was sent, so that all passes show the same.
 
 do
   -- What is known of a parameter: { name, unit, minimum, maximum, attribute }, nil where unknown, and name_from,

@@ -125,8 +125,8 @@ do
     return {least = shortest, most = max(most, shortest)}
   end
 
-  -- A start character and two equal lengths: there a receiver begins anew after too long a pause, if the character comes
-  -- directly after it (chapter 10.5).
+  -- A start character and two equal lengths: there a receiver begins anew after too long a pause, if the character
+  -- comes directly after it (chapter 10.5).
   local function looks_like_start(times, at)
     local record = times.record
     local start, _, length, length_repeat = byte(record.bytes, record.data_offset + times.first + at,
@@ -159,8 +159,9 @@ do
 
   -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one. With the
   -- verdict over all of them, and the first character after too long a pause where a telegram seems to begin
-  -- (restart_at). An interval: {at: number of the character in the telegram, from 1, recorded, span, weight: the largest
-  -- is the longest, is_exact: both its characters came alone, each in a read of its own}; nil where there is none.
+  -- (restart_at). An interval: {at: number of the character in the telegram, from 1, recorded, span, weight: the
+  -- largest is the longest, is_exact: both its characters came alone, each in a read of its own}; nil where there is
+  -- none.
   function S.longest(times, limit)
     local longest = {verdict = K.TIME_OK}
     local before

@@ -15,7 +15,8 @@ do
   field("silence_before", "Silence before", "sis.silence_before", ftypes.RELATIVE_TIME, nil, nil, 0,
     "Since the character before it on this line, arrival to arrival")
   field("tza_interval_max", "Longest interval", "sis.tza.interval_max", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been")
+    "Between two characters of the telegram, arrival to arrival; "
+      .. "where they came in one read, the most it can have been")
   field("tza_position", "Longest interval before character", "sis.tza.position", ftypes.UINT16, base.DEC, nil, 0,
     "Its number in the telegram, from 1")
   field("tza_limit", "TzA (longest interval allowed)", "sis.tza.limit", ftypes.RELATIVE_TIME)
@@ -188,8 +189,8 @@ do
     show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.timing.trs, S.judge(span, t.timing.trs), words)
   end
 
-  -- How long the master waited before it repeated, or after a broadcast. Nobody is told TwM, but a slave may take TrS to
-  -- answer.
+  -- How long the master waited before it repeated, or after a broadcast. Nobody is told TwM, but a slave may take TrS
+  -- to answer.
   local function show_twm(t)
     local wait, slave = t.timing.wait, limit_of(t, K.TRS, P.trs_ms)
     local item = add_time(t, F.twm_wait, wait, ms_text(wait))
@@ -294,8 +295,8 @@ do
     show_bus(t)
   end
 
-  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not say which telegram brings
-  -- it.
+  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not say which telegram
+  -- brings it.
   local function find_control_word(request)
     local ident = request.ident
 
