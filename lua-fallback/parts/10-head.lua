@@ -34,6 +34,8 @@ local F, FT, E, ET = {}, {}, {}, {}
 -- Constants; texts by code; values of the preferences of sis.
 local K, N, P = {}, {}, {}
 
+K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
+
 local label = {} -- of a field
 
 -- Declares a field: `name` in F, or in FT where it belongs to sertap.
@@ -57,11 +59,13 @@ local function preference(name, made)
   P[name] = sis.prefs[name]
 end
 
-function sis.prefs_changed()
+local function read_preferences()
   for name in pairs(P) do
     P[name] = sis.prefs[name]
   end
 end
+
+sis.prefs_changed = read_preferences
 
 -- What a file leaves behind goes when the next one is opened.
 local init_routines = {}
@@ -71,7 +75,7 @@ local function at_init(routine)
 end
 
 function sis.init()
-  sis.prefs_changed() -- a change of profile resets the preferences without a call
+  read_preferences() -- a change of profile resets the preferences without a call
   for _, routine in ipairs(init_routines) do
     routine()
   end
@@ -128,6 +132,13 @@ end
 
 local function plural(count)
   return count == 1 and "" or "s"
+end
+
+-- "02 5e".
+local function hex(bytes)
+  local spaced = string.gsub(bytes, ".", function(c) return strformat("%02x ", byte(c)) end)
+
+  return sub(spaced, 1, -2)
 end
 
 -- The text of a value in ranges {first, last, text}: the first that fits; nil where none does.

@@ -465,10 +465,6 @@ do
     return readable * 4 >= #bytes * 3
   end
 
-  local function hex(bytes)
-    return (string.gsub(string.gsub(bytes, ".", function(c) return strformat("%02x ", byte(c)) end), " $", ""))
-  end
-
   -- As hex and as text: a drive talks ASCII until SIS is selected.
   local function dissect_other(tvb, pinfo, tree, record)
     local offset, count = record.data_offset, record.count
