@@ -21,8 +21,6 @@ do
   expert_field("answered_before", "sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
   expert_field("repeated", "sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 
-  local PORT_TYPE_TCP = 2
-
   local tcp_stream = Field.new("tcp.stream")
 
   local records -- by place in the packet, then by frame number
@@ -52,7 +50,7 @@ do
   -- First pass: the line or connection that a packet belongs to. A capture has an interface a line; SIS over TCP a
   -- connection. The two directions of a full-duplex tap are two interfaces, one after the other.
   function S.exchange_bus(pinfo)
-    local connection = pinfo.port_type == PORT_TYPE_TCP and tcp_stream()
+    local connection = pinfo.port_type == K.PORT_TYPE_TCP and tcp_stream()
     local record = T.record(pinfo)
     local known, key = connections, connection and connection.value
 
@@ -65,8 +63,10 @@ do
   end
 
   local function new_stream(bus)
-    stream_count = stream_count + 1
-    return {number = stream_count, bus = bus, from = {[0] = {transfers = {}}, {transfers = {}}}}
+    local number = stream_count
+
+    stream_count = number + 1
+    return {number = number, bus = bus, from = {[0] = {transfers = {}}, {transfers = {}}}}
   end
 
   -- Two stations, with what lies between them: a drive behind a router is not the router.

@@ -36,9 +36,9 @@ do
     if size > 1 then
       local others = (size - 1) * shortest_character(record)
 
-      return {size = size, uncertainty = max(record.uncertainty, others), others = others}
+      return {size = size, uncertainty = max(record.uncertainty or K.ANY_TIME, others), others = others}
     end
-    times.lone = times.lone or {size = 1, uncertainty = record.uncertainty, others = 0} -- as most reads are
+    times.lone = times.lone or {size = 1, uncertainty = record.uncertainty or K.ANY_TIME, others = 0} -- as most reads are
     return times.lone
   end
 
@@ -87,7 +87,7 @@ do
       count = length,
       begin = begin,
       end_ = begin + (length == record.timed and record.duration or duration(record, first, first + length - 1)),
-      is_bounded = record.uncertainty ~= K.UNCERTAINTY_UNKNOWN,
+      is_bounded = record.uncertainty ~= nil,
     }
     if times.is_bounded then
       bound_begin(times)

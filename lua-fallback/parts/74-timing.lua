@@ -155,7 +155,7 @@ do
     local uncertainty = t.telegram.times.record.uncertainty
 
     if not interval.is_exact then return span_text(interval.span) end
-    if uncertainty == K.UNCERTAINTY_UNKNOWN then return idle_text(t, interval.recorded) .. ", uncertainty unknown)" end
+    if not uncertainty then return idle_text(t, interval.recorded) .. ", uncertainty unknown)" end
     return strformat("%s, uncertain by %s)", idle_text(t, interval.recorded), ms_text(uncertainty))
   end
 
