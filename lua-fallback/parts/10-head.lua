@@ -150,13 +150,23 @@ local function range_text(value, ranges)
   end
 end
 
--- Which interface of the capture a packet came from; 0 where there is none.
+-- Which interface of the capture a packet came from; 0 where there is none, and in the first of two passes of tshark,
+-- which has no fields for Lua unless a filter wants some.
 local frame_interface_id = Field.new("frame.interface_id")
 
 function S.interface(pinfo)
   local found = frame_interface_id()
 
   return found and found.value or 0
+end
+
+-- Which TCP connection a packet belongs to: its two ends, as text. Its number is a field, and the first pass of tshark
+-- has none.
+function S.connection(pinfo)
+  local one = tostring(pinfo.net_src) .. " " .. pinfo.src_port
+  local other = tostring(pinfo.net_dst) .. " " .. pinfo.dst_port
+
+  return one < other and one .. " " .. other or other .. " " .. one
 end
 
 -- When a packet came: ns since the first packet. Lua has the time since 1970 as a double of seconds, too coarse for ns;

@@ -572,11 +572,8 @@ do
 
   -- TCP may split telegrams over segments and pack them into one: sis-transports.
   function sis.dissector(tvb, pinfo, tree)
-    if pinfo.port_type == K.PORT_TYPE_TCP then
-      S.dissect_tcp(tvb, pinfo, tree)
-    else
-      dissect_telegrams(tvb, pinfo, tree)
-    end
+    if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_tcp(tvb, pinfo, tree) end
+    dissect_telegrams(tvb, pinfo, tree)
   end
 
   handle = sis.dissector

@@ -21,11 +21,9 @@ do
   expert_field("answered_before", "sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
   expert_field("repeated", "sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 
-  local tcp_stream = Field.new("tcp.stream")
-
   local records -- by place in the packet, then by frame number
   local buses -- lines by interface
-  local connections -- by number of the TCP stream
+  local connections -- of TCP, by stream
   local stream_count
   local routes -- streams with a command with subaddresses that waits: as keys
 
@@ -47,18 +45,23 @@ do
     }
   end
 
+  -- By the number of its stream, or by its ports where there is no tree to find that in.
+  local function connection_key(pinfo)
+    local stream = tcp_stream()
+
+    return stream and stream.value
+      or strformat("%d-%d", min(pinfo.src_port, pinfo.dst_port), max(pinfo.src_port, pinfo.dst_port))
+  end
+
   -- First pass: the line or connection that a packet belongs to. A capture has an interface a line; SIS over TCP a
   -- connection. The two directions of a full-duplex tap are two interfaces, one after the other.
   function S.exchange_bus(pinfo)
-    local connection = pinfo.port_type == K.PORT_TYPE_TCP and tcp_stream()
-    local record = T.record(pinfo)
-    local known, key = connections, connection and connection.value
+    local is_connection, record = pinfo.port_type == K.PORT_TYPE_TCP, T.record(pinfo)
+    local known = is_connection and connections or buses
+    local key = is_connection and connection_key(pinfo) or S.interface(pinfo)
 
-    if not connection then
-      known, key = buses, S.interface(pinfo)
-      if record and record.line == 2 and key > 0 then key = key - 1 end
-    end
-    known[key] = known[key] or new_bus(connection and true)
+    if record and record.line == 2 and key > 0 then key = key - 1 end
+    known[key] = known[key] or new_bus(is_connection)
     return known[key]
   end
 

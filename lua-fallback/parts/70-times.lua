@@ -38,7 +38,8 @@ do
 
       return {size = size, uncertainty = max(record.uncertainty or K.ANY_TIME, others), others = others}
     end
-    times.lone = times.lone or {size = 1, uncertainty = record.uncertainty or K.ANY_TIME, others = 0} -- as most reads are
+    -- As most reads are.
+    times.lone = times.lone or {size = 1, uncertainty = record.uncertainty or K.ANY_TIME, others = 0}
     return times.lone
   end
 

@@ -63,7 +63,7 @@ do
   end
 
   -- Telegrams split over segments and packed into them.
-  function S.dissect_tcp(tvb, pinfo, tree)
+  local function dissect_segment(tvb, pinfo, tree)
     S.begin_packet(pinfo)
     dissect_tcp_pdus(tvb, tree, 1, telegram_length, dissect_pdu)
   end
@@ -76,13 +76,29 @@ do
     return S.is_good(bytes, 0) and (declared == #bytes or byte(bytes, declared + 1) == K.START)
   end
 
+  local recognized_in = {} -- by connection: the first packet of SIS
+
+  at_init(function() recognized_in = {} end)
+
   local function dissect_tcp_heuristic(tvb, pinfo, tree)
     if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(tvb:raw()) then
       return false
     end
-    pinfo.conversation = sis -- from here on
-    sis.dissector:call(tvb, pinfo, tree)
+    local connection = S.connection(pinfo)
+
+    recognized_in[connection] = recognized_in[connection] or pinfo.number
+    pinfo.conversation = sis
+    dissect_segment(tvb, pinfo, tree)
     return true
+  end
+
+  -- What came before the packet in which SIS was recognized was something else, in the second pass, too: then 0.
+  function S.dissect_tcp(tvb, pinfo, tree)
+    local first = recognized_in[S.connection(pinfo)]
+
+    if first and pinfo.number < first then return 0 end
+    dissect_segment(tvb, pinfo, tree)
+    return tvb:len()
   end
 
   -- An entry of "wtap_encap" silently goes before the user's own DLT_USER table: so none before it is asked for, and
