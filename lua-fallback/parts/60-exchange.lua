@@ -22,13 +22,12 @@ do
   expert_field("repeated", "sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 
   local records -- by place in the packet, then by frame number
-  local buses -- lines by interface
-  local connections -- of TCP, by stream
+  local lines, connections -- by number of the interface, and of TCP
   local stream_count
   local routes -- streams with a command with subaddresses that waits: as keys
 
   at_init(function()
-    records, buses, connections, stream_count, routes = {}, {}, {}, 0, {}
+    records, lines, connections, stream_count, routes = {}, {}, {}, 0, {}
   end)
 
   local function new_bus(is_connection)
@@ -45,22 +44,19 @@ do
     }
   end
 
-  -- By the number of its stream, or by its ports where there is no tree to find that in.
-  local function connection_key(pinfo)
-    local stream = tcp_stream()
+  -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
+  local function line_number(pinfo)
+    local record, interface = T.record(pinfo), S.interface(pinfo)
 
-    return stream and stream.value
-      or strformat("%d-%d", min(pinfo.src_port, pinfo.dst_port), max(pinfo.src_port, pinfo.dst_port))
+    return record and record.line == 2 and interface > 0 and interface - 1 or interface
   end
 
-  -- First pass: the line or connection that a packet belongs to. A capture has an interface a line; SIS over TCP a
-  -- connection. The two directions of a full-duplex tap are two interfaces, one after the other.
+  -- First pass: the line or connection that a packet belongs to.
   function S.exchange_bus(pinfo)
-    local is_connection, record = pinfo.port_type == K.PORT_TYPE_TCP, T.record(pinfo)
-    local known = is_connection and connections or buses
-    local key = is_connection and connection_key(pinfo) or S.interface(pinfo)
+    local is_connection = pinfo.port_type == K.PORT_TYPE_TCP
+    local known = is_connection and connections or lines
+    local key = is_connection and S.connection(pinfo) or line_number(pinfo)
 
-    if record and record.line == 2 and key > 0 then key = key - 1 end
     known[key] = known[key] or new_bus(is_connection)
     return known[key]
   end
