@@ -154,7 +154,7 @@ end
 -- which has no fields for Lua unless a filter wants some.
 local frame_interface_id = Field.new("frame.interface_id")
 
-function S.interface(pinfo)
+function S.interface()
   local found = frame_interface_id()
 
   return found and found.value or 0

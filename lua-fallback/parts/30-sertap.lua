@@ -10,7 +10,7 @@ do
   at_init(function() lines = {} end)
 
   local function find_line(pinfo)
-    local key = S.interface(pinfo)
+    local key = S.interface()
     local line = lines[key]
 
     if not line then
