@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""tshark with the C plugin, with sis.lua alone"""
+"""tshark with the C plugin that was built, and with sis.lua instead."""
 
 from __future__ import annotations
 

@@ -30,16 +30,22 @@ ALLOWED = (
 )
 
 
+def without_allowed(packet: str) -> str:
+    """Give a packet without what may differ."""
+    for pattern, same in ALLOWED:
+        packet = pattern.sub(same, packet)
+    if '<proto name="sis"' not in packet:  # that hidden item makes Wireshark name a protocol of which it shows nothing
+        packet = packet.replace(':sis"', '"')
+    return packet
+
+
 def packets(tshark: Tshark, capture: Path, *options: str) -> list[str]:
     """Give the whole trees of all packets, as PDML. AssertionError if tshark complains."""
     done = tshark.run(["-r", str(capture), *options, "-T", "pdml"])
     assert done.returncode == 0, done.stderr
     assert all(line.startswith("sis.lua: ") for line in done.stderr.splitlines()), done.stderr
     assert not re.findall('Lua Error[^"]*', done.stdout)
-    said = done.stdout
-    for pattern, same in ALLOWED:
-        said = pattern.sub(same, said)
-    return _PACKET.findall(said)
+    return [without_allowed(packet) for packet in _PACKET.findall(done.stdout)]
 
 
 def difference(expected: list[str], found: list[str]) -> str:

@@ -60,6 +60,7 @@ class Tshark:
             if source and Path(source).is_dir():
                 copy = folder / variable.lower()
                 shutil.copytree(source, copy)
+                copy.chmod(0o755)
                 self._environment[variable] = str(copy)
 
     def __enter__(self) -> Tshark:
