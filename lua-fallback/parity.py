@@ -60,6 +60,7 @@ def difference(expected: list[str], found: list[str]) -> str:
     return "\n".join(words)
 
 
-def compare(plugin: Tshark, script: Tshark, capture: Path, *options: str) -> str:
-    """Dissect a capture with both, and give the difference."""
-    return difference(packets(plugin, capture, *options), packets(script, capture, *options))
+def check(plugin: Tshark, script: Tshark, capture: Path, *options: str) -> None:
+    """Dissect a capture with both. AssertionError tells the difference, if there is one."""
+    words = difference(packets(plugin, capture, *options), packets(script, capture, *options))
+    assert not words, words

@@ -22,7 +22,7 @@ def test_useful_data(reaction: bool, plugin: Tshark, script: Tshark, tmp_path: P
     """Of every service and every example, too short and too long."""
     capture = tmp_path / "bad.pcapng"
     bad_input.write(capture, bad_input.with_all_bodies(reaction))
-    assert not parity.compare(plugin, script, capture)
+    parity.check(plugin, script, capture)
 
 
 def test_lengths(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
@@ -31,7 +31,7 @@ def test_lengths(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     packets = [packet for example in bad_input.examples() for packet in bad_input.snapped(example)]
     differing = [data for example in bad_input.examples() for data in bad_input.with_other_repetition(example)]
     bad_input.write(capture, [*packets, *differing])
-    assert not parity.compare(plugin, script, capture)
+    parity.check(plugin, script, capture)
 
 
 def test_every_beginning_of_every_record(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
@@ -42,7 +42,7 @@ def test_every_beginning_of_every_record(plugin: Tshark, script: Tshark, tmp_pat
     blocks += [pcapng.enhanced_packet(0, number, packet) for number, packet in enumerate(beginnings)]
     capture = tmp_path / "cut.pcapng"
     capture.write_bytes(b"".join(blocks))
-    assert not parity.compare(plugin, script, capture)
+    parity.check(plugin, script, capture)
 
 
 @pytest.mark.parametrize(
@@ -56,4 +56,4 @@ def test_mutants(link_type: int, options: list[str], plugin: Tshark, script: Tsh
     originals = [data for link, data in packets if link == link_type]
     capture = tmp_path / "mutants.pcapng"
     capture.write_bytes(mutate.round_capture(SEED, link_type, originals))
-    assert not parity.compare(plugin, script, capture, *options)
+    parity.check(plugin, script, capture, *options)
