@@ -90,6 +90,11 @@ class Framer(ABC):
         """Whether all characters are in records."""
         return not self._data
 
+    @property
+    def oldest_ns(self) -> int | None:
+        """When the first character that is not in a record came, None if all are."""
+        return self._times[1] if self._data else None
+
     @abstractmethod
     def _cut(self, records: list[Record], *, final: bool) -> None:
         """Append what is decided to the records and drop it; everything, if nothing more comes (`final`)."""

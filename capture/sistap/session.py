@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One running capture: takes what the reader gives through framer and filter to a sink, in one thread."""
+"""One running capture: takes what the readers give through framers and filter to a sink, in one thread."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import gc
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from types import FrameType
@@ -21,9 +21,10 @@ from sistap.counters import Counters
 from sistap.framer import Framer, SilenceFramer, SisFramer
 from sistap.hints import Hints
 from sistap.line import Read
+from sistap.order import Order
 from sistap.output import Output, OutputError
-from sistap.reader import PortLost, Reader
-from sistap.record import Event, Framing, Record, Type, event
+from sistap.reader import PortLost, Reader, together
+from sistap.record import Event, Record, Type, event
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
 TICK_NS = 1_000_000_000  # how often hints and progress are looked at
@@ -54,8 +55,8 @@ class Stop:
 class Sink(Protocol):
     """Where records go."""
 
-    def begin(self, started: Record) -> None:
-        """Begin, with the event that says how the capture is taken."""
+    def begin(self, *started: Record) -> None:
+        """Begin, with an event for each port that says how the capture is taken."""
 
     def write(self, record: Record) -> bool:
         """Take a record; tell whether it was written."""
@@ -80,12 +81,29 @@ class Conditions:
 EVERYTHING = Conditions()
 
 
+class _Line:
+    """One line: the port it comes from, and what has come on it."""
+
+    def __init__(self, number: int, reader: Reader, silence_ms: float | None, counters: Counters, now: int) -> None:
+        """Start with nothing received."""
+        settings = reader.settings
+        self.reader = reader
+        self.framer: Framer = (
+            SisFramer(number, settings)
+            if silence_ms is None
+            else SilenceFramer(number, settings, int(silence_ms * 1e6))
+        )
+        self.counters = counters
+        self.hints = Hints(settings, self.framer.framing)
+        self.arrived_ns = now  # when something last came
+
+
 class Capture:
-    """From a reader to a sink whose blocks go to `output`. The clock is the monotonic one, in ns."""
+    """From one reader or several to a sink whose blocks go to `output`. The clock is the monotonic one, in ns."""
 
     def __init__(  # noqa: PLR0913 - it puts the parts together
         self,
-        reader: Reader,
+        readers: Sequence[Reader],
         sink: Sink,
         output: Output,
         counters: Counters,
@@ -97,7 +115,6 @@ class Capture:
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         """`quiet`: do not say that it runs; `progress`: show the counters every second."""
-        self._reader = reader
         self._sink = sink
         self._output = output
         self._counters = counters
@@ -106,11 +123,12 @@ class Capture:
         self._progress = progress
         self._clock_ns = clock_ns
         self._console = console
-        framing = Framing.SIS if conditions.silence_ms is None else Framing.SILENCE
-        self._hints = Hints(reader.settings, framing)
-        self._framers: dict[int, Framer] = {}  # by line, as each comes up
-        self._arrived_ns: dict[int, int] = {}  # by line, when something last came
+        self._readers = list(readers)
+        self._several = len(readers) > 1
+        self._lines = {reader.line: self._line(reader.line, reader) for reader in readers}
+        self._order = Order()
         self._last: Read | None = None
+        self._ports_lost = 0
 
     def run(self, stop: Stop) -> int:
         """Capture until something ends it; give the exit code."""
@@ -118,40 +136,36 @@ class Capture:
         gc.freeze()
         gc.disable()
         try:
-            lost = self._run(stop)
+            self._run(stop)
         except OutputError as error:
             self._console.say(str(error))
             return 1
         finally:
             gc.enable()
             gc.unfreeze()
-        if lost:
-            self._console.say(str(lost))
-        return 1 if lost or self._output.failed else 0
+        return 1 if self._ports_lost or self._output.failed else 0
 
-    def _run(self, stop: Stop) -> PortLost | None:
-        lost: PortLost | None = None
-        self._sink.begin(self._event(Event.CAPTURE_STARTED, f"sistap {sistap.__version__}; {self._description}"))
+    def _run(self, stop: Stop) -> None:
+        descriptions = {number: self._description(line) for number, line in self._lines.items()}
+        said = f"sistap {sistap.__version__}; "
+        self._sink.begin(*(self._event(n, Event.CAPTURE_STARTED, said + text) for n, text in descriptions.items()))
         stop.running = True
         if not self._quiet:
-            self._console.say(f"capturing on {self._description}")
-        try:
+            for number, text in descriptions.items():
+                self._console.say(f"capturing on {self._which(number)}{text}")
+        with together(self._readers) as self._source:
             self._loop(stop)
-        except PortLost as error:
-            lost = error
-        for framer in self._framers.values():
-            self._emit(framer.flush())
-        if lost:
-            self._sink.write(self._event(Event.ADAPTER_LOST, str(lost)))
+        self._finish(self._lines.values())
         self._sink.end(self._wall_ns())
-        return lost
 
-    @property
-    def _description(self) -> str:
-        reader, silence_ms = self._reader, self._conditions.silence_ms
+    def _description(self, line: _Line) -> str:
+        reader, silence_ms = line.reader, self._conditions.silence_ms
         framing = "" if silence_ms is None else f"; frames cut by {silence_ms:g} ms of silence"
         settings = reader.settings
         return f"{reader.name} ({reader.adapter}); {settings.baud} Bd {settings.format}; {reader.timing}{framing}"
+
+    def _which(self, number: int) -> str:
+        return f"line {number}: " if self._several else ""
 
     def _loop(self, stop: Stop) -> None:
         counters, count, duration_s = self._counters, self._conditions.count, self._conditions.duration_s
@@ -161,10 +175,11 @@ class Capture:
         while not (
             stop.requested
             or self._output.done
+            or self._ports_lost == len(self._readers)
             or (count is not None and counters.written >= count)
             or (end is not None and now >= end)
         ):
-            read = self._reader.read(READ_TIMEOUT_S)
+            read = self._read(READ_TIMEOUT_S)
             now = self._clock_ns()
             if read is not None:
                 self._take(read, now)
@@ -178,43 +193,76 @@ class Capture:
         if stop.requested:
             self._take_waiting()
 
+    def _read(self, timeout_s: float) -> Read | None:
+        try:
+            return self._source.read(timeout_s)
+        except PortLost as lost:
+            self._lose(lost)
+            return None
+
+    def _lose(self, lost: PortLost) -> None:
+        """Note that a port is gone; if there is another, that one goes on."""
+        reader = self._lines[lost.line].reader
+        self._ports_lost += 1
+        self._finish(line for line in self._lines.values() if line.reader is reader)
+        self._emit([self._event(lost.line, Event.ADAPTER_LOST, str(lost))])
+        goes_on = "; the other line goes on" if self._ports_lost < len(self._readers) else ""
+        self._console.say(f"{self._which(lost.line)}{lost}{goes_on}")
+
+    def _finish(self, lines: Iterable[_Line]) -> None:
+        for line in lines:
+            self._emit(line.framer.flush())
+
     def _take_waiting(self) -> None:
-        """Take what had arrived when the stop came; that the port goes at the same time is no loss."""
+        """Take what had arrived when the stop came; that a port goes at the same time is no loss."""
         end = self._clock_ns() + int(READ_TIMEOUT_S * 1e9)
-        with suppress(PortLost):
-            while (now := self._clock_ns()) < end and (read := self._reader.read(0)):
-                self._take(read, now)
+        for _ in self._readers:
+            with suppress(PortLost):
+                while (now := self._clock_ns()) < end and (read := self._source.read(0)):
+                    self._take(read, now)
 
     def _take(self, read: Read, now: int) -> None:
-        line = read.line
-        framer = self._framers.get(line)
-        if framer is None:
-            framer = self._framers[line] = self._framer(line)
-        self._arrived_ns[line] = now
+        line = self._lines.get(read.line)
+        if line is None:  # one port, a virtual bus, can bring several
+            line = self._lines[read.line] = self._line(read.line, self._readers[0])
+        line.arrived_ns = now
         self._last = read
         self._counters.add_read(read)
-        self._emit(framer.feed(read))
+        if self._several:
+            line.counters.add_read(read)
+        self._emit(line.framer.feed(read))
 
-    def _framer(self, line: int) -> Framer:
-        silence_ms = self._conditions.silence_ms
-        if silence_ms is None:
-            return SisFramer(line, self._reader.settings)
-        return SilenceFramer(line, self._reader.settings, int(silence_ms * 1e6))
+    def _line(self, number: int, reader: Reader) -> _Line:
+        counters = Counters() if self._several else self._counters
+        return _Line(number, reader, self._conditions.silence_ms, counters, self._clock_ns())
 
     def _idle(self, now: int) -> None:
-        for line, framer in self._framers.items():
-            self._emit(framer.idle(now - self._arrived_ns[line]))
+        for line in self._lines.values():
+            self._emit(line.framer.idle(now - line.arrived_ns))
         # What a framer holds is older than now, and a new file begins with the time now.
-        if all(framer.empty for framer in self._framers.values()):
+        if self._order.empty and all(line.framer.empty for line in self._lines.values()):
             self._sink.look(self._wall_ns())
 
     def _emit(self, records: list[Record]) -> None:
+        """Write records, and those of the other line, in order of time."""
+        if not records and self._order.empty:
+            return
+        now = self._clock_ns()
+        self._order.add(records, now)
+        for record in self._order.due((line.framer.oldest_ns for line in self._lines.values()), now):
+            self._write(record)
+
+    def _write(self, record: Record) -> None:
+        if record.type == Type.EVENT:
+            self._sink.write(record)
+            return
         counters, only, count = self._counters, self._conditions.only, self._conditions.count
-        for record in records:
-            passes = only is None or record.type != Type.FRAME or only.matches(record.data)
-            if passes and (count is None or counters.written < count):
-                counters.accepted[record.line] += self._sink.write(record)
-            counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
+        passes = only is None or record.type != Type.FRAME or only.matches(record.data)
+        if passes and (count is None or counters.written < count):
+            counters.accepted[record.line] += self._sink.write(record)
+        counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
+        if self._several:
+            self._lines[record.line].counters.add_record(record)
 
     def _look(self, elapsed_s: float) -> None:
         if step_ns := CLOCK.step_ns():
@@ -222,18 +270,20 @@ class Capture:
                 f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
                 "times in this capture go on without the step"
             )
-            self._sink.write(self._event(Event.MARKER, text))
+            self._emit([self._event(self._readers[0].line, Event.MARKER, text)])
             self._console.say(text)
-        for hint in self._hints.look(self._counters, elapsed_s):
-            self._console.say(hint)
+        for reader in self._readers:
+            line = self._lines[reader.line]
+            for hint in line.hints.look(line.counters, elapsed_s):
+                self._console.say(self._which(reader.line) + hint)
         if self._progress:
             self._console.progress(str(self._counters))
 
-    def _event(self, code: Event, text: str) -> Record:
-        return event(self._wall_ns(), self._reader.line, self._reader.settings, code, text)
+    def _event(self, number: int, code: Event, text: str) -> Record:
+        return event(self._wall_ns(), number, self._lines[number].framer.settings, code, text)
 
     def _wall_ns(self) -> int:
         """Give the time now by the clock of the line: a virtual bus may have its own."""
         if self._last is None:
             return CLOCK.now_ns()
-        return self._last.time_ns + self._clock_ns() - self._arrived_ns[self._last.line]
+        return self._last.time_ns + self._clock_ns() - self._lines[self._last.line].arrived_ns

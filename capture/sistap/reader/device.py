@@ -13,11 +13,9 @@ from sistap import ports
 from sistap.clock import CLOCK
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.reader import latency
-from sistap.reader.contract import READ_SIZE, PortLost
+from sistap.reader.contract import READ_SIZE, STEP_MS, PortLost
 from sistap.reader.opening import open_device
 from sistap.reader.trouble import lost_text
-
-_STEP_MS = 10  # so long, at most, is a sleep: one that was longer shows that the process had been stopped
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct, of it the counters frame, overrun, parity, brk and
 # buf_overrun.
@@ -50,8 +48,19 @@ class PosixReader:
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost."""
         in_time = self._wait(timeout_s)
-        if in_time is None:
-            return None
+        return None if in_time is None else self.take(in_time=in_time)
+
+    def fileno(self) -> int:
+        """Give the descriptor, for who waits for several ports at once and then calls take() and nothing_until()."""
+        return self._fd
+
+    def nothing_until(self, time_ns: int) -> None:
+        """Note that nothing was unread at this instant of the monotonic clock."""
+        if not self._decoder.pending:
+            self._emptied_ns = time_ns
+
+    def take(self, *, in_time: bool) -> Read | None:
+        """Give what is there; `in_time`: it came while it was waited for. May raise PortLost."""
         asked_ns = monotonic_ns()
         try:
             data = os.read(self._fd, READ_SIZE)
@@ -79,11 +88,10 @@ class PosixReader:
         left_ms, step_ms = timeout_s * 1000, 0.0
         asked_ns = monotonic_ns()
         while not self._poll(step_ms):
-            if not self._decoder.pending:
-                self._emptied_ns = asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
+            self.nothing_until(asked_ns + int(step_ms * 1e6))  # poll looked once more when its time was up
             if left_ms <= 0:
                 return None
-            step_ms = min(_STEP_MS, left_ms)
+            step_ms = min(STEP_MS, left_ms)
             left_ms -= step_ms
             asked_ns = monotonic_ns()
         return step_ms > 0
@@ -96,7 +104,7 @@ class PosixReader:
         were there, nobody knows.
         """
         latency_ns, character_ns = self._latency_ns, self.settings.character_ns
-        if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > _STEP_MS * 1_000_000 + latency_ns:
+        if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > STEP_MS * 1_000_000 + latency_ns:
             return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
         # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
         return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)

@@ -39,11 +39,25 @@ class WireReader:
             self._receive(timeout_s)
         return self._reads.popleft() if self._reads else None
 
+    def fileno(self) -> int:
+        """Give the socket, for who waits for several ports at once."""
+        return self._socket.fileno()
+
+    def take(self, *, in_time: bool) -> Read | None:
+        """Give what is there; whether it came in time the bus knows. May raise PortLost."""
+        return self.read(0)
+
+    def nothing_until(self, time_ns: int) -> None:
+        """Note nothing: times are those of the bus."""
+
     def _receive(self, timeout_s: float) -> None:
         self._socket.settimeout(timeout_s)
         try:
             data = self._socket.recv(65536)
-            self._reads.extend(self._decoder.feed(data))
+            reads = self._decoder.feed(data)
+            self._reads.extend(read._replace(line=self.line) for read in reads) if self.line else self._reads.extend(
+                reads
+            )
         except (TimeoutError, BlockingIOError):
             return
         except OSError:
