@@ -43,7 +43,7 @@ class Framer(ABC):
 
     def feed(self, read: Read) -> list[Record]:
         """Take what was read; give the records that are complete by it."""
-        _, time_ns, data, flags, uncertainty_ns = read
+        _, time_ns, data, flags, uncertainty_ns, _ = read
         times = self._times
         count = len(data)
         records: list[Record] = []

@@ -78,3 +78,4 @@ class Read(NamedTuple):
     data: bytes
     flags: bytes  # one Flag byte a character, of FROM_READER
     uncertainty_ns: int = UNCERTAINTY_UNKNOWN
+    settings: LineSettings | None = None  # with which they were read; None: as the line began

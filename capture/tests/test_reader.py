@@ -777,12 +777,12 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
 
 def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
-    said = connection.recv(wire.SETTINGS_SIZE, socket.MSG_WAITALL)
-    assert wire.unpack_settings(said) == LineSettings(19200, 7, "O", 4)
+    settings = LineSettings(19200, 7, "O", 4)
+    assert wire.Decoder().feed(connection.recv(100)) == [settings, wire.Time(0)]
     assert source.read(0) is None
     sent = [
-        Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000),
-        Read(2, 1_700_000_000_223_456_789, b"A", b"\x18"),
+        Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000, settings),
+        Read(2, 1_700_000_000_223_456_789, b"A", b"\x18", settings=settings),
     ]
     stream = b"".join(map(wire.pack_read, sent))
     connection.sendall(stream[:20])
