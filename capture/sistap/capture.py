@@ -17,8 +17,10 @@ from sistap.line import LineSettings
 from sistap.lines import lines
 from sistap.output import STANDARD_OUTPUT, Limits, Output, OutputRefused
 from sistap.pcapng import Interface
+from sistap.rates import RATES
 from sistap.reader import Reader, open_reader
 from sistap.record import Record, Type
+from sistap.scan import FORMATS
 from sistap.session import Capture, Conditions, Sink, Stop
 from sistap.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
 
@@ -128,7 +130,10 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
-def _rate(text: str) -> int:
+def _rate(text: str) -> int | None:
+    """Read a rate; None is auto."""
+    if text == "auto":
+        return None
     rate = _number(text)
     if rate > LARGEST_RATE:
         raise argparse.ArgumentTypeError(f"{text} Bd are more than a record can hold ({LARGEST_RATE})")
@@ -175,8 +180,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write a pcapng file; - is standard output. Without it, print text",
     )
-    add("--baud", type=_rate, default=9600, metavar="RATE", help="rate in Bd (9600)")
-    add("--format", default="8E1", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
+    add(
+        "--baud",
+        type=_rate,
+        default=9600,
+        metavar="RATE|auto",
+        help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",
+    )
+    add("--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
+    add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
     add(
         "--framing",
         dest="silence_ms",
@@ -248,8 +260,15 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _settings(args: argparse.Namespace) -> LineSettings:
+    """Give the settings to begin with."""
+    fixed = [port for port in args.ports if port.startswith("socket://")]
+    steered = "--baud auto" if args.baud is None else "--follow-baud" if args.follow_baud else ""
+    if steered and args.silence_ms is not None:
+        raise Refused(f"{steered} needs SIS telegrams: leave out --framing, or say --baud")
+    if steered and fixed:
+        raise Refused(f"{steered} cannot change the rate behind {fixed[0]}: set it at the other end, and say --baud")
     try:
-        return LineSettings.parse(args.baud, args.format)
+        return LineSettings.parse(args.baud or RATES[0], args.format or FORMATS[0])
     except ValueError as error:
         raise Refused(str(error)) from error
 
@@ -313,19 +332,21 @@ def _capture(  # noqa: PLR0913 - it puts the parts together
     sink: Sink = LineSink(output)
     if args.file:
         sink = PcapngWriter(output, {reader.line: _interface(args, reader) for reader in readers}, counters)
-    conditions = Conditions(args.silence_ms, only, args.count, dict(args.autostop).get("duration"))
+    formats = () if args.baud else (args.format,) if args.format else FORMATS
+    duration_s = dict(args.autostop).get("duration")
+    conditions = Conditions(args.silence_ms, only, args.count, duration_s, formats, args.follow_baud)
     progress = bool(args.file) and not args.quiet and console.shows_progress
     capture = Capture(readers, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
     return capture.run(stop), counters
 
 
 def _interface(args: argparse.Namespace, reader: Reader) -> Interface:
-    settings = reader.settings
+    settings = str(reader.settings) if args.baud else "rate by --baud auto"
     return Interface(
         LINK_TYPES[args.link_type],
         reader.name,
-        f"{settings.baud} Bd {settings.format}; {reader.timing}",
-        settings.baud,
+        f"{settings}; {reader.timing}",
+        args.baud or 0,
         reader.adapter,
         args.filter or "",
     )

@@ -57,6 +57,10 @@ class LineSettings(NamedTuple):
         stop = {half_bits: text for text, half_bits in STOP_HALF_BITS.items()}[self.stop_half_bits]
         return f"{self.data_bits}{self.parity}{stop}"
 
+    def __str__(self) -> str:
+        """Name rate and format for people."""
+        return f"{self.baud} Bd {self.format}"
+
     @property
     def character_ns(self) -> int:
         """How long one character takes on the line, in ns; 0 when the rate is unknown."""

@@ -11,7 +11,6 @@ from sistap.line import Flag
 from sistap.names import service_name
 from sistap.record import Framing, Record, Type
 
-BROADCAST = 255  # in both editions
 _FOLD = 16  # characters a line
 _PRINTABLE = bytes(c if 0x20 <= c < 0x7F else ord(".") for c in range(256))
 _ERRORS = {
@@ -54,7 +53,7 @@ def _telegram(record: Record) -> str:
 
 
 def _station(address: int) -> str:
-    return "all" if address == BROADCAST else str(address)
+    return "all" if address == telegram.BROADCAST else str(address)
 
 
 def _hex_and_text(data: bytes) -> str:

@@ -20,11 +20,12 @@ from sistap.console import Console
 from sistap.counters import Counters
 from sistap.framer import Framer, SilenceFramer, SisFramer
 from sistap.hints import Hints
-from sistap.line import Read
+from sistap.line import LineSettings, Read
 from sistap.order import Order
 from sistap.output import Output, OutputError
-from sistap.reader import PortLost, Reader, together
-from sistap.record import Event, Record, Type, event
+from sistap.reader import PortError, PortLost, Reader, together
+from sistap.record import Event, Framing, Record, Type, event
+from sistap.steering import Steering, Step
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
 TICK_NS = 1_000_000_000  # how often hints and progress are looked at
@@ -76,6 +77,8 @@ class Conditions:
     only: Filter | None = None  # frames that it does not let pass are left out
     count: int | None = None  # records written
     duration_s: float | None = None
+    formats: Sequence[str] = ()  # rate and format are looked for: one of these
+    follow: bool = False  # the rate changes with what the bus is told
 
 
 EVERYTHING = Conditions()
@@ -127,6 +130,9 @@ class Capture:
         self._several = len(readers) > 1
         self._lines = {reader.line: self._line(reader.line, reader) for reader in readers}
         self._order = Order()
+        self._steering = self._steering_of(readers[0].settings)
+        self._steps: list[Step] = []  # not yet done
+        self._why = ""  # the settings were changed
         self._last: Read | None = None
         self._ports_lost = 0
 
@@ -161,8 +167,9 @@ class Capture:
     def _description(self, line: _Line) -> str:
         reader, silence_ms = line.reader, self._conditions.silence_ms
         framing = "" if silence_ms is None else f"; frames cut by {silence_ms:g} ms of silence"
-        settings = reader.settings
-        return f"{reader.name} ({reader.adapter}); {settings.baud} Bd {settings.format}; {reader.timing}{framing}"
+        search = "; looking for the rate" if self._conditions.formats else ""
+        follow = "; following changes of the rate" if self._conditions.follow else ""
+        return f"{reader.name} ({reader.adapter}); {reader.settings}{search}{follow}; {reader.timing}{framing}"
 
     def _which(self, number: int) -> str:
         return f"line {number}: " if self._several else ""
@@ -179,7 +186,7 @@ class Capture:
             or (count is not None and counters.written >= count)
             or (end is not None and now >= end)
         ):
-            read = self._read(READ_TIMEOUT_S)
+            read = self._read(self._timeout_s())
             now = self._clock_ns()
             if read is not None:
                 self._take(read, now)
@@ -190,6 +197,8 @@ class Capture:
                 tick = now + TICK_NS
                 self._idle(now)  # one line can be silent while another is not
                 self._look((now - started) / 1e9)
+            if self._steering:
+                self._steer(self._steering)
         if stop.requested:
             self._take_waiting()
 
@@ -213,8 +222,39 @@ class Capture:
         for line in lines:
             self._emit(line.framer.flush())
 
+    def _steering_of(self, settings: LineSettings) -> Steering | None:
+        formats, follow = self._conditions.formats, self._conditions.follow
+        return Steering(settings, formats, follow=follow) if formats or follow else None
+
+    def _timeout_s(self) -> float:
+        due_ns = self._steering.due_ns if self._steering else None
+        return READ_TIMEOUT_S if due_ns is None else min(READ_TIMEOUT_S, max(0, due_ns - self._wall_ns()) / 1e9)
+
+    def _steer(self, steering: Steering) -> None:
+        """Do what is to be done about the line settings."""
+        self._steps.extend(steering.look(self._wall_ns()))
+        steps, self._steps = self._steps, []
+        for step in steps:
+            if step.settings != self._readers[0].settings:
+                self._change(step)
+                continue
+            self._console.say(f"{step.settings}: {step.why}")
+            for reader in self._readers:
+                self._lines[reader.line].hints = Hints(step.settings, Framing.SIS)
+                self._emit([self._event(reader.line, Event.SETTINGS_CHANGED, f"{step.settings}: {step.why}")])
+
+    def _change(self, step: Step) -> None:
+        """Change the line settings, after what has come with the old ones."""
+        self._take_waiting()
+        self._why = step.why
+        for reader in self._readers:
+            try:
+                reader.change(step.settings)
+            except PortError as error:
+                self._console.say(f"{error}; the search goes on" if self._conditions.formats else str(error))
+
     def _take_waiting(self) -> None:
-        """Take what had arrived when the stop came; that a port goes at the same time is no loss."""
+        """Take what has arrived; that a port goes at this moment is told by the next read, and none at the end."""
         end = self._clock_ns() + int(READ_TIMEOUT_S * 1e9)
         for _ in self._readers:
             with suppress(PortLost):
@@ -230,7 +270,22 @@ class Capture:
         self._counters.add_read(read)
         if self._several:
             line.counters.add_read(read)
-        self._emit(line.framer.feed(read))
+        if read.data and read.settings not in (None, line.framer.settings):
+            self._take_settings(line, read)
+        records = line.framer.feed(read)
+        if self._steering:
+            self._steps.extend(self._steering.take(read, records))
+        self._emit(records)
+
+    def _take_settings(self, line: _Line, read: Read) -> None:
+        """Note that this is the first read with other settings."""
+        assert read.settings
+        self._emit(line.framer.flush())
+        line.framer.settings = read.settings
+        text = f"{read.settings}: {self._why}"
+        self._emit([event(read.time_ns, read.line, read.settings, Event.SETTINGS_CHANGED, text)])
+        if self._steering and not self._steering.searching:
+            self._console.say(self._which(read.line) + text)
 
     def _line(self, number: int, reader: Reader) -> _Line:
         counters = Counters() if self._several else self._counters
@@ -238,7 +293,11 @@ class Capture:
 
     def _idle(self, now: int) -> None:
         for line in self._lines.values():
-            self._emit(line.framer.idle(now - line.arrived_ns))
+            records = line.framer.idle(now - line.arrived_ns)
+            if self._steering and records:
+                nothing = Read(line.framer.line, self._wall_ns(), b"", b"")
+                self._steps.extend(self._steering.take(nothing, records))
+            self._emit(records)
         # What a framer holds is older than now, and a new file begins with the time now.
         if self._order.empty and all(line.framer.empty for line in self._lines.values()):
             self._sink.look(self._wall_ns())
@@ -274,8 +333,11 @@ class Capture:
             self._console.say(text)
         for reader in self._readers:
             line = self._lines[reader.line]
-            for hint in line.hints.look(line.counters, elapsed_s):
+            searching = self._steering.searching if self._steering else None
+            for hint in line.hints.look(line.counters, elapsed_s, searching):
                 self._console.say(self._which(reader.line) + hint)
+        if self._steering and (unheard := self._steering.hint(self._wall_ns())):
+            self._console.say(unheard)
         if self._progress:
             self._console.progress(str(self._counters))
 

@@ -23,7 +23,6 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap import wire
 from sistap.line import LineSettings, Read
 from sistap.reader import PortLost, Reader, device, latency, open_reader, several, together
 from sistap.reader.several import PolledReaders, ThreadedReaders
@@ -188,22 +187,6 @@ def test_the_loss_of_one_is_told_once_and_the_other_goes_on(
         with pytest.raises(PortLost) as lost:
             source.read(PATIENCE_S)
         assert lost.value.line == 2
-
-
-def test_two_buses_are_merged_by_their_own_times(tmp_path: Path, opened: Callable[..., list[Reader]]) -> None:
-    listeners = [socket.socket(socket.AF_UNIX) for _ in range(2)]
-    for i, listener in enumerate(listeners):
-        listener.bind(str(tmp_path / str(i)))
-        listener.listen()
-    readers = opened(*(f"bus://{tmp_path}/{i}" for i in range(2)))
-    connections = [listener.accept()[0] for listener in listeners]
-    for i, connection in enumerate(connections):
-        connection.sendall(b"".join(wire.pack_read(Read(0, 1000 + 2 * n + i, b"x", b"\0")) for n in range(20)))
-    with together(readers) as source:
-        reads = collect(source, 40)
-    assert [(read.line, read.time_ns) for read in reads] == [(1 + n % 2, 1000 + n) for n in range(40)]
-    for each in (*listeners, *connections):
-        each.close()
 
 
 def test_ports_that_cannot_be_polled_get_a_thread_each(opened: Callable[..., list[Reader]]) -> None:

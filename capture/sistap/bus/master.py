@@ -8,11 +8,10 @@ import random
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from sistap.bus.drive import BROADCAST
 from sistap.bus.parameters import Element, control, ident, number
 from sistap.line import LineSettings
 from sistap.rates import BAUD_MASKS
-from sistap.telegram import build
+from sistap.telegram import BROADCAST, build
 
 MASTER = 16
 DRIVES = (3, 4)

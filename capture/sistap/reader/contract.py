@@ -36,5 +36,11 @@ class Reader(Protocol):
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost."""
 
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from now on. Read first what is there: it came with the old ones.
+
+        PortError if the port cannot do them: then the old ones stay.
+        """
+
     def close(self) -> None:
         """Let the port go."""

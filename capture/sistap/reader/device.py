@@ -14,7 +14,7 @@ from sistap.clock import CLOCK
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.reader import latency
 from sistap.reader.contract import READ_SIZE, STEP_MS, PortLost
-from sistap.reader.opening import open_device
+from sistap.reader.opening import change_device, open_device
 from sistap.reader.trouble import lost_text
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct, of it the counters frame, overrun, parity, brk and
@@ -28,7 +28,7 @@ class PosixReader:
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Open and configure the port. May raise PortError."""
-        behind = ports.adapter(port)
+        self._behind = behind = ports.adapter(port)
         self.name = port
         self.adapter = str(behind)
         self.settings = settings
@@ -81,7 +81,13 @@ class PosixReader:
             return None
         if self._counters is not None:
             flags = self._with_counted(flags)
-        return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns)
+        return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns, self.settings)
+
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        change_device(self._serial, settings, self._behind.pseudo_terminal)
+        self.settings = settings
+        self._latency_ns, _ = latency.bound(self._behind, settings)
 
     def _wait(self, timeout_s: float) -> bool | None:
         """Wait for characters: None if none came, else whether they came while it waited for them."""

@@ -7,7 +7,6 @@ port, and a reader that was late knows it. Threads of their own would wait for e
 
 from __future__ import annotations
 
-import heapq
 import select
 import threading
 from collections import deque
@@ -95,29 +94,25 @@ class PolledReaders:
         asked_ns = monotonic_ns()
         ready = {descriptor for descriptor, _ in self._poll.poll(step_ms)}
         silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
-        taken = [self._reads]
         for descriptor, reader in list(self._readers.items()):
             if descriptor in ready:
-                taken.append(self._take(descriptor, reader, in_time=step_ms > 0))
+                self._take(descriptor, reader, in_time=step_ms > 0)
             else:
                 reader.nothing_until(silent_ns)
-        self._reads = deque(heapq.merge(*taken, key=lambda read: read.time_ns))
         return bool(ready)
 
-    def _take(self, descriptor: int, reader: Pollable, *, in_time: bool) -> deque[Read]:
-        reads: deque[Read] = deque()
+    def _take(self, descriptor: int, reader: Pollable, *, in_time: bool) -> None:
         try:
-            while read := reader.take(in_time=in_time):
-                reads.append(read)
+            if read := reader.take(in_time=in_time):
+                self._reads.append(read)
         except PortLost as lost:
             self._poll.unregister(descriptor)
             del self._readers[descriptor]
             self._lost.append(PortLost(str(lost), reader.line))
-        return reads
 
 
 class ThreadedReaders:
-    """A thread waits for each: for ports whose times are not known well anyway."""
+    """A thread waits for each: for ports whose times have no bound anyway, or are those of a virtual bus."""
 
     def __init__(self, readers: Sequence[Reader]) -> None:
         """Begin to read these."""

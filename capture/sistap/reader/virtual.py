@@ -40,7 +40,8 @@ class WireReader:
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost.
 
-        A read without characters tells the time of a bus whose time is simulated; the next call lets it go on.
+        A read without characters tells the time of a bus whose time is simulated; the next call that may wait lets it
+        go on.
         """
         if not self._reads:
             self._receive(timeout_s)
@@ -52,20 +53,9 @@ class WireReader:
         with suppress(OSError):  # the next read tells that the bus has ended
             self._socket.sendall(wire.pack_settings(settings))
 
-    def fileno(self) -> int:
-        """Give the socket, for who waits for several ports at once."""
-        return self._socket.fileno()
-
-    def take(self, *, in_time: bool) -> Read | None:
-        """Give what is there; whether it came in time the bus knows. May raise PortLost."""
-        return self.read(0)
-
-    def nothing_until(self, time_ns: int) -> None:
-        """Note nothing: times are those of the bus."""
-
     def _receive(self, timeout_s: float) -> None:
         try:
-            if self._answer:
+            if self._answer and timeout_s:
                 self._socket.sendall(self._answer)
                 self._answer = b""
             self._socket.settimeout(timeout_s)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which settings the lines of a capture are read with, where they are looked for or follow what the bus is told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from sistap.follow import Change, Follow
+from sistap.line import LineSettings, Read
+from sistap.record import Record, Type
+from sistap.scan import Scan
+
+PATIENCE_NS = 5_000_000_000  # for a valid telegram after the rate changed
+
+
+class Step(NamedTuple):
+    """The lines are to be read with these settings; if they are already, they are right."""
+
+    settings: LineSettings
+    why: str
+
+
+class Steering:
+    """The lines of one bus, which have the same settings. Times are those of the characters, in ns."""
+
+    def __init__(self, settings: LineSettings, formats: Sequence[str] = (), *, follow: bool = False) -> None:
+        """Begin with `settings`; look for a rate and one of `formats`, if there are any; `follow` the bus."""
+        self._settings = settings
+        self._formats = formats
+        self._scan = Scan(formats) if formats else None
+        self._follows = follow
+        self._follow: Follow | None = None
+        self._changed: Change | None = None  # followed, and no valid telegram since
+        self._changed_ns = 0
+        self._characters = 0  # since then
+        self._hinted = False
+
+    @property
+    def searching(self) -> Scan | None:
+        """The search, None if there is none or it is over."""
+        return None if self._scan is None or self._scan.found else self._scan
+
+    def take(self, read: Read, records: Sequence[Record]) -> Iterator[Step]:
+        """Take what was read and the records that it completed."""
+        scan = self.searching
+        if scan:
+            scan.take(read, records)
+            if scan.found:
+                yield self._step(scan.settings, "found, by a valid telegram")
+        elif self._follows:
+            yield from self._take_followed(read, records)
+
+    def look(self, now_ns: int) -> Iterator[Step]:
+        """Give what the time changes."""
+        scan = self.searching
+        settings = scan.look(now_ns) if scan else None
+        if settings:
+            yield self._step(settings, "looking for the rate")
+        if self._follow and (change := self._follow.due(now_ns)):
+            yield from self._changes(change, now_ns)
+        if self._changed and self._characters and self._formats and now_ns - self._changed_ns >= PATIENCE_NS:
+            self._changed = self._follow = None
+            self._scan = Scan(self._formats)
+            yield self._step(self._scan.settings, "looking for the rate: no valid telegram since it was changed")
+
+    def hint(self, now_ns: int) -> str | None:
+        """Say, once, that a change that was followed brought nothing valid."""
+        if not self._changed or self._hinted or now_ns - self._changed_ns < PATIENCE_NS:
+            return None
+        self._hinted = True
+        brought = "no valid telegram" if self._characters else "nothing received"
+        return f"{brought} since the rate changed ({self._changed.why}): --baud auto would look for it"
+
+    @property
+    def due_ns(self) -> int | None:
+        """When look() has to be called at the latest."""
+        return self._follow.due_ns if self._follow else None
+
+    def _take_followed(self, read: Read, records: Sequence[Record]) -> Iterator[Step]:
+        self._characters += len(read.data)
+        for record in records:
+            if record.type != Type.FRAME or record.checksum_bad:
+                continue
+            self._changed = None
+            if self._follow is None:
+                self._follow = Follow(record.settings.baud)
+            end_ns = record.time_ns + sum(record.intervals[1:])
+            if change := self._follow.take(record.data, end_ns):
+                yield from self._changes(change, end_ns)
+
+    def _changes(self, change: Change, now_ns: int) -> Iterator[Step]:
+        if change.baud != self._settings.baud:
+            self._changed, self._changed_ns, self._characters, self._hinted = change, now_ns, 0, False
+            yield self._step(self._settings._replace(baud=change.baud), change.why)
+
+    def _step(self, settings: LineSettings, why: str) -> Step:
+        self._settings = settings
+        return Step(settings, why)
