@@ -98,13 +98,19 @@ def test_the_last_that_was_told_counts() -> None:
         command(ALL, 0x07),
         command(ALL, 0x08, b"\xf4\x01"),
         command(ALL, 0x08, b"\x00\x00\x01"),
-        command(3, 0x07, b"\x01", routed=b"\x08"),  # for a bus behind a router
         build(0x03, MASTER, ALL),
         build(0x1F, MASTER, ALL, b"\xff\x07\x01"),
     ],
 )
 def test_what_says_nothing_changes_nothing(telegram: bytes) -> None:
     assert rates(telegram, ACCEPT_ALL) == []
+
+
+def test_a_bus_behind_a_router_is_another_one() -> None:
+    body = bytes([8, 0x07])
+    told = build(0x03, MASTER, 3, body + b"\x01", subaddresses=b"\x08")
+    done = build(0x03, MASTER, 3, b"\0" + body, subaddresses=b"\x08", reaction=True)
+    assert rates(told, done, ACCEPT_ALL) == []
 
 
 def test_a_timed_test_begins_after_the_reaction_and_ends_by_itself() -> None:

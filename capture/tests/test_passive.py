@@ -23,8 +23,8 @@ from sistap.reader import latency, open_reader
 
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
-# All shall have 38400 Bd (checksum by hand), and accept it (fig. 6-24).
-NEW_RATE = bytes.fromhex("02 DD 03 03 00 03 10 FF 00 07 02") + bytes.fromhex("02 E9 02 02 00 03 10 FF 00 FF")
+# All shall have 57600 Bd (checksum by hand), and accept it (fig. 6-24).
+NEW_RATE = bytes.fromhex("02 DB 03 03 00 03 10 FF 00 07 04") + bytes.fromhex("02 E9 02 02 00 03 10 FF 00 FF")
 PATIENCE_S = 60
 
 # All that a capture may ask of a port. A list of what is allowed: so that a new way to drive a line is noticed.
@@ -99,7 +99,7 @@ def test_capture_only_listens(tmp_path: Path, options: list[str]) -> None:
     calls = traced(command, tmp_path / "trace")
     assert_only_listens(calls)
     assert TELEGRAM in file.read_bytes()
-    assert any("B38400" in call for call in calls) is bool(options)
+    assert any("B57600" in call for call in calls) is bool(options)
 
 
 def test_modem_lines_of_a_real_port_only_go_down(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,13 +69,18 @@ def test_half_of_the_characters_wrong_is_the_wrong_parity_although_a_telegram_is
 
 
 def test_a_telegram_with_an_error_in_it_is_not_enough(bus: Bus) -> None:
-    bus.say(SHORT, bytes([0, 0, WRONG, 0, 0, 0, 0, 0]))
+    bus.say(b"x" * 20 + SHORT, bytes(22) + bytes([WRONG]) + bytes(5))
     assert not bus.scan.found
 
 
 def test_a_disturbed_line_is_found(bus: Bus) -> None:
     bus.say(SHORT * 2, bytes([WRONG]) + bytes(15))
     assert bus.scan.found
+
+
+def test_few_errors_among_many_characters_are_no_reason_to_leave(bus: Bus) -> None:
+    bus.say(b"x" * 200, (bytes([WRONG]) + bytes(24)) * 8)
+    assert bus.wait(0) is None
 
 
 def test_a_damaged_telegram_is_not_enough(bus: Bus) -> None:
