@@ -40,8 +40,6 @@ class Order:
         first_ns = min((time_ns for time_ns in unfinished_ns if time_ns is not None), default=None)
         while self._waiting and (first_ns is None or self._waiting[0][0] <= max(first_ns, self._overdue_ns)):
             yield heapq.heappop(self._waiting)[2]
-        if not self._waiting:
-            self._since.clear()
 
     @property
     def empty(self) -> bool:
