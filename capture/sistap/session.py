@@ -126,7 +126,7 @@ class Capture:
         self._progress = progress
         self._clock_ns = clock_ns
         self._console = console
-        self._readers = list(readers)
+        self._readers = list(readers)  # whose ports are not lost
         self._several = len(readers) > 1
         self._lines = {reader.line: self._line(reader.line, reader) for reader in readers}
         self._order = Order()
@@ -134,7 +134,8 @@ class Capture:
         self._steps: list[Step] = []  # not yet done
         self._why = ""  # the settings were changed
         self._last: Read | None = None
-        self._ports_lost = 0
+        self._port_lost = False
+        self._refused: set[str] = set()  # settings that a port cannot do, said once
 
     def run(self, stop: Stop) -> int:
         """Capture until something ends it; give the exit code."""
@@ -149,7 +150,7 @@ class Capture:
         finally:
             gc.enable()
             gc.unfreeze()
-        return 1 if self._ports_lost or self._output.failed else 0
+        return 1 if self._port_lost or self._output.failed else 0
 
     def _run(self, stop: Stop) -> None:
         descriptions = {number: self._description(line) for number, line in self._lines.items()}
@@ -182,7 +183,7 @@ class Capture:
         while not (
             stop.requested
             or self._output.done
-            or self._ports_lost == len(self._readers)
+            or not self._readers
             or (count is not None and counters.written >= count)
             or (end is not None and now >= end)
         ):
@@ -200,7 +201,9 @@ class Capture:
             if self._steering:
                 self._steer(self._steering)
         if stop.requested:
-            self._take_waiting()
+            for _ in self._readers:
+                with suppress(PortLost):  # at the same time, by the same Ctrl-C
+                    self._take_waiting(self._source.read)
 
     def _read(self, timeout_s: float) -> Read | None:
         try:
@@ -212,10 +215,11 @@ class Capture:
     def _lose(self, lost: PortLost) -> None:
         """Note that a port is gone; if there is another, that one goes on."""
         reader = self._lines[lost.line].reader
-        self._ports_lost += 1
+        self._port_lost = True
+        self._readers.remove(reader)
         self._finish(line for line in self._lines.values() if line.reader is reader)
         self._emit([self._event(lost.line, Event.ADAPTER_LOST, str(lost))])
-        goes_on = "; the other line goes on" if self._ports_lost < len(self._readers) else ""
+        goes_on = "; the other line goes on" if self._readers else ""
         self._console.say(f"{self._which(lost.line)}{lost}{goes_on}")
 
     def _finish(self, lines: Iterable[_Line]) -> None:
@@ -235,31 +239,35 @@ class Capture:
         self._steps.extend(steering.look(self._wall_ns()))
         steps, self._steps = self._steps, []
         for step in steps:
-            if step.settings != self._readers[0].settings:
+            if any(reader.settings != step.settings for reader in self._readers):
                 self._change(step)
-                continue
-            self._console.say(f"{step.settings}: {step.why}")
-            for reader in self._readers:
-                self._lines[reader.line].hints = Hints(step.settings, Framing.SIS)
-                self._emit([self._event(reader.line, Event.SETTINGS_CHANGED, f"{step.settings}: {step.why}")])
+            else:
+                self._settle(f"{step.settings}: {step.why}")
+
+    def _settle(self, text: str) -> None:
+        """Note that the settings of now are right."""
+        self._console.say(text)
+        for reader in self._readers:
+            self._lines[reader.line].hints = Hints(reader.settings, Framing.SIS)
+            self._emit([self._event(reader.line, Event.SETTINGS_CHANGED, text)])
 
     def _change(self, step: Step) -> None:
         """Change the line settings, after what has come with the old ones."""
-        self._take_waiting()
+        self._take_waiting(self._read)
         self._why = step.why
         for reader in self._readers:
             try:
                 reader.change(step.settings)
             except PortError as error:
-                self._console.say(f"{error}; the search goes on" if self._conditions.formats else str(error))
+                if str(error) not in self._refused:
+                    self._refused.add(str(error))
+                    self._console.say(str(error))
 
-    def _take_waiting(self) -> None:
-        """Take what has arrived; that a port goes at this moment is told by the next read, and none at the end."""
+    def _take_waiting(self, reading: Callable[[float], Read | None]) -> None:
+        """Take what has arrived."""
         end = self._clock_ns() + int(READ_TIMEOUT_S * 1e9)
-        for _ in self._readers:
-            with suppress(PortLost):
-                while (now := self._clock_ns()) < end and (read := self._source.read(0)):
-                    self._take(read, now)
+        while (now := self._clock_ns()) < end and (read := reading(0)):
+            self._take(read, now)
 
     def _take(self, read: Read, now: int) -> None:
         line = self._lines.get(read.line)

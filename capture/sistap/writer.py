@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import sistap
 from sistap import pcapng
 from sistap.counters import Counters
-from sistap.line import Flag
+from sistap.line import Flag, LineSettings
 from sistap.output import Output
 from sistap.pcapng import Interface, PacketFlags, Statistics
 from sistap.record import Record, Type
@@ -62,6 +62,7 @@ class PcapngWriter:
         self._counters = counters
         self._interfaces: dict[int, int] = {}  # by line, in the order of this file
         self._started: tuple[Record, ...] = ()
+        self._settings: dict[int, LineSettings] = {}  # by line, of its last record
 
     def begin(self, *started: Record) -> None:
         """Begin the file: all interfaces that are known, and the events `started`."""
@@ -78,6 +79,7 @@ class PcapngWriter:
     def write(self, record: Record) -> bool:
         """Write a record, into the next file if this one is full; tell whether this link type has a place for it."""
         self.look(record.time_ns)
+        self._settings[record.line] = record.settings
         payload = self._payload(record)
         if payload is None:
             return False
@@ -90,7 +92,7 @@ class PcapngWriter:
         if self._started and self._output.full and not self._output.done and self._output.open_next():
             self.end(time_ns)
             self._output.go_on()
-            self.begin(*(started._replace(time_ns=time_ns) for started in self._started))
+            self.begin(*(self._again(started, time_ns) for started in self._started))
 
     def end(self, time_ns: int) -> None:
         """End the file with the statistics of its interfaces."""
@@ -100,6 +102,11 @@ class PcapngWriter:
             received, accepted = counters.received[line], counters.accepted[line]
             statistics = Statistics(started_ns, time_ns, received, accepted, counters.gaps[line])
             self._output.write(pcapng.interface_statistics(interface, statistics))
+
+    def _again(self, started: Record, time_ns: int) -> Record:
+        """Begin another file with the settings that the line has now."""
+        settings = self._settings.get(started.line, started.settings)
+        return started._replace(time_ns=time_ns, settings=settings)
 
     def _interface_of(self, line: int) -> int:
         if line not in self._interfaces:

@@ -19,7 +19,7 @@ from test_end_to_end import CAPTURE, packets
 
 from sistap import capture, cli
 from sistap.line import LineSettings, Read
-from sistap.reader import PortError
+from sistap.reader import PortError, PortLost
 from sistap.record import Event, Record, Type
 
 # python-pcapng warns of itself.
@@ -175,6 +175,14 @@ def test_what_had_arrived_before_a_change_has_the_settings_of_before(run, tmp_pa
     ]
 
 
+def test_each_file_begins_with_the_settings_of_now(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    reader = FakeReader(b"x" * 526, None, *ALL * 3)
+    assert run(reader, "-w", str(tmp_path / "x"), "--baud", "auto", "-b", "filesize:2") == 0
+    first, *_, last = (read_back(file)[0] for file in sorted(tmp_path.iterdir()))
+    assert (first.event, first.settings) == (Event.CAPTURE_STARTED, LineSettings(9600))
+    assert (last.event, last.settings) == (Event.CAPTURE_STARTED, LineSettings(9600, 8, "N", 2))
+
+
 def test_settings_that_the_port_cannot_do_are_passed_over(  # type: ignore[no-untyped-def]
     run, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -182,7 +190,7 @@ def test_settings_that_the_port_cannot_do_are_passed_over(  # type: ignore[no-un
     reader.refused = LineSettings(9600, 8, "N", 2)
     assert run(reader, "-w", str(tmp_path / "x"), "--baud", "auto") == 0
     assert reader.changed[:2] == [reader.refused, LineSettings(19200)]
-    assert "sistap: /dev/ttyFAKE cannot do 9600 Bd 8N1; the search goes on\n" in capfd.readouterr().err
+    assert "sistap: /dev/ttyFAKE cannot do 9600 Bd 8N1\n" in capfd.readouterr().err
 
 
 # -- Following the bus ----------------------------------------------------------------------------------------------
@@ -265,3 +273,18 @@ def test_what_cannot_be_is_one_line(arguments: list[str], text: str, capfd: pyte
     assert text in err and err.count("\n") == 1
     os.close(master)
     os.close(slave)
+
+
+def test_a_port_that_is_lost_while_it_is_changed_ends_it(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    class Unplugged(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            if timeout_s == 0:
+                raise PortLost("/dev/ttyFAKE is gone")
+            return super().read(timeout_s)
+
+    assert run(Unplugged(b"x" * 526), "-w", str(tmp_path / "x"), "--baud", "auto") == 1
+    assert [record.event for record in read_back(tmp_path / "x")] == [
+        Event.CAPTURE_STARTED,
+        Event.NONE,
+        Event.ADAPTER_LOST,
+    ]
