@@ -37,6 +37,11 @@ EPILOG = """\
 A PORT is a device (/dev/ttyUSB0; `sistap ports` lists them), a virtual bus (bus://HOST:PORT), or a URL of pyserial
 (socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
 
+With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
+telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
+changes when the bus is told so (service 0x03), also for the time of a timed test; if then nothing valid comes, a line
+says so, and with --baud auto, too, the search begins again.
+
 RS422 and RS232 have a line for each direction: tap both, each with a port of its own, and give -i twice. Line 1 is the
 first, line 2 the second. Their records are in one file, in the order in which they began; for that a record waits while
 an older telegram is still coming in on the other line, half a second at most.
@@ -47,6 +52,7 @@ address, link[7] the receiver address. Other characters and events always pass.
 examples:
   sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
+  sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
                                                                the last 24 hours, a file for each

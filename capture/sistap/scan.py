@@ -75,7 +75,7 @@ class Scan:
             now.characters += len(read.data)
             now.faulty += faulty(read)
             now.last_ns = read.time_ns
-        good = any(record.type == Type.FRAME and not record.checksum_bad and not record.errors for record in records)
+        good = any(record.settings == now.settings and _is_good(record) for record in records)
         self.found = good and now.faulty * ACCIDENT <= now.characters
 
     def look(self, now_ns: int) -> LineSettings | None:
@@ -92,3 +92,7 @@ class Scan:
         if self._tries % len(self._all) == 1:
             self._silence_ns = min(2 * self._silence_ns, LONGEST_SILENCE_NS)
         return self.settings
+
+
+def _is_good(record: Record) -> bool:
+    return record.type == Type.FRAME and not record.checksum_bad and not record.errors

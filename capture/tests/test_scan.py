@@ -156,6 +156,15 @@ def test_what_was_read_before_a_change_does_not_count(bus: Bus) -> None:
     assert bus.wait(2.9) is None  # nothing has come with the new ones
 
 
+def test_a_telegram_that_silence_completes_counts_for_its_own_settings(bus: Bus) -> None:
+    framers = [SisFramer(0, settings) for settings in (LineSettings(115200), bus.scan.settings)]
+    for framer, found in zip(framers, (False, True), strict=True):
+        waiting = framer.feed(Read(0, bus.now, b"\x02\x00\xff\xff" + SHORT, bytes(12), 0))
+        assert waiting == []
+        bus.scan.take(Read(0, bus.now, b"", b""), framer.flush())
+        assert bus.scan.found is found
+
+
 def test_one_format(bus: Bus) -> None:
     bus.scan = Scan(["7O2"])
     assert {name(bus.wait(100)) for _ in range(10)} == {(rate, "7O2") for rate, text in EVERYTHING} | {None}
