@@ -16,7 +16,7 @@ if sys.platform != "win32":
     import fcntl
     import termios
 
-    _STICK_PARITY = getattr(termios, "CMSPAR", 0o10000000000)
+    _STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which termios does not know
     _PARITIES = {
         "N": 0,
         "E": termios.PARENB,
