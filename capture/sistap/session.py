@@ -344,8 +344,8 @@ class Capture:
             searching = self._steering.searching if self._steering else None
             for hint in line.hints.look(line.counters, elapsed_s, searching):
                 self._console.say(self._which(reader.line) + hint)
-        if self._steering and (unheard := self._steering.hint(self._wall_ns())):
-            self._console.say(unheard)
+        if self._steering and (doubt := self._steering.take_hint()):
+            self._console.say(doubt)
         if self._progress:
             self._console.progress(str(self._counters))
 

@@ -34,7 +34,8 @@ class Steering:
         self._changed: Change | None = None  # followed, and no valid telegram since
         self._changed_ns = 0
         self._characters = 0  # since then
-        self._hinted = False
+        self._doubted = False  # it was said
+        self._hint: str | None = None  # not yet given
 
     @property
     def searching(self) -> Scan | None:
@@ -59,18 +60,13 @@ class Steering:
             yield self._step(settings, "looking for the rate")
         if self._follow and (change := self._follow.due(now_ns)):
             yield from self._changes(change, now_ns)
-        if self._changed and self._characters and self._formats and now_ns - self._changed_ns >= PATIENCE_NS:
-            self._changed = self._follow = None
-            self._scan = Scan(self._formats)
-            yield self._step(self._scan.settings, "looking for the rate: no valid telegram since it was changed")
+        if self._changed and now_ns - self._changed_ns >= PATIENCE_NS:
+            yield from self._doubt(self._changed)
 
-    def hint(self, now_ns: int) -> str | None:
-        """Say, once, that a change that was followed brought nothing valid."""
-        if not self._changed or self._hinted or now_ns - self._changed_ns < PATIENCE_NS:
-            return None
-        self._hinted = True
-        brought = "no valid telegram" if self._characters else "nothing received"
-        return f"{brought} since the rate changed ({self._changed.why}): --baud auto would look for it"
+    def take_hint(self) -> str | None:
+        """Give, once, what a person should know."""
+        hint, self._hint = self._hint, None
+        return hint
 
     @property
     def due_ns(self) -> int | None:
@@ -91,8 +87,21 @@ class Steering:
 
     def _changes(self, change: Change, now_ns: int) -> Iterator[Step]:
         if change.baud != self._settings.baud:
-            self._changed, self._changed_ns, self._characters, self._hinted = change, now_ns, 0, False
+            self._changed, self._changed_ns, self._characters, self._doubted = change, now_ns, 0, False
             yield self._step(self._settings._replace(baud=change.baud), change.why)
+
+    def _doubt(self, change: Change) -> Iterator[Step]:
+        """Deal with a change that has brought nothing valid; a bus may be silent, but not speak so."""
+        search = bool(self._formats) and self._characters > 0
+        if search or not self._doubted:
+            brought = "no valid telegram" if self._characters else "nothing received"
+            cure = "looking for it again" if search else "look for it with --baud auto if that does not change"
+            self._hint = f"{brought} since the rate changed ({change.why}): {cure}"
+            self._doubted = True
+        if search:
+            self._changed = self._follow = None
+            self._scan = Scan(self._formats)
+            yield self._step(self._scan.settings, "looking for the rate again")
 
     def _step(self, settings: LineSettings, why: str) -> Step:
         self._settings = settings

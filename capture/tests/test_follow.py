@@ -190,11 +190,11 @@ def test_a_change_that_brings_nothing_valid_is_said_once() -> None:
     bus = Heard(Steering(LINE, follow=True))
     bus.say(*tell(ALL, 19200), ACCEPT_ALL)
     assert bus.wait(4.9) == []
-    assert bus.steering.hint(bus.now) is None
+    assert bus.steering.take_hint() is None
     bus.wait(0.2)
-    hint = bus.steering.hint(bus.now)
+    hint = bus.steering.take_hint()
     assert hint and hint.startswith("nothing received since the rate changed (16 let all accept 19200 Bd)")
-    assert bus.steering.hint(bus.now) is None
+    assert bus.steering.take_hint() is None
     assert bus.wait(100) == []
 
 
@@ -202,8 +202,8 @@ def test_a_change_that_brings_a_telegram_is_well() -> None:
     bus = Heard(Steering(LINE, follow=True))
     bus.say(*tell(ALL, 19200), ACCEPT_ALL)
     bus.say(b"xxx", ACCEPT_ALL)
-    bus.wait(10)
-    assert bus.steering.hint(bus.now) is None
+    assert bus.wait(10) == []
+    assert bus.steering.take_hint() is None
 
 
 def test_with_auto_it_searches_again_and_follows_again() -> None:
@@ -212,7 +212,11 @@ def test_with_auto_it_searches_again_and_follows_again() -> None:
     assert bus.steering.searching is None
     assert bus.say(*tell(ALL, 19200), ACCEPT_ALL) == [LINE._replace(baud=19200)]
     assert bus.wait(100) == []  # a bus may be silent
+    hint = bus.steering.take_hint()
+    assert hint and hint.startswith("nothing received since the rate changed")
     assert bus.say(b"xxx") == [LINE]  # but not speak so
+    hint = bus.steering.take_hint()
+    assert hint == "no valid telegram since the rate changed (16 let all accept 19200 Bd): looking for it again"
     assert bus.steering.searching
     bus.settings = LINE
     bus.say(ACCEPT_ALL)

@@ -344,6 +344,29 @@ def test_what_began_first_is_written_first(
     assert [record.data for record, _, _ in packets(path)[2:]] == [COMMAND, REACTION]
 
 
+def test_both_lines_follow_what_is_told_on_one(
+    lines: tuple[Line, Line], capture: Callable[..., Captured], tmp_path: Path
+) -> None:
+    path = tmp_path / "x.pcapng"
+    captured = capture("-w", str(path), "--follow-baud")
+    lines[1].say(b"x")
+    # All shall have 57600 Bd (checksum by hand), and accept it.
+    lines[0].say(bytes.fromhex("02 DB 03 03 00 03 10 FF 00 07 04") + TELEGRAMS["6-24"])
+    wait_for(lambda: all(termios.tcgetattr(line.master)[4] == termios.B57600 for line in lines))
+    lines[1].say(REACTION)
+    wait_for(lambda: packets(path)[-1][0].data == REACTION)
+    code, _, err = captured.stop()
+    assert code == 0
+    assert "sistap: line 2: 57600 Bd 8E1: 16 let all accept 57600 Bd\n" in err
+    second = [record for record, _, _ in packets(path) if record.line == 2]
+    assert [(record.type, record.settings.baud) for record in second] == [
+        (Type.EVENT, 9600),
+        (Type.OTHER, 9600),
+        (Type.EVENT, 57600),
+        (Type.FRAME, 57600),
+    ]
+
+
 def test_one_port_is_lost_and_the_other_goes_on(
     lines: tuple[Line, Line], capture: Callable[..., Captured], tmp_path: Path
 ) -> None:
