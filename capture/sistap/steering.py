@@ -95,7 +95,7 @@ class Steering:
         search = bool(self._formats) and self._characters > 0
         if search or not self._doubted:
             brought = "no valid telegram" if self._characters else "nothing received"
-            cure = "looking for it again" if search else "look for it with --baud auto if that does not change"
+            cure = "looking for it again" if search else "try --baud auto" if not self._formats else "waiting"
             self._hint = f"{brought} since the rate changed ({change.why}): {cure}"
             self._doubted = True
         if search:
