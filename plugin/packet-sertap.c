@@ -61,7 +61,6 @@ static expert_field ei_event = EI_INIT;
 
 static dissector_table_t framing_table;
 static int tap_sertap = -1;
-static wmem_map_t *disturbances; /* by interface: sertap_disturbance() */
 
 static const value_string types[] = {
     {SERTAP_FRAME, "Frame"},
@@ -95,15 +94,12 @@ static const value_string framings[] = {
     {0, NULL},
 };
 
-#define EVENT_CHARACTERS_LOST 3
-#define EVENT_ADAPTER_LOST    4
-
 static const value_string events[] = {
     {0, "None"},
     {1, "Capture started"},
     {2, "Line settings changed"},
-    {EVENT_CHARACTERS_LOST, "Characters lost"},
-    {EVENT_ADAPTER_LOST, "Adapter lost"},
+    {SERTAP_CHARACTERS_LOST, "Characters lost"},
+    {SERTAP_ADAPTER_LOST, "Adapter lost"},
     {5, "Marker"},
     {6, "Capture ended"},
     {0, NULL},
@@ -131,14 +127,6 @@ static const flag_t flags[] = {
     {SERTAP_INTERVAL_SATURATED, &hf_interval_saturated, "interval longer than it can be stored", NULL, NULL},
 };
 
-static nstime_t
-ns_to_time(uint32_t ns)
-{
-    nstime_t time = {ns / 1000000000, (int)(ns % 1000000000)};
-
-    return time;
-}
-
 /* "8E1" and its parts. */
 static void
 add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
@@ -159,7 +147,7 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 static void
 add_uncertainty(proto_tree *tree, tvbuff_t *tvb, uint32_t uncertainty)
 {
-    nstime_t time = ns_to_time(uncertainty);
+    nstime_t time = sertap_time(uncertainty);
 
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
         proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
@@ -299,7 +287,7 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
     unsigned flags_at = record->flags_offset + index;
     uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
     uint32_t interval = tvb_get_ntohl(tvb, time_at);
-    nstime_t time = ns_to_time(interval);
+    nstime_t time = sertap_time(interval);
     proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value,
                                                 "Character %u: 0x%02x", index + 1, value);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_character);
@@ -323,7 +311,7 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
 {
     unsigned at = record->interval_max_at;
     uint8_t flag = compat_get_uint8(tvb, record->flags_offset + at);
-    nstime_t longest = ns_to_time(record->interval_max);
+    nstime_t longest = sertap_time(record->interval_max);
     proto_item *ti = proto_tree_add_time_format_value(
         tree, hf_interval_max, tvb, record->times_offset + 4 * at, 4, &longest, "%s, before character %u",
         interval_text(pinfo, record->interval_max, flag), at + 1);
@@ -392,7 +380,7 @@ dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     proto_item *ti = proto_tree_add_item(tree, hf_event, tvb, 18, 2, ENC_BIG_ENDIAN);
 
     proto_tree_add_item(tree, hf_text, tvb, record->data_offset, record->count, ENC_UTF_8);
-    if (record->event == EVENT_CHARACTERS_LOST || record->event == EVENT_ADAPTER_LOST)
+    if (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST)
         expert_add_info_format(pinfo, ti, &ei_event, "%s: %s", name, text);
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
 }
@@ -438,47 +426,32 @@ sertap_record(packet_info *pinfo)
     return p_get_proto_data(pinfo->pool, pinfo, proto_sertap, RECORD);
 }
 
+unsigned
+sertap_index(const sertap_record_t *record, tvbuff_t *part)
+{
+    return (unsigned)(tvb_raw_offset(part) - tvb_raw_offset(record->tvb)) - record->data_offset;
+}
+
+int64_t
+sertap_character_ns(const sertap_record_t *record)
+{
+    int64_t half_bits = 2 + 2 * record->data_bits + (record->parity != 0 ? 2 : 0) + record->stop_half_bits;
+
+    return record->baud != 0 ? half_bits * 500000000 / record->baud : 0;
+}
+
+int64_t
+sertap_ns(const nstime_t *time)
+{
+    return (int64_t)time->secs * 1000000000 + time->nsecs;
+}
+
 nstime_t
-sertap_duration(packet_info *pinfo)
+sertap_time(int64_t ns)
 {
-    const sertap_record_t *record = sertap_record(pinfo);
-    uint64_t ns = record != NULL ? record->duration : 0;
-    nstime_t duration = {(time_t)(ns / 1000000000), (int)(ns % 1000000000)};
+    nstime_t time = {(time_t)(ns / 1000000000), (int)(ns % 1000000000)};
 
-    return duration;
-}
-
-sertap_disturbance_t
-sertap_disturbance(packet_info *pinfo)
-{
-    static const sertap_disturbance_t none = {0};
-    const sertap_disturbance_t *found =
-        wmem_map_lookup(disturbances, GUINT_TO_POINTER(compat_interface(pinfo)));
-
-    return found != NULL ? *found : none;
-}
-
-/* Fewer other characters are what a line says when its direction turns. */
-#define SHORTEST_FRAME 8
-
-static void
-note_disturbance(packet_info *pinfo, const sertap_record_t *record)
-{
-    bool is_lost = record->flags & SERTAP_LOST_BEFORE ||
-                   (record->type == SERTAP_EVENT &&
-                    (record->event == EVENT_CHARACTERS_LOST || record->event == EVENT_ADAPTER_LOST));
-    bool is_unframed = record->type == SERTAP_OTHER && record->count >= SHORTEST_FRAME;
-    sertap_disturbance_t *kept;
-
-    if (pinfo->fd->visited || !(is_lost || is_unframed))
-        return;
-    kept = wmem_new(wmem_file_scope(), sertap_disturbance_t);
-    *kept = sertap_disturbance(pinfo);
-    if (is_lost)
-        kept->lost_in = pinfo->num;
-    if (is_unframed)
-        kept->unframed_in = pinfo->num;
-    wmem_map_insert(disturbances, GUINT_TO_POINTER(compat_interface(pinfo)), kept);
+    return time;
 }
 
 static void
@@ -487,7 +460,6 @@ dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const serta
     tvbuff_t *payload = tvb_new_subset_length(tvb, record->data_offset, record->count);
 
     p_add_proto_data(pinfo->pool, pinfo, proto_sertap, FRAMING, GUINT_TO_POINTER((unsigned)record->framing));
-    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, RECORD, (void *)(uintptr_t)record);
     if (record->count > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
         return;
     col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
@@ -509,15 +481,17 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         return tvb_captured_length(tvb);
     }
 
+    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, RECORD, record);
     ti = proto_tree_add_item(tree, hf_count, tvb, 16, 2, ENC_BIG_ENDIAN);
     check_count(tvb, pinfo, ti, record);
     proto_item_append_text(root, ", %s", val_to_str_const(record->type, types, "type of a later version"));
+    if (record->type != SERTAP_EVENT)
+        survey_characters(tvb, record);
+    if (!pinfo->fd->visited)
+        sertap_line_note(pinfo, record);
     if (record->type == SERTAP_EVENT) {
-        note_disturbance(pinfo, record);
         dissect_event(tvb, pinfo, tree, record);
     } else {
-        survey_characters(tvb, record);
-        note_disturbance(pinfo, record);
         if (tree && record->timed > 0)
             add_characters(tree, pinfo, tvb, record);
         if (record->type == SERTAP_FRAME)
@@ -633,8 +607,7 @@ sertap_register_protocol(void)
     register_decode_as_framing();
     register_dissector("sertap", dissect_sertap, proto_sertap);
     tap_sertap = register_tap("sertap");
-    disturbances =
-        wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    sertap_line_register();
     sertap_statistics_register();
 }
 

@@ -4,11 +4,13 @@
 
 #include "packet-sis.h"
 
+#include <epan/proto_data.h>
 #include <epan/tap.h>
 
 #include "sis-address.h"
 #include "sis-body.h"
 #include "sis-exchange.h"
+#include "sis-timing.h"
 
 #define CONTROL_RESERVED 0x20
 #define CONTROL_WARNING  0x40
@@ -86,6 +88,18 @@ typedef struct {
     sis_telegram_t *telegram;
     wmem_strbuf_t *marks; /* for the end of the info column: what is wrong */
 } dissection_t;
+
+sis_packet_t *
+sis_packet(packet_info *pinfo)
+{
+    sis_packet_t *packet = p_get_proto_data(pinfo->pool, pinfo, proto_sis, 0);
+
+    if (packet == NULL) {
+        packet = wmem_new0(pinfo->pool, sis_packet_t);
+        p_add_proto_data(pinfo->pool, pinfo, proto_sis, 0, packet);
+    }
+    return packet;
+}
 
 /* Something is wrong: an expert item, and a mark that people see in the info column. */
 static void
@@ -208,11 +222,13 @@ dissect_control(const dissection_t *d)
     static int *const bits_ecodrive03[] = {&hf_control_status, &hf_control_reaction, &hf_control_number,
                                            &hf_control_subaddresses, NULL};
     bool is_if02 = sis_edition == SIS_EDITION_IF02;
-    proto_item *ti =
-        proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
-                                          is_if02 ? bits_if02 : bits_ecodrive03, ENC_NA, BMT_NO_APPEND);
+    proto_item *ti = NULL;
 
-    proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
+    if (d->tree != NULL) {
+        ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
+                                               is_if02 ? bits_if02 : bits_ecodrive03, ENC_NA, BMT_NO_APPEND);
+        proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
+    }
     if (is_if02)
         dissect_control_if02(d, ti);
     else
@@ -293,6 +309,8 @@ dissect_addresses(const dissection_t *d)
     if (d->declared > 0 && d->telegram->body_offset > d->declared)
         mark(d, d->root, &ei_header_too_long, "header longer than telegram");
 
+    if (d->tree == NULL)
+        return;
     add_generated_station(d, hf_talker, d->telegram->talker, false);
     add_generated_station(d, hf_listener, d->telegram->listener, false);
     add_generated_station(d, hf_station, d->telegram->talker, true);
@@ -305,10 +323,11 @@ dissect_useful_data(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    sis_record_t *record = telegram->is_good ? sis_exchange_find(d->tvb, d->pinfo, telegram) : NULL;
-    sis_exchange_t *exchange = record != NULL ? record->exchange : NULL;
+    sis_record_t *record = sis_exchange_find(d->tvb, d->pinfo, telegram);
+    sis_exchange_t *exchange = record->exchange;
     sis_request_t request = {.service = telegram->service};
-    sis_body_t body = {.tvb = d->tvb,
+    sis_body_t body = {.telegram = telegram,
+                       .tvb = d->tvb,
                        .pinfo = d->pinfo,
                        .tree = d->tree,
                        .root = d->root,
@@ -322,15 +341,18 @@ dissect_useful_data(const dissection_t *d)
                        .marks = d->marks,
                        .request = telegram->is_reaction ? NULL : &request,
                        .asked = exchange != NULL ? exchange->request : NULL,
-                       .record = record};
+                       .record = telegram->is_good ? record : NULL};
 
-    if (record != NULL)
+    sis_timing_note(record, telegram, d->pinfo);
+    if (telegram->is_good)
         sis_exchange_show(record, d->tvb, d->pinfo, d->tree, d->root, telegram, d->marks);
-    else
-        sis_exchange_damaged(d->pinfo);
     sis_dissect_body(&body);
     if (exchange != NULL && !telegram->is_reaction)
         sis_exchange_keep(exchange, &request);
+    sis_timing_dissect(d->telegram, record, &body);
+    d->telegram->status_text = body.status_text;
+    d->telegram->error_text = body.error_text;
+    d->telegram->error = body.error;
     return wmem_strbuf_get_str(body.summary);
 }
 
@@ -362,6 +384,7 @@ read_header(tvbuff_t *tvb, packet_info *pinfo)
     telegram->body_offset =
         SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
     telegram->declared = sis_declared_length(tvb, 0);
+    telegram->times = sis_times(tvb, pinfo, telegram->declared != 0 ? MIN(there, telegram->declared) : there);
     telegram->is_good = sis_is_good(tvb, 0) && telegram->body_offset <= telegram->declared;
     telegram->last_address = telegram->receiver;
     if (telegram->is_good && telegram->subaddress_count > 0)
@@ -427,6 +450,7 @@ shortened(wmem_allocator_t *scope, const char *words)
 static void
 dissect_whole_telegram(dissection_t *d)
 {
+    sis_packet_t *packet = sis_packet(d->pinfo);
     const char *stations, *kind, *words;
 
     d->telegram = read_header(d->tvb, d->pinfo);
@@ -447,6 +471,8 @@ dissect_whole_telegram(dissection_t *d)
                     wmem_strbuf_get_str(d->marks));
     if (d->tree)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, shortened(d->pinfo->pool, words));
+    d->telegram->before = packet->last;
+    packet->last = d->telegram;
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
 
@@ -612,11 +638,13 @@ sis_register_protocol(void)
         "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", &sis_edition,
         edition_choices, FALSE);
     sis_body_register(module);
+    sis_timing_register(module);
     sis_transports_register_preferences(module);
 
     sis_handle = register_dissector("sis", dissect_sis, proto_sis);
     sis_tap = register_tap("sis");
     sis_statistics_register();
+    sis_tables_register();
 }
 
 static void

@@ -4,7 +4,7 @@
 #ifndef PACKET_SIS_H
 #define PACKET_SIS_H
 
-#include "compat.h"
+#include "sis-times.h"
 
 #include <epan/prefs.h>
 
@@ -16,11 +16,26 @@
 #define SIS_CONTROL_NUMBER       0x08
 #define SIS_CONTROL_REACTION     0x10
 
-/* One telegram's header; the tap "sis" gets it. */
+struct sis_record;
+
+/* What the timing of a telegram says; times in ns. */
 typedef struct {
-    unsigned length;   /* bytes that are there */
-    unsigned declared; /* bytes it says it has; 0: it does not say */
-    bool is_good;      /* start character, equal lengths, all of it, checksum */
+    bool has_silence; /* before the telegram */
+    int64_t silence;
+    sis_longest_t longest; /* of its intervals; at is 0 where they are not known or nobody asks */
+    int64_t tza;           /* limits; 0: not known, so there is no verdict */
+    int64_t trs;
+    bool has_reaction_time;
+    sis_verdict_t trs_verdict;
+    int64_t wait; /* TwM; negative: none */
+} sis_timing_t;
+
+/* One telegram; the tap "sis" gets it. */
+typedef struct sis_telegram {
+    const struct sis_telegram *before; /* in the same packet; NULL: none */
+    unsigned length;                   /* bytes that are there */
+    unsigned declared;                 /* bytes it says it has; 0: it does not say */
+    bool is_good;                      /* start character, equal lengths, all of it, checksum */
     uint8_t control;
     uint8_t service;
     uint8_t sender;
@@ -32,7 +47,21 @@ typedef struct {
     uint8_t talker; /* who really sends: a reaction keeps the command's addresses */
     uint8_t listener;
     unsigned body_offset; /* of the useful data */
+    sis_times_t times;
+    const struct sis_record *record;
+    sis_timing_t timing;
+    const char *status_text; /* of a reaction; NULL: it has none */
+    const char *error_text;  /* NULL: there is no error code */
+    uint32_t error;
 } sis_telegram_t;
+
+/* Several telegrams may be in one packet; kept while it is dissected. */
+typedef struct {
+    unsigned count;             /* of those whose exchange was looked for */
+    const sis_telegram_t *last; /* that has been dissected; NULL: none */
+} sis_packet_t;
+
+sis_packet_t *sis_packet(packet_info *pinfo);
 
 extern int proto_sis;
 extern dissector_handle_t sis_handle; /* telegrams, one after the other, as much as there is */
@@ -54,5 +83,6 @@ void sis_register(void);
 void sis_transports_register_preferences(module_t *module);
 void sis_transports_handoff(void);
 void sis_statistics_register(void);
+void sis_tables_register(void);
 
 #endif

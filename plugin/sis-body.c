@@ -214,20 +214,22 @@ sis_take_text(sis_body_t *body, int hf)
     body->offset = body->end;
 }
 
-void
+uint32_t
 sis_take_baud_mask(sis_body_t *body, bool several)
 {
     wmem_strbuf_t *text = wmem_strbuf_new(body->pinfo->pool, "");
-    uint32_t mask;
+    uint32_t mask, rate = 0;
     unsigned unknown;
 
     if (!sis_take(body, hf_sis_baud_mask, 1, &mask))
-        return;
+        return 0;
     unknown = mask;
     for (unsigned i = 0; sis_baud_masks[i].strptr != NULL; i++) {
         uint32_t bit = sis_baud_masks[i].value;
 
         unknown &= ~bit;
+        if (mask == bit)
+            rate = (uint32_t)strtoul(sis_baud_masks[i].strptr, NULL, 10);
         if (bit == 0 ? several || mask == 0 : (mask & bit) != 0) /* 9600 is always supported */
             wmem_strbuf_append_printf(text, "%s%s", wmem_strbuf_get_len(text) ? ", " : "",
                                       sis_baud_masks[i].strptr);
@@ -239,6 +241,7 @@ sis_take_baud_mask(sis_body_t *body, bool several)
     sis_say(body, ": %s", wmem_strbuf_get_str(text));
     if (!several && (mask & (mask - 1)) != 0)
         sis_mark(body, &ei_sis_note, "more than one baud rate");
+    return rate;
 }
 
 static void
@@ -247,6 +250,7 @@ mark_error(sis_body_t *body, const char *text, uint32_t code)
     sis_mark(body, &ei_status, "error 0x%04x: %s", code, text);
     body->is_explained = true;
     body->error = code;
+    body->error_text = text;
 }
 
 void

@@ -22,8 +22,11 @@ typedef struct sis_request {
     bool is_ambiguous;   /* of 0x01: subservice is that or the device */
     bool has_ident;
     bool has_address;
+    bool has_setting; /* of 0x03: all that subservice needs */
+    uint16_t test_ms;
     sis_ident_t ident;
     uint32_t address; /* of the memory */
+    uint32_t setting; /* of 0x03: ms or Bd */
     /* Of the parameter, when the command was sent; NULL where nothing was learned. */
     const sis_known_t *known;
     struct sis_request *next; /* of the following element of service 0x04 */
@@ -33,6 +36,7 @@ typedef struct sis_request {
 struct sis_record;
 
 typedef struct {
+    const sis_telegram_t *telegram;
     tvbuff_t *tvb;
     packet_info *pinfo;
     proto_tree *tree;
@@ -47,7 +51,8 @@ typedef struct {
     uint8_t service;
     uint8_t status; /* of a reaction */
     const char *status_text;
-    uint32_t error;             /* the code, 0: none */
+    uint32_t error; /* the code, 0: none */
+    const char *error_text;
     bool is_explained;          /* an error code has said more than the status */
     wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;       /* and what is wrong, after that */
@@ -99,8 +104,9 @@ bool sis_take_rest(sis_body_t *body, int hf);
 /* The rest of the body as text, and into the summary. */
 void sis_take_text(sis_body_t *body, int hf);
 
-/* A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. */
-void sis_take_baud_mask(sis_body_t *body, bool several);
+/* A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. Gives
+ * the rate where it is one; 0: it is not. */
+uint32_t sis_take_baud_mask(sis_body_t *body, bool several);
 
 unsigned sis_left(const sis_body_t *body);
 

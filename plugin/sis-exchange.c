@@ -10,6 +10,7 @@
 
 #include "packet-sertap.h"
 #include "sis-address.h"
+#include "sis-bus.h"
 #include "sis-learned.h"
 
 static int hf_stream = -1;
@@ -17,6 +18,7 @@ static int hf_reaction_in = -1;
 static int hf_command_in = -1;
 static int hf_reaction_time = -1;
 static int hf_repeat_of = -1;
+static int hf_gave_up = -1;
 static int hf_routed_from = -1;
 
 static expert_field ei_unanswered = EI_INIT;
@@ -34,19 +36,23 @@ is_connection(packet_info *pinfo)
     return pinfo->ptype == PT_TCP;
 }
 
-/* A capture has an interface a line; SIS over TCP a connection. */
+/* A capture has an interface a line; SIS over TCP a connection. The two directions of a full-duplex tap are
+ * two interfaces, one after the other. */
 static uint32_t
 bus_number(packet_info *pinfo)
 {
     const conversation_t *conversation = is_connection(pinfo) ? find_conversation_pinfo(pinfo, 0) : NULL;
 
+    const sertap_record_t *record = sertap_record(pinfo);
+    uint32_t interface = compat_interface(pinfo);
+
     if (conversation != NULL)
         return UINT32_C(0x80000000) | conversation->conv_index;
-    return compat_interface(pinfo);
+    return record != NULL && record->line == 2 && interface > 0 ? interface - 1 : interface;
 }
 
-static sis_bus_t *
-find_bus(packet_info *pinfo)
+sis_bus_t *
+sis_exchange_bus(packet_info *pinfo)
 {
     void *key = GUINT_TO_POINTER(bus_number(pinfo));
     sis_bus_t *bus = wmem_map_lookup(buses, key);
@@ -55,6 +61,8 @@ find_bus(packet_info *pinfo)
         bus = wmem_new0(wmem_file_scope(), sis_bus_t);
         bus->is_connection = is_connection(pinfo);
         bus->learned = sis_learned_new();
+        bus->told = sis_told_new();
+        bus->cycles = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
         wmem_map_insert(buses, key, bus);
     }
     return bus;
@@ -95,7 +103,7 @@ find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
     if (stream == NULL) {
         stream = wmem_new0(wmem_file_scope(), sis_stream_t);
         stream->number = wmem_map_size(streams);
-        stream->bus = find_bus(pinfo);
+        stream->bus = sis_exchange_bus(pinfo);
         wmem_map_insert(streams, wmem_memdup(wmem_file_scope(), &key, sizeof key), stream);
     }
     return stream;
@@ -107,40 +115,24 @@ sis_direction(const sis_telegram_t *telegram)
     return telegram->sender > telegram->receiver;
 }
 
-void
-sis_exchange_damaged(packet_info *pinfo)
+static void
+note_damaged(sis_bus_t *bus, packet_info *pinfo)
 {
-    sis_bus_t *bus;
-
-    if (pinfo->fd->visited)
-        return;
-    bus = find_bus(pinfo);
     bus->damaged_in = pinfo->num;
     bus->damaged_count++;
 }
 
 /* A telegram whose length was damaged is no telegram at all: the tap calls it other characters. */
 static void
-note_disturbance(packet_info *pinfo)
+note_disturbance(sis_bus_t *bus, const sertap_record_t *record)
 {
-    sertap_disturbance_t seen = sertap_disturbance(pinfo);
-    sis_bus_t *bus = find_bus(pinfo);
+    sertap_disturbance_t seen = sertap_disturbance(record);
 
-    bus->lost_in = seen.lost_in;
+    bus->lost_in = MAX(bus->lost_in, seen.lost_in);
     if (seen.unframed_in > bus->damaged_in) {
         bus->damaged_in = seen.unframed_in;
         bus->damaged_count++;
     }
-}
-
-/* When the last character of this packet came. */
-static nstime_t
-end_of_telegram(packet_info *pinfo)
-{
-    nstime_t end = pinfo->abs_ts, duration = sertap_duration(pinfo);
-
-    nstime_add(&end, &duration);
-    return end;
 }
 
 /* tvb_memeql() does not know that nothing equals nothing. */
@@ -223,6 +215,25 @@ find_route(sis_exchange_t *exchange, tvbuff_t *tvb, const sis_telegram_t *telegr
     below.above->forwarded = exchange;
 }
 
+/* A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
+ */
+static void
+follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_telegram_t *telegram)
+{
+    const sis_exchange_t *same = exchange->stream->from[exchange->direction].last;
+
+    if (before->needs_reaction && before->reaction_in == 0) {
+        before->next_command_in = exchange->command_in;
+        before->is_reaction_damaged = exchange->stream->bus->damaged_in > before->command_in;
+        exchange->gave_up = before->command_in;
+        exchange->gave_up_station = before->path[0];
+    }
+    if (exchange->repeat_of != 0)
+        exchange->wait = telegram->times.begin - same->command_end;
+    else if (!before->needs_reaction)
+        exchange->wait = telegram->times.begin - before->command_end;
+}
+
 static sis_exchange_t *
 begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
@@ -236,15 +247,19 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
     exchange->station = telegram->last_address;
     tvb_memcpy(tvb, exchange->path, 7, 1 + telegram->subaddress_count);
     exchange->command_in = pinfo->num;
-    exchange->command_end = end_of_telegram(pinfo);
+    exchange->command_end = telegram->times.end;
+    exchange->command_duration = (uint32_t)MIN(telegram->times.end - telegram->times.begin, UINT32_MAX);
+    exchange->command_spread =
+        telegram->times.is_bounded
+            ? (uint32_t)MIN(telegram->times.end - telegram->times.end_earliest, UINT32_MAX)
+            : UINT32_MAX;
+    exchange->wait = -1;
     exchange->needs_reaction = sis_is_answered(telegram->last_address);
     if (exchange->needs_reaction)
         find_repeat(exchange, stream, direction, tvb, telegram);
     find_route(exchange, tvb, telegram);
-    if (*master != NULL && (*master)->needs_reaction && (*master)->reaction_in == 0) {
-        (*master)->next_command_in = pinfo->num;
-        (*master)->is_reaction_damaged = stream->bus->damaged_in > (*master)->command_in;
-    }
+    if (*master != NULL)
+        follow_command(exchange, *master, telegram);
     *master = exchange;
 
     wmem_free(wmem_file_scope(), stream->from[direction].bytes);
@@ -318,42 +333,40 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
             exchange->next_command_in = 0; /* there a master need not wait */
         wmem_map_remove(routes, stream);
         exchange->has_time = exchange->command_in != pinfo->num;
-        nstime_delta(&exchange->reaction_time, &pinfo->abs_ts, &exchange->command_end);
+        exchange->reaction_time = telegram->times.begin - exchange->command_end;
         if (exchange->forwarded != NULL)
             record->routed_from = exchange->forwarded->reaction_in;
         return;
     }
 }
 
-/* The how-manieth telegram of this packet: several may be in one. */
-static uint32_t
-telegram_key(packet_info *pinfo)
-{
-    enum { COUNTER = 0 };
-    unsigned count = GPOINTER_TO_UINT(p_get_proto_data(pinfo->pool, pinfo, proto_sis, COUNTER)) + 1;
-
-    p_set_proto_data(pinfo->pool, pinfo, proto_sis, COUNTER, GUINT_TO_POINTER(count));
-    return count;
-}
-
 sis_record_t *
 sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    uint32_t key = telegram_key(pinfo);
+    uint32_t key = ++sis_packet(pinfo)->count; /* several telegrams may be in one packet */
     sis_record_t *record = p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, key);
+    const sertap_record_t *tap = sertap_record(pinfo);
+    sis_bus_t *bus;
 
     if (record != NULL && record->service == telegram->service &&
         record->is_reaction == telegram->is_reaction)
         return record;
     /* A telegram that the first pass did not see: TCP put its segments together in another way. */
-    if (record != NULL || pinfo->fd->visited)
-        return wmem_new0(pinfo->pool, sis_record_t);
-    note_disturbance(pinfo);
+    if (record != NULL || pinfo->fd->visited) {
+        record = wmem_new0(pinfo->pool, sis_record_t);
+        record->load = -1;
+        return record;
+    }
+    bus = sis_exchange_bus(pinfo);
+    if (tap != NULL)
+        note_disturbance(bus, tap);
     record = wmem_new0(wmem_file_scope(), sis_record_t);
     record->service = telegram->service;
     record->is_reaction = telegram->is_reaction;
     p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, key, record);
-    if (telegram->is_reaction)
+    if (!telegram->is_good)
+        note_damaged(bus, pinfo);
+    else if (telegram->is_reaction)
         end_exchange(record, tvb, pinfo, telegram);
     else
         record->exchange = begin_exchange(tvb, pinfo, telegram);
@@ -393,6 +406,7 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
 {
     add_frame(tree, tvb, hf_reaction_in, exchange->reaction_in);
     add_frame(tree, tvb, hf_repeat_of, exchange->repeat_of);
+    add_frame(tree, tvb, hf_gave_up, exchange->gave_up);
     add_frame(tree, tvb, hf_routed_from, exchange->routed_from);
     if (exchange->repeat_of != 0) {
         expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again", exchange->repeat_of);
@@ -409,7 +423,6 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
               proto_item *root)
 {
     const sis_exchange_t *exchange = record->exchange;
-    nstime_t time;
 
     if (exchange == NULL) {
         expert_add_info(pinfo, root, &ei_unasked);
@@ -421,9 +434,10 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
         expert_add_info_format(pinfo, root, &ei_answered_before,
                                "The command was answered before, in frame %u", record->reaction_before);
     else if (exchange->has_time) {
-        time = exchange->reaction_time;
+        nstime_t time = sertap_time(exchange->reaction_time);
+
         proto_item_set_generated(proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &time,
-                                                                  "%.3f ms", nstime_to_sec(&time) * 1e3));
+                                                                  "%.3f ms", exchange->reaction_time / 1e6));
     }
 }
 
@@ -448,6 +462,7 @@ static hf_register_info fields[] = {
     {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
                          "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
     {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
+    {&hf_gave_up, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
     {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},
 };
 

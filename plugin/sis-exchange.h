@@ -9,7 +9,7 @@
 /* A phase switch under way (chapter 8.5). */
 typedef struct {
     uint32_t command_in; /* 0: none */
-    nstime_t begin;
+    int64_t begin;       /* ns since 1970 */
     uint8_t to;
 } sis_switch_t;
 
@@ -21,6 +21,8 @@ typedef struct sis_bus {
     uint32_t lost_in;               /* the last loss of characters; 0: none */
     struct sis_exchange *last[256]; /* command of each master */
     wmem_map_t *learned;            /* sis-learned.c */
+    struct sis_told *told;          /* sis-bus.c */
+    wmem_map_t *cycles;             /* sis-timing.c */
 } sis_bus_t;
 
 /* A command and its reaction, as far as they are in the capture. Lives as long as the file. */
@@ -28,14 +30,19 @@ typedef struct sis_exchange {
     struct sis_stream *stream;
     unsigned direction; /* in its stream */
     uint32_t command_in;
-    uint32_t reaction_in;     /* 0: none */
-    uint32_t next_command_in; /* the master went on without a reaction; 0: no */
-    uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for, then 0 */
-    uint8_t station;          /* whom the command is for in the end */
-    uint32_t repeat_of;       /* the first of the same commands */
-    uint32_t routed_from;     /* the command one level above */
-    nstime_t command_end;     /* when its last character came */
-    nstime_t reaction_time;   /* valid if has_time */
+    uint32_t reaction_in;      /* 0: none */
+    uint32_t next_command_in;  /* the master went on without a reaction; 0: no */
+    uint8_t path[8];           /* from the receiver through subaddresses to whom the command is for, then 0 */
+    uint8_t station;           /* whom the command is for in the end */
+    uint32_t repeat_of;        /* the first of the same commands */
+    uint32_t routed_from;      /* the command one level above */
+    uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
+    uint8_t gave_up_station;   /* whom that was for */
+    int64_t command_end;       /* when its last character came, ns since 1970 */
+    uint32_t command_duration; /* ns */
+    uint32_t command_spread;   /* ns: so much earlier its last character can have come; UINT32_MAX: unknown */
+    int64_t reaction_time;     /* ns, valid if has_time */
+    int64_t wait;              /* TwM, ns: of a repeat, or after a broadcast; negative: none */
     bool has_time;
     bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
     bool needs_reaction;      /* neither group nor broadcast */
@@ -57,8 +64,11 @@ typedef struct sis_record {
     uint32_t transfer;        /* number of the one this is a piece of; 0: none */
     uint32_t transfer_ended;  /* this telegram ended the transfer that began there, unfinished */
     const char *transfer_reason;
-    sis_switch_t phase_switch; /* that this polls */
-    bool is_switch_end;        /* it ended here, well or not */
+    sis_switch_t phase_switch;           /* that this polls */
+    const struct sis_settings *settings; /* valid for this telegram; NULL: none */
+    struct sis_cycle *cycle;             /* of the master control word; NULL: none */
+    float load;                          /* percent; negative: not known */
+    bool is_switch_end;                  /* it ended here, well or not */
     bool is_piece_repeated;
     bool is_piece_missing;
 } sis_record_t;
@@ -76,15 +86,15 @@ typedef struct sis_stream {
     } from[2];
 } sis_stream_t;
 
-/* Finds the exchange of a telegram: in the first pass by what is known until now, later as it was found then.
- * `tvb` is a good telegram. The record is never NULL. */
+/* Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then.
+ * Of a damaged telegram, the reaction that a command waits for may have been this one. Never NULL. */
 sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
 
 /* Keeps what a command asks for, once. */
 void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);
 
-/* A damaged telegram: the reaction that a command waits for may have been this one. */
-void sis_exchange_damaged(packet_info *pinfo);
+/* First pass: the line or connection that a packet belongs to. */
+sis_bus_t *sis_exchange_bus(packet_info *pinfo);
 
 /* Adds what is known of the exchange to the tree, and marks. */
 void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,

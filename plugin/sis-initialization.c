@@ -1,50 +1,52 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Service 0x03, initialization of the SIS communication (chapter 6). */
 
-#include "sis-body.h"
-
-#define SET_TRS       0x01
-#define SET_TZA       0x02
-#define SET_TMAS      0x03
-#define SET_BAUD_RATE 0x07
-#define TEST_BAUD     0x08
+#include "sis-bus.h"
 
 static int hf_time = -1;
 static int hf_test_time = -1;
 
-static void
-take_time(sis_body_t *body, int hf)
+static bool
+take_time(sis_body_t *body, int hf, uint32_t *ms)
 {
-    uint32_t ms;
-
-    if (!sis_take(body, hf, 2, &ms))
-        return;
+    if (!sis_take(body, hf, 2, ms))
+        return false;
     proto_item_append_text(body->item, " ms");
-    sis_say(body, ", %u ms", ms);
+    sis_say(body, ", %u ms", *ms);
+    return true;
+}
+
+/* The data of a subservice; what it asks for where all of it is there. */
+static bool
+take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
+{
+    uint32_t test_ms;
+
+    switch (subservice) {
+    case SIS_SET_TRS:
+    case SIS_SET_TZA:
+    case SIS_SET_TMAS:
+        return take_time(body, hf_time, &request->setting);
+    case SIS_TEST_BAUD:
+        if (!take_time(body, hf_test_time, &test_ms))
+            return false;
+        request->test_ms = (uint16_t)test_ms;
+        /* FALLTHROUGH */
+    case SIS_SET_BAUD_RATE:
+        request->setting = sis_take_baud_mask(body, false);
+        return request->setting != 0;
+    case SIS_ACCEPT:
+        return true;
+    default:
+        sis_take_rest(body, hf_sis_raw);
+        return false;
+    }
 }
 
 static void
 dissect_command(sis_body_t *body, uint32_t subservice)
 {
-    switch (subservice) {
-    case SET_TRS:
-    case SET_TZA:
-    case SET_TMAS:
-        take_time(body, hf_time);
-        break;
-    case TEST_BAUD:
-        take_time(body, hf_test_time);
-        sis_take_baud_mask(body, false);
-        break;
-    case SET_BAUD_RATE:
-        sis_take_baud_mask(body, false);
-        break;
-    case 0xFF:
-        break;
-    default:
-        sis_take_rest(body, hf_sis_raw);
-        return;
-    }
+    body->request->has_setting = take_setting(body, subservice, body->request);
     if (sis_take_rest(body, hf_sis_raw))
         sis_mark(body, &ei_sis_note, "more data: further subservices? their layout is not defined");
 }
@@ -64,6 +66,7 @@ sis_dissect_initialization(sis_body_t *body)
     } else if (!sis_take_channel_error(body)) {
         sis_take_error_byte(body, (uint8_t)subservice, sis_errors_initialization);
     }
+    sis_bus_learn(body);
 }
 
 /* clang-format off */

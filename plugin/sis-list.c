@@ -27,7 +27,8 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
                      const sis_request_t *asked)
 {
     wmem_allocator_t *pool = list->pinfo->pool;
-    sis_body_t element = {.tvb = list->tvb,
+    sis_body_t element = {.telegram = list->telegram,
+                          .tvb = list->tvb,
                           .pinfo = list->pinfo,
                           .tree = list->tree,
                           .root = root,

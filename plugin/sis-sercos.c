@@ -444,7 +444,7 @@ show_switch(sis_body_t *body)
         sis_say(body, ", switching to phase %u", record->phase_switch.to);
         return;
     }
-    nstime_delta(&taken, &body->pinfo->abs_ts, &record->phase_switch.begin);
+    taken = sertap_time(body->telegram->times.begin - record->phase_switch.begin);
     item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%.3f s",
                                             nstime_to_sec(&taken));
     proto_item_set_generated(item);

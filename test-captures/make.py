@@ -212,6 +212,14 @@ class Scenario:
         index, flag = rest.split()
         self.items[-1].flags[int(index)] = int(flag, 16)
 
+    def _do_reads(self, rest: str) -> None:
+        item, first = self.items[-1], 1
+        for count in map(int, rest.split()):
+            item.flags |= dict.fromkeys(range(first + 1, first + count), int(Flag.SAME_READ))
+            first += count
+        if first != len(item.data) + 1:
+            raise ValueError(f"the packet has {len(item.data)} characters")
+
     def _do_pause(self, rest: str) -> None:
         index, ms = rest.split()
         self.items[-1].pauses_ns[int(index)] = round(float(ms) * 1e6)

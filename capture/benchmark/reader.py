@@ -33,7 +33,7 @@ sys.path.insert(0, str(HERE.parent))
 
 from telegrams import telegrams  # noqa: E402
 
-from sistap import pcapng, record  # noqa: E402
+from sistap import pcapng, priority, record  # noqa: E402
 from sistap.line import Flag, LineSettings  # noqa: E402
 
 SETTINGS = LineSettings(115200, 8, "E", 2)
@@ -99,8 +99,9 @@ def start_sistap(port: str, file: Path) -> subprocess.Popen[str]:
 
 
 def start_c_reader(program: str, port: str, file: Path) -> subprocess.Popen[str]:
-    """Start the C reader; it is listening when this returns."""
-    process = subprocess.Popen([program, port, str(file)], stdout=subprocess.PIPE, text=True)
+    """Start the C reader, with the priority that sistap gives itself; it is listening when this returns."""
+    with priority.real_time():
+        process = subprocess.Popen([program, port, str(file)], stdout=subprocess.PIPE, text=True)
     return listening(process, process.stdout.readline() if process.stdout else "", "ready")
 
 

@@ -7,9 +7,9 @@ import argparse
 import os
 from collections.abc import Callable
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
+from sistap import ports, priority
 from sistap.bpf import Filter, FilterError
 from sistap.console import Console
 from sistap.counters import Counters
@@ -238,6 +238,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
 
+@priority.real_time()
 def run(args: argparse.Namespace) -> int:
     """Capture as told; give the exit code. May raise PortError."""
     stop = Stop()
@@ -305,29 +306,13 @@ def _limits(args: argparse.Namespace) -> Limits:
 def _check_ports(args: argparse.Namespace) -> None:
     """Refuse a port that something would be written to, and one port for both lines."""
     for port in args.ports:
-        if args.file and _is_same_file(args.file, port):
+        if args.file and ports.is_same_file(args.file, port):
             raise Refused(f"{args.file} is the port itself, which is never written to: choose a file with -w")
-        if _is_own_terminal(port):
+        if ports.is_own_terminal(port):
             raise Refused(f"{port} is the terminal that sistap itself reads or writes: choose another port with -i")
     first, last = args.ports[0], args.ports[-1]
-    if len(args.ports) > 1 and (first == last or _is_same_file(first, last)):
+    if len(args.ports) > 1 and (first == last or ports.is_same_file(first, last)):
         raise Refused(f"{last} is the same port again: the second -i is the port of the other direction")
-
-
-def _is_own_terminal(port: str) -> bool:
-    try:
-        device = Path(port).stat().st_rdev
-    except (OSError, ValueError):
-        return False
-    standard = any(os.isatty(stream) and os.fstat(stream).st_rdev == device for stream in range(3))
-    return standard or _is_same_file(port, "/dev/tty")
-
-
-def _is_same_file(one: str, other: str) -> bool:
-    try:
-        return Path(one).samefile(other)
-    except OSError:
-        return False
 
 
 def _capture(  # noqa: PLR0913 - it puts the parts together

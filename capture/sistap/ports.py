@@ -26,6 +26,7 @@ class Adapter(NamedTuple):
     latency_ms: int | None = None  # latency timer of a USB adapter: it sends no earlier unless it is full
     fifo_trigger: int | None = None  # characters in the FIFO of a UART that raise an interrupt
     pseudo_terminal: bool = False
+    serial: str = ""  # serial number of a USB adapter
 
     @property
     def latency(self) -> str:
@@ -49,18 +50,45 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
         return Adapter("pseudo terminal", pseudo_terminal=True)
     tty = sysfs / "class/tty" / Path(os.path.realpath(port)).name
     uart = _UARTS.get(_line(tty / "type"), "")
+    usb = _usb_device(tty / "device")
     return Adapter(
-        _above(tty / "device", "product") or (f"{uart} UART" if uart else ""),
+        (_line(usb / "product") if usb else "") or (f"{uart} UART" if uart else ""),
         _driver(tty / "device"),
-        _number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
-        _number(tty / "rx_trig_bytes"),
+        number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
+        number(tty / "rx_trig_bytes"),
+        serial=_line(usb / "serial") if usb else "",
     )
+
+
+def identity(port: str, behind: Adapter) -> str:
+    """Name the hardware itself: an adapter with a serial number is the same at whatever port it turns up."""
+    if behind.serial:
+        return f"{behind.name} {behind.serial}"
+    return f"{behind.name or 'unknown adapter'} at {os.path.realpath(port)}"
 
 
 def _is_pseudo_terminal(port: str) -> bool:
     try:
         return os.major(Path(port).stat().st_rdev) in _PTY_SLAVE_MAJORS
     except (OSError, AttributeError):  # missing, or no major numbers on this system
+        return False
+
+
+def is_own_terminal(port: str) -> bool:
+    """Tell whether a port is the terminal that this program reads or writes."""
+    try:
+        device = Path(port).stat().st_rdev
+    except (OSError, ValueError):
+        return False
+    standard = any(os.isatty(stream) and os.fstat(stream).st_rdev == device for stream in range(3))
+    return standard or is_same_file(port, "/dev/tty")
+
+
+def is_same_file(one: str, other: str) -> bool:
+    """Tell whether two paths are one file; no if one of them does not exist."""
+    try:
+        return Path(one).samefile(other)
+    except OSError:
         return False
 
 
@@ -71,18 +99,16 @@ def _line(file: Path) -> str:
         return ""
 
 
-def _number(file: Path) -> int | None:
+def number(file: Path) -> int | None:
+    """Read a number of sysfs; None if there is none."""
     text = _line(file)
     return int(text) if text.isdecimal() else None
 
 
-def _above(device: Path, attribute: str) -> str:
-    """Read an attribute of a device or of the nearest one above that has it (interface, then USB device)."""
+def _usb_device(device: Path) -> Path | None:
+    """Find the USB device that has the device as an interface, or below one: it names its product."""
     real = device.resolve()
-    for folder in (real, *real.parents[:3]):
-        if text := _line(folder / attribute):
-            return text
-    return ""
+    return next((folder for folder in (real, *real.parents[:3]) if _line(folder / "product")), None)
 
 
 def _driver(device: Path) -> str:

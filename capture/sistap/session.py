@@ -160,6 +160,9 @@ class Capture:
         if not self._quiet:
             for number, text in descriptions.items():
                 self._console.say(f"capturing on {self._which(number)}{text}")
+        for reader in self._readers:
+            for note in reader.notes:
+                self._console.say(self._which(reader.line) + note)
         with together(self._readers) as self._source:
             self._loop(stop)
         self._finish(self._lines.values())

@@ -1,9 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Signals as a terminal has them, also where the tests run without one."""
+"""What the tests must not take from whoever runs them: signals as they were left, and the results of self-tests."""
 
 from __future__ import annotations
 
 import signal
+from pathlib import Path
+
+import pytest
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+@pytest.fixture(autouse=True)
+def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A state folder (XDG_STATE_HOME) of the test's own, empty."""
+    folder = tmp_path_factory.mktemp("state")
+    monkeypatch.setenv("XDG_STATE_HOME", str(folder))
+    return folder

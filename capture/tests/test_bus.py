@@ -486,9 +486,9 @@ def test_reads_and_their_uncertainty() -> None:
     characters = [Character(time, 0x30 + index, 0) for index, time in enumerate(times)]
     grouped = [[character.time_ns for character in read] for read in reads(characters, 4, 1000)]
     assert grouped == [[1000, 2000, 3300, 4300], [5300], [20000, 21000]]
-    # the first of four can have come three characters before the read, 1300; it came 300 earlier
-    assert uncertainty(characters[:4], 1000) == 300
-    assert uncertainty(characters[:1], 1000) == 0
+    # the first of four came 3300 before the read
+    assert uncertainty(characters[:4]) == 3300
+    assert uncertainty(characters[:1]) == 0
     assert [len(read) for read in reads(characters, 1, 1000)] == [1] * 7
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import pty
@@ -24,14 +25,15 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap import capture, cli, session
+from sistap import capture, cli, ports, session
 from sistap.clock import Clock
 from sistap.console import Console
 from sistap.counters import Counters
 from sistap.line import Flag, LineSettings, Read
 from sistap.output import Output
 from sistap.pcapng import Interface
-from sistap.reader import PortError, PortLost
+from sistap.reader import PortError, PortLost, latency
+from sistap.reader.device import PosixReader
 from sistap.record import Event, Framing, Record, Type, unpack
 from sistap.writer import PcapngWriter
 
@@ -47,6 +49,7 @@ class FakeReader:
     name = "/dev/ttyFAKE"
     adapter = "adapter of a test (latency timer 1 ms)"
     timing = "uncertainty 1 ms"
+    notes: tuple[str, ...] = ()
     line = 0
 
     def __init__(self, reads: list[Read], lost: str = "") -> None:
@@ -126,6 +129,73 @@ def test_the_first_record_says_how_the_file_was_taken(run: Run, tmp_path: Path) 
     assert record.settings == LineSettings(19200, 8, "N", 2)
     for part in (FakeReader.name, FakeReader.adapter, FakeReader.timing, "19200 Bd 8N1"):
         assert part in record.data.decode()
+
+
+def test_what_makes_the_times_worse_is_said_once_each(
+    run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    reader = FakeReader([])
+    reader.notes = ("its latency timer stays at 16 ms", "the self-test does not hold here")
+    assert run(reader, "-w", str(tmp_path / "x")) == 0
+    started, *notes, _ = capfd.readouterr().err.splitlines()
+    assert started.startswith("sistap: capturing on ")  # first, for scripts that wait for it
+    assert notes == [f"sistap: {note}" for note in reader.notes]
+
+
+def test_a_capture_runs_with_real_time_priority_and_leaves_it(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    policy, asked = [os.SCHED_OTHER], []
+
+    def setscheduler(pid: int, new: int, parameter: os.sched_param) -> None:
+        policy[0] = new
+        asked.append((pid, new, parameter.sched_priority))
+
+    monkeypatch.setattr(os, "sched_getscheduler", lambda pid: policy[0])
+    monkeypatch.setattr(os, "sched_setscheduler", setscheduler)
+
+    class Reader(FakeReader):
+        def read(self, timeout_s: float) -> Read | None:
+            assert policy == [os.SCHED_FIFO]
+            return super().read(timeout_s)
+
+    assert run(Reader(reads(*ALL), lost="gone"), "-w", str(tmp_path / "x")) == 1
+    assert asked == [(0, os.SCHED_FIFO, 1), (0, os.SCHED_OTHER, 0)]  # sched(7): 1 is the smallest
+
+
+def test_a_capture_runs_without_real_time_priority_too(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(pid: int, new: int, parameter: os.sched_param) -> None:
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    assert run(FakeReader(reads(*ALL)), "-w", str(tmp_path / "x"), "-q") == 0
+    assert frames(tmp_path / "x") == ALL
+    assert len(capfd.readouterr().err.splitlines()) == 1  # the summary
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_port_is_put_back_when_a_signal_ends_a_capture(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
+) -> None:
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    timer = tmp_path / "bus/usb-serial/devices" / Path(os.ttyname(slave)).name / "latency_timer"
+    timer.parent.mkdir(parents=True)
+    timer.write_text("16\n")
+    monkeypatch.setattr(ports, "SYSFS", tmp_path)
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: 0)
+
+    def read(reader: PosixReader, timeout_s: float) -> None:
+        assert timer.read_text() == "1"
+        os.kill(os.getpid(), number)
+
+    monkeypatch.setattr(PosixReader, "read", read)
+    assert cli.main(["capture", "-i", os.ttyname(slave), "-q"]) == 0
+    assert timer.read_text() == "16"
+    for descriptor in (master, slave):
+        os.close(descriptor)
 
 
 def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -28,7 +28,10 @@ NEW_RATE = bytes.fromhex("02 DB 03 03 00 03 10 FF 00 07 04") + bytes.fromhex("02
 PATIENCE_S = 60
 
 # All that a capture may ask of a port. A list of what is allowed: so that a new way to drive a line is noticed.
-ALLOWED = {"TCGETS", "TCGETS2", "TCSETS", "TCSETS2", "TIOCMBIC", "TIOCGICOUNT", "FIONREAD", "TIOCINQ", "TIOCGEXCL"}
+ALLOWED = {
+    *("TCGETS", "TCGETS2", "TCSETS", "TCSETS2", "TIOCMBIC", "TIOCGICOUNT", "FIONREAD", "TIOCINQ", "TIOCGEXCL"),
+    *("TIOCGSERIAL", "TIOCSSERIAL"),  # low latency mode
+}
 
 needs_strace = pytest.mark.skipif(not shutil.which("strace"), reason="strace is not installed (apt install strace)")
 
@@ -100,6 +103,38 @@ def test_capture_only_listens(tmp_path: Path, options: list[str]) -> None:
     assert_only_listens(calls)
     assert TELEGRAM in file.read_bytes()
     assert any("B57600" in call for call in calls) is bool(options)
+
+
+TCGETS2, TIOCGICOUNT = 0x802C542A, 0x545D  # Linux: <asm-generic/ioctls.h>
+
+
+def test_tuning_changes_a_flag_of_the_driver_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    master, slave = pty.openpty()
+    state = [bytes(range(0x40, 0x40 + 128))]
+    changed: list[bytes] = []
+    real = fcntl.ioctl
+
+    def ioctl(fd: int, request: int, *rest: object) -> object:
+        if request == termios.TIOCGSERIAL:  # a pty has none, a real port does
+            return state[0]
+        if request == termios.TIOCSSERIAL:
+            assert isinstance(rest[0], bytes)
+            state[0] = rest[0]
+            changed.append(rest[0])
+            return rest[0]
+        assert request in (termios.TIOCMBIC, TCGETS2, TIOCGICOUNT)
+        return real(fd, request, *rest)  # type: ignore[call-overload]
+
+    before = state[0]
+    monkeypatch.setattr(fcntl, "ioctl", ioctl)
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: 0)
+    open_reader(os.ttyname(slave), LineSettings()).close()
+    on, off = changed
+    assert off == before
+    assert [at for at in range(128) if on[at] != before[at]] == [17]  # of the flags, at 16, their second byte
+    assert on[17] == before[17] | 0x20  # ASYNC_LOW_LATENCY, <linux/tty_flags.h>: bit 13
+    for descriptor in (master, slave):
+        os.close(descriptor)
 
 
 def test_modem_lines_of_a_real_port_only_go_down(monkeypatch: pytest.MonkeyPatch) -> None:

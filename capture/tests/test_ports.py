@@ -70,6 +70,18 @@ def test_adapter_behind_a_link(sysfs: Path, tmp_path: Path) -> None:
     assert ports.adapter(str(by_id), sysfs).driver == "ftdi_sio"
 
 
+def test_identity(sysfs: Path, tmp_path: Path) -> None:
+    put(tmp_path / "devices/usb1/serial", "0000:00:14.0")  # of the host controller, not of what is plugged in
+    assert ports.identity("/dev/ttyUSB0", ports.adapter("/dev/ttyUSB0", sysfs)) == "FT232R USB UART at /dev/ttyUSB0"
+    put(tmp_path / "devices/usb1/1-1/serial", "A50285BI")
+    by_id = tmp_path / "usb-FTDI-if00"
+    by_id.symlink_to("/dev/ttyUSB0")
+    for port in ("/dev/ttyUSB0", str(by_id)):
+        assert ports.identity(port, ports.adapter(port, sysfs)) == "FT232R USB UART A50285BI"
+    assert ports.identity("/dev/ttyS0", ports.adapter("/dev/ttyS0", sysfs)) == "16550A UART at /dev/ttyS0"
+    assert ports.identity("/dev/ttyNONE0", ports.Adapter()) == "unknown adapter at /dev/ttyNONE0"
+
+
 def test_pseudo_terminal(sysfs: Path, tmp_path: Path) -> None:
     master, slave = pty.openpty()
     by_name = tmp_path / "link-to-pty"

@@ -105,6 +105,7 @@ class FakeReader:
     name = "/dev/ttyFAKE"
     adapter = "adapter of a test"
     timing = "uncertainty 1 ms"
+    notes: tuple[str, ...] = ()
     line = 0
 
     def __init__(self, *pieces: bytes | None) -> None:

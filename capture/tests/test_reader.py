@@ -5,7 +5,6 @@ import errno
 import fcntl
 import os
 import pty
-import queue
 import select
 import socket
 import struct
@@ -23,7 +22,7 @@ from hypothesis import strategies as st
 
 from sistap import ports, wire
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.reader import PortError, PortLost, Reader, device, latency, open_reader
+from sistap.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
 from sistap.reader.contract import READ_SIZE
 from sistap.reader.device import MarkDecoder, PosixReader
 
@@ -177,7 +176,7 @@ def test_descriptions(bus: Pty) -> None:
     source = open_reader(bus.port, SETTINGS)
     assert source.name == bus.port
     assert source.adapter == "pseudo terminal"
-    assert source.timing == "uncertainty 0.30 ms, measured when the capture started"
+    assert source.timing == "uncertainty 0.30 ms, measured when the capture started; ordinary priority"
     assert source.settings == SETTINGS  # 8E1, although a pty is 8N1
     source.close()
 
@@ -467,7 +466,8 @@ def test_a_change_of_format_at_a_real_port(
     bus: Pty, monkeypatch: pytest.MonkeyPatch, settings: LineSettings, expected: int
 ) -> None:
     monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("16550A UART", "serial", fifo_trigger=8))
-    source = open_reader(bus.port, LineSettings(9600, 5, "O", 4))
+    before = LineSettings(9600, 5, "O", 4)
+    source = open_reader(bus.port, before)
     asked: list[tuple[int, list[int]]] = []
     monkeypatch.setattr(termios, "tcsetattr", lambda fd, when, attributes: asked.append((when, attributes)))
     monkeypatch.setattr("sistap.reader.opening._check_speed", lambda fd, baud: None)
@@ -479,8 +479,8 @@ def test_a_change_of_format_at_a_real_port(
     assert when == termios.TCSANOW  # the others wait for output or drop input
     bus.write(b"A")
     (read,) = collect(source, 1)
-    assert read.uncertainty_ns >= 4 * settings.character_ns + LATENCY  # four characters at the new rate
-    assert read.uncertainty_ns < 4 * LineSettings(9600).character_ns + LATENCY
+    # With a trigger level of 8 the FIFO holds a character for ten character times, those of the new rate.
+    assert 10 * settings.character_ns + LATENCY <= read.uncertainty_ns < 10 * before.character_ns
     monkeypatch.undo()
     source.close()
 
@@ -584,10 +584,10 @@ def test_errors_that_the_driver_only_counts(
             16_300_000,
             "uncertainty 16.30 ms: latency timer 16 ms and 0.30 ms, measured when the capture started",
         ),
-        (  # 4 characters of 11 bits at 9600 Bd are 4.58 ms
+        (  # its first of seven characters waits for six more and a time-out of four: ten of 11 bits at 9600 Bd
             ports.Adapter("16550A UART", "serial", fifo_trigger=8),
-            4 * 1_145_833 + LATENCY,
-            "uncertainty 4.88 ms: FIFO time-out 4 characters and 0.30 ms, measured when the capture started",
+            10 * 1_145_833 + LATENCY,
+            "uncertainty 11.76 ms: FIFO trigger 8 and 0.30 ms, measured when the capture started",
         ),
         (
             ports.Adapter("16550A UART", "serial", fifo_trigger=1),
@@ -606,13 +606,83 @@ def test_latency_of_adapters(
 ) -> None:
     monkeypatch.setattr(ports, "adapter", lambda port: behind._replace(pseudo_terminal=False))
     source = open_reader(bus.port, LineSettings(9600))
-    assert source.timing == phrase
+    assert source.timing == f"{phrase}; ordinary priority"
     clock = SteppedTime(monkeypatch)
     assert isinstance(source, PosixReader)
     source._emptied_ns = clock.now  # not late
     bus.write(b"A")
     (read,) = collect(source, 1)
     assert read.uncertainty_ns == ns
+    source.close()
+
+
+@pytest.fixture
+def tuned(bus: Pty, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """The latency timer of the bus's port, as if it were an FTDI adapter; at 16 ms."""
+    timer = tmp_path / "bus/usb-serial/devices" / Path(bus.port).name / "latency_timer"
+    timer.parent.mkdir(parents=True)
+    timer.write_text("16\n")
+    monkeypatch.setattr(ports, "SYSFS", tmp_path)
+    monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("FT232R", latency_ms=ports.number(timer)))
+    return timer
+
+
+def test_the_uncertainty_is_that_of_the_tuned_port(bus: Pty, tuned: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    assert source.timing == (
+        "uncertainty 1.30 ms: latency timer 1 ms and 0.30 ms, measured when the capture started; "
+        "latency timer 16 -> 1 ms; ordinary priority"
+    )
+    assert source.adapter == "FT232R (latency timer 1 ms)"
+    assert source.notes == ()
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    assert read.uncertainty_ns == 1_300_000
+    source.close()
+    assert tuned.read_text() == "16"
+
+
+def test_a_port_that_cannot_be_tuned_is_captured_all_the_same(
+    bus: Pty, tuned: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(file: Path, text: str) -> int:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(Path, "write_text", refuse)
+    source = open_reader(bus.port, SETTINGS)
+    assert source.timing.startswith("uncertainty 16.30 ms: latency timer 16 ms and 0.30 ms, ")
+    (note,) = source.notes
+    assert "up to 16.0 ms late" in note
+    bus.write(b"A")
+    assert joined(collect(source, 1)) == b"A"
+    source.close()
+
+
+def test_a_lost_port_is_put_back_too(bus: Pty, tuned: Path) -> None:
+    source = open_reader(bus.port, SETTINGS)
+    bus.hang_up()
+    with pytest.raises(PortLost):
+        collect(source, 1)
+    source.close()
+    assert tuned.read_text() == "16"
+
+
+def test_what_came_while_a_port_was_tuned_can_be_as_old_as_its_opening(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = SteppedTime(monkeypatch)
+
+    class Slow(device.Tuning):
+        def __init__(self, port: str, descriptor: int, settings: LineSettings) -> None:
+            bus.write(b"A")
+            clock.now += 5_000_000
+            super().__init__(port, descriptor, settings)
+
+    monkeypatch.setattr(device, "Tuning", Slow)
+    source = open_reader(bus.port, SETTINGS)
+    (read,) = collect(source, 1)
+    assert read.uncertainty_ns == LATENCY + 5_000_000
     source.close()
 
 
@@ -632,11 +702,11 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
     monkeypatch.setattr(threading, "excepthook", stumbled.append)
     writers: list[threading.Thread] = []
 
-    def interrupted(slave: int, written: list[int], writer: threading.Thread) -> int:
+    def interrupted(reading: int, written: list[int], writer: threading.Thread) -> list[int]:
         writers.append(writer)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(latency, "_worst_delay", interrupted)
+    monkeypatch.setattr(delay, "_read", interrupted)
     open_before = len(list(Path("/proc/self/fd").iterdir()))
     latency.measured_latency_ns.cache_clear()
     with pytest.raises(KeyboardInterrupt):
@@ -647,25 +717,11 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
 
 
 def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
-    waiting: queue.Queue[int] = queue.Queue()
-
-    class Poll:
-        def register(self, fd: int, events: int) -> None: ...
-
-        def poll(self, timeout: float) -> bool:
-            return True
-
-    class Ended:
-        def is_alive(self) -> bool:
-            return False
-
-    for now in (1_000, 5_500, 9_100):  # reads of the characters written at 900; 2000 and 4000; 9000
-        waiting.put(now)
-    counts = iter([b"1", b"22", b"1"])
-    monkeypatch.setattr(select, "poll", Poll)
-    monkeypatch.setattr(os, "read", lambda fd, size: next(counts))
-    monkeypatch.setattr(latency, "monotonic_ns", waiting.get_nowait)
-    assert latency._worst_delay(0, [900, 2_000, 4_000, 9_000], Ended()) == 3_500  # type: ignore[arg-type]
+    monkeypatch.undo()
+    monkeypatch.setattr(delay, "through_pty", lambda duration_ns: [900, 3_500, 1_500, 100])
+    latency.measured_latency_ns.cache_clear()
+    assert latency.measured_latency_ns() == 3_500
+    latency.measured_latency_ns.cache_clear()
 
 
 # -- Ports that cannot be opened ---------------------------------------------------------------------------------------

@@ -186,9 +186,6 @@ def reads(characters: Sequence[Character], most: int, character_ns: int) -> Iter
             begin = end
 
 
-def uncertainty(read: Sequence[Character], character_ns: int) -> int:
-    """How much earlier than by (k-i) character times before the read its i-th of k characters came, in ns at most."""
-    latest = read[-1].time_ns
-    return max(
-        latest - (len(read) - 1 - index) * character_ns - character.time_ns for index, character in enumerate(read)
-    )
+def uncertainty(read: Sequence[Character]) -> int:
+    """How much earlier than its read the first of its characters came, in ns."""
+    return read[-1].time_ns - read[0].time_ns

@@ -72,7 +72,7 @@ class Tap:
             return True
         heard = [self._hear(character, line, self.settings) for character in read]
         values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
-        message = Read(_LINE, wall_ns, values, flags, uncertainty(read, line.character_ns))
+        message = Read(_LINE, wall_ns, values, flags, uncertainty(read))
         try:
             self.connection.sendall(wire.pack_read(message))
         except OSError:

@@ -30,6 +30,7 @@ class Reader(Protocol):
     name: str  # what the user called it, e.g. "/dev/ttyUSB0"
     adapter: str  # e.g. "FT232R USB UART (ftdi_sio, latency timer 16 ms)"
     timing: str  # one phrase: how the times are bounded
+    notes: tuple[str, ...]  # lines for the user: what makes the times worse than they could be, and the cure
     settings: LineSettings
     line: int
 

@@ -9,13 +9,14 @@ import select
 import struct
 from time import monotonic_ns
 
-from sistap import ports
+from sistap import ports, priority
 from sistap.clock import CLOCK
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.reader import latency
 from sistap.reader.contract import READ_SIZE, STEP_MS, PortLost
 from sistap.reader.opening import change_device, open_device
 from sistap.reader.trouble import lost_text
+from sistap.reader.tuning import Tuning
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct, of it the counters frame, overrun, parity, brk and
 # buf_overrun.
@@ -28,22 +29,27 @@ class PosixReader:
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Open and configure the port. May raise PortError."""
-        self._behind = behind = ports.adapter(port)
         self.name = port
-        self.adapter = str(behind)
         self.settings = settings
         self.line = line
-        # Before opening: the port would fill while this is measured.
-        self._latency_ns, self.timing = latency.bound(behind, settings)
-        self._serial = open_device(port, settings, behind.pseudo_terminal)
-        self._lost = lost_text(port, behind.pseudo_terminal)
+        pseudo_terminal = ports.adapter(port).pseudo_terminal
+        self._known = latency.known()  # before opening: the port would fill while this is measured
+        self._emptied_ns = monotonic_ns()  # everything unread came later than this
+        self._serial = open_device(port, settings, pseudo_terminal)
+        self._lost = lost_text(port, pseudo_terminal)
         self._fd: int = self._serial.fileno()
+        self._tuning = Tuning(port, self._fd, settings)
+        self._behind = ports.adapter(port)  # as it is now that it is tuned
+        self.adapter = str(self._behind)
+        bound = latency.bound(self._known, port, self._behind, settings)
+        self._latency_ns = bound.ns
+        self.timing = "; ".join([bound.how, *self._tuning.done, priority.words()])
+        self.notes: tuple[str, ...] = (*self._tuning.missed, *bound.notes)
         poll = select.poll()
         poll.register(self._fd, select.POLLIN)
         self._poll = poll.poll
         self._decoder = MarkDecoder()
         self._counters = _error_counters(self._fd)
-        self._emptied_ns = monotonic_ns()  # everything unread came later than this
 
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost."""
@@ -87,7 +93,7 @@ class PosixReader:
         """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
         change_device(self._serial, settings, self._behind.pseudo_terminal)
         self.settings = settings
-        self._latency_ns, _ = latency.bound(self._behind, settings)
+        self._latency_ns = latency.bound(self._known, self.name, self._behind, settings).ns
 
     def _wait(self, timeout_s: float) -> bool | None:
         """Wait for characters: None if none came, else whether they came while it waited for them."""
@@ -116,7 +122,8 @@ class PosixReader:
         return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)
 
     def close(self) -> None:
-        """Let the port go."""
+        """Set the port back to what it was, and let it go."""
+        self._tuning.undo()
         self._serial.close()
 
     def _with_counted(self, flags: bytes) -> bytes:

@@ -1,46 +1,88 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How late a character can be seen: what the adapter adds, and what this process was measured to add."""
+"""How late a character can be seen: what the adapter adds, and what this machine was measured to add."""
 
 from __future__ import annotations
 
 import functools
-import os
-import pty
-import select
-import threading
-import time
-import tty
-from contextlib import suppress
-from time import monotonic_ns
+from typing import NamedTuple
 
+from sistap import measurement, ports
 from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.ports import Adapter
-from sistap.reader.contract import READ_SIZE
+from sistap.reader import delay
 
 MEASURE_NS = 200_000_000
 
-# A 16550 raises its interrupt four character times after the last character if its trigger level is not reached.
+# A 16550 raises its interrupt at its trigger level, or four character times after the last character: then the first of
+# trigger - 1 characters has been there for trigger - 2 more.
 _FIFO_TIMEOUT_CHARACTERS = 4
 
 
-def bound(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
-    """Bound the time from a character's arrival to its time stamp: ns, and a phrase that says how."""
-    own = measured_latency_ns()
-    if own >= UNCERTAINTY_UNKNOWN:
-        return UNCERTAINTY_UNKNOWN, "uncertainty unknown: there is no pseudo terminal to measure it with"
-    held, why, note = 0, "", ""
-    if behind.latency_ms is not None:
-        held, why = behind.latency_ms * 1_000_000, behind.latency
-    elif behind.fifo_trigger is not None and behind.fifo_trigger > 1:
-        held, why = (
-            _FIFO_TIMEOUT_CHARACTERS * settings.character_ns,
-            f"FIFO time-out {_FIFO_TIMEOUT_CHARACTERS} characters",
+class Known(NamedTuple):
+    """What is known before a port is opened: how late this machine is, and the self-tests there were."""
+
+    machine_ns: int
+    how: str  # "measured when the capture started"
+    results: list[measurement.Result]
+    notes: tuple[str, ...] = ()
+
+
+class Bound(NamedTuple):
+    """The longest time from a character's arrival to its time stamp, in ns, a phrase that says how, and notes."""
+
+    ns: int
+    how: str
+    notes: tuple[str, ...] = ()
+
+
+def known() -> Known:
+    """Take the machine's part from the self-test if there was one that holds here, else measure it for MEASURE_NS."""
+    results, trouble = measurement.load()
+    result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
+    notes = tuple(note for note in (trouble, misfit) if note)
+    if result:
+        return Known(result.p999_ns, f"measured by selftest on {result.date}", results, notes)
+    return Known(measured_latency_ns(), "measured when the capture started", results, notes)
+
+
+def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> Bound:
+    """Bound what machine and adapter add together; a self-test of the port itself only ever makes it more."""
+    if before.machine_ns >= UNCERTAINTY_UNKNOWN:
+        return Bound(UNCERTAINTY_UNKNOWN, "uncertainty unknown: there is no pseudo terminal to measure it with")
+    place = ports.identity(port, behind)
+    result, misfit = measurement.fitting(before.results, place, port_conditions(behind, settings))
+    notes = (*before.notes, misfit) if misfit else before.notes
+    held_ns, why = _held(behind, settings)
+    total_ns = min(held_ns + before.machine_ns, UNCERTAINTY_UNKNOWN)
+    if result and result.p999_ns >= total_ns:
+        return Bound(
+            result.p999_ns,
+            f"uncertainty {_ms(result.p999_ns)}, measured by selftest of the port on {result.date}",
+            notes,
         )
-    elif behind.fifo_trigger is None and not behind.pseudo_terminal:
-        note = "; what the adapter adds is not known"
-    total = min(held + own, UNCERTAINTY_UNKNOWN)
-    parts = f": {why} and {_ms(own)}" if why else ""
-    return total, f"uncertainty {_ms(total)}{parts}, measured when the capture started{note}"
+    parts = f": {why} and {_ms(before.machine_ns)}" if why else ""
+    silent = not result and not why and behind.fifo_trigger is None and not behind.pseudo_terminal
+    unknown = "; what the adapter adds is not known" if silent else ""
+    return Bound(total_ns, f"uncertainty {_ms(total_ns)}{parts}, {before.how}{unknown}", notes)
+
+
+def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:
+    """Give what a self-test of a port depends on; the adapter as it is while it is tuned."""
+    return measurement.conditions(adapter=str(behind), line=f"{settings.baud} Bd {settings.format}")
+
+
+def held_by_fifo_ns(trigger: int, settings: LineSettings) -> int:
+    """Give how long at most a 16550 keeps a character until its interrupt, in ns."""
+    return (trigger - 2 + _FIFO_TIMEOUT_CHARACTERS) * settings.character_ns
+
+
+def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
+    """Give how long the adapter is known to hold characters back, in ns, and why."""
+    if behind.latency_ms is not None:
+        return behind.latency_ms * 1_000_000, behind.latency
+    if behind.fifo_trigger is not None and behind.fifo_trigger > 1:
+        return held_by_fifo_ns(behind.fifo_trigger, settings), f"FIFO trigger {behind.fifo_trigger}"
+    return 0, ""
 
 
 def _ms(ns: int) -> str:
@@ -49,45 +91,11 @@ def _ms(ns: int) -> str:
 
 @functools.cache
 def measured_latency_ns() -> int:
-    """Measure how late, at worst, this process sees a character: MEASURE_NS on a pty of its own, once in its life.
+    """Measure how late, at worst, this process sees a character: for MEASURE_NS, once in its life.
 
     Fewer than a thousand samples: so the bound p99.9 is the largest. UNCERTAINTY_UNKNOWN without a pty.
     """
     try:
-        master, slave = pty.openpty()
-    except OSError:
+        return max(delay.through_pty(MEASURE_NS))
+    except (OSError, delay.LoopBroken):
         return UNCERTAINTY_UNKNOWN
-    try:
-        tty.setraw(slave)
-        written: list[int] = []
-        writer = threading.Thread(target=_write_for_measuring, args=(os.dup(master), written), daemon=True)
-        writer.start()
-        worst = _worst_delay(slave, written, writer)
-        writer.join()
-        return worst
-    finally:
-        os.close(master)
-        os.close(slave)
-
-
-def _write_for_measuring(master: int, written: list[int]) -> None:
-    """Write a character now and then, to a descriptor of its own: after a signal the reader does not wait for this."""
-    end = monotonic_ns() + MEASURE_NS
-    with suppress(OSError), os.fdopen(master, "wb", buffering=0) as file:
-        while (now := monotonic_ns()) < end:
-            written.append(now)
-            file.write(b"\0")
-            time.sleep(0.0005)
-
-
-def _worst_delay(slave: int, written: list[int], writer: threading.Thread) -> int:
-    """Read what the writer writes; give the largest time from write to read, in ns."""
-    poll = select.poll()
-    poll.register(slave, select.POLLIN)
-    worst = seen = 0
-    while writer.is_alive() or seen < len(written):
-        if poll.poll(10):
-            count = len(os.read(slave, READ_SIZE))
-            worst = max(worst, monotonic_ns() - written[seen])
-            seen += count
-    return worst

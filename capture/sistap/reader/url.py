@@ -21,6 +21,7 @@ class UrlReader:
         """Open the port. May raise PortError."""
         self.name = port
         self.adapter = port
+        self.notes: tuple[str, ...] = ()
         self.settings = settings
         self.line = line
         scheme, separator, _ = port.partition("://")

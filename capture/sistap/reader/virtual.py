@@ -24,6 +24,7 @@ class WireReader:
         self.name = port
         self.adapter = f"virtual bus at {port}"
         self.timing = "times and their uncertainty are those the virtual bus says"
+        self.notes: tuple[str, ...] = ()
         self.settings = settings
         self.line = line
         try:

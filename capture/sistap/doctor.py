@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap doctor`: would a capture work here, would it be readable, and how good would its times be?"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap import measurement, ports, priority
+from sistap.bpf import Filter, FilterError
+from sistap.line import LineSettings
+from sistap.reader import PortError, open_reader
+from sistap.session import Stop
+from sistap.tshark import Tshark, TsharkError
+
+DESCRIPTION = """\
+Say in a line each what a capture needs and whether it is there; with -i, of this port, too.
+"""
+
+EPILOG = """\
+good  as it should be
+poor  a capture works, but could be better: the line says how
+bad   a capture would not work, or could not be read in Wireshark: the line says what to do
+
+With -i the port is opened for a moment as a capture opens it: nothing is written to it, RTS and DTR are lowered, and
+what was tuned is put back.
+
+examples:
+  sistap doctor                                         this machine
+  sistap doctor -i /dev/ttyUSB0                         and this port
+
+exit status:
+  0  a capture would work and be readable
+  1  something is missing
+  2  wrong usage
+  3  the port cannot be opened
+"""
+
+PROC = Path("/proc")
+OLDEST_WIRESHARK = (4, 0)
+
+# Programs that open every new serial port to see what is there, and how to keep them away.
+_GRABBERS = {
+    "ModemManager": "it writes to new ports, looking for modems: `sudo systemctl stop ModemManager`",
+    "brltty": "it takes adapters for braille displays: `sudo apt-get remove brltty`, or stop it",
+}
+
+_AS_ROOT = "run as root, Wireshark skips personal plugins and WIRESHARK_PLUGIN_DIR: start it as an ordinary user"
+
+_MISSING, _PORT_NOT_OPENED = 1, 3
+
+
+class Point(NamedTuple):
+    """One thing that was looked at."""
+
+    mark: str  # "good", "poor" or "bad"
+    subject: str
+    text: str  # what is; what to do if that is not good
+
+    def __str__(self) -> str:
+        """One line."""
+        return f"{self.mark:5} {self.subject:10} {self.text}"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.add_argument("-i", dest="port", metavar="PORT", help="look at this port, too (as capture's -i)")
+
+
+@priority.real_time()
+def run(args: argparse.Namespace) -> int:
+    """Print a line for each point; give the exit code."""
+    Stop()  # so that a signal ends it as Ctrl-C does, the port put back
+    code = 0
+    for look in _LOOKS:
+        for point in look():
+            print(point, flush=True)
+            if point.mark == "bad":
+                code = _MISSING
+    if args.port and _has_pyserial():
+        for point in port_points(args.port):
+            print(point, flush=True)
+            if point.mark == "bad":
+                code = _PORT_NOT_OPENED
+    return code
+
+
+def port_points(port: str) -> Iterator[Point]:
+    """Open a port as a capture does, and say what that showed."""
+    if ports.is_own_terminal(port):
+        yield Point("bad", "port", f"{port} is the terminal that sistap itself reads or writes: choose another port")
+        return
+    device = "://" not in port
+    try:
+        reader = open_reader(port, LineSettings())
+    except PortError as error:
+        yield from _up_to_the_trouble(port, str(error)) if device else [Point("bad", "port", str(error))]
+        return
+    reader.close()
+    if device:
+        for subject, text, _ in _HURDLES:
+            yield Point("good", subject, text)
+    yield Point("good", "adapter", reader.adapter)
+    yield Point("good", "times", reader.timing)
+    for note in reader.notes:
+        yield Point("poor", "times", note)
+
+
+# What can keep a device from being opened, in this order: subject, what it is when it is well, and whether it is.
+_HURDLES: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
+    ("port", "it exists", lambda port: Path(port).exists()),
+    ("rights", "you may open it", lambda port: os.access(port, os.R_OK | os.W_OK)),
+    ("opens", "it opens, and no other program has it", lambda port: False),
+)
+
+
+def _up_to_the_trouble(port: str, trouble: str) -> Iterator[Point]:
+    for subject, text, is_well in _HURDLES:
+        if not is_well(port):
+            yield Point("bad", subject, trouble)
+            return
+        yield Point("good", subject, text)
+
+
+def _has_pyserial() -> bool:
+    try:
+        import serial  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def _pyserial() -> Iterator[Point]:
+    if not _has_pyserial():
+        cure = f"`{sys.executable} -m pip install pyserial`, or install the package python3-serial"
+        yield Point("bad", "pyserial", f"missing for {sys.executable}: {cure}")
+        return
+    import serial
+
+    yield Point("good", "pyserial", serial.__version__)
+    found = ports.found()
+    if found:
+        yield Point("good", "ports", ", ".join(f"{port} ({behind})" for port, behind in found))
+    else:
+        yield Point("poor", "ports", "none: plug the adapter in; if it stays away, `sudo dmesg | tail` says why")
+
+
+def _grabbers() -> Iterator[Point]:
+    names = set()
+    for file in PROC.glob("[0-9]*/comm"):
+        try:
+            names.add(file.read_text().strip())
+        except OSError:  # it has ended
+            continue
+    for name, cure in _GRABBERS.items():
+        if name in names:
+            yield Point("poor", "others", f"{name} is running: {cure}")
+
+
+def _clock() -> Iterator[Point]:
+    if priority.is_real_time():
+        yield Point("good", "priority", "a capture gets real-time priority")
+    else:
+        cure = "run sistap with sudo, or put `@dialout - rtprio 1` into /etc/security/limits.conf and log in again"
+        yield Point("poor", "priority", f"other programs can make a capture late: {cure}")
+    results, trouble = measurement.load()
+    result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
+    if result:
+        text = f"of {result.date}: 99.9 % of {result.characters} characters within {result.p999_ns / 1e6:.2f} ms"
+        yield Point("good", "self-test", text)
+    else:
+        cure = "none: `sistap selftest` tells how exact the times are; until then, every capture measures for 0.2 s"
+        yield Point("poor", "self-test", trouble or misfit or cure)
+
+
+def _libpcap() -> Iterator[Point]:
+    try:
+        Filter("link[5] == 0x10")
+        yield Point("good", "libpcap", "capture filters work (-f)")
+    except FilterError as error:
+        yield Point("poor", "libpcap", str(error))
+
+
+def _wireshark() -> Iterator[Point]:
+    try:
+        with Tshark() as tshark:
+            yield _version(tshark.output("--version"))
+            done = tshark.run(["-G", "plugins"])
+    except (TsharkError, OSError) as error:
+        yield Point("bad", "tshark", f"{error}")
+        return
+    yield _plugin(done.stdout, done.stderr)
+
+
+def _version(text: str) -> Point:
+    match = re.search(r"(\d+)\.(\d+)\S*\d", text)
+    if not match:
+        return Point("bad", "tshark", "it does not say its version: install tshark 4.0 or later")
+    if (int(match[1]), int(match[2])) < OLDEST_WIRESHARK:
+        return Point("bad", "tshark", f"{match[0]} is too old: install 4.0 or later")
+    if not shutil.which("wireshark"):
+        return Point("poor", "tshark", f"{match[0]}, no Wireshark beside it: `apt-get install wireshark`")
+    return Point("good", "tshark", f"{match[0]}, Wireshark beside it")
+
+
+def _plugin(listed: str, complaints: str) -> Point:
+    """Judge by what `tshark -G plugins` prints: name, version, kind and file of each."""
+    rows = [[column.strip() for column in line.split("\t")] for line in listed.splitlines()]
+    found = [f"{row[0]} {row[1]}".strip() for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
+    as_root = f"; {_AS_ROOT}" if hasattr(os, "geteuid") and os.geteuid() == 0 else ""
+    if found:
+        return Point("good", "plugin", ", ".join(found) + as_root)
+    why = next((f" ({line})" for line in complaints.splitlines() if "sis" in line), "")
+    text = f"neither sis.so nor sis.lua is loaded{why}: build it for this Wireshark and install it (plugin/README.md)"
+    return Point("bad", "plugin", text + as_root)
+
+
+_LOOKS = (_pyserial, _grabbers, _clock, _libpcap, _wireshark)

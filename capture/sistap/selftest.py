@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap selftest`: how exactly this machine, or a port, tells when a character came."""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import math
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+from sistap import measurement, ports, priority
+from sistap.console import Console
+from sistap.line import LineSettings
+from sistap.session import Stop
+
+if sys.platform != "win32":
+    from sistap.reader import delay
+    from sistap.reader.latency import port_conditions
+    from sistap.reader.opening import open_device
+    from sistap.reader.tuning import Tuning
+
+DESCRIPTION = """\
+Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
+lines are joined. The result is kept, and later captures say their times with the bound that it found.
+"""
+
+EPILOG = """\
+The bound is p99.9: of a thousand characters, one is seen later. A capture uses it for sertap.uncertainty while machine,
+kernel and priority are those of the self-test, and, for a port, its adapter, tuning, rate and format, too. What a port
+was measured to add only ever makes the uncertainty larger: the way out is in it, too.
+
+With -i, characters are SENT (@ to ~, one by one): take the port off the bus first and join its transmit and receive
+lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
+
+examples:
+  sistap selftest                                       this machine, 5 seconds
+  sistap selftest --duration 60                         a minute: the rare long delays, too
+  sistap selftest -i /dev/ttyUSB0 --transmit --baud 115200
+                                                        an adapter whose lines are joined
+
+exit status:
+  0  measured and kept; also when stopped by Ctrl-C or SIGTERM, then nothing is kept
+  1  what was sent did not come back, or the result cannot be kept
+  2  wrong usage, also -i without --transmit
+  3  the port cannot be opened
+"""
+
+LONGEST_S = 3600
+ENOUGH = 1000  # characters; of fewer, p99.9 is only the longest
+RATES = (9600, 19200, 38400, 57600, 115200)  # those that SIS knows (IF02 chapter 7)
+QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
+
+# The rows of the histogram: up to so many ms.
+_ROWS_MS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, math.inf)
+_BAR = 40
+
+_USAGE, _FAILED = 2, 1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add("-i", dest="port", metavar="PORT", help="measure this port, its transmit and receive lines joined")
+    add("--transmit", action="store_true", help="allow sending characters on PORT; without it nothing is ever sent")
+    add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")
+    add("--format", default="8E1", metavar="FORMAT", help="data bits, parity and stop bits of PORT (8E1)")
+    add("--duration", type=float, default=5, metavar="SECONDS", help="how long to measure (5)")
+
+
+@priority.real_time()
+def run(args: argparse.Namespace) -> int:
+    """Measure, print and keep the result; give the exit code. May raise PortError."""
+    console = Console()
+    if sys.platform == "win32":
+        console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
+        return _FAILED
+    Stop()  # so that a signal ends it as Ctrl-C does, the port put back
+    try:
+        settings = _checked(args)
+    except ValueError as error:
+        console.say(str(error))
+        return _USAGE
+    where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else "a pseudo terminal"
+    print(f"measuring for {args.duration:g} s through {where}, with {priority.words()}", flush=True)
+    try:
+        place, conditions, measured = _measure(args, settings, console)
+    except (delay.LoopBroken, OSError) as error:
+        console.say(f"no result: {error}{_cure(args.port)}")
+        return _FAILED
+    delays = sorted(measured)
+    print("\n".join(report(delays)))
+    return _keep(place, conditions, delays, console)
+
+
+def _checked(args: argparse.Namespace) -> LineSettings:
+    """Check the options; ValueError says what is wrong and what to do."""
+    if not 1 <= args.duration <= LONGEST_S:
+        raise ValueError(f"--duration {args.duration:g} is not a number of seconds from 1 to {LONGEST_S}")
+    if args.transmit and not args.port:
+        raise ValueError("--transmit needs the port to send on: say it with -i")
+    if args.port and not args.transmit:
+        raise ValueError(
+            f"a self-test of {args.port} sends characters, which on a bus would disturb it: take it off the bus, "
+            "join its transmit and receive lines, and add --transmit"
+        )
+    if args.port and "://" in args.port:
+        raise ValueError(f"{args.port} is no device: a self-test needs one, such as /dev/ttyUSB0")
+    if args.port and ports.is_own_terminal(args.port):
+        raise ValueError(f"{args.port} is the terminal that sistap itself reads or writes: choose another port with -i")
+    if args.baud <= 0:
+        raise ValueError(f"--baud {args.baud} is no rate (for example 9600)")
+    return LineSettings.parse(args.baud, args.format)
+
+
+def _measure(
+    args: argparse.Namespace, settings: LineSettings, console: Console
+) -> tuple[str, measurement.Conditions, Sequence[int]]:
+    """Give what was measured, under which conditions, and the delays in ns. May raise PortError."""
+    duration_ns = int(args.duration * 1e9)
+    if not args.port:
+        with _undisturbed():
+            return measurement.MACHINE, measurement.conditions(), delay.through_pty(duration_ns)
+    pseudo_terminal = ports.adapter(args.port).pseudo_terminal
+    with closing(open_device(args.port, settings, pseudo_terminal)) as device:
+        tuning = Tuning(args.port, device.fileno(), settings)
+        try:
+            for line in tuning.missed:
+                console.say(line)
+            behind = ports.adapter(args.port)
+            with _undisturbed():
+                delays = delay.through(device.fileno(), device.fileno(), duration_ns, settings.character_ns)
+            return ports.identity(args.port, behind), port_conditions(behind, settings), delays
+        finally:
+            tuning.undo()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Keep the collector away, as a capture does."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+def _cure(port: str | None) -> str:
+    return f": join the transmit and receive lines of {port}, and nothing else to them" if port else ""
+
+
+def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int], console: Console) -> int:
+    """Keep the result (of sorted delays) for later captures; give the exit code."""
+    if len(delays) < ENOUGH:
+        console.say(f"not kept: {len(delays)} characters are too few for p99.9: measure longer with --duration")
+        return _FAILED
+    bound_ns, longest_ns = (max(1, quantile(delays, QUANTILES[name])) for name in ("p99.9", "longest"))
+    result = measurement.Result(place, time.strftime("%Y-%m-%d"), len(delays), bound_ns, longest_ns, conditions)
+    try:
+        path = measurement.store(result)
+    except (OSError, RuntimeError) as error:
+        console.say(f"the result cannot be kept: {error}: name a folder of your own with XDG_STATE_HOME")
+        return _FAILED
+    print(f"\nkept in {_short(path)}: captures under these conditions ({', '.join(conditions.values())}) use it")
+    return 0
+
+
+def _short(path: Path) -> str:
+    try:
+        return f"~/{path.relative_to(Path.home())}"
+    except (ValueError, RuntimeError):
+        return str(path)
+
+
+def quantile(ordered: Sequence[int], share: float) -> int:
+    """Give the smallest of the sorted values that `share` of them do not exceed."""
+    return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
+
+
+def report(delays: Sequence[int]) -> list[str]:
+    """Say in lines how late the characters were seen (sorted, in ns), and what that means on a line."""
+    lines = [f"{len(delays)} characters; so late were they seen:", ""]
+    lines += [f"  {name:8} {quantile(delays, share) / 1e6:8.3f} ms" for name, share in QUANTILES.items()]
+    lines += ["", *histogram(delays), ""]
+    bound_ns = quantile(delays, QUANTILES["p99.9"])
+    lines.append("p99.9 in character times of 8E1; an interval that is closer to its limit stays unresolved:")
+    lines.append("")
+    for rate in RATES:
+        character_ns = LineSettings(rate).character_ns
+        lines.append(f"  {rate:6} Bd {bound_ns / character_ns:8.2f}   (a character takes {character_ns / 1e6:.3f} ms)")
+    return lines
+
+
+def histogram(delays: Sequence[int]) -> list[str]:
+    """Draw how often which delay was seen, without the empty rows at both ends."""
+    counts = [0] * len(_ROWS_MS)
+    for value in delays:
+        counts[next(row for row, end_ms in enumerate(_ROWS_MS) if value <= end_ms * 1e6)] += 1
+    seen = [row for row, count in enumerate(counts) if count]
+    return [
+        f"  {_row(row):>10}  {counts[row]:8}  {'#' * math.ceil(_BAR * counts[row] / max(counts))}".rstrip()
+        for row in range(seen[0], seen[-1] + 1)
+    ]
+
+
+def _row(row: int) -> str:
+    end_ms = _ROWS_MS[row]
+    return f"<= {end_ms:g} ms" if math.isfinite(end_ms) else f"> {_ROWS_MS[row - 1]:g} ms"

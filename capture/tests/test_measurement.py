@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What self-tests leave behind: kept, found again where it holds, and passed over with one line where it does not."""
+
+import json
+import os
+import platform
+from pathlib import Path
+
+import pytest
+
+from sistap import measurement, ports, priority
+from sistap.line import LineSettings
+from sistap.measurement import MACHINE, Conditions, Result
+from sistap.reader import latency
+
+HERE: Conditions = {"machine": "bench", "kernel": "6.1.0-28-amd64", "priority": "ordinary priority"}
+FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285BI")
+UNKNOWN = ports.Adapter("CP2102", "cp210x", serial="0001")
+SETTINGS = LineSettings(9600)
+MEASURED_NS = 400_000  # when a capture starts
+
+
+def result(p999_ns: int = 250_000, place: str = MACHINE, conditions: Conditions = HERE) -> Result:
+    return Result(place, "2026-11-20", 5000, p999_ns, max(p999_ns, 3_000_000), conditions)
+
+
+@pytest.fixture(autouse=True)
+def bench(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(platform, "node", lambda: HERE["machine"])
+    monkeypatch.setattr(platform, "release", lambda: HERE["kernel"])
+    monkeypatch.setattr(priority, "words", lambda: HERE["priority"])
+    monkeypatch.setattr(latency, "measured_latency_ns", lambda: MEASURED_NS)
+
+
+def bound(behind: ports.Adapter, settings: LineSettings = SETTINGS) -> latency.Bound:
+    return latency.bound(latency.known(), "/dev/ttyUSB0", behind, settings)
+
+
+def store_for(behind: ports.Adapter, p999_ns: int, settings: LineSettings = SETTINGS) -> None:
+    place = ports.identity("/dev/ttyUSB0", behind)
+    measurement.store(result(p999_ns, place, latency.port_conditions(behind, settings)))
+
+
+def test_kept_and_found_again(state: Path) -> None:
+    assert measurement.load() == ([], "")
+    path = measurement.store(result())
+    assert path == state / "sistap/selftest.json"
+    assert measurement.load() == ([result()], "")
+    assert os.listdir(path.parent) == [path.name]
+
+
+def test_one_result_for_each_place_and_conditions() -> None:
+    other_kernel = result(1, conditions=HERE | {"kernel": "6.12.0"})
+    for one in (result(1), other_kernel, result(2, place="FT232R A1"), result(3)):
+        measurement.store(one)
+    assert measurement.load()[0] == [other_kernel, result(2, place="FT232R A1"), result(3)]
+
+
+def test_it_does_not_grow_for_ever() -> None:
+    for number in range(60):
+        measurement.store(result(number + 1, place=f"adapter {number}"))
+    places = [one.place for one in measurement.load()[0]]
+    assert places == [f"adapter {number}" for number in range(10, 60)]
+
+
+def test_where_it_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """XDG base directories: ~/.local/state by default; a folder that is not absolute counts for none."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for value in ("", "state"):
+        monkeypatch.setenv("XDG_STATE_HOME", value)
+        assert measurement.file() == tmp_path / ".local/state/sistap/selftest.json"
+
+
+GOOD = {"place": MACHINE, "date": "2026-11-20", "characters": 5000, "p999_ns": 1, "longest_ns": 2, "conditions": {}}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\xff\xfe",
+        pytest.param(b"[" * 100_000, id="deep"),
+        pytest.param(b'{"results": []}' + b" " * 2_000_000, id="large"),
+        b"[]",
+        b"{}",
+        b'{"results": 1}',
+        b'{"results": ["a"]}',
+        *(
+            json.dumps({"results": [entry]}).encode()
+            for entry in (
+                {"place": MACHINE},
+                {**GOOD, "more": 1},
+                {**GOOD, "p999_ns": 0},
+                {**GOOD, "p999_ns": 0.5},
+                {**GOOD, "p999_ns": True},
+                {**GOOD, "p999_ns": 3},  # longer than the longest
+                {**GOOD, "p999_ns": "1"},
+                {**GOOD, "longest_ns": 1 << 32},
+                {**GOOD, "characters": 0},
+                {**GOOD, "date": 20261120},
+                {**GOOD, "conditions": []},
+                {**GOOD, "conditions": {"kernel": 6}},
+            )
+        ),
+    ],
+)
+def test_a_broken_file_is_passed_over_with_one_line_and_replaced(state: Path, content: bytes) -> None:
+    path = measurement.store(result())
+    path.write_bytes(content)
+    known = latency.known()
+    assert (known.machine_ns, known.how) == (MEASURED_NS, "measured when the capture started")
+    (note,) = known.notes
+    assert note == f"{path} is not what `sistap selftest` writes and is ignored: run it again to replace the file"
+    measurement.store(result())
+    assert measurement.load() == ([result()], "")
+
+
+def test_the_checks_of_a_file_let_a_good_one_pass(state: Path) -> None:
+    path = measurement.store(result())
+    path.write_text(json.dumps({"results": [GOOD]}))
+    assert measurement.load() == ([Result(**GOOD)], "")  # type: ignore[arg-type]
+
+
+def test_a_pipe_in_its_place_is_not_waited_for(state: Path) -> None:
+    path = measurement.store(result())
+    path.unlink()
+    os.mkfifo(path)
+    assert measurement.load()[1].endswith("run it again to replace the file")
+
+
+def test_a_file_that_cannot_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    measurement.store(result())
+
+    def refuse(path: Path, mode: str) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "open", refuse)
+    known = latency.known()
+    assert known.machine_ns == MEASURED_NS
+    (note,) = known.notes
+    assert "cannot be read" in note and "Permission denied" in note
+
+
+def test_nobody_has_no_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setenv("XDG_STATE_HOME", "")
+    monkeypatch.setattr(Path, "home", homeless)
+    assert len(latency.known().notes) == 1
+
+
+def test_a_capture_takes_the_machines_part_from_it() -> None:
+    measurement.store(result())
+    assert bound(ports.Adapter(pseudo_terminal=True)) == (
+        250_000,
+        "uncertainty 0.25 ms, measured by selftest on 2026-11-20",
+        (),
+    )
+    assert bound(FTDI) == (
+        1_250_000,
+        "uncertainty 1.25 ms: latency timer 1 ms and 0.25 ms, measured by selftest on 2026-11-20",
+        (),
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "other"), [("machine", "laptop"), ("kernel", "6.12.0"), ("priority", "real-time priority")]
+)
+def test_it_holds_only_under_its_conditions(name: str, other: str) -> None:
+    measurement.store(result(conditions=HERE | {name: other}))
+    known = latency.known()
+    assert (known.machine_ns, known.how) == (MEASURED_NS, "measured when the capture started")
+    assert known.notes == (
+        f"the self-test of 2026-11-20 does not hold here ({name} {other}, now {HERE[name]}): "
+        "run `sistap selftest` again",
+    )
+
+
+def test_of_several_the_one_that_holds() -> None:
+    measurement.store(result(250_000))
+    measurement.store(result(90_000, conditions=HERE | {"priority": "real-time priority"}))
+    known = latency.known()
+    assert (known.machine_ns, known.notes) == (250_000, ())
+
+
+def test_what_an_unknown_adapter_adds_is_known_from_its_self_test() -> None:
+    assert bound(UNKNOWN).how.endswith("; what the adapter adds is not known")
+    store_for(UNKNOWN, 2_500_000)
+    assert bound(UNKNOWN) == (
+        2_500_000,
+        "uncertainty 2.50 ms, measured by selftest of the port on 2026-11-20",
+        (),
+    )
+
+
+def test_a_self_test_of_a_port_never_makes_the_uncertainty_smaller() -> None:
+    store_for(FTDI, 700_000)  # less than its latency timer
+    assert bound(FTDI).ns == 1_000_000 + MEASURED_NS
+    store_for(FTDI, 1_900_000)
+    assert bound(FTDI).ns == 1_900_000
+
+
+def test_a_self_test_of_a_port_holds_for_its_adapter_tuning_and_line() -> None:
+    store_for(FTDI, 9_000_000)
+    assert bound(FTDI).ns == 9_000_000
+    for behind, settings, said in (
+        (FTDI._replace(latency_ms=16), SETTINGS, "adapter FT232R USB UART (ftdi_sio, latency timer 1 ms), now "),
+        (FTDI, LineSettings(19200), "line 9600 Bd 8E1, now 19200 Bd 8E1"),
+    ):
+        at = bound(behind, settings)
+        assert at.ns == (behind.latency_ms or 0) * 1_000_000 + MEASURED_NS
+        (note,) = at.notes
+        assert said in note
+    twin = bound(FTDI._replace(serial="A50285BJ"))
+    assert (twin.ns, twin.notes) == (1_000_000 + MEASURED_NS, ())  # nobody has tested this one

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Limits and verdicts, exactly those that the `fields` lines of the captures demand, and the load of the line."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from make import Scenario
+from sistap.tshark import Tshark
+from tables import HERE, Table, check, shown
+
+TZA = "tza.limit tza.set_in tza.verdict"
+TRS = "trs.limit trs.set_in trs.verdict"
+TIMES = {
+    *("silence_before", "reaction_time", "tza.interval_max", "tza.limit", "trs.limit"),
+    *("twm.wait", "tmas.cycle", "tmas.limit"),
+}
+EXPERTS = "tza.exceeded tza.unresolved trs.exceeded trs.unresolved tmas.exceeded tmas.unresolved"
+
+# What the `fields` lines of each capture name, where it is there.
+FIELDS = {
+    "timing-limits": f"{TZA} {TRS}",
+    "timing-rates": "bus.baud bus.baud.set_in",
+    "timing-pauses": f"silence_before tza.interval_max tza.position {TZA}",
+    "timing-reads": f"{TZA} {TRS}",
+    "timing-reactions": f"reaction_time {TRS} twm.wait {TZA}",
+    "timing-cycle": "tmas.cycle tmas.limit tmas.set_in tmas.verdict",
+}
+
+
+def text(name: str, value: str) -> str:
+    """Write a field as tshark does: times with nine decimals; an expert item is there or not."""
+    return f"{name}={Decimal(value):.9f}" if name in TIMES else f"{name}={value}" if value else name
+
+
+def table(scenario: Scenario) -> Table:
+    """Give what the `fields` lines say."""
+    return {
+        number: "; ".join(text(*field) for field in item.expected.items())
+        for number, item in enumerate(scenario.items, 1)
+    }
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_verdicts(name: str, tshark: Tshark) -> None:
+    scenario = Scenario(HERE / f"{name}.txt")
+    experts = f"{EXPERTS} command.unanswered twm.early" if name == "timing-reactions" else EXPERTS
+    check(tshark, name, FIELDS[name], experts, table(scenario), *scenario.options)
+
+
+def test_preferences_go_before_what_the_bus_said(tshark: Tshark) -> None:
+    """TzA 9 ms and TrS 24 ms: one pause of 10 ms twice, all reactions after 25 ms, also those without a limit."""
+    capture = HERE / "timing-limits.pcapng"
+    options = ("-o", "sis.tza_ms:9", "-o", "sis.trs_ms:24")
+    frames = shown(tshark, capture, f"{TZA} {TRS} reaction_time routed_from subaddress", *options)
+    pauses = {number for number, item in enumerate(Scenario(capture.with_suffix(".txt")).items, 1) if item.pauses_ns}
+    assert len(pauses) == 2
+    for number, cells in frames.items():
+        judged = {name: value for name, value in cells.items() if name.startswith(("tza", "trs"))}
+        expected = {"tza.limit": "0.009000000", "tza.verdict": "1" if number in pauses else "0"}
+        if "reaction_time" in cells and "subaddress" not in cells:
+            expected |= {"trs.limit": "0.024000000", "trs.verdict": "1"}
+        assert judged == expected, number
+
+
+def test_an_interval_as_long_as_can_be_stored_may_be_any_longer(tshark: Tshark) -> None:
+    scenario = Scenario(HERE / "timing-pauses.txt")
+    saturated = next(number for number, item in enumerate(scenario.items, 1) if item.flags == {5: 0x40})
+    for limit, verdict in ((4294, "1"), (4295, "2"), (60_000, "2")):
+        frames = shown(tshark, HERE / "timing-pauses.pcapng", "tza.verdict", "-o", f"sis.tza_ms:{limit}")
+        assert frames[saturated] == {"tza.verdict": verdict}, limit
+
+
+# The header's characters, by the names that the header itself has in the tree, in the telegram with all of them.
+POSITIONS = {
+    2: "Checksum",
+    3: "Data length",
+    4: "Data length repetition",
+    5: "Telegram control",
+    6: "Service",
+    7: "Sender address",
+    8: "Receiver address",
+    9: "Subaddress 1",
+    10: "Telegram number",
+}
+
+
+def test_position_names_its_field(tshark: Tshark) -> None:
+    scenario = Scenario(HERE / "timing-pauses.txt")
+    command = ("-r", str(HERE / "timing-pauses.pcapng"), "-T", "pdml", *scenario.options)
+    packets = ElementTree.fromstring(tshark.output(*command, "-Y", "sis.subaddress")).findall("packet")
+    fields = [field for packet in packets for field in packet.iter("field")]
+    shown_positions = [field.get("showname", "") for field in fields if field.get("name") == "sis.tza.position"]
+    positions = [showname.partition(": ")[2] for showname in shown_positions]
+    assert len(positions) == 14
+    for number, position in enumerate(positions, 2):
+        name = POSITIONS.get(number, "Useful data")
+        assert position.lower().startswith(f"{number} ({name.lower()}"), position
+
+
+def begins_telegram(characters: bytes) -> bool:
+    """Tell what chapter 10.5 asks of an alternative start: the start character, and the length twice."""
+    return characters[:1] == b"\x02" and len(characters) >= 4 and characters[2] == characters[3]
+
+
+def test_what_a_receiver_makes_of_a_pause(tshark: Tshark) -> None:
+    scenario = Scenario(HERE / "timing-pauses.txt")
+    command = ("-r", str(HERE / "timing-pauses.pcapng"), *scenario.options, "-T", "fields", "-e", "_ws.expert.message")
+    begun = []
+    for message, item in zip(tshark.output(*command).splitlines(), scenario.items, strict=True):
+        if "tza.exceeded" in item.expected:
+            begun.append(begins_telegram(item.data[int(item.expected["tza.position"]) - 1 :]))
+            assert ("begins anew" in message, "goes on" in message) == (begun[-1], not begun[-1]), message
+    assert set(begun) == {False, True}
+
+
+def test_exceeded_is_marked_in_the_packet_list(tshark: Tshark) -> None:
+    scenario = Scenario(HERE / "timing-pauses.txt")
+    columns = ("-T", "fields", "-e", "_ws.col.Info")
+    infos = tshark.output("-r", str(HERE / "timing-pauses.pcapng"), *scenario.options, *columns).splitlines()
+    for info, item in zip(infos, scenario.items, strict=True):
+        assert ("[TzA exceeded]" in info) == ("tza.exceeded" in item.expected), info
+
+
+def written(folder: Path, *lines: str) -> Path:
+    """Make a capture of a few lines."""
+    (folder / "few.txt").write_text("\n".join(lines))
+    (folder / "few.pcapng").write_bytes(Scenario(folder / "few.txt").capture())
+    return folder / "few.pcapng"
+
+
+def test_without_the_taps_times_there_is_no_verdict(tshark: Tshark, tmp_path: Path) -> None:
+    """A packet's time is then any time: of pauses it says nothing, of reactions nothing certain."""
+    capture = written(tmp_path, "@link sis", "silence 90", "command 16>3 12", "reaction 16>3 12 00 04")
+    options = ("-o", "sis.tza_ms:5", "-o", "sis.trs_ms:50")
+    fields = "silence_before tza.interval_max tza.position tza.verdict trs.verdict bus.load"
+    for cells in shown(tshark, capture, fields, *options).values():
+        assert cells in ({}, {"trs.verdict": "2"})
+
+
+# Telegrams with 8 characters of 1.145833 ms each; the silence after the last character before a first one includes
+# the first one's own character time.
+CHARACTER_MS = 1.145833
+LOADS = [
+    ("back to back", CHARACTER_MS, 100),
+    ("every second telegram's time", 9 * CHARACTER_MS, 50),
+    ("every fourth", 25 * CHARACTER_MS, 25),
+    ("one in a second", 1000 - 7 * CHARACTER_MS, 0.92),
+    ("one in three seconds", 3000, 0.92),
+]
+
+
+@pytest.mark.parametrize(("silence_ms", "percent"), [load[1:] for load in LOADS], ids=[load[0] for load in LOADS])
+def test_load(silence_ms: float, percent: float, tshark: Tshark, tmp_path: Path) -> None:
+    """At most one telegram (0.92 s/100) stands across the beginning of the second."""
+    capture = written(tmp_path, f"silence {silence_ms:.6f}", *["command 16>3 12"] * 300)
+    loads = [float(cells["bus.load"]) for cells in shown(tshark, capture, "bus.load").values()]
+    assert len(loads) == 300
+    assert max(loads) <= 100
+    assert loads[150:] == pytest.approx([percent] * 150, abs=0.02 if percent < 1 else 1)
+    assert loads[0] > 0
