@@ -17,6 +17,7 @@ from sistap.reader import PortError, PortLost
 COMMANDS = {
     "ports": ("sistap.ports", "list the serial ports of this machine"),
     "capture": ("sistap.capture", "record a line into a pcapng file, or show it as text"),
+    "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
     "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
 }
 
