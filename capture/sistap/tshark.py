@@ -101,10 +101,14 @@ class Tshark:
     def lines(self, arguments: Sequence[str]) -> Iterator[str]:
         """Run tshark and give its stdout line by line, as it comes. TsharkError, after the last, if it failed."""
         command = [self._path, *self._readable(arguments)]
-        text = {"text": True, "encoding": "utf-8", "errors": "replace"}
         with tempfile.TemporaryFile() as errors:
             with subprocess.Popen(
-                command, stdout=subprocess.PIPE, stderr=errors, **text, **self._settings(arguments)
+                command,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                encoding="utf-8",
+                errors="replace",
+                **self._settings(arguments),
             ) as process:
                 assert process.stdout is not None
                 try:

@@ -96,7 +96,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture of sistap, or any other with SIS in it")
+    parser.add_argument(
+        "capture", metavar="CAPTURE", type=Path, help="a capture of sistap, or any other with SIS in it"
+    )
     parser.add_argument(
         "-o",
         dest="output",
@@ -175,7 +177,7 @@ def _gather(args: argparse.Namespace, console: Console) -> Report:
     if console.shows_progress:
         console.progress("")
     if report.warning:
-        console.say(f"{args.capture} could not be read to its end: {report.warning}")
+        console.say(f"{args.capture}: the report is of what comes before the damage: {report.warning}")
     return report
 
 
@@ -190,7 +192,9 @@ def _write(args: argparse.Namespace, name: str, report: Report, console: Console
         sys.stdout.buffer.write(written)
         return
     try:
-        Path(path).write_bytes(written)
+        file = open(path, "wb")  # noqa: SIM115 - a disk that is full then is another kind of failure
     except OSError as error:
         raise _Refused(f"cannot write {path}: {error.strerror}; name another file with -o") from None
+    with file:
+        file.write(written)
     console.say(f"{path} written")

@@ -65,12 +65,12 @@ _NO_DISSECTOR = (
 _JOINT = "\x1f"  # between several values of a field: in no text
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
-_LINE_ERRORS = {
-    "sertap.error.character": Flag.CHARACTER_ERROR,
-    "sertap.error.break": Flag.BREAK,
-    "sertap.error.unlocated": Flag.UNLOCATED_ERROR,
-    "sertap.error.lost": Flag.LOST_BEFORE,
-}
+_LINE_ERRORS = (
+    ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
+    ("sertap.error.break", int(Flag.BREAK)),
+    ("sertap.error.unlocated", int(Flag.UNLOCATED_ERROR)),
+    ("sertap.error.lost", int(Flag.LOST_BEFORE)),
+)
 FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
 
 
@@ -125,7 +125,7 @@ class Packet:
     text: str
     intervals_s: list[float]  # from the second character on
     same_read: int  # characters that came in the same read as the one before
-    errors: Flag
+    errors: int  # Flags, ORed
     telegrams: list[Telegram] = field(default_factory=list)
     info: str = ""
 
@@ -186,7 +186,8 @@ class Dissection:
             raise NotACapture(f"{self._capture} is not a capture that tshark can read") from None
         if not came and "cut short" not in text:
             raise error
-        self.warning = text.splitlines()[-1].rpartition("tshark: ")[2]
+        # As root tshark reads a copy, whose name means nothing to anybody.
+        self.warning = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
 
 
 class _UnknownFields(Exception):
@@ -229,10 +230,10 @@ def _intervals(columns: dict[str, str]) -> list[float]:
     return intervals if unknown else intervals[1:]
 
 
-def _errors(columns: dict[str, str]) -> Flag:
-    errors = Flag(0)
-    for name, flag in _LINE_ERRORS.items():
-        if _how_often(columns, name):
+def _errors(columns: dict[str, str]) -> int:
+    errors = 0
+    for name, flag in _LINE_ERRORS:
+        if columns.get(name) and _how_often(columns, name):
             errors |= flag
     return errors
 
@@ -279,19 +280,19 @@ def _judged(columns: dict[str, str], time: str, limit: str) -> Judged | None:
     return Judged(time_s, _number(columns, f"{limit}.limit"), _integer(columns, f"{limit}.verdict"))
 
 
-def _first(columns: dict[str, str], name: str) -> str:
-    """Give a field's text, the first of several: a list of services has its own status before those of its services."""
-    return columns.get(name, "").partition(_JOINT)[0]
-
-
 def _integer(columns: dict[str, str], name: str) -> int | None:
-    text = _first(columns, name)
-    return int(text, 0) if text else None
+    text = columns.get(name)
+    return int(_first(text), 0) if text else None
 
 
 def _number(columns: dict[str, str], name: str) -> float | None:
-    text = _first(columns, name)
-    return float(text) if text else None
+    text = columns.get(name)
+    return float(_first(text)) if text else None
+
+
+def _first(text: str) -> str:
+    """Give the first of several values: a list of services has its own status before those of its services."""
+    return text.partition(_JOINT)[0]
 
 
 def _how_often(columns: dict[str, str], name: str) -> int:

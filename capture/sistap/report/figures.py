@@ -7,10 +7,9 @@ import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
-from sistap.line import Flag
 from sistap.report.dissection import EVENT, FRAME, OTHER, Judged, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
-from sistap.report.moments import Moments
+from sistap.report.moments import LOST, Moments
 
 EVENTS_KEPT = 20
 
@@ -119,7 +118,7 @@ class Figures:
         if packet.baud:
             self.settings[packet.baud, packet.format] += 1
         # The time in which characters were lost is none between neighbours.
-        if packet.telegrams and not packet.errors & Flag.LOST_BEFORE:
+        if packet.telegrams and not packet.errors & LOST:
             self.clock.same_read += packet.same_read
             self.intervals.add(packet.intervals_s)
 

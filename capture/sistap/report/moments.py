@@ -13,6 +13,7 @@ from sistap.record import Event
 from sistap.report.dissection import EXCEEDED, FRAME, OTHER, Judged, Packet, Telegram
 
 WORST = 10  # moments, in all
+LOST = int(Flag.LOST_BEFORE)
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class Moment:
     kind: Kind
     number: int  # of the packet
     command_in: int | None  # number of the packet before it that it began with
+    time_s: float  # of the packet, as in Wireshark's list
     start_s: float
     end_s: float
     judged: Judged | None
@@ -34,8 +36,9 @@ class Moment:
     @property
     def filter(self) -> str:
         """The display filter that finds it."""
-        numbers = [self.number] if self.command_in is None else [self.command_in, self.number]
-        return " || ".join(f"frame.number == {number}" for number in numbers)
+        if self.command_in is None:
+            return f"frame.number == {self.number}"
+        return f"frame.number in {{{self.command_in}, {self.number}}}"
 
 
 @dataclass(frozen=True)
@@ -46,8 +49,8 @@ class Kind:
     short: str
     title: str
     filter: str  # finds all of them
-    of_telegram: Callable[[Telegram], Judged | bool | None] = lambda telegram: None
-    of_packet: Callable[[Packet], bool] = lambda packet: False
+    of_telegram: Callable[[Telegram], Judged | bool | None] | None = None
+    of_packet: Callable[[Packet], bool] | None = None
     is_fault: bool = True  # else it is only the largest of what is normal
 
 
@@ -100,14 +103,14 @@ KINDS = (
         "line error",
         "Error or break on the line",
         "sertap.error.character || sertap.error.break || sertap.error.unlocated",
-        of_packet=lambda packet: bool(packet.errors & ~Flag.LOST_BEFORE),
+        of_packet=lambda packet: bool(packet.errors & ~LOST),
     ),
     Kind(
         "lost",
         "lost",
         "Characters lost before the tap could read them",
         "sertap.error.lost || sertap.event == 3",
-        of_packet=lambda packet: bool(packet.errors & Flag.LOST_BEFORE) or packet.event == Event.CHARACTERS_LOST,
+        of_packet=lambda packet: bool(packet.errors & LOST) or packet.event == Event.CHARACTERS_LOST,
     ),
     Kind(
         "longest_pause",
@@ -142,17 +145,23 @@ class Moments:
     def add(self, packet: Packet) -> Iterator[Kind]:
         """Look at a packet; give the kinds of fault in it."""
         for kind in KINDS:
-            found = False
-            if kind.of_packet(packet):
-                found = True
-                self._keep(packet, None, kind, None)
-            for telegram in packet.telegrams:
-                judged = kind.of_telegram(telegram)
-                if judged:
-                    found = True
-                    self._keep(packet, telegram, kind, judged if isinstance(judged, Judged) else None)
+            if kind.of_packet:
+                found = kind.of_packet(packet)
+                if found:
+                    self._keep(packet, None, kind, None)
+            else:
+                found = self._look(packet, kind)
             if found and kind.is_fault:
                 yield kind
+
+    def _look(self, packet: Packet, kind: Kind) -> bool:
+        found = False
+        for telegram in packet.telegrams:
+            judged = kind.of_telegram and kind.of_telegram(telegram)
+            if judged:
+                found = True
+                self._keep(packet, telegram, kind, judged if isinstance(judged, Judged) else None)
+        return found
 
     def _keep(self, packet: Packet, telegram: Telegram | None, kind: Kind, judged: Judged | None) -> None:
         self.counts[kind.name] += 1
@@ -184,6 +193,7 @@ def _moment(packet: Packet, telegram: Telegram | None, kind: Kind, judged: Judge
         kind=kind,
         number=packet.number,
         command_in=telegram.command_in if telegram and from_command else None,
+        time_s=packet.time_s,
         start_s=packet.time_s - (judged.time_s if judged and from_command else 0.0),
         end_s=packet.end_s,
         judged=judged,

@@ -14,16 +14,17 @@ _DARK = {
     "paper": "#14181d",
     "ink": "#e4e8ed",
     "line": "#6f7a87",
+    "faint": "#9aa5b1",
     "shade": "#20262d",
     "command": "#4aa8e0",
     "reaction": "#2fbf95",
     "other": "#858c95",
     "bad": "#ff7350",
 }
-_LIGHT = {"paper": "#ffffff", "shade": "#eef1f4", **plots.COLOURS}
+_LIGHT = {"paper": "#ffffff", "shade": "#eef1f4", "faint": "#5b6672", **plots.COLOURS}
 
 _STYLE = """\
-body { margin: 0 auto; padding: 1rem; max-width: 64rem; background: var(--paper); color: var(--ink);
+body { margin: 0 auto; padding: 1rem; max-width: 74rem; background: var(--paper); color: var(--ink);
   font: 15px/1.45 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; margin: .5rem 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid var(--line); }
@@ -32,22 +33,30 @@ figcaption { font-size: .9rem; max-width: 46rem; }
 figcaption b { font-size: 1rem; }
 .scroll { overflow-x: auto; }
 svg { display: block; width: 100%; height: auto; }
-.wide svg { min-width: 44rem; }
+.wide svg { min-width: 40rem; }
 .pair { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)); }
 table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; border-top: 1px solid var(--shade); }
-tr > :first-child { white-space: nowrap; }
+th[scope=row], td { white-space: nowrap; }
 thead th { vertical-align: bottom; border: 0; }
-td.long { min-width: 14rem; }
-code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; user-select: all; white-space: nowrap; }
+td.folded { white-space: normal; min-width: 14rem; }
+code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; user-select: all; }
 .headline { font-size: 1.1rem; }
 .remarks { padding: .6rem 1rem .6rem 2rem; background: var(--shade); border-left: .3rem solid var(--line); }
 footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line); }
+@media screen and (max-width: 42rem) {  /* a telephone: each row a card */
+  thead { display: none; }
+  table, tbody, tr, th[scope=row], td { display: block; white-space: normal; }
+  tr { padding: .4rem 0; border-top: 1px solid var(--line); }
+  th[scope=row], td { padding: .1rem 0; border: 0; overflow-wrap: anywhere; }
+  td:empty { display: none; }
+  [data-head]::before { font-weight: normal; content: attr(data-head) ": "; color: var(--faint); }
+}
 @media print {
   body { max-width: none; font-size: 10pt; }
   figure, tr { break-inside: avoid; }
   .wide svg { min-width: 0; }
-  code { white-space: normal; }
+  th[scope=row], td, code { white-space: normal; }
 }
 """
 
@@ -56,14 +65,15 @@ _KEY = (
     "A bar is a telegram, each stroke in it a character at the time at which it was read. Red is what the dissector "
     "judged exceeded or wrong."
 )
-_INTERVALS = (
-    "Recorded from character to character; both scales are logarithmic. Characters of one read have intervals of 0, "
-    "which are not drawn ({same_read} here), and the interval before them looks longer than it was."
+_INTERVALS = "As recorded, from character to character; both scales are logarithmic."
+_SAME_READ = (
+    " Characters of one read have intervals of 0, which are not drawn ({count} here), and the interval before them "
+    "looks longer than it was."
 )
 _REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
 _OVERVIEW = (
-    "The load is that of the second before. A station's steps are as high as it sent telegrams, in shares of its own "
-    "most. Red strokes: at least one in that step."
+    "The load is that of the second before. The steps of a station count its telegrams; the highest step of each is "
+    "drawn equally high. A red stroke: at least one in that step."
 )
 
 
@@ -125,18 +135,18 @@ def _table(table: Table, note: str = "") -> str:
     head = f"<thead><tr>{heads}</tr></thead>" if heads else ""
     rows = "\n".join(f"<tr>{''.join(_cells(table, row))}</tr>" for row in table.rows)
     text = f"<p>{escape(note)}</p>" if note else ""
-    return f'<h2>{escape(table.title)}</h2>{text}<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
+    return (
+        f'<h2>{escape(table.title)}</h2>{text}<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
+    )
 
 
 def _cells(table: Table, row: tuple[str, ...]) -> list[str]:
     cells = []
     for column, text in enumerate(row):
         shown = f"<code>{escape(text)}</code>" if column == table.code else escape(text)
-        if column == 0:
-            cells.append(f'<th scope="row">{shown}</th>')
-        else:
-            kind = ' class="long"' if len(text) > _LONG else ""
-            cells.append(f"<td{kind}>{shown}</td>")
+        head = f' data-head="{escape(table.heads[column])}"' if table.heads else ""
+        kind = "" if len(text) <= _LONG else ' class="folded"'
+        cells.append(f"<td{kind}{head}>{shown}</td>" if column else f'<th scope="row"{head}>{shown}</th>')
     return cells
 
 
@@ -156,17 +166,18 @@ def _overview(report: Report) -> str:
 def _windows(report: Report) -> str:
     figures = []
     for number, window in enumerate(report.windows):
-        left_out = f" {window.left_out} packets more do not fit into the picture." if window.left_out else ""
+        left_out = f"{window.left_out} packets more do not fit into the picture." if window.left_out else ""
         drawing = plots.window(window)
         if drawing:
-            figures.append(_figure(drawing, f"window{number}", _KEY + left_out))
+            figures.append(_figure(drawing, f"window{number}", left_out))
         else:
             figures.append(f"<p><b>{escape(window.title)}</b><br>Nothing was on the line.</p>")
-    return f"<h2>In full detail</h2>{''.join(figures)}" if figures else ""
+    return f"<h2>In full detail</h2><p>{_KEY}</p>{''.join(figures)}" if figures else ""
 
 
 def _times(report: Report) -> str:
-    same_read = report.figures.clock.same_read
-    figures = _figure(plots.intervals(report), "intervals", _INTERVALS.format(same_read=same_read))
+    count = report.figures.clock.same_read
+    text = _INTERVALS + (_SAME_READ.format(count=count) if count else "")
+    figures = _figure(plots.intervals(report), "intervals", text)
     figures += _figure(plots.reactions(report), "reactions", _REACTIONS)
     return f'<h2>Times</h2><div class="pair">{figures}</div>' if figures else ""

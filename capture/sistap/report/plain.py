@@ -19,7 +19,11 @@ from sistap.report.windows import Window
 def as_text(report: Report) -> str:
     """Write all tables, columns aligned."""
     shown = [tables.summary, tables.events, tables.verdicts, tables.faults, tables.worst, tables.services]
-    parts = [tables.headline(report), *tables.remarks(report), *(_table(make(report)) for make in [*shown, tables.stations])]
+    parts = [
+        tables.headline(report),
+        *tables.remarks(report),
+        *(_table(make(report)) for make in [*shown, tables.stations]),
+    ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -108,8 +112,8 @@ def _moment(moment: Moment, info: dict[int, str]) -> dict[str, Any]:
     return {
         "kind": moment.kind.name,
         "packet": moment.number,
-        "start_s": moment.start_s,
-        "time_s": judged.time_s if judged else None,
+        "time_s": moment.time_s,
+        "measured_s": judged.time_s if judged else None,
         "limit_s": judged.limit_s if judged else None,
         "uncertainty_s": moment.uncertainty_s,
         "info": info.get(moment.number, ""),

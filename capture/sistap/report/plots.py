@@ -7,7 +7,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ COLOURS = {
     "other": "#9aa0a6",
     "bad": "#d1350f",
 }
-_SETTINGS = {
+_SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "sistap",
     "font.size": 10,
@@ -57,6 +57,16 @@ _LABELS = 24  # packet numbers in a window
 _LABELLED = 0.97  # of its width: a number at the right edge would be cut
 _JOINED = 5  # bins of a Distribution that make one bar
 _WIDE_IN, _NARROW_IN = 10.0, 5.2
+
+
+class Pen(NamedTuple):
+    """What strokes are drawn with."""
+
+    role: str  # of COLOURS
+    width_pt: float
+
+
+_RED = Pen("bad", 1.5)
 
 
 class Drawing(NamedTuple):
@@ -93,10 +103,10 @@ def overview(report: Report) -> Drawing | None:
             lower = figure.subplots()
         for lane, (_, counts) in enumerate(stations):
             most = max(counts) or 1
-            _steps(lower, counts[: slices.used], slices.width_s, -lane, 0.8 / most, "command")
+            _steps(lower, counts[: slices.used], slices.width_s, -lane, 0.8 / most)
         for lane, (_, counts) in enumerate(faults, len(stations)):
             times = [(number + 0.5) * slices.width_s for number, count in enumerate(counts) if count]
-            _strokes(lower, times, -lane, 0.8, "bad", 1.5)
+            _strokes(lower, times, -lane, 0.8, _RED)
         _name_lanes(lower, [name for name, _ in stations + faults])
         lower.set_xlim(0, slices.used * slices.width_s)
         lower.set_xlabel(f"seconds since the first packet; a step is {slices.width_s:g} s")
@@ -106,12 +116,13 @@ def overview(report: Report) -> Drawing | None:
 
 def _load(slices: Slices) -> tuple[list[float], list[float]]:
     """Give times and percent of the load. It is that of the last second: a second after a telegram it is 0."""
-    times, percents = [0.0], [0.0]
+    times: list[float] = []
+    percents: list[float] = []
     for number, percent in enumerate(slices.loads):
         if percent is None:
             continue
         time_s = number * slices.width_s
-        if time_s - times[-1] > 1 + slices.width_s:
+        if times and time_s - times[-1] > 1 + slices.width_s:
             times += [times[-1] + 1, time_s]
             percents += [0.0, 0.0]
         times.append(time_s)
@@ -119,18 +130,20 @@ def _load(slices: Slices) -> tuple[list[float], list[float]]:
     return times, percents
 
 
-def _steps(axes: Axes, values: Sequence[float], width: float, base: float, scale: float, role: str) -> None:
+def _steps(axes: Axes, values: Sequence[float], width: float, base: float, scale: float) -> None:
     """Fill the area under steps that begin at x = 0."""
     edges = [number * width for number in range(len(values) + 1)]
-    axes.stairs([base + value * scale for value in values], edges, baseline=base, fill=True, color=COLOURS[role])
+    axes.stairs([base + value * scale for value in values], edges, baseline=base, fill=True, color=COLOURS["command"])
 
 
-def _strokes(axes: Axes, times: Iterable[float], base: float, height: float, role: str, width_pt: float) -> None:
+def _strokes(axes: Axes, times: Iterable[float], base: float, height: float, pen: Pen) -> None:
     """Draw upright strokes, all as one path: there can be thousands."""
     points = [point for time in times for point in ((time, base), (time, base + height))]
     if points:
         codes = [Outline.MOVETO, Outline.LINETO] * (len(points) // 2)
-        axes.add_patch(PathPatch(Outline(points, codes), edgecolor=COLOURS[role], linewidth=width_pt, fill=False))
+        axes.add_patch(
+            PathPatch(Outline(points, codes), edgecolor=COLOURS[pen.role], linewidth=pen.width_pt, fill=False)
+        )
 
 
 def _name_lanes(axes: Axes, names: Sequence[str]) -> None:
@@ -166,8 +179,8 @@ def _bars(times: Distribution) -> tuple[list[int], list[float]]:
     """Join bins to bars without a gap; give their counts and edges in s."""
     first, last = min(times.bins) // _JOINED, max(times.bins) // _JOINED
     counts = [0] * (last - first + 1)
-    for number, count in times.bins.items():
-        counts[number // _JOINED - first] += count
+    for number, found in times.bins.items():
+        counts[number // _JOINED - first] += found.count
     return counts, [times.edge_s(number * _JOINED) for number in range(first, last + 2)]
 
 
@@ -212,7 +225,7 @@ def reactions(report: Report) -> Drawing | None:
             heights = [0.5 * count / max(counts) - lane for count in counts]
             axes.stairs(heights, edges, baseline=-lane, fill=True, color=COLOURS["reaction"])
             axes.plot(service.times.within_s(0.5), -lane, "o", color=COLOURS["ink"], markersize=4)
-            _strokes(axes, service.trs.limits_s, -lane, 0.5, "bad", 2.0)
+            _strokes(axes, service.trs.limits_s, -lane, 0.5, _RED)
             shown += [*edges, *service.trs.limits_s]
             name = f"0x{number:02x} {service_name(number)}"
             axes.text(0, 0.55 - lane, name, transform=axes.get_yaxis_transform(), va="bottom", size=9)
@@ -262,8 +275,9 @@ def _draw_packet(axes: Axes, packet: Packet, base: float, shown: Window) -> None
         times.append(times[-1] + interval_s * 1e3)
     role = "other" if telegram is None else "reaction" if telegram.is_reaction else "command"
     axes.broken_barh([(times[0], times[-1] - times[0])], (base, 0.6), facecolors=COLOURS[role], alpha=0.55)
-    _strokes(axes, times, base, 0.6, "ink", 0.6)
-    if len(shown.packets) <= _LABELS and 0 <= times[0] <= _LABELLED * (shown.end_s - shown.start_s) * 1e3:
+    has_room = len(shown.packets) <= _LABELS
+    _strokes(axes, times, base, 0.6, Pen("ink", 0.6 if has_room else 0.25))
+    if has_room and 0 <= times[0] <= _LABELLED * (shown.end_s - shown.start_s) * 1e3:
         axes.text(times[0], base + 0.62, str(packet.number), size=8, va="bottom", clip_on=True)
     if telegram:
         _mark_exceeded(axes, packet, telegram, base, times)

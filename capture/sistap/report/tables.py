@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ class Table(NamedTuple):
 
     title: str
     heads: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
     code: int | None = None  # the column with display filters
 
 
@@ -45,7 +45,9 @@ def headline(report: Report) -> str:
     """Say in one sentence what is wrong."""
     counts = report.figures.moments.counts
     found = [f"{kind.short}: {counts[kind.name]}" for kind in KINDS if kind.is_fault and counts[kind.name]]
-    return f"Found: {', '.join(found)}." if found else "No fault was found."
+    if found:
+        return f"Found: {', '.join(found)}."
+    return "No fault was found." if report.figures.telegrams else "There is nothing to judge."
 
 
 def summary(report: Report) -> Table:
@@ -103,10 +105,8 @@ def events(report: Report) -> Table:
 
 
 def _event(code: int | None) -> str:
-    try:
-        return Event(code).name.replace("_", " ").capitalize()
-    except ValueError:
-        return f"Event {code}"
+    known = {int(event): event.name.replace("_", " ").capitalize() for event in Event}
+    return known.get(code or 0, f"Event {code}")
 
 
 def verdicts(report: Report) -> Table:
@@ -137,17 +137,17 @@ def worst(report: Report) -> Table:
     rows = [
         (
             str(moment.number),
-            f"{moment.end_s if not moment.has_times else moment.start_s:.6f}",
+            f"{moment.time_s:.6f}",
             moment.kind.title,
             _judged(moment.judged),
             "" if moment.uncertainty_s is None or not moment.judged else ms(moment.uncertainty_s),
-            report.info.get(moment.number) or _description(moment),
             moment.filter,
+            report.info.get(moment.number) or _description(moment),
         )
         for moment in report.worst
     ]
-    heads = ("Packet", "Second", "What", "Time", "Uncertainty", "Line in Wireshark", "Display filter")
-    return Table("The ten worst moments", heads, rows, code=6)
+    heads = ("Packet", "Second", "What", "Time", "Uncertainty", "Display filter", "Line in Wireshark")
+    return Table("The ten worst moments", heads, rows, code=5)
 
 
 def _judged(judged: Judged | None) -> str:

@@ -58,7 +58,7 @@ def around(moments: Iterable[Moment], shown: Sequence[Window]) -> list[Window]:
     for moment in moments:
         if not moment.has_times or any(window.shows(moment) for window in [*shown, *made]):
             continue
-        margin_s = max(moment.end_s - moment.start_s, _LEAST_MARGIN_S)
+        margin_s = max((moment.end_s - moment.start_s) / 2, _LEAST_MARGIN_S)
         title = f"Packet {moment.number}: {moment.kind.title}"
         made.append(Window(title, max(moment.start_s - margin_s, 0.0), moment.end_s + margin_s))
         if len(made) == WORST_SHOWN:
