@@ -62,3 +62,5 @@ def test_a_load_is_the_most_in_its_slice() -> None:
     slices.add_load(slices.at(0.0), 40.0)
     slices.add_load(slices.at(0.0), 10.0)
     assert slices.loads[:2] == [40.0, None]
+    slices.add_load(slices.at(10.0), 20.0)
+    assert [load for load in slices.loads if load is not None] == [40.0, 20.0]

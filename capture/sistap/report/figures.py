@@ -110,6 +110,9 @@ class Figures:
         at = self.slices.at(packet.time_s)
         for telegram in packet.telegrams:
             self._add_telegram(telegram, at)
+            # In the first second it is the load of a shorter time, 100 % to begin with.
+            if telegram.load_percent is not None and packet.time_s >= 1:
+                self.slices.add_load(at, telegram.load_percent)
         for kind in self.moments.add(packet):
             self.slices.counts[kind.name][at] += 1
 
@@ -132,8 +135,6 @@ class Figures:
             service = self.services[telegram.service]
             service.times.add([telegram.reaction.time_s])
             service.trs.add(telegram.reaction)
-        if telegram.load_percent is not None:
-            self.slices.add_load(at, telegram.load_percent)
         if telegram.good:
             self.good += 1
             self._add_stations(telegram, at)

@@ -72,8 +72,8 @@ _SAME_READ = (
 )
 _REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
 _OVERVIEW = (
-    "The load is that of the second before. The steps of a station count its telegrams; the highest step of each is "
-    "drawn equally high. A red stroke: at least one in that step."
+    "The load is that of the second before, from the first whole second on. The steps of a station count its "
+    "telegrams; the highest step of each is drawn equally high. A red stroke: at least one in that step."
 )
 
 
