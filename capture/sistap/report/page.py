@@ -35,6 +35,7 @@ figcaption b { font-size: 1rem; }
 svg { display: block; width: 100%; height: auto; }
 .wide svg { min-width: 40rem; }
 .pair { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)); }
+.pair figure { max-width: 36rem; }
 table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; border-top: 1px solid var(--shade); }
 th[scope=row], td { white-space: nowrap; }
@@ -53,10 +54,16 @@ footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line);
   [data-head]::before { font-weight: normal; content: attr(data-head) ": "; color: var(--faint); }
 }
 @media print {
-  body { max-width: none; font-size: 10pt; }
+  body { max-width: none; font-size: 10pt; padding: 0; }
+  h2 { break-after: avoid; }
   figure, tr { break-inside: avoid; }
+  .scroll { overflow: visible; }
   .wide svg { min-width: 0; }
-  th[scope=row], td, code { white-space: normal; }
+  .pair { grid-template-columns: 1fr 1fr; }
+  table { font-size: 7.5pt; }
+  th, td { padding-right: .4rem; }
+  th[scope=row], td, td.folded { white-space: normal; min-width: 0; }
+  code { padding: 0; }
 }
 """
 
