@@ -75,6 +75,21 @@ def test_a_capture_that_is_cut_is_reported_up_to_there(tmp_path: Path, capture: 
     assert "/sistap-" not in done.stderr + done.stdout  # the copy that is read as root
 
 
+@pytest.mark.parametrize("block", [1, 12])
+def test_a_capture_that_is_damaged_is_reported_up_to_there(tmp_path: Path, capture: Path, block: int) -> None:
+    data = bytearray(capture.read_bytes())
+    at = 0
+    for _ in range(block):
+        at += int.from_bytes(data[at + 4 : at + 8], "little")
+    data[at + 4 : at + 8] = b"\x07\0\0\0"  # no block is 7 bytes long
+    (tmp_path / "damaged.pcapng").write_bytes(data)
+    done = run(tmp_path, "damaged.pcapng", "--format", "json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["packets"] == max(block - 2, 0)  # section and interface come first
+    assert done.stderr.count("\n") == 1
+    assert "before the damage" in done.stderr
+
+
 @pytest.mark.parametrize("data", [b"", None])
 def test_a_capture_without_packets_is_an_honest_page(tmp_path: Path, data: bytes | None) -> None:
     empty = tmp_path / "empty.pcapng"

@@ -178,16 +178,17 @@ class Dissection:
             self._judge(error, came)
 
     def _judge(self, error: TsharkError, came: bool) -> None:
-        """Tell a capture that is cut from one that is none, and from a field that is not known."""
+        """Tell a capture that is damaged from one that is none, and from a field that is not known."""
         text = str(error)
         if "fields aren't valid" in text:
             raise _UnknownFields(set(re.findall(r"^\s+(\S+)$", text, re.MULTILINE))) from None
-        if "isn't a capture file" in text or "format" in text and not came:
+        if "isn't a capture file" in text:
             raise NotACapture(f"{self._capture} is not a capture that tshark can read") from None
-        if not came and "cut short" not in text:
-            raise error
         # As root tshark reads a copy, whose name means nothing to anybody.
-        self.warning = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
+        last = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
+        if not came and not any(words in text for words in ("cut short", "damaged")):
+            raise TsharkError(f"tshark: {last}") from None
+        self.warning = last
 
 
 class _UnknownFields(Exception):

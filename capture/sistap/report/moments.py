@@ -139,7 +139,7 @@ class Moments:
     def __init__(self) -> None:
         """Start with none."""
         self.counts = {kind.name: 0 for kind in KINDS}
-        self._worst: dict[str, list[tuple[float, int, int, Moment]]] = {kind.name: [] for kind in KINDS}
+        self._worst: dict[str, list[tuple[float, int, Moment]]] = {kind.name: [] for kind in KINDS}
         self._order = itertools.count(0, -1)  # of two equally bad ones the first is kept
 
     def add(self, packet: Packet) -> Iterator[Kind]:
@@ -169,8 +169,7 @@ class Moments:
         rank = _rank(kind, judged)
         if len(worst) == WORST and rank <= worst[0][0]:
             return
-        order = next(self._order)
-        entry = (rank, order, packet.number, _moment(packet, telegram, kind, judged))
+        entry = (rank, next(self._order), _moment(packet, telegram, kind, judged))
         (heapq.heappushpop if len(worst) == WORST else heapq.heappush)(worst, entry)
 
     def worst(self) -> list[Moment]:
