@@ -864,7 +864,8 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
     log = tmp_path / "log"
     with running("--listen", "127.0.0.1:0", "--fast", "--log", str(log)) as (process, name):
         connection = connect(name)
-        connection.recv(10_000)
+        while log.read_text().count("\n") < 2:  # the comment, and one that was played
+            connection.recv(10_000)
         process.send_signal(signal.SIGTERM)
         while connection.recv(65536):
             pass
