@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 from sistap import ports, priority
@@ -16,13 +17,16 @@ from sistap.line import LineSettings
 from sistap.lines import lines
 from sistap.output import STANDARD_OUTPUT, Limits, Output, OutputRefused
 from sistap.pcapng import Interface
+from sistap.rates import RATES
 from sistap.reader import Reader, open_reader
 from sistap.record import Record, Type
+from sistap.scan import FORMATS
 from sistap.session import Capture, Conditions, Sink, Stop
 from sistap.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
 LARGEST_RATE = 0xFFFFFFFF
+ONE_LINE, BOTH_LINES = (0,), (1, 2)  # their numbers: a shared bus, the directions of a full-duplex line
 
 DESCRIPTION = """\
 Listen to a serial line and record every character with its time: telegrams of the SIS protocol, and whatever else is on
@@ -33,12 +37,23 @@ EPILOG = """\
 A PORT is a device (/dev/ttyUSB0; `sistap ports` lists them), a virtual bus (bus://HOST:PORT), or a URL of pyserial
 (socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
 
+With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
+telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
+changes when the bus is told so (service 0x03), also for the time of a timed test; if then nothing valid comes, a line
+says so, and with --baud auto, too, the search begins again.
+
+RS422 and RS232 have a line for each direction: tap both, each with a port of its own, and give -i twice. Line 1 is the
+first, line 2 the second. Their records are in one file, in the order in which they began; for that a record waits while
+an older telegram is still coming in on the other line, half a second at most.
+
 A capture filter is written as for tcpdump and sees the plain telegram: link[5] is the service, link[6] the sender
 address, link[7] the receiver address. Other characters and events always pass.
 
 examples:
   sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
+  sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
+  sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
                                                                the last 24 hours, a file for each
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
@@ -59,7 +74,7 @@ class LineSink:
         """Print to `output`."""
         self._output = output
 
-    def begin(self, started: Record) -> None:
+    def begin(self, *started: Record) -> None:
         """Print nothing: standard error says it."""
 
     def write(self, record: Record) -> bool:
@@ -93,6 +108,20 @@ class _Once(argparse.Action):
         setattr(namespace, self.dest, value)
 
 
+class _Ports(argparse.Action):
+    """One port, or two for the two directions of a line."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, option: str | None = None
+    ) -> None:
+        if not value:
+            parser.error(f"{option} needs a {self.metavar}")
+        ports = [*(namespace.ports or []), value]
+        if len(ports) > len(BOTH_LINES):
+            parser.error(f"{option} can be given once, or twice for the two directions of a line")
+        namespace.ports = ports
+
+
 def _positive(kind: Callable[[str], float], text: str) -> float:
     value = kind(text)
     if not 0 < value <= LARGEST:
@@ -107,7 +136,10 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
-def _rate(text: str) -> int:
+def _rate(text: str) -> int | None:
+    """Read a rate; None is auto."""
+    if text == "auto":
+        return None
     rate = _number(text)
     if rate > LARGEST_RATE:
         raise argparse.ArgumentTypeError(f"{text} Bd are more than a record can hold ({LARGEST_RATE})")
@@ -139,7 +171,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add("-i", dest="port", action=_Once, metavar="PORT", required=True, help="the port to listen to")
+    add(
+        "-i",
+        dest="ports",
+        action=_Ports,
+        metavar="PORT",
+        required=True,
+        help="the port to listen to; given twice, the two directions of an RS422 or RS232 line, line 1 and line 2",
+    )
     add(
         "-w",
         dest="file",
@@ -147,8 +186,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write a pcapng file; - is standard output. Without it, print text",
     )
-    add("--baud", type=_rate, default=9600, metavar="RATE", help="rate in Bd (9600)")
-    add("--format", default="8E1", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
+    add(
+        "--baud",
+        type=_rate,
+        default=9600,
+        metavar="RATE|auto",
+        help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",
+    )
+    add("--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
+    add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
     add(
         "--framing",
         dest="silence_ms",
@@ -201,22 +247,35 @@ def run(args: argparse.Namespace) -> int:
         settings = _settings(args)
         limits = _limits(args)
         only = Filter(args.filter) if args.filter else None
-        _check_port(args)
+        _check_ports(args)
         output = Output(args.file or STANDARD_OUTPUT, limits, lambda: stop.requested, console.say)
     except (Refused, FilterError, OutputRefused) as error:
         console.say(str(error))
         return 2
-    try:
-        reader = open_reader(args.port, settings)
-    except BaseException:
-        output.close()
-        raise
-    return _capture(args, reader, output, only, stop, console)
+    with ExitStack() as opened:
+        opened.callback(output.close)
+        readers: list[Reader] = []
+        for line, port in zip(BOTH_LINES if len(args.ports) > 1 else ONE_LINE, args.ports, strict=True):
+            readers.append(open_reader(port, settings, line))
+            opened.callback(readers[-1].close)
+        code, counters = _capture(args, readers, output, only, stop, console)
+    if args.file:
+        console.say(_summary(counters, output))
+    elif not args.quiet:
+        console.say(str(counters))
+    return code
 
 
 def _settings(args: argparse.Namespace) -> LineSettings:
+    """Give the settings to begin with."""
+    fixed = [port for port in args.ports if port.startswith("socket://")]
+    steered = "--baud auto" if args.baud is None else "--follow-baud" if args.follow_baud else ""
+    if steered and args.silence_ms is not None:
+        raise Refused(f"{steered} needs SIS telegrams: leave out --framing, or say --baud")
+    if steered and fixed:
+        raise Refused(f"{steered} cannot change the rate behind {fixed[0]}: set it at the other end, and say --baud")
     try:
-        return LineSettings.parse(args.baud, args.format)
+        return LineSettings.parse(args.baud or RATES[0], args.format or FORMATS[0])
     except ValueError as error:
         raise Refused(str(error)) from error
 
@@ -244,43 +303,41 @@ def _limits(args: argparse.Namespace) -> Limits:
     )
 
 
-def _check_port(args: argparse.Namespace) -> None:
-    """Refuse a port that something would be written to."""
-    if args.file and ports.is_same_file(args.file, args.port):
-        raise Refused(f"{args.file} is the port itself, which is never written to: choose a file with -w")
-    if ports.is_own_terminal(args.port):
-        raise Refused(f"{args.port} is the terminal that sistap itself reads or writes: choose another port with -i")
+def _check_ports(args: argparse.Namespace) -> None:
+    """Refuse a port that something would be written to, and one port for both lines."""
+    for port in args.ports:
+        if args.file and ports.is_same_file(args.file, port):
+            raise Refused(f"{args.file} is the port itself, which is never written to: choose a file with -w")
+        if ports.is_own_terminal(port):
+            raise Refused(f"{port} is the terminal that sistap itself reads or writes: choose another port with -i")
+    first, last = args.ports[0], args.ports[-1]
+    if len(args.ports) > 1 and (first == last or ports.is_same_file(first, last)):
+        raise Refused(f"{last} is the same port again: the second -i is the port of the other direction")
 
 
 def _capture(  # noqa: PLR0913 - it puts the parts together
-    args: argparse.Namespace, reader: Reader, output: Output, only: Filter | None, stop: Stop, console: Console
-) -> int:
+    args: argparse.Namespace, readers: list[Reader], output: Output, only: Filter | None, stop: Stop, console: Console
+) -> tuple[int, Counters]:
+    """Capture until it ends; give the exit code and what was seen."""
     counters = Counters()
     sink: Sink = LineSink(output)
     if args.file:
-        sink = PcapngWriter(output, _interface(args, reader), counters)
-    conditions = Conditions(args.silence_ms, only, args.count, dict(args.autostop).get("duration"))
+        sink = PcapngWriter(output, {reader.line: _interface(args, reader) for reader in readers}, counters)
+    formats = () if args.baud else (args.format,) if args.format else FORMATS
+    duration_s = dict(args.autostop).get("duration")
+    conditions = Conditions(args.silence_ms, only, args.count, duration_s, formats, args.follow_baud)
     progress = bool(args.file) and not args.quiet and console.shows_progress
-    try:
-        capture = Capture(reader, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
-        code = capture.run(stop)
-    finally:
-        reader.close()
-        output.close()
-    if args.file:
-        console.say(_summary(counters, output))
-    elif not args.quiet:
-        console.say(str(counters))
-    return code
+    capture = Capture(readers, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
+    return capture.run(stop), counters
 
 
 def _interface(args: argparse.Namespace, reader: Reader) -> Interface:
-    settings = reader.settings
+    settings = str(reader.settings) if args.baud else "rate by --baud auto"
     return Interface(
         LINK_TYPES[args.link_type],
         reader.name,
-        f"{settings.baud} Bd {settings.format}; {reader.timing}",
-        settings.baud,
+        f"{settings}; {reader.timing}",
+        args.baud or 0,
         reader.adapter,
         args.filter or "",
     )

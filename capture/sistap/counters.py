@@ -18,6 +18,11 @@ def longest_interval_ns(record: Record) -> int:
     return max(record.intervals[1:], default=0)
 
 
+def faulty(read: Read) -> int:
+    """Count the characters with any error, breaks included."""
+    return sum(read.flags.translate(_IS_ERROR))
+
+
 class Counters:
     """All counts since the capture started."""
 
@@ -50,7 +55,7 @@ class Counters:
         self.characters += len(read.data)
         flags = read.flags
         if flags.count(0) != len(flags):
-            self.faulty_characters += sum(flags.translate(_IS_ERROR))
+            self.faulty_characters += faulty(read)
             self.breaks += sum(flags.translate(_IS_BREAK))
             self.gaps[read.line] += sum(flags.translate(_IS_GAP))
 

@@ -43,7 +43,7 @@ class Framer(ABC):
 
     def feed(self, read: Read) -> list[Record]:
         """Take what was read; give the records that are complete by it."""
-        _, time_ns, data, flags, uncertainty_ns = read
+        _, time_ns, data, flags, uncertainty_ns, _ = read
         times = self._times
         count = len(data)
         records: list[Record] = []
@@ -89,6 +89,11 @@ class Framer(ABC):
     def empty(self) -> bool:
         """Whether all characters are in records."""
         return not self._data
+
+    @property
+    def oldest_ns(self) -> int | None:
+        """When the first character that is not in a record came, None if all are."""
+        return self._times[1] if self._data else None
 
     @abstractmethod
     def _cut(self, records: list[Record], *, final: bool) -> None:

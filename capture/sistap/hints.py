@@ -7,7 +7,9 @@ from collections.abc import Iterator
 
 from sistap.counters import Counters
 from sistap.line import LineSettings
+from sistap.rates import RATES
 from sistap.record import Framing
+from sistap.scan import Scan
 
 SILENT_S = 5
 ENOUGH_ERRORS = 20  # characters, all of them wrong, that are no accident
@@ -23,9 +25,9 @@ class Hints:
         self._framing = framing
         self._given: set[str] = set()
 
-    def look(self, counters: Counters, elapsed_s: float) -> Iterator[str]:
-        """Give the new hints; `elapsed_s` is how long the capture has been running."""
-        hint = self._diagnose(counters, elapsed_s)
+    def look(self, counters: Counters, elapsed_s: float, searching: Scan | None = None) -> Iterator[str]:
+        """Give the new hints; `elapsed_s` is how long the capture has been running, `searching` for its settings."""
+        hint = _diagnose_search(counters, elapsed_s, searching) if searching else self._diagnose(counters, elapsed_s)
         if hint and hint not in self._given:
             self._given.add(hint)
             yield hint
@@ -49,3 +51,15 @@ class Hints:
                 "try another --baud, or this is another protocol"
             )
         return hint
+
+
+def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:
+    hint = None
+    if not counters.characters and elapsed_s >= SILENT_S:
+        hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground) and the port; the search goes on"
+    elif scan.in_vain:
+        hint = (
+            f"no valid telegram at any rate from {RATES[0]} to {RATES[-1]} Bd: A and B may be swapped, "
+            "or this is another protocol; the search goes on"
+        )
+    return hint

@@ -57,6 +57,10 @@ class LineSettings(NamedTuple):
         stop = {half_bits: text for text, half_bits in STOP_HALF_BITS.items()}[self.stop_half_bits]
         return f"{self.data_bits}{self.parity}{stop}"
 
+    def __str__(self) -> str:
+        """Name rate and format for people."""
+        return f"{self.baud} Bd {self.format}"
+
     @property
     def character_ns(self) -> int:
         """How long one character takes on the line, in ns; 0 when the rate is unknown."""
@@ -78,3 +82,4 @@ class Read(NamedTuple):
     data: bytes
     flags: bytes  # one Flag byte a character, of FROM_READER
     uncertainty_ns: int = UNCERTAINTY_UNKNOWN
+    settings: LineSettings | None = None  # with which they were read; None: as the line began

@@ -11,7 +11,6 @@ from sistap.line import Flag
 from sistap.names import service_name
 from sistap.record import Framing, Record, Type
 
-BROADCAST = 255  # in both editions
 _FOLD = 16  # characters a line
 _PRINTABLE = bytes(c if 0x20 <= c < 0x7F else ord(".") for c in range(256))
 _ERRORS = {
@@ -23,15 +22,17 @@ _ERRORS = {
 
 
 def lines(record: Record) -> str:
-    """Give a frame or other characters as complete lines."""
+    """Give a frame or other characters as complete lines; with the number of the line if there are two."""
     seconds, ns = divmod(record.time_ns, 1_000_000_000)
     when = time.strftime("%H:%M:%S", time.localtime(seconds)) + f".{ns // 1000:06d}"
+    if record.line:
+        when += f"  {record.line}"
     errors = record.errors
     marks = "".join(f"  {text}" for flag, text in _ERRORS.items() if flag & errors)
     if record.type == Type.FRAME and record.framing == Framing.SIS:
         return f"{when}  {_telegram(record)}{marks}\n"
     return "".join(
-        f"{when if i == 0 else '':15}  {_hex_and_text(record.data[i : i + _FOLD])}{marks if i == 0 else ''}\n"
+        f"{when if i == 0 else ' ' * len(when)}  {_hex_and_text(record.data[i : i + _FOLD])}{marks if i == 0 else ''}\n"
         for i in range(0, len(record.data), _FOLD)
     )
 
@@ -52,7 +53,7 @@ def _telegram(record: Record) -> str:
 
 
 def _station(address: int) -> str:
-    return "all" if address == BROADCAST else str(address)
+    return "all" if address == telegram.BROADCAST else str(address)
 
 
 def _hex_and_text(data: bytes) -> str:

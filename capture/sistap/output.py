@@ -95,7 +95,7 @@ class Output:
         self._begun = time.monotonic()
         self._file = self._open()
         self._next: _File | None = None
-        self._kept = deque([self._file.path])
+        self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
         self.failed = False  # the next of several files could not be opened: this one is the last
 
     @property
@@ -151,8 +151,10 @@ class Output:
         self._file.close()
         self._file, self._next = self._next, None
         self._number += 1
+        if not self._limits.keep:
+            return
         self._kept.append(self._file.path)
-        if self._limits.keep and len(self._kept) > self._limits.keep:
+        if len(self._kept) > self._limits.keep:
             oldest = self._kept.popleft()
             try:
                 Path(oldest).unlink(missing_ok=True)
@@ -174,9 +176,9 @@ class Output:
         """Name for people all that was written to."""
         if self._number == 1:
             return str(self)
-        kept = len(self._kept)
+        kept = len(self._kept) if self._limits.keep else self._number
         deleted = f", of which the last {kept} were kept" if kept < self._number else ""
-        return f"{self._number} files{deleted}: {self._kept[0]} to {self._kept[-1]}"
+        return f"{self._number} files{deleted}: {self._kept[0]} to {self._file.path}"
 
     def _open(self, number: int = 1) -> _File:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One running capture: takes what the reader gives through framer and filter to a sink, in one thread."""
+"""One running capture: takes what the readers give through framers and filter to a sink, in one thread."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import gc
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from types import FrameType
@@ -20,10 +20,12 @@ from sistap.console import Console
 from sistap.counters import Counters
 from sistap.framer import Framer, SilenceFramer, SisFramer
 from sistap.hints import Hints
-from sistap.line import Read
+from sistap.line import LineSettings, Read
+from sistap.order import Order
 from sistap.output import Output, OutputError
-from sistap.reader import PortLost, Reader
+from sistap.reader import PortError, PortLost, Reader, together
 from sistap.record import Event, Framing, Record, Type, event
+from sistap.steering import Steering, Step
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
 TICK_NS = 1_000_000_000  # how often hints and progress are looked at
@@ -54,8 +56,8 @@ class Stop:
 class Sink(Protocol):
     """Where records go."""
 
-    def begin(self, started: Record) -> None:
-        """Begin, with the event that says how the capture is taken."""
+    def begin(self, *started: Record) -> None:
+        """Begin, with an event for each port that says how the capture is taken."""
 
     def write(self, record: Record) -> bool:
         """Take a record; tell whether it was written."""
@@ -75,17 +77,36 @@ class Conditions:
     only: Filter | None = None  # frames that it does not let pass are left out
     count: int | None = None  # records written
     duration_s: float | None = None
+    formats: Sequence[str] = ()  # rate and format are looked for: one of these
+    follow: bool = False  # the rate changes with what the bus is told
 
 
 EVERYTHING = Conditions()
 
 
+class _Line:
+    """One line: the port it comes from, and what has come on it."""
+
+    def __init__(self, number: int, reader: Reader, silence_ms: float | None, counters: Counters, now: int) -> None:
+        """Start with nothing received."""
+        settings = reader.settings
+        self.reader = reader
+        self.framer: Framer = (
+            SisFramer(number, settings)
+            if silence_ms is None
+            else SilenceFramer(number, settings, int(silence_ms * 1e6))
+        )
+        self.counters = counters
+        self.hints = Hints(settings, self.framer.framing)
+        self.arrived_ns = now  # when something last came
+
+
 class Capture:
-    """From a reader to a sink whose blocks go to `output`. The clock is the monotonic one, in ns."""
+    """From one reader or several to a sink whose blocks go to `output`. The clock is the monotonic one, in ns."""
 
     def __init__(  # noqa: PLR0913 - it puts the parts together
         self,
-        reader: Reader,
+        readers: Sequence[Reader],
         sink: Sink,
         output: Output,
         counters: Counters,
@@ -97,7 +118,6 @@ class Capture:
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         """`quiet`: do not say that it runs; `progress`: show the counters every second."""
-        self._reader = reader
         self._sink = sink
         self._output = output
         self._counters = counters
@@ -106,11 +126,16 @@ class Capture:
         self._progress = progress
         self._clock_ns = clock_ns
         self._console = console
-        framing = Framing.SIS if conditions.silence_ms is None else Framing.SILENCE
-        self._hints = Hints(reader.settings, framing)
-        self._framers: dict[int, Framer] = {}  # by line, as each comes up
-        self._arrived_ns: dict[int, int] = {}  # by line, when something last came
+        self._readers = list(readers)  # whose ports are not lost
+        self._several = len(readers) > 1
+        self._lines = {reader.line: self._line(reader.line, reader) for reader in readers}
+        self._order = Order()
+        self._steering = self._steering_of(readers[0].settings)
+        self._steps: list[Step] = []  # not yet done
+        self._why = ""  # the settings were changed
         self._last: Read | None = None
+        self._port_lost = False
+        self._refused: set[str] = set()  # settings that a port cannot do, said once
 
     def run(self, stop: Stop) -> int:
         """Capture until something ends it; give the exit code."""
@@ -118,42 +143,40 @@ class Capture:
         gc.freeze()
         gc.disable()
         try:
-            lost = self._run(stop)
+            self._run(stop)
         except OutputError as error:
             self._console.say(str(error))
             return 1
         finally:
             gc.enable()
             gc.unfreeze()
-        if lost:
-            self._console.say(str(lost))
-        return 1 if lost or self._output.failed else 0
+        return 1 if self._port_lost or self._output.failed else 0
 
-    def _run(self, stop: Stop) -> PortLost | None:
-        lost: PortLost | None = None
-        self._sink.begin(self._event(Event.CAPTURE_STARTED, f"sistap {sistap.__version__}; {self._description}"))
+    def _run(self, stop: Stop) -> None:
+        descriptions = {number: self._description(line) for number, line in self._lines.items()}
+        said = f"sistap {sistap.__version__}; "
+        self._sink.begin(*(self._event(n, Event.CAPTURE_STARTED, said + text) for n, text in descriptions.items()))
         stop.running = True
         if not self._quiet:
-            self._console.say(f"capturing on {self._description}")
-        for note in self._reader.notes:
-            self._console.say(note)
-        try:
+            for number, text in descriptions.items():
+                self._console.say(f"capturing on {self._which(number)}{text}")
+        for reader in self._readers:
+            for note in reader.notes:
+                self._console.say(self._which(reader.line) + note)
+        with together(self._readers) as self._source:
             self._loop(stop)
-        except PortLost as error:
-            lost = error
-        for framer in self._framers.values():
-            self._emit(framer.flush())
-        if lost:
-            self._sink.write(self._event(Event.ADAPTER_LOST, str(lost)))
+        self._finish(self._lines.values())
         self._sink.end(self._wall_ns())
-        return lost
 
-    @property
-    def _description(self) -> str:
-        reader, silence_ms = self._reader, self._conditions.silence_ms
+    def _description(self, line: _Line) -> str:
+        reader, silence_ms = line.reader, self._conditions.silence_ms
         framing = "" if silence_ms is None else f"; frames cut by {silence_ms:g} ms of silence"
-        settings = reader.settings
-        return f"{reader.name} ({reader.adapter}); {settings.baud} Bd {settings.format}; {reader.timing}{framing}"
+        search = "; looking for the rate" if self._conditions.formats else ""
+        follow = "; following changes of the rate" if self._conditions.follow else ""
+        return f"{reader.name} ({reader.adapter}); {reader.settings}{search}{follow}; {reader.timing}{framing}"
+
+    def _which(self, number: int) -> str:
+        return f"line {number}: " if self._several else ""
 
     def _loop(self, stop: Stop) -> None:
         counters, count, duration_s = self._counters, self._conditions.count, self._conditions.duration_s
@@ -163,10 +186,11 @@ class Capture:
         while not (
             stop.requested
             or self._output.done
+            or not self._readers
             or (count is not None and counters.written >= count)
             or (end is not None and now >= end)
         ):
-            read = self._reader.read(READ_TIMEOUT_S)
+            read = self._read(self._timeout_s())
             now = self._clock_ns()
             if read is not None:
                 self._take(read, now)
@@ -177,46 +201,138 @@ class Capture:
                 tick = now + TICK_NS
                 self._idle(now)  # one line can be silent while another is not
                 self._look((now - started) / 1e9)
+            if self._steering:
+                self._steer(self._steering)
         if stop.requested:
-            self._take_waiting()
+            for _ in self._readers:
+                with suppress(PortLost):  # at the same time, by the same Ctrl-C
+                    self._take_waiting(self._source.read)
 
-    def _take_waiting(self) -> None:
-        """Take what had arrived when the stop came; that the port goes at the same time is no loss."""
+    def _read(self, timeout_s: float) -> Read | None:
+        try:
+            return self._source.read(timeout_s)
+        except PortLost as lost:
+            self._lose(lost)
+            return None
+
+    def _lose(self, lost: PortLost) -> None:
+        """Note that a port is gone; if there is another, that one goes on."""
+        reader = self._lines[lost.line].reader
+        self._port_lost = True
+        self._readers.remove(reader)
+        self._finish(line for line in self._lines.values() if line.reader is reader)
+        self._emit([self._event(lost.line, Event.ADAPTER_LOST, str(lost))])
+        goes_on = "; the other line goes on" if self._readers else ""
+        self._console.say(f"{self._which(lost.line)}{lost}{goes_on}")
+
+    def _finish(self, lines: Iterable[_Line]) -> None:
+        for line in lines:
+            self._emit(line.framer.flush())
+
+    def _steering_of(self, settings: LineSettings) -> Steering | None:
+        formats, follow = self._conditions.formats, self._conditions.follow
+        return Steering(settings, formats, follow=follow) if formats or follow else None
+
+    def _timeout_s(self) -> float:
+        due_ns = self._steering.due_ns if self._steering else None
+        return READ_TIMEOUT_S if due_ns is None else min(READ_TIMEOUT_S, max(0, due_ns - self._wall_ns()) / 1e9)
+
+    def _steer(self, steering: Steering) -> None:
+        """Do what is to be done about the line settings."""
+        self._steps.extend(steering.look(self._wall_ns()))
+        steps, self._steps = self._steps, []
+        for step in steps:
+            if any(reader.settings != step.settings for reader in self._readers):
+                self._change(step)
+            else:
+                self._settle(f"{step.settings}: {step.why}")
+
+    def _settle(self, text: str) -> None:
+        """Note that the settings of now are right."""
+        self._console.say(text)
+        for reader in self._readers:
+            self._lines[reader.line].hints = Hints(reader.settings, Framing.SIS)
+            self._emit([self._event(reader.line, Event.SETTINGS_CHANGED, text)])
+
+    def _change(self, step: Step) -> None:
+        """Change the line settings, after what has come with the old ones."""
+        self._take_waiting(self._read)
+        self._why = step.why
+        for reader in self._readers:
+            try:
+                reader.change(step.settings)
+            except PortError as error:
+                if str(error) not in self._refused:
+                    self._refused.add(str(error))
+                    self._console.say(str(error))
+
+    def _take_waiting(self, reading: Callable[[float], Read | None]) -> None:
+        """Take what has arrived."""
         end = self._clock_ns() + int(READ_TIMEOUT_S * 1e9)
-        with suppress(PortLost):
-            while (now := self._clock_ns()) < end and (read := self._reader.read(0)):
-                self._take(read, now)
+        while (now := self._clock_ns()) < end and (read := reading(0)):
+            self._take(read, now)
 
     def _take(self, read: Read, now: int) -> None:
-        line = read.line
-        framer = self._framers.get(line)
-        if framer is None:
-            framer = self._framers[line] = self._framer(line)
-        self._arrived_ns[line] = now
+        line = self._lines.get(read.line)
+        if line is None:  # one port, a virtual bus, can bring several
+            line = self._lines[read.line] = self._line(read.line, self._readers[0])
+        line.arrived_ns = now
         self._last = read
         self._counters.add_read(read)
-        self._emit(framer.feed(read))
+        if self._several:
+            line.counters.add_read(read)
+        if read.data and read.settings not in (None, line.framer.settings):
+            self._take_settings(line, read)
+        records = line.framer.feed(read)
+        if self._steering:
+            self._steps.extend(self._steering.take(read, records))
+        self._emit(records)
 
-    def _framer(self, line: int) -> Framer:
-        silence_ms = self._conditions.silence_ms
-        if silence_ms is None:
-            return SisFramer(line, self._reader.settings)
-        return SilenceFramer(line, self._reader.settings, int(silence_ms * 1e6))
+    def _take_settings(self, line: _Line, read: Read) -> None:
+        """Note that this is the first read with other settings."""
+        assert read.settings
+        self._emit(line.framer.flush())
+        line.framer.settings = read.settings
+        text = f"{read.settings}: {self._why}"
+        self._emit([event(read.time_ns, read.line, read.settings, Event.SETTINGS_CHANGED, text)])
+        if self._steering and not self._steering.searching:
+            self._console.say(self._which(read.line) + text)
+
+    def _line(self, number: int, reader: Reader) -> _Line:
+        counters = Counters() if self._several else self._counters
+        return _Line(number, reader, self._conditions.silence_ms, counters, self._clock_ns())
 
     def _idle(self, now: int) -> None:
-        for line, framer in self._framers.items():
-            self._emit(framer.idle(now - self._arrived_ns[line]))
+        for line in self._lines.values():
+            records = line.framer.idle(now - line.arrived_ns)
+            if self._steering and records:
+                nothing = Read(line.framer.line, self._wall_ns(), b"", b"")
+                self._steps.extend(self._steering.take(nothing, records))
+            self._emit(records)
         # What a framer holds is older than now, and a new file begins with the time now.
-        if all(framer.empty for framer in self._framers.values()):
+        if self._order.empty and all(line.framer.empty for line in self._lines.values()):
             self._sink.look(self._wall_ns())
 
     def _emit(self, records: list[Record]) -> None:
+        """Write records, and those of the other line, in order of time."""
+        if not records and self._order.empty:
+            return
+        now = self._clock_ns()
+        self._order.add(records, now)
+        for record in self._order.due((line.framer.oldest_ns for line in self._lines.values()), now):
+            self._write(record)
+
+    def _write(self, record: Record) -> None:
+        if record.type == Type.EVENT:
+            self._sink.write(record)
+            return
         counters, only, count = self._counters, self._conditions.only, self._conditions.count
-        for record in records:
-            passes = only is None or record.type != Type.FRAME or only.matches(record.data)
-            if passes and (count is None or counters.written < count):
-                counters.accepted[record.line] += self._sink.write(record)
-            counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
+        passes = only is None or record.type != Type.FRAME or only.matches(record.data)
+        if passes and (count is None or counters.written < count):
+            counters.accepted[record.line] += self._sink.write(record)
+        counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
+        if self._several:
+            self._lines[record.line].counters.add_record(record)
 
     def _look(self, elapsed_s: float) -> None:
         if step_ns := CLOCK.step_ns():
@@ -224,18 +340,23 @@ class Capture:
                 f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
                 "times in this capture go on without the step"
             )
-            self._sink.write(self._event(Event.MARKER, text))
+            self._emit([self._event(self._readers[0].line, Event.MARKER, text)])
             self._console.say(text)
-        for hint in self._hints.look(self._counters, elapsed_s):
-            self._console.say(hint)
+        for reader in self._readers:
+            line = self._lines[reader.line]
+            searching = self._steering.searching if self._steering else None
+            for hint in line.hints.look(line.counters, elapsed_s, searching):
+                self._console.say(self._which(reader.line) + hint)
+        if self._steering and (doubt := self._steering.take_hint()):
+            self._console.say(doubt)
         if self._progress:
             self._console.progress(str(self._counters))
 
-    def _event(self, code: Event, text: str) -> Record:
-        return event(self._wall_ns(), self._reader.line, self._reader.settings, code, text)
+    def _event(self, number: int, code: Event, text: str) -> Record:
+        return event(self._wall_ns(), number, self._lines[number].framer.settings, code, text)
 
     def _wall_ns(self) -> int:
         """Give the time now by the clock of the line: a virtual bus may have its own."""
         if self._last is None:
             return CLOCK.now_ns()
-        return self._last.time_ns + self._clock_ns() - self._arrived_ns[self._last.line]
+        return self._last.time_ns + self._clock_ns() - self._lines[self._last.line].arrived_ns

@@ -12,6 +12,8 @@ START = 0x02
 STATIC_LENGTH = 8  # the header without subaddresses and telegram number
 MAX_LENGTH = STATIC_LENGTH + 255
 
+BROADCAST = 255  # the receiver that is all, in both editions
+
 CONTROL_SUBADDRESSES = 0x07
 CONTROL_NUMBER = 0x08
 CONTROL_REACTION = 0x10

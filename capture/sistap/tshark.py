@@ -13,7 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -109,6 +109,30 @@ class Tshark:
         return subprocess.run(
             command, check=False, text=True, encoding="utf-8", errors="replace", capture_output=capture, **settings
         )
+
+    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+        """Run tshark and give its stdout line by line, as it comes. TsharkError, after the last, if it failed."""
+        command = [self._path, *self._readable(arguments)]
+        with tempfile.TemporaryFile() as errors:
+            with subprocess.Popen(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                encoding="utf-8",
+                errors="replace",
+                **self._settings(arguments),
+            ) as process:
+                assert process.stdout is not None
+                try:
+                    for line in process.stdout:
+                        yield line.rstrip("\n")
+                except BaseException:  # nobody wants the rest
+                    process.kill()
+                    raise
+            if process.returncode != 0:
+                errors.seek(0)
+                said = errors.read().decode(errors="replace").strip()
+                raise TsharkError(said or f"{Path(self._path).name} ended with exit code {process.returncode}")
 
     def usage(self, arguments: Sequence[str]) -> resource.struct_rusage:
         """Run tshark with its output thrown away; give what it used. TsharkError if it failed."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import platform
 import struct
+from collections.abc import Mapping
 
 import sistap
 from sistap import pcapng
 from sistap.counters import Counters
-from sistap.line import Flag
+from sistap.line import Flag, LineSettings
 from sistap.output import Output
 from sistap.pcapng import Interface, PacketFlags, Statistics
 from sistap.record import Record, Type
@@ -54,27 +55,31 @@ def rtac_event(record: Record) -> int:
 class PcapngWriter:
     """The file in `output`, or each of several: begin, write, end."""
 
-    def __init__(self, output: Output, interface: Interface, counters: Counters) -> None:
-        """Describe each line as `interface`."""
+    def __init__(self, output: Output, interfaces: Mapping[int, Interface], counters: Counters) -> None:
+        """Describe each line as its interface; a line that has none, when it comes up, like the first."""
         self._output = output
-        self._interface = interface
+        self._described = interfaces
         self._counters = counters
-        self._interfaces: dict[int, int] = {}  # by line, in the order in which they came up in this file
-        self._started: Record | None = None
+        self._interfaces: dict[int, int] = {}  # by line, in the order of this file
+        self._started: tuple[Record, ...] = ()
+        self._settings: dict[int, LineSettings] = {}  # by line, of its last record
 
-    def begin(self, started: Record) -> None:
-        """Begin the file; its first record is the event `started`."""
+    def begin(self, *started: Record) -> None:
+        """Begin the file: all interfaces that are known, and the events `started`."""
         self._started = self._started or started
         self._interfaces = {}
         self._output.begin()
         system = f"{platform.system()} {platform.release()}"
         self._output.write(pcapng.section_header(f"sistap {sistap.__version__}", system))
-        self._interface_of(started.line)
-        self.write(started)
+        for line in self._described:
+            self._interface_of(line)
+        for record in started:
+            self.write(record)
 
     def write(self, record: Record) -> bool:
         """Write a record, into the next file if this one is full; tell whether this link type has a place for it."""
         self.look(record.time_ns)
+        self._settings[record.line] = record.settings
         payload = self._payload(record)
         if payload is None:
             return False
@@ -87,27 +92,33 @@ class PcapngWriter:
         if self._started and self._output.full and not self._output.done and self._output.open_next():
             self.end(time_ns)
             self._output.go_on()
-            self.begin(self._started._replace(time_ns=time_ns))
+            self.begin(*(self._again(started, time_ns) for started in self._started))
 
     def end(self, time_ns: int) -> None:
         """End the file with the statistics of its interfaces."""
-        started_ns = self._started.time_ns if self._started else time_ns
+        started_ns = self._started[0].time_ns if self._started else time_ns
         counters = self._counters
         for line, interface in self._interfaces.items():
             received, accepted = counters.received[line], counters.accepted[line]
             statistics = Statistics(started_ns, time_ns, received, accepted, counters.gaps[line])
             self._output.write(pcapng.interface_statistics(interface, statistics))
 
+    def _again(self, started: Record, time_ns: int) -> Record:
+        """Begin another file with the settings that the line has now."""
+        settings = self._settings.get(started.line, started.settings)
+        return started._replace(time_ns=time_ns, settings=settings)
+
     def _interface_of(self, line: int) -> int:
         if line not in self._interfaces:
             self._interfaces[line] = len(self._interfaces)
+            described = self._described.get(line) or next(iter(self._described.values()))
             which = f", line {line}" if line else ""
-            description = self._interface.description + which
-            self._output.write(pcapng.interface_description(self._interface._replace(description=description)))
+            description = described.description + which
+            self._output.write(pcapng.interface_description(described._replace(description=description)))
         return self._interfaces[line]
 
     def _payload(self, record: Record) -> bytes | None:
-        link_type = self._interface.link_type
+        link_type = next(iter(self._described.values())).link_type
         if link_type == LINK_TYPES[UPPER_PDU]:
             return pcapng.upper_pdu("sertap", record.pack())
         if record.type != Type.FRAME:

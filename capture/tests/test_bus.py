@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import errno
 import os
+import random
 import re
 import select
 import signal
@@ -22,6 +23,7 @@ from hypothesis import strategies as st
 from sistap import wire
 from sistap.bus.command import bus
 from sistap.bus.drive import Drive, drive_parameters
+from sistap.bus.hearing import hear
 from sistap.bus.master import Times, commands, read_parameter
 from sistap.bus.parameters import (
     PARAMETER_MODE_ONLY,
@@ -526,9 +528,9 @@ def connect(name: str, tap: LineSettings | None = LINE) -> socket.socket:
 
 def listen(connection: socket.socket) -> list[Read]:
     """Take reads until the bus ends."""
-    decoder, heard = wire.ReadDecoder(), []
+    decoder, heard = wire.Decoder(), []
     while data := connection.recv(65536):
-        heard += decoder.feed(data)
+        heard += [message for message in decoder.feed(data) if isinstance(message, Read)]
     connection.close()
     return heard
 
@@ -600,7 +602,7 @@ def test_in_real_time_at_a_unix_socket(tmp_path: Path) -> None:
 
 
 def test_a_tap_that_comes_later_hears_the_bus_from_then_on() -> None:
-    taps = Taps(Pace(simulated=True), "127.0.0.1:0", LINE, 1, 1)
+    taps = Taps(Pace(simulated=True), "127.0.0.1:0", 1, 1)
     first = connect(taps.name)
     taps.wait_for_listener()
     played = list(bus(LINE, 1, 1))
@@ -616,27 +618,135 @@ def test_a_tap_that_comes_later_hears_the_bus_from_then_on() -> None:
     assert bytes(value for value, _ in joined(listen(second))) == b"".join(one.sent for one in played[2:4])
 
 
+# What a UART makes of a character, by hand: start bit 0, data from the lowest bit on, parity, stop bit 1.
 @pytest.mark.parametrize(
-    ("tap", "values_differ"),
-    [(LINE._replace(parity="N"), False), (LINE._replace(data_bits=7), False), (LINE._replace(baud=19200), True)],
+    ("line", "tap", "value", "heard", "flags"),
+    [
+        # The parity bit is taken for the stop bit: 02 has one 1, so parity 1; 03 has two, so parity 0.
+        ("8E1", "8N1", 0x02, 0x02, 0),
+        ("8E1", "8N1", 0x03, 0x03, Flag.CHARACTER_ERROR),
+        ("8E1", "8N1", 0x00, 0x00, Flag.BREAK),  # 0 to the end of the stop bit
+        # The stop bit is taken for the parity bit: right where even parity would be 1. After it the line is at rest.
+        ("8N1", "8E1", 0x02, 0x02, 0),
+        ("8N1", "8E1", 0x03, 0x03, Flag.CHARACTER_ERROR),
+        ("8E1", "8O1", 0x55, 0x55, Flag.CHARACTER_ERROR),
+        # The eighth data bit is taken for the parity bit, and the parity bit for the stop bit.
+        ("8E1", "7E1", 0x81, 0x01, Flag.CHARACTER_ERROR),
+        ("8E1", "7E1", 0x83, 0x03, Flag.CHARACTER_ERROR),
+        ("8E1", "7E1", 0x13, 0x13, Flag.CHARACTER_ERROR),
+        # 7N1 is 0, 1000000, 1 and rest: 1 with the stop bit as its highest bit.
+        ("7N1", "8N1", 0x01, 0x81, 0),
+    ],
 )
-def test_a_tap_with_wrong_settings_gets_errors(tap: LineSettings, values_differ: bool) -> None:
+def test_other_formats(line: str, tap: str, value: int, heard: int, flags: int) -> None:
+    sent, received = LineSettings.parse(9600, line), LineSettings.parse(9600, tap)
+    assert hear(value, sent, received, random.Random(1)) == (heard, flags)
+
+
+@pytest.mark.parametrize(
+    ("baud", "value", "heard", "flags"),
+    [
+        # Each bit is seen twice: 0 0 | b0 b0 b1 b1 b2 b2 b3 | b3 as parity, b4 as stop bit.
+        (19200, 0x00, 0x00, Flag.BREAK),
+        (19200, 0x55, 0b01100110, 0),  # 0 11 00 11 0, even parity 0 = b3, and b4 = 1
+        (19200, 0x45, 0b01100110, Flag.CHARACTER_ERROR),  # b4 = 0
+        # Twelve looks at the start bit.
+        (115200, 0xFF, 0x00, Flag.BREAK),
+    ],
+)
+def test_a_receiver_that_is_too_fast(baud: int, value: int, heard: int, flags: int) -> None:
+    assert hear(value, LINE, LINE._replace(baud=baud), random.Random(1)) == (heard, flags)
+
+
+def test_a_receiver_that_is_too_slow_hears_what_follows() -> None:
+    fast = LINE._replace(baud=115200)
+    noise = random.Random(1)
+    heard = [hear(0x02, fast, LINE, noise) for _ in range(200)]
+    assert len({value for value, _ in heard}) > 50
+    assert 50 < sum(bool(flags) for _, flags in heard) < 200
+
+
+def test_a_tap_with_the_wrong_parity_gets_errors_where_it_must() -> None:
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (_, name):
-        heard = joined(listen(connect(name, tap)))
+        heard = joined(listen(connect(name, LINE._replace(parity="N"))))
     right = [character.value for played in bus(LINE, 1, 1) for character in played.characters]
-    assert all(flags == Flag.CHARACTER_ERROR for _, flags in heard)
-    assert ([value for value, _ in heard] != right) is values_differ
+    assert [value for value, _ in heard] == right
+    for value, flags in heard:
+        parity = value.bit_count() % 2
+        assert flags == (0 if parity else Flag.CHARACTER_ERROR if value else Flag.BREAK)
 
 
-def test_a_tap_that_changes_its_settings_hears_better() -> None:
+def test_same_seed_same_noise_at_a_wrong_rate() -> None:
+    def once() -> list[Arrived]:
+        with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1", "--baud", "38400") as (_, name):
+            return joined(listen(connect(name)))
+
+    assert once() == once()
+
+
+def test_a_tap_that_changes_its_settings_hears_better_and_is_told_from_where_on() -> None:
+    wrong = LINE._replace(parity="N")
     with running("--listen", "127.0.0.1:0", "--fast") as (_, name):
-        connection = connect(name, LINE._replace(parity="N"))
-        decoder = wire.ReadDecoder()
-        assert decoder.feed(connection.recv(64))[0].flags == bytes([Flag.CHARACTER_ERROR])
+        connection = connect(name, wrong)
+        decoder = wire.Decoder()
+        heard: list[wire.Message] = []
+        while not any(isinstance(message, Read) for message in heard):
+            heard += decoder.feed(connection.recv(65536))
         connection.sendall(wire.pack_settings(LINE))
-        while all(any(read.flags) for read in decoder.feed(connection.recv(65536))):
-            pass  # the socket's time-out fails the test
+        while LINE not in heard[:-100]:
+            heard += decoder.feed(connection.recv(65536))  # the socket's time-out fails the test
         connection.close()
+    place = heard.index(LINE)
+    assert heard[0] == wrong
+    assert any(any(message.flags) for message in heard[:place] if isinstance(message, Read))
+    assert not any(any(message.flags) for message in heard[place:] if isinstance(message, Read))
+
+
+def test_simulated_time_waits_for_a_tap_that_asks_for_it() -> None:
+    """So what a tap changes when it has heard a telegram counts from the next telegram on."""
+    played = list(bus(LINE, 1, 1))
+    with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
+        connection = connect(name)
+        connection.sendall(wire.pack_time(0))
+        decoder, count, pieces = wire.Decoder(), 0, [b""]
+        times: list[int] = []
+        while data := connection.recv(65536):
+            for message in decoder.feed(data):
+                if isinstance(message, Read):
+                    pieces[-1] += message.data
+                    times.append(message.time_ns)
+                elif isinstance(message, wire.Time):
+                    assert not times or message.time_ns >= times[-1]
+                    times.append(message.time_ns)
+                    pieces += [b""] if pieces[-1] else []
+                    count += 1
+                    connection.sendall(wire.pack_settings(LINE) + wire.pack_time(message.time_ns))
+        connection.close()
+        assert finish(process) == (0, "")
+    assert [piece for piece in pieces if piece] == [one.sent for one in played]
+    assert count >= len(played)
+
+
+def test_the_master_tests_a_rate_and_tells_it() -> None:
+    played = list(bus(LINE, 1, 2, rates=[38400, 19200]))
+    said = [(one.settings.baud, one.sent.hex(" ").upper()) for one in played]
+    # checksums by hand; 0x1F4 is 500 ms, mask 02 is 38400 Bd (fig. 6-11, 6-18)
+    asked = said.index((9600, "02 DC 05 05 00 03 10 03 03 08 F4 01 02"))
+    assert said[asked + 1] == (9600, "02 C7 03 03 10 03 10 03 00 03 08")
+    test = [one for one in played[asked + 2 :] if one.settings.baud != 9600][:4]
+    end_ns = played[asked + 1].characters[-1].time_ns + 500_000_000
+    assert {one.settings.baud for one in test} == {38400}
+    assert test == played[asked + 2 : asked + 6]
+    assert test[-1].characters[-1].time_ns < end_ns < played[asked + 6].time_ns
+    assert played[asked + 6].settings.baud == 9600
+    told = said.index((9600, "02 DD 03 03 00 03 10 FF 00 07 02"))
+    assert said[told + 1] == (9600, "02 E9 02 02 00 03 10 FF 00 FF")
+    assert {baud for baud, _ in said[told + 2 :]} == {38400, 19200}  # the next test begins at the new rate
+    assert said[-1] == (38400, "02 E9 02 02 00 03 10 FF 00 FF")
+    ends = 0
+    for one in played:
+        assert one.time_ns - one.settings.character_ns >= ends
+        ends = one.characters[-1].time_ns
 
 
 def test_what_is_no_tap_is_sent_away() -> None:
@@ -754,7 +864,8 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
     log = tmp_path / "log"
     with running("--listen", "127.0.0.1:0", "--fast", "--log", str(log)) as (process, name):
         connection = connect(name)
-        connection.recv(10_000)
+        while log.read_text().count("\n") < 2:  # the comment, and one that was played
+            connection.recv(10_000)
         process.send_signal(signal.SIGTERM)
         while connection.recv(65536):
             pass
@@ -778,6 +889,7 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
         (["--reads", "5"], "need --listen"),
         (["--faults", "parity=0.1"], "use --listen"),
         (["--faults", "rain=0.1"], "NAME one of parity, break, loss, checksum, pause"),
+        (["--rates", "9600,4800"], "'4800' is not one of 9600, 19200, 38400, 57600, 115200"),
         (["--listen", "nowhere"], "for example 127.0.0.1:0"),
         (["--listen", "127.0.0.1:70000"], "for example 127.0.0.1:0"),
         (["--log", "/nowhere/log"], "another file with --log"),

@@ -90,7 +90,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     """Run the command on a reader of our own."""
 
     def run(reader: FakeReader, *arguments: str) -> int:
-        def open_reader(port: str, settings: LineSettings) -> FakeReader:
+        def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
             reader.settings = settings
             return reader
 
@@ -420,7 +420,7 @@ def test_without_w_a_line_per_telegram(run: Run, capfd: pytest.CaptureFixture[st
 def test_a_port_that_does_not_open_leaves_the_old_file(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def open_reader(port: str, settings: LineSettings) -> FakeReader:
+    def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
         raise PortError(f"{port} does not exist: try another")
 
     monkeypatch.setattr(capture, "open_reader", open_reader)
@@ -471,7 +471,7 @@ def test_wrong_options_are_one_line(
         ["capture", "-i", "x", "--baud", "4294967296"],
         ["capture", "-i", "x", "-a", "duration:1e300"],
         ["capture", "-i", "x", "--framing", "silence:1e305"],
-        ["capture", "-i", "x", "-i", "y"],
+        ["capture", "-i", "x", "-i", "y", "-i", "z"],
         ["capture", "-i", "x", "-w", "y", "-w", "z"],
         ["capture", "-i", "x", "-w", ""],
         ["capture", "-i", ""],
@@ -541,7 +541,7 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
     output = Output(str(tmp_path / "x"))
     conditions = session.Conditions(duration_s=7)
     running = session.Capture(
-        Slow([]), capture.LineSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
+        [Slow([])], capture.LineSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
     assert running.run(stop) == 0
     err = capfd.readouterr().err
@@ -570,8 +570,8 @@ def test_a_wall_clock_that_is_set_is_an_event(
     monkeypatch.setattr(session, "CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0)))
     output = Output(str(path))
     reader, counters = Idle([]), Counters()
-    sink = PcapngWriter(output, Interface(252, "x"), counters)
-    session.Capture(reader, sink, output, counters, Console(), session.Conditions(duration_s=4), clock_ns=clock).run(
+    sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
+    session.Capture([reader], sink, output, counters, Console(), session.Conditions(duration_s=4), clock_ns=clock).run(
         session.Stop()
     )
     output.close()
@@ -599,9 +599,9 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
 
     output = Output(str(path))
     conditions = session.Conditions(duration_s=3)
-    session.Capture(Busy([]), capture.LineSink(output), output, Counters(), Console(), conditions, clock_ns=clock).run(
-        session.Stop()
-    )
+    session.Capture(
+        [Busy([])], capture.LineSink(output), output, Counters(), Console(), conditions, clock_ns=clock
+    ).run(session.Stop())
     output.close()
     assert seen[-1] > 0  # before the end
 

@@ -11,6 +11,7 @@ from sistap.framer import SisFramer
 from sistap.hints import Hints
 from sistap.line import Flag, LineSettings, Read
 from sistap.record import Framing
+from sistap.scan import Scan
 
 E81 = LineSettings(9600)
 N81 = LineSettings(9600, parity="N")
@@ -74,6 +75,16 @@ def test_plenty_of_characters_and_no_telegram() -> None:
     assert "no valid telegram" in hint and "--baud" in hint
     assert hints(seen(b"x" * 500 + TELEGRAMS["6-24"])) == []
     assert hints(seen(b"x" * 500), framing=Framing.SILENCE) == []
+
+
+def test_while_the_settings_are_searched_no_others_are_recommended() -> None:
+    scan = Scan()
+    assert list(Hints(E81, Framing.SIS).look(seen(b"x" * 600), 60, scan)) == []
+    (hint,) = Hints(E81, Framing.SIS).look(seen(b""), 5, scan)
+    assert "nothing received for 5 s" in hint and "the search goes on" in hint and "--baud" not in hint
+    scan.in_vain = True
+    (hint,) = Hints(E81, Framing.SIS).look(seen(b"x" * 600), 60, scan)
+    assert "no valid telegram at any rate from 9600 to 115200 Bd" in hint and "the search goes on" in hint
 
 
 def test_each_is_given_once() -> None:

@@ -23,6 +23,8 @@ from sistap.reader import latency, open_reader
 
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
+# All shall have 57600 Bd (checksum by hand), and accept it (fig. 6-24).
+NEW_RATE = bytes.fromhex("02 DB 03 03 00 03 10 FF 00 07 04") + bytes.fromhex("02 E9 02 02 00 03 10 FF 00 FF")
 PATIENCE_S = 60
 
 # All that a capture may ask of a port. A list of what is allowed: so that a new way to drive a line is noticed.
@@ -50,7 +52,7 @@ def traced(command: list[str], trace: Path) -> list[str]:
     end = time.monotonic() + PATIENCE_S
     try:
         while not select.select([ended], [], [], 0.02)[0] and time.monotonic() < end:
-            os.write(master, TELEGRAM)
+            os.write(master, NEW_RATE + TELEGRAM)
     finally:
         if child.poll() is None:
             os.killpg(child.pid, signal.SIGKILL)
@@ -93,11 +95,14 @@ def test_reader_only_listens(tmp_path: Path) -> None:
 
 
 @needs_strace
-def test_capture_only_listens(tmp_path: Path) -> None:
+@pytest.mark.parametrize("options", [[], ["--follow-baud"]])
+def test_capture_only_listens(tmp_path: Path, options: list[str]) -> None:
     file = tmp_path / "capture.pcapng"
-    command = ["-m", "sistap", "capture", "-i", "{port}", "-w", str(file), "-c", "6"]
-    assert_only_listens(traced(command, tmp_path / "trace"))
+    command = ["-m", "sistap", "capture", "-i", "{port}", "-w", str(file), "-c", "6", *options]
+    calls = traced(command, tmp_path / "trace")
+    assert_only_listens(calls)
     assert TELEGRAM in file.read_bytes()
+    assert any("B57600" in call for call in calls) is bool(options)
 
 
 TCGETS2, TIOCGICOUNT = 0x802C542A, 0x545D  # Linux: <asm-generic/ioctls.h>

@@ -54,7 +54,7 @@ def write(path: Path, link_type: str = "upper-pdu") -> Path:
     interface = Interface(
         writer.LINK_TYPES[link_type], "/dev/ttyUSB0", "9600 Bd 8E1", 9600, "FT232R USB UART", "link[5] == 0x10"
     )
-    file = writer.PcapngWriter(output, interface, counters)
+    file = writer.PcapngWriter(output, {0: interface}, counters)
     file.begin(event(START_NS, 0, SETTINGS, Event.CAPTURE_STARTED, "latency timer 16 ms"))
     for record, _ in RECORDS:
         counters.add_record(record)

@@ -28,6 +28,7 @@ from sistap.reader.device import MarkDecoder, PosixReader
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
+START_NS = 1_700_000_000_000_000_000
 PATIENCE_S = 10  # never waited for unless something is broken
 
 
@@ -433,6 +434,91 @@ def test_what_was_readable_comes_before_the_loss(bus: Pty, monkeypatch: pytest.M
     source.close()
 
 
+# -- Other settings in mid-capture -------------------------------------------------------------------------------------
+
+
+def test_a_change_drops_nothing_and_keeps_marking_errors(bus: Pty) -> None:
+    source = open_reader(bus.port, LineSettings(9600))
+    bus.write(b"waiting \xff")
+    wait_until_readable(bus.port)
+    source.change(LineSettings(57600, 8, "N"))
+    attributes = termios.tcgetattr(bus.master)  # those of the port: a pty has only one set
+    assert attributes[4] == attributes[5] == termios.B57600
+    assert attributes[0] & termios.PARMRK and attributes[0] & termios.INPCK
+    (read,) = collect(source, 9)
+    assert read.data == b"waiting \xff"
+    assert source.settings == LineSettings(57600, 8, "N")
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    assert read.settings == source.settings
+    source.close()
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        (LineSettings(19200, 7, "O", 4), termios.CS7 | termios.PARENB | termios.PARODD | termios.CSTOPB),
+        (LineSettings(19200, 8, "N", 2), termios.CS8),
+        (LineSettings(19200, 8, "E", 2), termios.CS8 | termios.PARENB),
+    ],
+)
+def test_a_change_of_format_at_a_real_port(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch, settings: LineSettings, expected: int
+) -> None:
+    monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("16550A UART", "serial", fifo_trigger=8))
+    before = LineSettings(9600, 5, "O", 4)
+    source = open_reader(bus.port, before)
+    asked: list[tuple[int, list[int]]] = []
+    monkeypatch.setattr(termios, "tcsetattr", lambda fd, when, attributes: asked.append((when, attributes)))
+    monkeypatch.setattr("sistap.reader.opening._check_speed", lambda fd, baud: None)
+    source.change(settings)
+    ((when, attributes),) = asked
+    mask = termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB
+    assert attributes[2] & mask == expected
+    assert attributes[4] == attributes[5] == termios.B19200
+    assert when == termios.TCSANOW  # the others wait for output or drop input
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    # With a trigger level of 8 the FIFO holds a character for ten character times, those of the new rate.
+    assert 10 * settings.character_ns + LATENCY <= read.uncertainty_ns < 10 * before.character_ns
+    monkeypatch.undo()
+    source.close()
+
+
+def test_a_rate_that_the_port_cannot_do_changes_nothing(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = open_reader(bus.port, LineSettings(9600))
+
+    def slower(fd: int, baud: int) -> None:
+        raise ValueError("the driver set 9600 Bd")
+
+    monkeypatch.setattr("sistap.reader.opening._check_speed", slower)
+    for settings in (LineSettings(115200), LineSettings(12345)):
+        with pytest.raises(PortError, match=f"cannot do {settings.baud} Bd 8E1"):
+            source.change(settings)
+        assert termios.tcgetattr(bus.master)[4] == termios.B9600
+        assert source.settings == LineSettings(9600)
+    source.close()
+
+
+def test_a_change_through_pyserial(bus: Pty, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = open_reader(f"spy://{bus.port}?file={tmp_path / 'spied'}", LineSettings(9600, 8, "N"))
+    source.change(LineSettings(19200, 8, "N"))
+    assert termios.tcgetattr(bus.master)[4] == termios.B19200
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    assert read.settings == LineSettings(19200, 8, "N")
+
+    def refuse(port: serial.Serial, rate: int) -> None:
+        raise serial.SerialException("Cannot configure port, something went wrong")  # as Windows says it
+
+    monkeypatch.setattr(serial.Serial, "baudrate", property(None, refuse))
+    with pytest.raises(PortError, match="cannot do 38400 Bd 8N1"):
+        source.change(LineSettings(38400, 8, "N"))
+    assert source.settings == LineSettings(19200, 8, "N")
+    monkeypatch.undo()
+    source.close()
+
+
 # -- The driver's counters ---------------------------------------------------------------------------------------------
 
 
@@ -832,12 +918,12 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
 
 def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
-    said = connection.recv(wire.SETTINGS_SIZE, socket.MSG_WAITALL)
-    assert wire.unpack_settings(said) == LineSettings(19200, 7, "O", 4)
+    settings = LineSettings(19200, 7, "O", 4)
+    assert wire.Decoder().feed(connection.recv(100)) == [settings, wire.Time(0)]
     assert source.read(0) is None
     sent = [
-        Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000),
-        Read(2, 1_700_000_000_223_456_789, b"A", b"\x18"),
+        Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000, settings),
+        Read(2, 1_700_000_000_223_456_789, b"A", b"\x18", settings=settings),
     ]
     stream = b"".join(map(wire.pack_read, sent))
     connection.sendall(stream[:20])
@@ -847,6 +933,32 @@ def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
     connection.close()
     with pytest.raises(PortLost, match="the bus has ended"):
         source.read(PATIENCE_S)
+
+
+def test_a_bus_says_from_where_on_it_is_heard_otherwise(tapped: tuple[Reader, socket.socket]) -> None:
+    source, connection = tapped
+    before, after = LineSettings(19200, 7, "O", 4), LineSettings(38400)
+    connection.recv(100)
+    source.change(after)
+    assert wire.Decoder().feed(connection.recv(100)) == [after]
+    on_its_way, later = Read(0, START_NS, b"A", b"\0", 0), Read(0, START_NS + 1, b"B", b"\0", 0)
+    connection.sendall(wire.pack_read(on_its_way) + wire.pack_settings(after) + wire.pack_read(later))
+    assert source.read(PATIENCE_S) == on_its_way._replace(settings=before)
+    assert source.read(PATIENCE_S) == later._replace(settings=after)
+
+
+def test_simulated_time_goes_on_only_when_the_reader_may_wait(tapped: tuple[Reader, socket.socket]) -> None:
+    source, connection = tapped
+    connection.recv(100)
+    connection.sendall(wire.pack_time(START_NS))
+    read = source.read(PATIENCE_S)
+    assert read and (read.time_ns, read.data) == (START_NS, b"")
+    assert source.read(0) is None
+    connection.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        connection.recv(100)
+    assert source.read(0.001) is None
+    assert wire.Decoder().feed(connection.recv(100)) == [wire.Time(START_NS)]
 
 
 def test_not_a_wire(tapped: tuple[Reader, socket.socket]) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -17,6 +17,7 @@ from sistap.bus.playing import NO_FAULTS, Faults, Played, Player, play
 from sistap.bus.routing import Router
 from sistap.bus.serve import Log, Pace, Wire, serve
 from sistap.line import LineSettings
+from sistap.rates import RATES
 
 _DONE, _FAILED, _USAGE, _PORT = 0, 1, 2, 3
 
@@ -33,6 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--listen", metavar="HOST:PORT|PATH", help="at a socket, for `sistap capture -i bus://...`")
     parser.add_argument("--baud", type=int, default=9600, help="rate of the line (default 9600)")
     parser.add_argument("--format", default="8E1", help="character format (default 8E1)")
+    parser.add_argument(
+        "--rates",
+        metavar="RATE,...",
+        help="after each loop the master tests the next of these rates with a drive, then tells it to all of them; "
+        "9600, 19200, 38400, 57600 or 115200",
+    )
     parser.add_argument("--seed", type=int, default=1, help="same seed, same bus (default 1)")
     parser.add_argument(
         "--cycles", type=int, default=0, help="play the loop so often, then end (default: until stopped)"
@@ -52,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play the bus until its end or a signal; gives the exit code."""
     try:
-        settings, faults = _checked(args)
+        settings, faults, rates = _checked(args)
     except ValueError as error:
         return _fail(_USAGE, str(error))
     try:
@@ -61,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
         return _fail(_USAGE, f"cannot write the log {args.log}: {error.strerror}; name another file with --log")
     with _stoppable():
         try:
-            return _serve(args, settings, faults, log)
+            return _serve(args, settings, bus(settings, args.seed, args.cycles, faults, rates), log)
         except _Stopped:
             return _DONE
         finally:
@@ -69,7 +76,9 @@ def run(args: argparse.Namespace) -> int:
                 log.close()
 
 
-def bus(settings: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults = NO_FAULTS) -> Iterator[Played]:
+def bus(
+    settings: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults = NO_FAULTS, rates: Sequence[int] = ()
+) -> Iterator[Played]:
     """Make the whole bus: everything that is sent on it, in order."""
     far_away = Drive(ROUTE[-1], "DKC01.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", drive_parameters(), seed)
     between = Router(Drive(ROUTE[0], "CLC-D02.3M-FW", "FWA-CLC*DP-SY*-06VRS-MS", []), [far_away])
@@ -77,10 +86,10 @@ def bus(settings: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults =
         Drive(address, "DKC02.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", drive_parameters(), seed) for address in DRIVES
     ]
     stations[0] = Router(stations[0], [between])
-    return play(Player(settings, faults, seed), commands(settings, seed, cycles), stations)
+    return play(Player(settings, faults, seed), commands(settings, seed, cycles, rates), stations)
 
 
-def _checked(args: argparse.Namespace) -> tuple[LineSettings, Faults]:
+def _checked(args: argparse.Namespace) -> tuple[LineSettings, Faults, list[int]]:
     """Check the options; ValueError says what is wrong and what to do."""
     if args.baud <= 0:
         raise ValueError(f"--baud {args.baud} is no rate (for example 9600)")
@@ -97,10 +106,18 @@ def _checked(args: argparse.Namespace) -> tuple[LineSettings, Faults]:
             raise ValueError("--fast and --reads need --listen: a pseudo terminal knows only real time")
         if faults.parity or faults.break_:
             raise ValueError("a pseudo terminal cannot carry parity errors and breaks: use --listen")
-    return settings, faults
+    return settings, faults, _rates(args)
 
 
-def _serve(args: argparse.Namespace, settings: LineSettings, faults: Faults, log: Log | None) -> int:
+def _rates(args: argparse.Namespace) -> list[int]:
+    """Read --rates; ValueError says what is wrong."""
+    names = args.rates.split(",") if args.rates else []
+    if wrong := [name for name in names if name not in map(str, RATES)]:
+        raise ValueError(f"--rates: '{wrong[0]}' is not one of {', '.join(map(str, RATES))}")
+    return [int(name) for name in names]
+
+
+def _serve(args: argparse.Namespace, settings: LineSettings, telegrams: Iterable[Played], log: Log | None) -> int:
     pace = Pace(simulated=args.fast)
     try:
         wire = _wire(args, settings, pace)
@@ -114,7 +131,7 @@ def _serve(args: argparse.Namespace, settings: LineSettings, faults: Faults, log
         wire.wait_for_listener()
         if log:
             log.begin(f"{settings.baud} {settings.format}, seed {args.seed}, time 0 is {pace.wall_ns()} ns since 1970")
-        serve(wire, bus(settings, args.seed, args.cycles, faults), log)
+        serve(wire, telegrams, log)
     except OSError as error:
         saved = "; the log has what was played before" if log else ""
         return _fail(_FAILED, f"the bus stopped: {error.strerror or error}{saved}")
@@ -128,12 +145,12 @@ def _wire(args: argparse.Namespace, settings: LineSettings, pace: Pace) -> Wire:
     if args.listen:
         from sistap.bus.taps import Taps
 
-        return Taps(pace, args.listen, settings, args.seed, args.reads)
+        return Taps(pace, args.listen, args.seed, args.reads)
     try:
         from sistap.bus.pseudo_terminal import PseudoTerminal
     except ImportError:
         raise OSError(0, "this system has none") from None
-    return PseudoTerminal(pace, settings.baud)
+    return PseudoTerminal(pace, settings.baud, args.seed)
 
 
 @contextmanager

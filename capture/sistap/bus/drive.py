@@ -23,11 +23,10 @@ from sistap.bus.parameters import (
     number,
     text,
 )
-from sistap.telegram import STATIC_LENGTH, build, checksum_good, parse
+from sistap.rates import rate_of
+from sistap.telegram import BROADCAST, STATIC_LENGTH, build, checksum_good, parse
 
-BAUD_MASKS = {9600: 0x00, 19200: 0x01, 38400: 0x02, 57600: 0x04, 115200: 0x08}  # fig. 6-11
 LEVEL_BROADCAST = 254
-BROADCAST = 255
 OPERATING_MODE = 4  # the phase
 
 OK = 0x00
@@ -38,7 +37,7 @@ DATA_MISSING = 0xFA
 INVALID_SUBSERVICE = 0xFB
 
 IDENT_NUMBER_NOT_AVAILABLE = 0x1001
-BAUD_RATE_NOT_SUPPORTED = 0x00  # the low byte of 0x0700
+BAUD_RATE_NOT_SUPPORTED = 0x00  # the low byte of 0x0700 and 0x0800
 
 # Bytes of the useful data header that a reaction repeats: address and subservice, or control byte and device.
 _REPEATED = {0x00: 2, 0x03: 2, 0x10: 2, 0x1F: 2}
@@ -119,12 +118,12 @@ class Drive:
 
     def _initialize(self, body: bytes) -> bytes:
         subservice, data = body[1], body[2:]
-        lengths = {0x01: 2, 0x02: 2, 0x03: 2, 0x07: 1, 0xFF: 0}
+        lengths = {0x01: 2, 0x02: 2, 0x03: 2, 0x07: 1, 0x08: 3, 0xFF: 0}
         if subservice not in lengths:
             return self._refuse(INVALID_SUBSERVICE, 0x03, body)
         if len(data) < lengths[subservice]:
             return self._refuse(DATA_MISSING, 0x03, body)
-        if subservice == 0x07 and data[0] not in BAUD_MASKS.values():
+        if subservice in (0x07, 0x08) and rate_of(data[-1]) is None:
             return bytes([EXECUTION_ERROR]) + body[:2] + bytes([BAUD_RATE_NOT_SUPPORTED])
         return bytes([OK]) + body[:2]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from sistap.bus.drive import BAUD_MASKS, BROADCAST
 from sistap.bus.parameters import Element, control, ident, number
 from sistap.line import LineSettings
-from sistap.telegram import build
+from sistap.rates import BAUD_MASKS
+from sistap.telegram import BROADCAST, build
 
 MASTER = 16
 DRIVES = (3, 4)
@@ -20,6 +20,8 @@ ROUTE = (2, 8)  # below drive 3, as in fig. 2-10
 DESCRIBED = ("S-0-0044", "S-0-0036", "S-0-0040", "S-0-0051", "S-0-0095")
 MISSING = "P-0-0999"
 COMMAND_SET, COMMAND_CLEAR = b"\x03\x00", b"\x00\x00"
+
+TEST_MS = 500  # how long a timed test of a rate lasts
 
 _VELOCITY_STEP = 400_000  # 0.0001 rpm
 _VELOCITY_LIMIT = 29_000_000
@@ -39,8 +41,18 @@ class Times(NamedTuple):
         return cls(10 * tza, tza, 100 * tza)
 
 
-def commands(settings: LineSettings, seed: int, cycles: int) -> Iterator[bytes]:
-    """Give the command telegrams: the start-up, then the loop `cycles` times, 0: without end."""
+class Rate(NamedTuple):
+    """From here on the bus has this rate; the master is silent until `after_ms` after it had the one before."""
+
+    baud: int
+    after_ms: int = 0
+
+
+def commands(settings: LineSettings, seed: int, cycles: int, rates: Sequence[int] = ()) -> Iterator[bytes | Rate]:
+    """Give the command telegrams: the start-up, then the loop `cycles` times, 0: without end.
+
+    After each loop the bus goes on to the next of `rates` (of RATES), in turn.
+    """
     for drive in DRIVES:
         yield from _identification(drive)
     for drive in DRIVES:
@@ -49,6 +61,9 @@ def commands(settings: LineSettings, seed: int, cycles: int) -> Iterator[bytes]:
     velocities = _velocities(random.Random(f"{seed} master"))
     for cycle in range(cycles) if cycles else itertools.count():
         yield from _cycle(cycle, next(velocities))
+        if rates:
+            before = rates[(cycle - 1) % len(rates)] if cycle else settings.baud
+            yield from _change_of_rate(before, rates[cycle % len(rates)])
 
 
 def _identification(drive: int) -> Iterator[bytes]:
@@ -87,6 +102,20 @@ def _cycle(cycle: int, velocity: int) -> Iterator[bytes]:
     yield read_parameter(DRIVES[cycle % 2], MISSING)
     yield from _command(DRIVES[(cycle + 1) % 2], "S-0-0099")
     yield build(0x00, MASTER, DRIVES[0], bytes([ROUTE[-1], 0x01]), subaddresses=bytes(ROUTE))
+
+
+def _change_of_rate(before: int, baud: int) -> Iterator[bytes | Rate]:
+    """Test a rate with one drive (fig. 6-18), then tell it to all: set (fig. 6-12), accept (fig. 6-24)."""
+    drive, mask = DRIVES[0], bytes([BAUD_MASKS[baud]])
+    yield build(0x03, MASTER, drive, bytes([drive, 0x08]) + TEST_MS.to_bytes(2, "little") + mask)
+    yield Rate(baud)
+    yield build(0x12, MASTER, drive)
+    yield read_parameter(drive, "S-0-0040")
+    yield Rate(before, TEST_MS)
+    yield build(0x12, MASTER, drive)
+    yield build(0x03, MASTER, BROADCAST, b"\x00\x07" + mask)
+    yield build(0x03, MASTER, BROADCAST, b"\x00\xff")
+    yield Rate(baud)
 
 
 def _command(drive: int, parameter: str) -> Iterator[bytes]:

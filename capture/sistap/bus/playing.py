@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from sistap.bus.drive import Station
-from sistap.bus.master import Times
+from sistap.bus.master import Rate, Times
 from sistap.line import Flag, LineSettings
 
 # A drive talks ASCII until it is spoken to in SIS; this one says what it is.
@@ -69,6 +69,7 @@ class Played(NamedTuple):
     sent: bytes
     characters: list[Character]  # without those that were lost
     marks: list[str]
+    settings: LineSettings = LineSettings()  # with which it was sent
 
 
 class Player:
@@ -76,14 +77,16 @@ class Player:
 
     def __init__(self, settings: LineSettings, faults: Faults, seed: int) -> None:
         """Start at time 0 with a silent line."""
-        self._character_ns = settings.character_ns
+        self._settings = settings
+        self._rate_since = 0
         self._tza_ns = Times.for_line(settings).tza * _MS
         self._trs_ns = Times.for_line(settings).trs * _MS
         self._faults = faults
         # Two sources, so that faults change nothing but what they disturb.
         self._timing = random.Random(f"{seed} timing")
         self._noise = random.Random(f"{seed} noise")
-        self._now = 0  # the end of the last character
+        self._now = 0  # nothing is sent before
+        self._last_end = 0  # of the last character
         self._lost = False  # characters were lost since the last that arrived
 
     def exchange(self, command: bytes, reaction: bytes | None) -> Iterator[Played]:
@@ -96,6 +99,15 @@ class Player:
             self._now += self._tza_ns + self._timing.randrange(1 * _MS, 6 * _MS)
             yield self._send(reaction)
         self._now += self._tza_ns + self._timing.randrange(5 * _MS, 25 * _MS)
+
+    def change(self, rate: Rate) -> None:
+        """Go on at another rate: since the last character, or since the time has come."""
+        if rate.after_ms:
+            self._rate_since += rate.after_ms * _MS
+            self._now = max(self._now, self._rate_since + self._trs_ns)  # nobody's timer is exact
+        else:
+            self._rate_since = self._last_end
+        self._settings = self._settings._replace(baud=rate.baud)
 
     def text(self, characters: bytes) -> Played:
         """Send what is no telegram, and be silent for a while."""
@@ -117,15 +129,17 @@ class Player:
             arrived = self._disturbed(index, value, noticed)
             if arrived is not None:
                 characters.append(arrived)
-        return Played(time_ns, sent, characters, noticed)
+        self._last_end = self._now
+        return Played(time_ns, sent, characters, noticed, self._settings)
 
     def _interval(self, index: int, marks: list[str]) -> int:
         """How long after the character before it this one comes; most follow back to back."""
-        gap = int(self._character_ns * 0.2 * self._timing.random() ** 4)
+        character_ns = self._settings.character_ns
+        gap = int(character_ns * 0.2 * self._timing.random() ** 4)
         if index and self._happens(self._faults.pause):
             marks.append(f"pause@{index}")
             return int(self._tza_ns * self._noise.uniform(1.5, 3))
-        return self._character_ns + gap
+        return character_ns + gap
 
     def _disturbed(self, index: int, value: int, marks: list[str]) -> Character | None:
         if self._happens(self._faults.loss):
@@ -147,10 +161,13 @@ class Player:
         return probability > 0 and self._noise.random() < probability
 
 
-def play(player: Player, commands: Iterable[bytes], stations: Sequence[Station]) -> Iterator[Played]:
+def play(player: Player, commands: Iterable[bytes | Rate], stations: Sequence[Station]) -> Iterator[Played]:
     """Play a power-on text, then every command and the reaction of the station that it is for."""
     yield player.text(POWER_ON_TEXT)
     for command in commands:
+        if isinstance(command, Rate):
+            player.change(command)
+            continue
         reactions = [station.react(command) for station in stations]  # a broadcast is for all of them
         yield from player.exchange(command, next((reaction for reaction in reactions if reaction), None))
 

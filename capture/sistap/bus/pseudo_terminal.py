@@ -8,16 +8,21 @@ listener who does not read.
 from __future__ import annotations
 
 import os
+import random
 import select
 import termios
 import time
 import tty
 
+from sistap.bus.hearing import hear
 from sistap.bus.playing import Played
 from sistap.bus.serve import Pace
+from sistap.line import LineSettings
+from sistap.rates import RATES
 
 SETTLE_S = 0.5  # a listener opens, configures and flushes the port
 _LOOK_S = 0.02
+_RATES = {getattr(termios, f"B{baud}"): baud for baud in RATES}
 
 
 class PseudoTerminal:
@@ -25,7 +30,7 @@ class PseudoTerminal:
 
     deserted = False  # a bus goes on whether somebody listens or not
 
-    def __init__(self, pace: Pace, baud: int) -> None:
+    def __init__(self, pace: Pace, baud: int, seed: int = 0) -> None:
         """Make it, raw from the start: nothing is echoed or translated, whenever a listener configures it."""
         self._pace = pace
         self._master, slave = os.openpty()
@@ -37,6 +42,7 @@ class PseudoTerminal:
         self._poll = select.poll()
         self._poll.register(self._master, 0)
         self._heard = False
+        self._noise = random.Random(f"{seed} tap")
 
     def wait_for_listener(self) -> None:
         """Wait until somebody has opened it, and a little longer."""
@@ -57,7 +63,7 @@ class PseudoTerminal:
                 self._heard = False
                 continue
             self._heard = True
-            overrun += not self._write(character.value)
+            overrun += not self._write(self._hear(character.value, played.settings))
         return [f"{name}={count}" for name, count in (("overrun", overrun), ("unheard", unheard)) if count]
 
     def close(self) -> None:
@@ -65,6 +71,13 @@ class PseudoTerminal:
         if self._listening():
             time.sleep(SETTLE_S)
         os.close(self._master)
+
+    def _hear(self, value: int, line: LineSettings) -> int:
+        """What a listener with another rate makes of a character; its parity nobody can see."""
+        rate = _speed(self._master)
+        if rate is None or rate == line.baud:
+            return value
+        return hear(value, line, line._replace(baud=rate), self._noise)[0]
 
     def _write(self, value: int) -> bool:
         try:
@@ -92,3 +105,8 @@ def _set_speed(slave: int, baud: int) -> None:
         attributes = termios.tcgetattr(slave)
         attributes[4] = attributes[5] = speed
         termios.tcsetattr(slave, termios.TCSANOW, attributes)
+
+
+def _speed(terminal: int) -> int | None:
+    """Give the rate that whoever has it open has set; None if it is none of RATES."""
+    return _RATES.get(termios.tcgetattr(terminal)[4])

@@ -15,46 +15,62 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sistap import wire
+from sistap.bus.hearing import hear
 from sistap.bus.playing import Character, Played, reads, uncertainty
 from sistap.bus.serve import Pace
-from sistap.line import Flag, LineSettings, Read
+from sistap.line import LineSettings, Read
 
 _LEAVE_S = 2.0  # how long a tap may take to notice that the bus has ended
 _LINE = 0  # one shared bus
+_TICK_NS = 1_000_000_000  # so often, at least, does a tap hear of simulated time
 
 
 class Tap:
     """One connected tap."""
 
-    def __init__(self, connection: socket.socket, bus: LineSettings, seed: int) -> None:
-        """Wait for its settings; `bus` are those of the line."""
+    def __init__(self, connection: socket.socket, seed: int) -> None:
+        """Wait for its settings."""
         self.connection = connection
         self.settings: LineSettings | None = None
-        self._bus = bus
         self._noise = random.Random(f"{seed} tap")
-        self._received = b""
+        self._decoder = wire.Decoder()
+        self._dealt_with_ns: int | None = None  # all before this; None: this tap does not tell
 
     def receive(self) -> bool:
         """Take what it says; False if it has left or speaks something else."""
         try:
             data = self.connection.recv(4096)
+            for message in self._decoder.feed(data):
+                if isinstance(message, LineSettings):
+                    self.settings = message
+                    self.connection.sendall(wire.pack_settings(message))
+                elif isinstance(message, wire.Time):
+                    self._dealt_with_ns = message.time_ns
         except OSError:
             return False
-        self._received += data
-        while len(self._received) >= wire.SETTINGS_SIZE:
-            message, self._received = self._received[: wire.SETTINGS_SIZE], self._received[wire.SETTINGS_SIZE :]
-            try:
-                self.settings = wire.unpack_settings(message)
-            except ValueError as error:
-                print(f"sistap bus: closed a connection: {error}", file=sys.stderr)
-                return False
+        except ValueError as error:
+            print(f"sistap bus: closed a connection: {error}", file=sys.stderr)
+            return False
         return bool(data)
 
-    def send(self, read: Sequence[Character], wall_ns: int) -> bool:
-        """Send one read, heard with the tap's own settings; False if it has left."""
+    def wait(self, wall_ns: int) -> bool:
+        """Say that nothing arrives before this time, wait until what did is dealt with; False if it has left."""
+        if self._dealt_with_ns is None:
+            return True
+        try:
+            self.connection.sendall(wire.pack_time(wall_ns))
+        except OSError:
+            return False
+        while self._dealt_with_ns < wall_ns:
+            if not self.receive():
+                return False
+        return True
+
+    def send(self, read: Sequence[Character], line: LineSettings, wall_ns: int) -> bool:
+        """Send one read of a line, heard with the tap's own settings; False if it has left."""
         if self.settings is None:
             return True
-        heard = [self._hear(character) for character in read]
+        heard = [self._hear(character, line, self.settings) for character in read]
         values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
         message = Read(_LINE, wall_ns, values, flags, uncertainty(read))
         try:
@@ -72,29 +88,24 @@ class Tap:
                 pass
         self.connection.close()
 
-    def _hear(self, character: Character) -> tuple[int, int]:
-        """Value and flags with the tap's settings; other than those of the bus make errors of everything."""
-        tap = self.settings or self._bus
-        flags = character.flags
-        value = character.value
-        if tap.baud not in (0, self._bus.baud):  # bits are looked for in the wrong places
-            value = self._noise.randrange(256)
-            flags |= Flag.CHARACTER_ERROR
-        elif (tap.parity, tap.data_bits) != (self._bus.parity, self._bus.data_bits):
-            flags |= Flag.CHARACTER_ERROR
-        return value, flags
+    def _hear(self, character: Character, line: LineSettings, tap: LineSettings) -> tuple[int, int]:
+        """Value and flags; a fault of the line is one with any settings."""
+        if tap[:3] == line[:3]:  # a receiver looks at no more than one stop bit
+            return character.value, character.flags
+        value, flags = hear(character.value, line, tap, self._noise)
+        return value, character.flags | flags
 
 
 class Taps:
     """A listening socket and the taps that came."""
 
     def __init__(  # noqa: PLR0913 - what the bus is, and how it is to be heard
-        self, pace: Pace, address: str, settings: LineSettings, seed: int, most: int
+        self, pace: Pace, address: str, seed: int, most: int
     ) -> None:
         """Listen at HOST:PORT or at a PATH; reads have `most` characters. May raise OSError; ValueError: no address."""
         self._pace = pace
-        self._settings = settings
         self._seed = seed
+        self._now = 0  # so far taps know the time
         self._most = most
         self._taps: list[Tap] = []
         self._path: Path | None = None
@@ -122,13 +133,26 @@ class Taps:
 
     def deliver(self, played: Played) -> list[str]:
         """Send all reads at their times."""
+        line = played.settings
         self._attend(0)
-        for read in reads(played.characters, self._most, self._settings.character_ns):
+        if self._pace.simulated:
+            self._pass_time(played.time_ns - line.character_ns)
+        for read in reads(played.characters, self._most, line.character_ns):
             time_ns = read[-1].time_ns
             self._pace.wait_until(time_ns)
+            if not self._pace.simulated:
+                self._attend(0)
             wall_ns = self._pace.wall_ns(time_ns)
-            self._keep([tap for tap in self._taps if tap.send(read, wall_ns)])
+            self._keep([tap for tap in self._taps if tap.send(read, line, wall_ns)])
+            self._now = time_ns
         return []
+
+    def _pass_time(self, until_ns: int) -> None:
+        """Let simulated time go on, with the taps that want to know it."""
+        while self._now < until_ns:
+            self._now = min(self._now + _TICK_NS, until_ns)
+            wall_ns = self._pace.wall_ns(self._now)
+            self._keep([tap for tap in self._taps if tap.wait(wall_ns)])
 
     def close(self) -> None:
         """End all connections."""
@@ -151,7 +175,7 @@ class Taps:
             connection, _ = self._listener.accept()
             if self._path is None:
                 connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._taps.append(Tap(connection, self._settings, self._seed))
+            self._taps.append(Tap(connection, self._seed))
         self._keep([tap for tap in self._taps if tap.connection not in ready or tap.receive()])
 
     def _keep(self, staying: list[Tap]) -> None:

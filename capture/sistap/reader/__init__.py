@@ -11,13 +11,14 @@ import sys
 
 from sistap.line import LineSettings
 from sistap.reader.contract import PortError, PortLost, Reader
+from sistap.reader.several import Source, together
 from sistap.reader.url import UrlReader
 from sistap.reader.virtual import WireReader
 
 if sys.platform != "win32":
     from sistap.reader.device import PosixReader
 
-__all__ = ["PortError", "PortLost", "Reader", "open_reader"]
+__all__ = ["PortError", "PortLost", "Reader", "Source", "open_reader", "together"]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:

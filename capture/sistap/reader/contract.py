@@ -8,6 +8,7 @@ from typing import Protocol
 from sistap.line import LineSettings, Read
 
 READ_SIZE = 4096  # as much as the line discipline of Linux holds
+STEP_MS = 10  # so long, at most, is a sleep: one that was longer shows that the process had been stopped
 
 
 class PortError(Exception):
@@ -16,6 +17,11 @@ class PortError(Exception):
 
 class PortLost(Exception):
     """A port was lost while it was read; the text is one line that names the cure."""
+
+    def __init__(self, text: str, line: int = 0) -> None:
+        """Lose the port of this line."""
+        super().__init__(text)
+        self.line = line
 
 
 class Reader(Protocol):
@@ -30,6 +36,12 @@ class Reader(Protocol):
 
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost."""
+
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from now on. Read first what is there: it came with the old ones.
+
+        PortError if the port cannot do them: then the old ones stay.
+        """
 
     def close(self) -> None:
         """Let the port go."""

@@ -13,12 +13,10 @@ from sistap import ports, priority
 from sistap.clock import CLOCK
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.reader import latency
-from sistap.reader.contract import READ_SIZE, PortLost
-from sistap.reader.opening import open_device
+from sistap.reader.contract import READ_SIZE, STEP_MS, PortLost
+from sistap.reader.opening import change_device, open_device
 from sistap.reader.trouble import lost_text
 from sistap.reader.tuning import Tuning
-
-_STEP_MS = 10  # so long, at most, is a sleep: one that was longer shows that the process had been stopped
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct, of it the counters frame, overrun, parity, brk and
 # buf_overrun.
@@ -35,15 +33,15 @@ class PosixReader:
         self.settings = settings
         self.line = line
         pseudo_terminal = ports.adapter(port).pseudo_terminal
-        known = latency.known()  # before opening: the port would fill while this is measured
+        self._known = latency.known()  # before opening: the port would fill while this is measured
         self._emptied_ns = monotonic_ns()  # everything unread came later than this
         self._serial = open_device(port, settings, pseudo_terminal)
         self._lost = lost_text(port, pseudo_terminal)
         self._fd: int = self._serial.fileno()
         self._tuning = Tuning(port, self._fd, settings)
-        behind = ports.adapter(port)  # as it is now that it is tuned
-        self.adapter = str(behind)
-        bound = latency.bound(known, port, behind, settings)
+        self._behind = ports.adapter(port)  # as it is now that it is tuned
+        self.adapter = str(self._behind)
+        bound = latency.bound(self._known, port, self._behind, settings)
         self._latency_ns = bound.ns
         self.timing = "; ".join([bound.how, *self._tuning.done, priority.words()])
         self.notes: tuple[str, ...] = (*self._tuning.missed, *bound.notes)
@@ -56,8 +54,19 @@ class PosixReader:
     def read(self, timeout_s: float) -> Read | None:
         """Give what arrived, None if nothing did in that time. May raise PortLost."""
         in_time = self._wait(timeout_s)
-        if in_time is None:
-            return None
+        return None if in_time is None else self.take(in_time=in_time)
+
+    def fileno(self) -> int:
+        """Give the descriptor, for who waits for several ports at once and then calls take() and nothing_until()."""
+        return self._fd
+
+    def nothing_until(self, time_ns: int) -> None:
+        """Note that nothing was unread at this instant of the monotonic clock."""
+        if not self._decoder.pending:
+            self._emptied_ns = time_ns
+
+    def take(self, *, in_time: bool) -> Read | None:
+        """Give what is there; `in_time`: it came while it was waited for. May raise PortLost."""
         asked_ns = monotonic_ns()
         try:
             data = os.read(self._fd, READ_SIZE)
@@ -78,18 +87,23 @@ class PosixReader:
             return None
         if self._counters is not None:
             flags = self._with_counted(flags)
-        return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns)
+        return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns, self.settings)
+
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        change_device(self._serial, settings, self._behind.pseudo_terminal)
+        self.settings = settings
+        self._latency_ns = latency.bound(self._known, self.name, self._behind, settings).ns
 
     def _wait(self, timeout_s: float) -> bool | None:
         """Wait for characters: None if none came, else whether they came while it waited for them."""
         left_ms, step_ms = timeout_s * 1000, 0.0
         asked_ns = monotonic_ns()
         while not self._poll(step_ms):
-            if not self._decoder.pending:
-                self._emptied_ns = asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
+            self.nothing_until(asked_ns + int(step_ms * 1e6))  # poll looked once more when its time was up
             if left_ms <= 0:
                 return None
-            step_ms = min(_STEP_MS, left_ms)
+            step_ms = min(STEP_MS, left_ms)
             left_ms -= step_ms
             asked_ns = monotonic_ns()
         return step_ms > 0
@@ -102,7 +116,7 @@ class PosixReader:
         were there, nobody knows.
         """
         latency_ns, character_ns = self._latency_ns, self.settings.character_ns
-        if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > _STEP_MS * 1_000_000 + latency_ns:
+        if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > STEP_MS * 1_000_000 + latency_ns:
             return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
         # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
         return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import struct
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from sistap.line import LineSettings
@@ -14,6 +15,15 @@ from sistap.reader.trouble import device_trouble
 if sys.platform != "win32":
     import fcntl
     import termios
+
+    _STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which termios does not know
+    _PARITIES = {
+        "N": 0,
+        "E": termios.PARENB,
+        "O": termios.PARENB | termios.PARODD,
+        "M": termios.PARENB | termios.PARODD | _STICK_PARITY,
+        "S": termios.PARENB | _STICK_PARITY,
+    }
 
 if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
     import serial
@@ -61,6 +71,35 @@ def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> ser
     except (OSError, ValueError, OverflowError, termios.error) as error:
         raise PortError(device_trouble(port, settings, error)) from error
     return device
+
+
+def change_device(device: serial.Serial, settings: LineSettings, pseudo_terminal: bool) -> None:
+    """Change rate and format of an open device, dropping nothing. PortError if it cannot: then the old ones stay.
+
+    Not through pyserial, which would switch the marking of errors off for a moment.
+    """
+    fd = device.fileno()
+    before = termios.tcgetattr(fd)
+    after = before.copy()
+    after[2] &= ~(termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB | _STICK_PARITY)
+    after[2] |= _control(LineSettings() if pseudo_terminal else settings, parity=not pseudo_terminal)
+    try:
+        after[4] = after[5] = getattr(termios, f"B{settings.baud}")
+        termios.tcsetattr(fd, termios.TCSANOW, after)
+        _check_speed(fd, settings.baud)
+    except (OSError, ValueError, AttributeError, termios.error) as error:
+        with suppress(termios.error):
+            termios.tcsetattr(fd, termios.TCSANOW, before)
+        cause = ValueError() if isinstance(error, AttributeError) else error
+        raise PortError(device_trouble(str(device.port), settings, cause)) from error
+
+
+def _control(settings: LineSettings, *, parity: bool) -> int:
+    """Give the control flags of a format."""
+    flags = _PARITIES[settings.parity] if parity else 0
+    flags |= termios.CSTOPB if settings.stop_half_bits > 2 else 0
+    size: int = getattr(termios, f"CS{settings.data_bits}")
+    return flags | size
 
 
 def _mark_errors(fd: int) -> None:

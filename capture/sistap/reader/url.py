@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from time import monotonic_ns
 
 from sistap.clock import CLOCK
@@ -40,10 +41,27 @@ class UrlReader:
         while not self._lost and not data and time.monotonic() <= end:
             data = self._waiting()
         if data:
-            return Read(self.line, CLOCK.wall_ns(monotonic_ns()), data, bytes(len(data)))
+            return Read(self.line, CLOCK.wall_ns(monotonic_ns()), data, bytes(len(data)), settings=self.settings)
         if self._lost:
             raise PortLost(self._lost)
         return None
+
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        try:
+            self._apply(settings)
+        except (OSError, ValueError) as error:
+            with suppress(OSError, ValueError):
+                self._apply(self.settings)
+            raise PortError(url_trouble(self.name, settings, error)) from error
+        self.settings = settings
+
+    def _apply(self, settings: LineSettings) -> None:
+        device = self._device
+        device.baudrate = settings.baud
+        device.bytesize = settings.data_bits
+        device.parity = settings.parity
+        device.stopbits = settings.stop_half_bits / 2
 
     def _waiting(self) -> bytes:
         """Take one character, and all that are there with it; what came before the port was lost is kept."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import socket
 from collections import deque
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 from sistap import wire
@@ -28,23 +29,40 @@ class WireReader:
         self.line = line
         try:
             self._socket = _connect(port)
-            self._socket.sendall(wire.pack_settings(settings))
+            # The time: simulated time is to wait for this reader.
+            self._socket.sendall(wire.pack_settings(settings) + wire.pack_time(0))
         except OSError as error:
             raise PortError(connection_trouble(port, error)) from error
-        self._decoder = wire.ReadDecoder()
+        self._decoder = wire.Decoder()
+        self._heard_with = settings
         self._reads: deque[Read] = deque()
+        self._answer = b""  # to the bus, when everything before was dealt with
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+        """Give what arrived, None if nothing did in that time. May raise PortLost.
+
+        A read without characters tells the time of a bus whose time is simulated; the next call that may wait lets it
+        go on.
+        """
         if not self._reads:
             self._receive(timeout_s)
         return self._reads.popleft() if self._reads else None
 
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from the bus's next character on."""
+        self.settings = settings
+        with suppress(OSError):  # the next read tells that the bus has ended
+            self._socket.sendall(wire.pack_settings(settings))
+
     def _receive(self, timeout_s: float) -> None:
-        self._socket.settimeout(timeout_s)
         try:
+            if self._answer and timeout_s:
+                self._socket.sendall(self._answer)
+                self._answer = b""
+            self._socket.settimeout(timeout_s)
             data = self._socket.recv(65536)
-            self._reads.extend(self._decoder.feed(data))
+            for message in self._decoder.feed(data):
+                self._take(message)
         except (TimeoutError, BlockingIOError):
             return
         except OSError:
@@ -53,6 +71,15 @@ class WireReader:
             raise PortLost(f"{self.name}: {error}: give the address that `sistap bus` prints") from error
         if not data:
             raise PortLost(f"the bus has ended ({self.name}): start it and a new capture")
+
+    def _take(self, message: wire.Message) -> None:
+        if isinstance(message, LineSettings):
+            self._heard_with = message
+            return
+        if isinstance(message, wire.Time):
+            self._answer = wire.pack_time(message.time_ns)
+            message = Read(0, message.time_ns, b"", b"", 0)
+        self._reads.append(message._replace(line=self.line or message.line, settings=self._heard_with))
 
     def close(self) -> None:
         """Leave the bus."""

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the dissector says of each packet, streamed from tshark: the only place where a report gets its figures from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.line import Flag
+from sistap.tshark import Tshark, TsharkError
+
+# Those that the installed dissector does not know are left out, and named in the report.
+FIELDS = (
+    "frame.number",
+    "frame.time_epoch",
+    "frame.time_relative",
+    "frame.interface_name",
+    "sertap.type",
+    "sertap.baud",
+    "sertap.format",
+    "sertap.uncertainty",
+    "sertap.event",
+    "sertap.text",
+    "sertap.interval",
+    "sertap.interval.unknown",
+    "sertap.interval.max",
+    "sertap.same_read",
+    "sertap.error.character",
+    "sertap.error.break",
+    "sertap.error.lost",
+    "sertap.error.unlocated",
+    "sis.start",
+    "sis.checksum.status",
+    "sis.control.reaction",
+    "sis.service",
+    "sis.talker",
+    "sis.listener",
+    "sis.status",
+    "sis.command_in",
+    "sis.repeat_of",
+    "sis.command.unanswered",
+    "sis.reaction_time",
+    "sis.trs.limit",
+    "sis.trs.verdict",
+    "sis.tza.interval_max",
+    "sis.tza.position",
+    "sis.tza.limit",
+    "sis.tza.verdict",
+    "sis.tmas.cycle",
+    "sis.tmas.limit",
+    "sis.tmas.verdict",
+    "sis.bus.load",
+)
+# The line of the packet list: its name changed after 4.0.
+INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
+
+_NECESSARY = "sis.start"
+_NO_DISSECTOR = (
+    "tshark has no dissector for SIS: install the plugin as plugin/README.md says, or name its folder in "
+    "WIRESHARK_PLUGIN_DIR"
+)
+_JOINT = "\x1f"  # between several values of a field: in no text
+_GOOD = {"1", "Good"}
+_TRUE = {"1", "True"}
+_LINE_ERRORS = (
+    ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
+    ("sertap.error.break", int(Flag.BREAK)),
+    ("sertap.error.unlocated", int(Flag.UNLOCATED_ERROR)),
+    ("sertap.error.lost", int(Flag.LOST_BEFORE)),
+)
+FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
+
+
+class NotACapture(Exception):
+    """tshark cannot read the file; the text is the one line to show."""
+
+
+class Judged(NamedTuple):
+    """A time with its limit and verdict, in s; None where the dissector says nothing."""
+
+    time_s: float
+    limit_s: float | None
+    verdict: int | None  # one of the three below
+
+
+OK, EXCEEDED, UNRESOLVED = 0, 1, 2
+
+
+@dataclass(slots=True)
+class Telegram:
+    """A SIS telegram; None and False where the dissector says nothing."""
+
+    good: bool
+    service: int | None
+    talker: int | None
+    listener: int | None
+    is_reaction: bool
+    status: int | None
+    command_in: int | None  # packet number
+    is_repeat: bool
+    unanswered: bool
+    load_percent: float | None
+    reaction: Judged | None  # TrS
+    pause: Judged | None  # TzA; the longest inside the telegram
+    cycle: Judged | None  # Tmas
+    pause_position: int | None  # of the character after it, from 1
+
+
+@dataclass(slots=True)
+class Packet:
+    """A packet: a record of the serial tap, or whatever else carries telegrams. Times in s."""
+
+    number: int
+    epoch_s: float
+    time_s: float  # since the first packet
+    interface: str
+    type: int | None  # FRAME, OTHER, EVENT; None: no record of the tap
+    baud: int | None
+    format: str
+    uncertainty_s: float | None
+    event: int | None
+    text: str
+    intervals_s: list[float]  # from the second character on
+    same_read: int  # characters that came in the same read as the one before
+    errors: int  # Flags, ORed
+    telegrams: list[Telegram] = field(default_factory=list)
+    info: str = ""
+
+    @property
+    def end_s(self) -> float:
+        """When its last character came."""
+        return self.time_s + sum(self.intervals_s)
+
+
+class Dissection:
+    """A capture as the installed dissector sees it, in two passes: also what only a later packet tells."""
+
+    def __init__(self, tshark: Tshark, capture: Path) -> None:
+        """Nothing is read yet."""
+        self._tshark = tshark
+        self._capture = capture
+        self._unknown: set[str] = set()
+        self.warning = ""  # what tshark said at the end of a capture that is cut
+
+    @property
+    def missing(self) -> list[str]:
+        """Fields that the installed dissector does not know; right after the first packets."""
+        return [name for name in FIELDS if name in self._unknown]
+
+    def packets(self, only: str = "") -> Iterator[Packet]:
+        """Give the packets that pass a display filter. May raise NotACapture and TsharkError.
+
+        Only with a filter they have their line of the packet list: it costs as much as all fields.
+        """
+        wanted = FIELDS + (INFO_FIELDS if only else ())
+        try:
+            yield from self._packets(wanted, only)
+        except _UnknownFields as unknown:
+            self._unknown |= unknown.names
+            if _NECESSARY in self._unknown:
+                raise TsharkError(_NO_DISSECTOR) from None
+            yield from self._packets(wanted, only)
+
+    def _packets(self, wanted: Sequence[str], only: str) -> Iterator[Packet]:
+        names = [name for name in wanted if name not in self._unknown]
+        arguments = ["-r", str(self._capture), "-2", "-T", "fields", "-E", f"aggregator={_JOINT}"]
+        arguments += [word for name in names for word in ("-e", name)]
+        arguments += ["-Y", only] if only else []
+        came = False
+        try:
+            for line in self._tshark.lines(arguments):
+                came = True
+                yield _packet(dict(zip(names, line.split("\t"), strict=False)))
+        except TsharkError as error:
+            self._judge(error, came)
+
+    def _judge(self, error: TsharkError, came: bool) -> None:
+        """Tell a capture that is damaged from one that is none, and from a field that is not known."""
+        text = str(error)
+        if "fields aren't valid" in text:
+            raise _UnknownFields(set(re.findall(r"^\s+(\S+)$", text, re.MULTILINE))) from None
+        if "isn't a capture file" in text:
+            raise NotACapture(f"{self._capture} is not a capture that tshark can read") from None
+        # As root tshark reads a copy, whose name means nothing to anybody.
+        last = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
+        if not came and not any(words in text for words in ("cut short", "damaged")):
+            raise TsharkError(f"tshark: {last}") from None
+        self.warning = last
+
+
+class _UnknownFields(Exception):
+    """tshark does not know these fields."""
+
+    def __init__(self, names: set[str]) -> None:
+        super().__init__(", ".join(sorted(names)))
+        self.names = names
+
+
+def _packet(columns: dict[str, str]) -> Packet:
+    return Packet(
+        number=int(columns["frame.number"]),
+        epoch_s=float(columns["frame.time_epoch"] or 0),
+        time_s=float(columns["frame.time_relative"] or 0),
+        interface=columns.get("frame.interface_name", ""),
+        type=_integer(columns, "sertap.type"),
+        baud=_integer(columns, "sertap.baud"),
+        format=columns.get("sertap.format", ""),
+        uncertainty_s=_number(columns, "sertap.uncertainty"),
+        event=_integer(columns, "sertap.event"),
+        text=columns.get("sertap.text", ""),
+        intervals_s=_intervals(columns),
+        same_read=_how_often(columns, "sertap.same_read"),
+        errors=_errors(columns),
+        telegrams=list(_telegrams(columns)),
+        info=columns.get("_ws.col.Info") or columns.get("_ws.col.info") or "",
+    )
+
+
+def _intervals(columns: dict[str, str]) -> list[float]:
+    """Give the intervals inside a record: without that of its first character, which may be unknown."""
+    text = columns.get("sertap.interval")
+    if not text:
+        return []
+    unknown = _how_often(columns, "sertap.interval.unknown")
+    if unknown > 1:
+        return []  # which ones they are is not said
+    intervals = list(map(float, text.split(_JOINT)))
+    return intervals if unknown else intervals[1:]
+
+
+def _errors(columns: dict[str, str]) -> int:
+    errors = 0
+    for name, flag in _LINE_ERRORS:
+        if columns.get(name) and _how_often(columns, name):
+            errors |= flag
+    return errors
+
+
+def _telegrams(columns: dict[str, str]) -> Iterator[Telegram]:
+    """Give each telegram of a packet: one, but over TCP there may be several."""
+    starts = columns.get("sis.start", "")
+    if not starts:
+        return
+    count = starts.count(_JOINT) + 1
+    if count == 1:
+        yield _telegram(columns)
+        return
+    # A field that not every one of them has cannot be told apart, and is left out.
+    split = {name: text.split(_JOINT) for name, text in columns.items() if name.startswith("sis.")}
+    for index in range(count):
+        yield _telegram({name: texts[index] for name, texts in split.items() if len(texts) == count})
+
+
+def _telegram(columns: dict[str, str]) -> Telegram:
+    return Telegram(
+        good=columns.get("sis.checksum.status") in _GOOD,
+        service=_integer(columns, "sis.service"),
+        talker=_integer(columns, "sis.talker"),
+        listener=_integer(columns, "sis.listener"),
+        is_reaction=columns.get("sis.control.reaction", "") in _TRUE,
+        status=_integer(columns, "sis.status"),
+        command_in=_integer(columns, "sis.command_in"),
+        is_repeat=bool(columns.get("sis.repeat_of")),
+        unanswered=bool(columns.get("sis.command.unanswered")),
+        load_percent=_number(columns, "sis.bus.load"),
+        reaction=_judged(columns, "sis.reaction_time", "sis.trs"),
+        # A dissector without a verdict on TzA still knows the longest interval of a record.
+        pause=_judged(columns, "sis.tza.interval_max", "sis.tza") or _judged(columns, "sertap.interval.max", "sis.tza"),
+        cycle=_judged(columns, "sis.tmas.cycle", "sis.tmas"),
+        pause_position=_integer(columns, "sis.tza.position"),
+    )
+
+
+def _judged(columns: dict[str, str], time: str, limit: str) -> Judged | None:
+    time_s = _number(columns, time)
+    if time_s is None:
+        return None
+    return Judged(time_s, _number(columns, f"{limit}.limit"), _integer(columns, f"{limit}.verdict"))
+
+
+def _integer(columns: dict[str, str], name: str) -> int | None:
+    text = columns.get(name)
+    return int(_first(text), 0) if text else None
+
+
+def _number(columns: dict[str, str], name: str) -> float | None:
+    text = columns.get(name)
+    return float(_first(text)) if text else None
+
+
+def _first(text: str) -> str:
+    """Give the first of several values: a list of services has its own status before those of its services."""
+    return text.partition(_JOINT)[0]
+
+
+def _how_often(columns: dict[str, str], name: str) -> int:
+    """Count the characters that have a flag."""
+    text = columns.get(name)
+    return sum(value in _TRUE for value in text.split(_JOINT)) if text else 0

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is kept of millions of values: how often each time came, and how much happened when. Both are bounded."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+
+
+class Bin:
+    """Times that are nearly the same."""
+
+    __slots__ = ("count", "longest_s")
+
+    def __init__(self) -> None:
+        """Begin with no time."""
+        self.count = 0
+        self.longest_s = 0.0
+
+
+class Distribution:
+    """How often each time came, in s: count, sum and extremes exactly, the rest in bins 2.4 % wide."""
+
+    PER_DECADE = 100
+
+    def __init__(self) -> None:
+        """Begin with no time."""
+        self.count = 0
+        self.total_s = 0.0
+        self.shortest_s = math.inf
+        self.longest_s = 0.0
+        self.bins: defaultdict[int, Bin] = defaultdict(Bin)  # by PER_DECADE * log10(s), rounded down
+        self.zeros = 0  # times of 0 fit no logarithm
+
+    def add(self, times_s: Sequence[float]) -> None:
+        """Count times."""
+        if not times_s:
+            return
+        self.count += len(times_s)
+        self.total_s += sum(times_s)
+        self.shortest_s = min(self.shortest_s, *times_s)
+        self.longest_s = max(self.longest_s, *times_s)
+        bins = self.bins  # this loop is what a report spends its time with
+        for time_s in times_s:
+            if time_s <= 0:
+                self.zeros += 1
+                continue
+            found = bins[math.floor(math.log10(time_s) * self.PER_DECADE)]
+            found.count += 1
+            if time_s > found.longest_s:  # noqa: PLR1730 - max() takes three times as long
+                found.longest_s = time_s
+
+    def within_s(self, share: float) -> float:
+        """Give one of the times that this share of all, 0 to 1, does not exceed; at most 2.4 % above the least such."""
+        wanted = share * self.count
+        passed = self.zeros
+        if not self.count or passed >= wanted:
+            return 0.0
+        for number in sorted(self.bins):
+            passed += self.bins[number].count
+            if passed >= wanted:
+                return self.bins[number].longest_s
+        return self.longest_s
+
+    @property
+    def average_s(self) -> float:
+        """The average; 0 of nothing."""
+        return self.total_s / self.count if self.count else 0.0
+
+    @classmethod
+    def edge_s(cls, number: int) -> float:
+        """Give the lower edge of a bin."""
+        return math.pow(10, number / cls.PER_DECADE)
+
+
+class Slices:
+    """Counts along the time of a capture whose length nobody knows yet.
+
+    When the time outgrows the slices, each pair of neighbours becomes one.
+    """
+
+    COUNT = 480
+
+    def __init__(self) -> None:
+        """Begin with slices of 1 ms."""
+        self.width_s = 0.001
+        self.counts: defaultdict[str, list[int]] = defaultdict(lambda: [0] * self.COUNT)
+        self.loads: list[float | None] = [None] * self.COUNT  # percent; the most in each slice, None: no telegram
+        self.used = 0  # slices, from the first
+
+    def at(self, time_s: float) -> int:
+        """Give the slice of a time since the first packet; an earlier one belongs to the first."""
+        number = int(time_s / self.width_s)
+        while number >= self.COUNT:
+            self._double()
+            number = int(time_s / self.width_s)
+        number = max(number, 0)
+        self.used = max(self.used, number + 1)
+        return number
+
+    def add_load(self, number: int, percent: float) -> None:
+        """Keep the load of the bus, in percent, if it is the most in its slice."""
+        load = self.loads[number]
+        self.loads[number] = percent if load is None else max(load, percent)
+
+    def _double(self) -> None:
+        self.width_s *= 2
+        self.used = (self.used + 1) // 2
+        rest = self.COUNT // 2
+        for counts in self.counts.values():
+            counts[:] = [a + b for a, b in zip(counts[::2], counts[1::2], strict=True)] + [0] * rest
+        pairs = zip(self.loads[::2], self.loads[1::2], strict=True)
+        self.loads[:] = [max((load for load in pair if load is not None), default=None) for pair in pairs]
+        self.loads += [None] * rest

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads a capture, in two runs of tshark: one counts everything, one fetches the windows that turned out worst."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sistap.report import windows
+from sistap.report.dissection import Dissection
+from sistap.report.figures import Figures
+from sistap.report.moments import Moment
+from sistap.report.windows import Window
+from sistap.tshark import Tshark
+
+_PROGRESS_EVERY = 5000  # packets
+
+
+@dataclass
+class Report:
+    """All that is known of a capture, before it is put into words and pictures."""
+
+    name: str  # of the capture
+    figures: Figures
+    worst: list[Moment]
+    info: dict[int, str]  # lines of Wireshark's packet list, by packet number
+    windows: list[Window]
+    missing: list[str]  # fields that the installed dissector does not know
+    warning: str  # what tshark said of a capture that is cut
+
+
+def gather(tshark: Tshark, capture: Path, asked: Sequence[Window], progress: Callable[[str], None]) -> Report:
+    """Read a capture; `asked` are the windows that a person wants to see. May raise NotACapture and TsharkError."""
+    dissection = Dissection(tshark, capture)
+    figures = Figures()
+    progress(f"reading {capture}")
+    for packet in dissection.packets():
+        figures.add(packet)
+        if figures.packets % _PROGRESS_EVERY == 0:
+            progress(f"{figures.packets} packets read, {packet.time_s:.0f} s of the capture")
+    worst = figures.moments.worst()
+    shown = [*asked, *windows.around(worst, asked)]
+    progress(f"{figures.packets} packets read; reading the worst of them once more")
+    info = windows.fill(dissection, shown, worst)
+    return Report(capture.name, figures, worst, info, shown, dissection.missing, dissection.warning)

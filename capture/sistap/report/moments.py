@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The worst moments of a capture: the kinds that there are, and the worst of each kind, ranked."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from sistap.line import Flag
+from sistap.record import Event
+from sistap.report.dissection import EXCEEDED, FRAME, OTHER, Judged, Packet, Telegram
+
+WORST = 10  # moments, in all
+LOST = int(Flag.LOST_BEFORE)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Something worth looking at in a packet; times in s."""
+
+    kind: Kind
+    number: int  # of the packet
+    command_in: int | None  # number of the packet before it that it began with
+    time_s: float  # of the packet, as in Wireshark's list
+    start_s: float
+    end_s: float
+    judged: Judged | None
+    uncertainty_s: float | None
+    has_times: bool  # of its characters
+    talker: int | None = None
+    listener: int | None = None
+    service: int | None = None
+
+    @property
+    def filter(self) -> str:
+        """The display filter that finds it."""
+        if self.command_in is None:
+            return f"frame.number == {self.number}"
+        return f"frame.number in {{{self.command_in}, {self.number}}}"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One way in which a moment can be bad."""
+
+    name: str  # as in JSON
+    short: str
+    title: str
+    filter: str  # finds all of them
+    of_telegram: Callable[[Telegram], Judged | bool | None] | None = None
+    of_packet: Callable[[Packet], bool] | None = None
+    is_fault: bool = True  # else it is only the largest of what is normal
+
+
+def _exceeded(judged: Judged | None) -> Judged | None:
+    return judged if judged and judged.verdict == EXCEEDED else None
+
+
+def _not_exceeded(judged: Judged | None) -> Judged | None:
+    return judged if judged and judged.verdict != EXCEEDED else None
+
+
+KINDS = (
+    Kind(
+        "tza_exceeded",
+        "TzA exceeded",
+        "Pause in a telegram longer than TzA",
+        "sis.tza.verdict == 1",
+        lambda telegram: _exceeded(telegram.pause),
+    ),
+    Kind(
+        "trs_exceeded",
+        "TrS exceeded",
+        "Reaction later than TrS",
+        "sis.trs.verdict == 1",
+        lambda telegram: _exceeded(telegram.reaction),
+    ),
+    Kind(
+        "tmas_exceeded",
+        "Tmas exceeded",
+        "Master control word later than Tmas",
+        "sis.tmas.verdict == 1",
+        lambda telegram: _exceeded(telegram.cycle),
+    ),
+    Kind(
+        "unanswered",
+        "no reaction",
+        "Command without a reaction",
+        "sis.command.unanswered",
+        lambda telegram: telegram.unanswered,
+    ),
+    Kind(
+        "damaged",
+        "damaged",
+        "Damaged telegram",
+        'sis && !(sis.checksum.status == "Good")',
+        lambda telegram: not telegram.good,
+    ),
+    Kind(
+        "line_error",
+        "line error",
+        "Error or break on the line",
+        "sertap.error.character || sertap.error.break || sertap.error.unlocated",
+        of_packet=lambda packet: bool(packet.errors & ~LOST),
+    ),
+    Kind(
+        "lost",
+        "lost",
+        "Characters lost before the tap could read them",
+        "sertap.error.lost || sertap.event == 3",
+        of_packet=lambda packet: bool(packet.errors & LOST) or packet.event == Event.CHARACTERS_LOST,
+    ),
+    Kind(
+        "longest_pause",
+        "longest pause",
+        "Longest pause in a telegram",
+        "sertap.interval.max",
+        lambda telegram: _not_exceeded(telegram.pause),
+        is_fault=False,
+    ),
+    Kind(
+        "slowest_reaction",
+        "slowest reaction",
+        "Slowest reaction",
+        "sis.reaction_time",
+        lambda telegram: _not_exceeded(telegram.reaction),
+        is_fault=False,
+    ),
+)
+# Kinds whose time lies before their packet: it began with the end of its command.
+_FROM_COMMAND = {"trs_exceeded", "slowest_reaction"}
+
+
+class Moments:
+    """The worst of each kind, and how many there were."""
+
+    def __init__(self) -> None:
+        """Start with none."""
+        self.counts = {kind.name: 0 for kind in KINDS}
+        self._worst: dict[str, list[tuple[float, int, Moment]]] = {kind.name: [] for kind in KINDS}
+        self._order = itertools.count(0, -1)  # of two equally bad ones the first is kept
+
+    def add(self, packet: Packet) -> Iterator[Kind]:
+        """Look at a packet; give the kinds of fault in it."""
+        for kind in KINDS:
+            if kind.of_packet:
+                found = kind.of_packet(packet)
+                if found:
+                    self._keep(packet, None, kind, None)
+            else:
+                found = self._look(packet, kind)
+            if found and kind.is_fault:
+                yield kind
+
+    def _look(self, packet: Packet, kind: Kind) -> bool:
+        found = False
+        for telegram in packet.telegrams:
+            judged = kind.of_telegram and kind.of_telegram(telegram)
+            if judged:
+                found = True
+                self._keep(packet, telegram, kind, judged if isinstance(judged, Judged) else None)
+        return found
+
+    def _keep(self, packet: Packet, telegram: Telegram | None, kind: Kind, judged: Judged | None) -> None:
+        self.counts[kind.name] += 1
+        worst = self._worst[kind.name]
+        rank = _rank(kind, judged)
+        if len(worst) == WORST and rank <= worst[0][0]:
+            return
+        entry = (rank, next(self._order), _moment(packet, telegram, kind, judged))
+        (heapq.heappushpop if len(worst) == WORST else heapq.heappush)(worst, entry)
+
+    def worst(self) -> list[Moment]:
+        """Give the worst ones: first the worst of each kind, then the second of each, and so on."""
+        ranked = [[entry[-1] for entry in sorted(self._worst[kind.name], reverse=True)] for kind in KINDS]
+        rounds = itertools.zip_longest(*ranked)
+        return [moment for moments in rounds for moment in moments if moment][:WORST]
+
+
+def _rank(kind: Kind, judged: Judged | None) -> float:
+    """How bad it is, beside others of its kind: by how much the limit is exceeded, else how long it took."""
+    if judged is None:
+        return 0.0
+    return judged.time_s / judged.limit_s if kind.is_fault and judged.limit_s else judged.time_s
+
+
+def _moment(packet: Packet, telegram: Telegram | None, kind: Kind, judged: Judged | None) -> Moment:
+    from_command = judged is not None and kind.name in _FROM_COMMAND
+    return Moment(
+        kind=kind,
+        number=packet.number,
+        command_in=telegram.command_in if telegram and from_command else None,
+        time_s=packet.time_s,
+        start_s=packet.time_s - (judged.time_s if judged and from_command else 0.0),
+        end_s=packet.end_s,
+        judged=judged,
+        uncertainty_s=packet.uncertainty_s,
+        has_times=packet.type in (FRAME, OTHER),
+        talker=telegram.talker if telegram else None,
+        listener=telegram.listener if telegram else None,
+        service=telegram.service if telegram else None,
+    )

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The report as one HTML page that needs nothing else: no script, no network, light and dark."""
+
+from __future__ import annotations
+
+from html import escape
+
+import sistap
+from sistap.report import plots, tables
+from sistap.report.gather import Report
+from sistap.report.tables import Table
+
+_DARK = {
+    "paper": "#14181d",
+    "ink": "#e4e8ed",
+    "line": "#6f7a87",
+    "faint": "#9aa5b1",
+    "shade": "#20262d",
+    "command": "#4aa8e0",
+    "reaction": "#2fbf95",
+    "other": "#858c95",
+    "bad": "#ff7350",
+}
+_LIGHT = {"paper": "#ffffff", "shade": "#eef1f4", "faint": "#5b6672", **plots.COLOURS}
+
+_STYLE = """\
+body { margin: 0 auto; padding: 1rem; max-width: 74rem; background: var(--paper); color: var(--ink);
+  font: 15px/1.45 system-ui, sans-serif; }
+h1 { font-size: 1.5rem; margin: .5rem 0; overflow-wrap: anywhere; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid var(--line); }
+figure { margin: 1.25rem 0; }
+figcaption { font-size: .9rem; max-width: 46rem; }
+figcaption b { font-size: 1rem; }
+.scroll { overflow-x: auto; }
+svg { display: block; width: 100%; height: auto; }
+.wide svg { min-width: 40rem; }
+.pair { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)); }
+.pair figure { max-width: 36rem; }
+table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; border-top: 1px solid var(--shade); }
+th[scope=row], td { white-space: nowrap; }
+thead th { vertical-align: bottom; border: 0; }
+td.folded { white-space: normal; min-width: 14rem; }
+code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; user-select: all; }
+.headline { font-size: 1.1rem; }
+.remarks { padding: .6rem 1rem .6rem 2rem; background: var(--shade); border-left: .3rem solid var(--line); }
+footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line); }
+@media screen and (max-width: 42rem) {  /* a telephone: each row a card */
+  thead { display: none; }
+  table, tbody, tr, th[scope=row], td { display: block; white-space: normal; }
+  tr { padding: .4rem 0; border-top: 1px solid var(--line); }
+  th[scope=row], td { padding: .1rem 0; border: 0; overflow-wrap: anywhere; }
+  td:empty { display: none; }
+  [data-head]::before { font-weight: normal; content: attr(data-head) ": "; color: var(--faint); }
+}
+@media print {
+  body { max-width: none; font-size: 10pt; padding: 0; }
+  h2 { break-after: avoid; }
+  figure, tr { break-inside: avoid; }
+  .scroll { overflow: visible; }
+  .wide svg { min-width: 0; }
+  .pair { grid-template-columns: 1fr 1fr; }
+  table { font-size: 7.5pt; }
+  th, td { padding-right: .4rem; }
+  th[scope=row], td, td.folded { white-space: normal; min-width: 0; }
+  code { padding: 0; }
+}
+"""
+
+_LONG = 40  # characters in a cell that may be folded
+_KEY = (
+    "A bar is a telegram, each stroke in it a character at the time at which it was read. Red is what the dissector "
+    "judged exceeded or wrong."
+)
+_INTERVALS = "As recorded, from character to character; both scales are logarithmic."
+_SAME_READ = (
+    " Characters of one read have intervals of 0, which are not drawn ({count} here), and the interval before them "
+    "looks longer than it was."
+)
+_REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
+_OVERVIEW = (
+    "The load is that of the second before, from the first whole second on. The steps of a station count its "
+    "telegrams; the highest step of each is drawn equally high. A red stroke: at least one in that step."
+)
+
+
+def page(report: Report) -> str:
+    """Make the page."""
+    parts = [
+        f"<h1>{escape(report.name)}</h1>",
+        f'<p class="headline">{escape(tables.headline(report))}</p>',
+        _remarks(tables.remarks(report)),
+        _table(tables.summary(report)),
+        _overview(report),
+        _table(tables.faults(report)),
+        _table(tables.verdicts(report)),
+        _table(tables.worst(report), "Each filter finds its moment: paste it into Wireshark's filter line."),
+        _windows(report),
+        _times(report),
+        _table(tables.services(report)),
+        _table(tables.stations(report), "Damaged telegrams are left out: their addresses may be anybody's."),
+        _table(tables.events(report)),
+        f"<footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>",
+    ]
+    return _document(report.name, "\n".join(part for part in parts if part))
+
+
+def _document(title: str, body: str) -> str:
+    return f"""\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{escape(title)}: report</title>
+<style>
+{_variables(_LIGHT)}
+@media screen and (prefers-color-scheme: dark) {{ {_variables(_DARK)} }}
+{_STYLE}</style>
+</head>
+<body>
+{body}
+</body>
+</html>
+"""
+
+
+def _variables(colours: dict[str, str]) -> str:
+    return f":root {{ {' '.join(f'--{role}: {colour};' for role, colour in colours.items())} }}"
+
+
+def _remarks(remarks: list[str]) -> str:
+    items = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
+    return f'<ul class="remarks">{items}</ul>' if items else ""
+
+
+def _table(table: Table, note: str = "") -> str:
+    if not table.rows:
+        return ""
+    heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
+    head = f"<thead><tr>{heads}</tr></thead>" if heads else ""
+    rows = "\n".join(f"<tr>{''.join(_cells(table, row))}</tr>" for row in table.rows)
+    text = f"<p>{escape(note)}</p>" if note else ""
+    return (
+        f'<h2>{escape(table.title)}</h2>{text}<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
+    )
+
+
+def _cells(table: Table, row: tuple[str, ...]) -> list[str]:
+    cells = []
+    for column, text in enumerate(row):
+        shown = f"<code>{escape(text)}</code>" if column == table.code else escape(text)
+        head = f' data-head="{escape(table.heads[column])}"' if table.heads else ""
+        kind = "" if len(text) <= _LONG else ' class="folded"'
+        cells.append(f"<td{kind}{head}>{shown}</td>" if column else f'<th scope="row"{head}>{shown}</th>')
+    return cells
+
+
+def _figure(drawing: plots.Drawing | None, name: str, text: str) -> str:
+    if drawing is None:
+        return ""
+    svg = plots.svg_for_page(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
+    kind = ' class="wide"' if drawing.is_wide else ""
+    caption = f"<figcaption><b>{escape(drawing.title)}</b><br>{escape(text)}</figcaption>"
+    return f'<figure{kind}>{caption}<div class="scroll">{svg}</div></figure>'
+
+
+def _overview(report: Report) -> str:
+    return _figure(plots.overview(report), "overview", _OVERVIEW)
+
+
+def _windows(report: Report) -> str:
+    figures = []
+    for number, window in enumerate(report.windows):
+        left_out = f"{window.left_out} packets more do not fit into the picture." if window.left_out else ""
+        drawing = plots.window(window)
+        if drawing:
+            figures.append(_figure(drawing, f"window{number}", left_out))
+        else:
+            figures.append(f"<p><b>{escape(window.title)}</b><br>Nothing was on the line.</p>")
+    return f"<h2>In full detail</h2><p>{_KEY}</p>{''.join(figures)}" if figures else ""
+
+
+def _times(report: Report) -> str:
+    count = report.figures.clock.same_read
+    text = _INTERVALS + (_SAME_READ.format(count=count) if count else "")
+    figures = _figure(plots.intervals(report), "intervals", text)
+    figures += _figure(plots.reactions(report), "reactions", _REACTIONS)
+    return f'<h2>Times</h2><div class="pair">{figures}</div>' if figures else ""

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The report without pictures: as text for people, as JSON for programs."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from sistap.names import service_name
+from sistap.report import tables
+from sistap.report.dissection import EVENT, EXCEEDED, FRAME, OK, OTHER, UNRESOLVED, Packet
+from sistap.report.distribution import Distribution
+from sistap.report.figures import Figures, Limit, Station
+from sistap.report.gather import Report
+from sistap.report.moments import Moment
+from sistap.report.windows import Window
+
+
+def as_text(report: Report) -> str:
+    """Write all tables, columns aligned."""
+    shown = [tables.summary, tables.events, tables.verdicts, tables.faults, tables.worst, tables.services]
+    parts = [
+        tables.headline(report),
+        *tables.remarks(report),
+        *(_table(make(report)) for make in [*shown, tables.stations]),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _table(table: tables.Table) -> str:
+    if not table.rows:
+        return ""
+    rows = [table.heads, *table.rows] if table.heads else table.rows
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join([table.title, "-" * len(table.title), *lines])
+
+
+def as_json(report: Report) -> str:
+    """Write all figures; times in s, the names say so."""
+    return json.dumps(_report(report), indent=2, allow_nan=False) + "\n"
+
+
+def _report(report: Report) -> dict[str, Any]:
+    figures = report.figures
+    return {
+        "capture": report.name,
+        "warning": report.warning,
+        "missing_fields": report.missing,
+        "began_epoch_s": figures.first_epoch_s,
+        "duration_s": figures.duration_s,
+        "ports": list(figures.interfaces),
+        "lines": [f"{rate} Bd {kind}" for rate, kind in figures.settings],
+        "packets": figures.packets,
+        "records": {
+            "telegrams": figures.records[FRAME],
+            "other_characters": figures.records[OTHER],
+            "events": figures.records[EVENT],
+        },
+        "telegrams": {"all": figures.telegrams, "damaged": figures.telegrams - figures.good},
+        "clock": _clock(figures),
+        "events": [_event(packet) for packet in figures.events],
+        "limits": {name: _limit(limit) for name, limit in figures.limits.items()},
+        "faults": figures.moments.counts,
+        "worst": [_moment(moment, report.info) for moment in report.worst],
+        "intervals": _distribution(figures.intervals),
+        "services": [
+            {"service": number, "name": service_name(number), "times": _distribution(service.times)}
+            | {"trs": _limit(service.trs)}
+            for number, service in sorted(figures.services.items())
+        ],
+        "stations": [_station(address, station) for address, station in sorted(figures.stations.items())],
+        "windows": [_window(window) for window in report.windows],
+    }
+
+
+def _clock(figures: Figures) -> dict[str, Any]:
+    clock = figures.clock
+    return {
+        "uncertainty_least_s": clock.least_s if clock.is_known else None,
+        "uncertainty_most_s": clock.most_s if clock.is_known else None,
+        "records_without_uncertainty": clock.unknown,
+        "intervals_in_one_read": clock.same_read,
+    }
+
+
+def _event(packet: Packet) -> dict[str, Any]:
+    return {"packet": packet.number, "time_s": packet.time_s, "code": packet.event, "text": packet.text}
+
+
+def _limit(limit: Limit) -> dict[str, Any]:
+    names = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved", None: "no_limit"}
+    counts = {name: limit.verdicts[verdict] for verdict, name in names.items()}
+    return {"limits_s": sorted(limit.limits_s)} | counts
+
+
+def _distribution(times: Distribution) -> dict[str, Any]:
+    if not times.count:
+        return {"count": 0}
+    return {
+        "count": times.count,
+        "shortest_s": times.shortest_s,
+        "average_s": times.average_s,
+        "half_within_s": times.within_s(0.5),
+        "99_percent_within_s": times.within_s(0.99),
+        "longest_s": times.longest_s,
+    }
+
+
+def _moment(moment: Moment, info: dict[int, str]) -> dict[str, Any]:
+    judged = moment.judged
+    return {
+        "kind": moment.kind.name,
+        "packet": moment.number,
+        "time_s": moment.time_s,
+        "measured_s": judged.time_s if judged else None,
+        "limit_s": judged.limit_s if judged else None,
+        "uncertainty_s": moment.uncertainty_s,
+        "info": info.get(moment.number, ""),
+        "filter": moment.filter,
+    }
+
+
+def _station(address: int, station: Station) -> dict[str, Any]:
+    return {
+        "station": address,
+        "commands": station.commands,
+        "reactions": station.reactions,
+        "reactions_with_error": station.errors,
+        "sent_again": station.repeats,
+        "not_answered": station.unanswered,
+        "reaction_times": _distribution(station.times),
+        "longest_pause_s": station.longest_pause_s,
+        "trs": _limit(station.trs),
+        "tza": _limit(station.tza),
+    }
+
+
+def _window(window: Window) -> dict[str, Any]:
+    return {
+        "title": window.title,
+        "start_s": window.start_s,
+        "end_s": window.end_s,
+        "packets": [packet.number for packet in window.packets],
+        "packets_left_out": window.left_out,
+    }

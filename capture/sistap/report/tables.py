@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The figures of a report in words: the same tables for the page and for plain text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from typing import NamedTuple
+
+from sistap.names import service_name
+from sistap.record import Event
+from sistap.report.dissection import EVENT, EXCEEDED, FRAME, OK, OTHER, UNRESOLVED, Judged
+from sistap.report.figures import Figures, Limit
+from sistap.report.gather import Report
+from sistap.report.moments import KINDS, Moment
+
+_TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
+_LIMITS = {
+    "tza": ("TzA, from character to character in a telegram", "sis.tza.verdict"),
+    "trs": ("TrS, from a command to its reaction", "sis.trs.verdict"),
+    "tmas": ("Tmas, from master control word to master control word", "sis.tmas.verdict"),
+}
+
+
+class Table(NamedTuple):
+    """A heading, the heads of its columns (none: the first column is the head of its row), and rows of text."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+    code: int | None = None  # the column with display filters
+
+
+def ms(time_s: float) -> str:
+    """Write a time as the dissector writes it."""
+    return f"{time_s * 1e3:.3f} ms"
+
+
+def ms_short(time_s: float) -> str:
+    """Write a limit, which is a whole number of ms."""
+    return f"{time_s * 1e3:g} ms"
+
+
+def headline(report: Report) -> str:
+    """Say in one sentence what is wrong."""
+    counts = report.figures.moments.counts
+    found = [f"{kind.short}: {counts[kind.name]}" for kind in KINDS if kind.is_fault and counts[kind.name]]
+    if found:
+        return f"Found: {', '.join(found)}."
+    return "No fault was found." if report.figures.telegrams else "There is nothing to judge."
+
+
+def summary(report: Report) -> Table:
+    """What was captured, and how exact the clock was."""
+    figures = report.figures
+    damaged = figures.telegrams - figures.good
+    rows = [
+        ("Capture", report.name),
+        ("Began", _date(figures.first_epoch_s)),
+        ("Duration", f"{figures.duration_s:.3f} s"),
+        ("Ports", ", ".join(filter(None, figures.interfaces)) or "not named"),
+        ("Line", ", ".join(f"{rate} Bd {kind}" for rate, kind in figures.settings) or "not known"),
+        ("Packets", f"{figures.packets}{_records(figures)}"),
+        ("Telegrams", f"{figures.telegrams}, {damaged} of them damaged"),
+        ("Uncertainty of the times", _uncertainty(figures)),
+        ("In the same read", _same_read(figures)),
+    ]
+    return Table("What was captured", (), rows)
+
+
+def _date(epoch_s: float | None) -> str:
+    if epoch_s is None:
+        return "there is no packet"
+    return datetime.fromtimestamp(epoch_s).astimezone().strftime("%Y-%m-%d %H:%M:%S %z")
+
+
+def _records(figures: Figures) -> str:
+    names = [f"{figures.records[kind]} {text}" for kind, text in _TYPES.items() if figures.records[kind]]
+    return f": {', '.join(names)}" if names else ""
+
+
+def _uncertainty(figures: Figures) -> str:
+    clock = figures.clock
+    if not figures.records[FRAME] + figures.records[OTHER]:
+        return "there are no times of characters"
+    if not clock.is_known:
+        return "unknown"
+    span = ms(clock.most_s) if clock.least_s == clock.most_s else f"{ms(clock.least_s)} to {ms(clock.most_s)}"
+    return f"{span}{f'; unknown in {clock.unknown} records' if clock.unknown else ''}"
+
+
+def _same_read(figures: Figures) -> str:
+    return f"{figures.clock.same_read} of {figures.intervals.count} intervals in telegrams: their length is not known"
+
+
+def events(report: Report) -> Table:
+    """What the tap itself had to say."""
+    left_out = report.figures.records[EVENT] - len(report.figures.events)
+    title = "What the tap said" + (f" (and {left_out} times more)" if left_out else "")
+    rows = [
+        (str(packet.number), f"{packet.time_s:.6f}", _event(packet.event), packet.text)
+        for packet in report.figures.events
+    ]
+    return Table(title, ("Packet", "Second", "Event", "Text"), rows)
+
+
+def _event(code: int | None) -> str:
+    known = {int(event): event.name.replace("_", " ").capitalize() for event in Event}
+    return known.get(code or 0, f"Event {code}")
+
+
+def verdicts(report: Report) -> Table:
+    """How the times that the bus limits were judged."""
+    rows = []
+    for name, (title, field) in _LIMITS.items():
+        limit = report.figures.limits[name]
+        counts = [str(limit.verdicts[verdict]) for verdict in (OK, EXCEEDED, UNRESOLVED, None)]
+        rows.append((title, limits(limit), *counts, f"{field} == {EXCEEDED}"))
+    heads = ("Limit", "Value", "Kept", "Exceeded", "Unresolved", "No limit known", "Filter for the exceeded")
+    return Table("Verdicts", heads, rows, code=6)
+
+
+def limits(limit: Limit) -> str:
+    """Write the limits that held."""
+    return ", ".join(map(ms_short, sorted(limit.limits_s))) or "not known"
+
+
+def faults(report: Report) -> Table:
+    """What was found, and the display filter that finds all of it."""
+    counts = report.figures.moments.counts
+    rows = [(kind.title, str(counts[kind.name]), kind.filter) for kind in KINDS if kind.is_fault]
+    return Table("Faults", ("What", "How often", "Display filter for all of them"), rows, code=2)
+
+
+def worst(report: Report) -> Table:
+    """The worst moments."""
+    rows = [
+        (
+            str(moment.number),
+            f"{moment.time_s:.6f}",
+            moment.kind.title,
+            _judged(moment.judged),
+            "" if moment.uncertainty_s is None or not moment.judged else ms(moment.uncertainty_s),
+            moment.filter,
+            report.info.get(moment.number) or _description(moment),
+        )
+        for moment in report.worst
+    ]
+    heads = ("Packet", "Second", "What", "Time", "Uncertainty", "Display filter", "Line in Wireshark")
+    return Table("The ten worst moments", heads, rows, code=5)
+
+
+def _judged(judged: Judged | None) -> str:
+    if judged is None:
+        return ""
+    limit = "" if judged.limit_s is None else f", limit {ms_short(judged.limit_s)}"
+    return ms(judged.time_s) + limit + (", unresolved" if judged.verdict == UNRESOLVED else "")
+
+
+def _description(moment: Moment) -> str:
+    if moment.service is None:
+        return ""
+    return f"{moment.talker} -> {moment.listener}  {service_name(moment.service)}"
+
+
+def services(report: Report) -> Table:
+    """Reaction times by service."""
+    rows = []
+    for number, service in sorted(report.figures.services.items()):
+        times = service.times
+        shown = [times.shortest_s, times.average_s, times.within_s(0.5), times.within_s(0.99), times.longest_s]
+        name = f"0x{number:02x} {service_name(number)}"
+        judged = [str(service.trs.verdicts[verdict]) for verdict in (EXCEEDED, UNRESOLVED)]
+        rows.append((name, str(times.count), *map(ms, shown), limits(service.trs), *judged))
+    heads = ("Service", "Reactions", "Shortest", "Average", "Half within", "99 % within", "Longest")
+    return Table("Reaction times by service", (*heads, "TrS", "Exceeded", "Unresolved"), rows)
+
+
+def stations(report: Report) -> Table:
+    """A row for each station that spoke or was asked."""
+    rows = []
+    for address, station in sorted(report.figures.stations.items()):
+        times = station.times
+        counts = [station.commands, station.reactions, station.errors, station.repeats, station.unanswered]
+        shown = [ms(times.within_s(0.5)), ms(times.longest_s)] if times.count else ["", ""]
+        pause = ms(station.longest_pause_s) if station.longest_pause_s else ""
+        exceeded = [str(limit.verdicts[EXCEEDED]) for limit in (station.trs, station.tza)]
+        rows.append((str(address), *map(str, counts), *shown, pause, *exceeded))
+    heads = ("Station", "Commands", "Reactions", "With an error", "Sent again", "Not answered")
+    times_heads = ("Half of its reactions within", "Slowest reaction", "Longest pause in a telegram")
+    return Table("Stations", (*heads, *times_heads, "TrS exceeded", "TzA exceeded"), rows)
+
+
+def remarks(report: Report) -> list[str]:
+    """What a reader has to know before believing the figures, a sentence or two each."""
+    return [text for text, applies in _remarks(report) if applies]
+
+
+def _remarks(report: Report) -> Iterable[tuple[str, object]]:
+    figures = report.figures
+    records = figures.records[FRAME] + figures.records[OTHER] + figures.records[EVENT]
+    yield f"tshark could not read the capture to its end: {report.warning}", report.warning
+    yield "The capture has no packets.", not figures.packets
+    yield "The capture has no SIS telegrams.", figures.packets and not figures.telegrams
+    yield (
+        "The packets are no records of the tap: there are no times of characters, no verdicts on TzA, and a reaction "
+        "time is that from packet to packet.",
+        figures.packets and not records,
+    )
+    yield (
+        f"The installed dissector does not know {', '.join(report.missing)}; what they would tell is left out.",
+        report.missing,
+    )
+    for name, text in (("tza", "TzA"), ("trs", "TrS")):
+        judged = figures.limits[name]
+        yield (
+            f"Nobody set {text} (service 0x03) while this was captured, so nothing is judged by it; the preference "
+            f"sis.{name}_ms of Wireshark sets it.",
+            judged.verdicts and not judged.limits_s and f"sis.{name}.limit" not in report.missing,
+        )

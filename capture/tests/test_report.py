@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The figures of a report are those that the capture was made of."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
+
+from sistap.record import Type
+from sistap.report import plain, tables
+from sistap.report.dissection import FIELDS, Dissection, Packet
+from sistap.report.figures import Figures
+from sistap.report.gather import Report, gather
+from sistap.report.windows import PACKETS_KEPT, Window, parse
+from sistap.telegram import build
+from sistap.tshark import Tshark, TsharkError
+
+CHARACTER_S = LINE.character_ns / 1e9
+FRAMES = [sent for sent in BUS if sent.type == Type.FRAME]
+
+
+@pytest.fixture(scope="module")
+def tshark() -> Iterator[Tshark]:
+    with Tshark() as program:
+        assert "sis.so" in program.output("-G", "plugins"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
+        yield program
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("report") / "bus.pcapng", BUS)
+
+
+def made(tshark: Tshark, capture: Path, *asked: str) -> Report:
+    return gather(tshark, capture, [parse(text) for text in asked], lambda text: None)
+
+
+@pytest.fixture(scope="module")
+def report(tshark: Tshark, capture: Path) -> Report:
+    return made(tshark, capture)
+
+
+@pytest.fixture(scope="module")
+def figures(report: Report) -> dict[str, Any]:
+    return cast(dict[str, Any], json.loads(plain.as_json(report)))
+
+
+def test_what_was_captured(figures: dict[str, Any]) -> None:
+    assert figures["packets"] == len(BUS) + 1
+    assert figures["records"] == {"telegrams": len(FRAMES), "other_characters": 1, "events": 1}
+    assert figures["telegrams"] == {"all": len(FRAMES), "damaged": 1}
+    assert figures["ports"] == ["test port"]
+    assert figures["lines"] == ["9600 Bd 8E1"]
+    assert figures["began_epoch_s"] == 1_700_000_000
+    pauses = sum(sum(sent.pauses_ms.values()) / 1e3 - len(sent.pauses_ms) * CHARACTER_S for sent in BUS)
+    in_one_read = 2 * CHARACTER_S
+    characters = sum(len(sent.data) - 1 for sent in BUS) * CHARACTER_S
+    silences = sum(sent.silence_ms for sent in BUS) / 1e3
+    assert figures["duration_s"] == pytest.approx(silences + characters + pauses - in_one_read, abs=1e-6)
+    assert [(event["packet"], event["code"], event["text"]) for event in figures["events"]] == [(1, 1, STARTED)]
+
+
+def test_how_exact_the_clock_was(figures: dict[str, Any]) -> None:
+    assert figures["clock"] == {
+        "uncertainty_least_s": 0.00031,
+        "uncertainty_most_s": 0.0005,
+        "records_without_uncertainty": 0,
+        "intervals_in_one_read": 2,
+    }
+
+
+def test_verdicts(figures: dict[str, Any]) -> None:
+    tza, trs = figures["limits"]["tza"], figures["limits"]["trs"]
+    assert tza["limits_s"] == [0.005]
+    assert (tza["exceeded"], tza["unresolved"]) == (1, 1)
+    # None is known before 0xFF; whether it holds for the 0xFF itself is the dissector's affair.
+    assert tza["no_limit"] in (2, 3)
+    assert tza["ok"] + tza["no_limit"] == len(FRAMES) - 2
+    assert trs == {"limits_s": [0.05], "ok": 4, "exceeded": 1, "unresolved": 0, "no_limit": 0}
+
+
+def test_faults(figures: dict[str, Any]) -> None:
+    faults = {name: count for name, count in figures["faults"].items() if not name.startswith(("longest", "slowest"))}
+    assert faults == {
+        "tza_exceeded": 1,
+        "trs_exceeded": 1,
+        "tmas_exceeded": 0,
+        "unanswered": 2,
+        "damaged": 1,
+        "line_error": 1,
+        "lost": 1,
+    }
+
+
+def test_intervals_are_those_inside_telegrams_without_lost_characters(figures: dict[str, Any]) -> None:
+    intervals = figures["intervals"]
+    assert intervals["count"] == sum(
+        len(sent.data) - 1 for sent in FRAMES if not any(f & 8 for f in sent.flags.values())
+    )
+    assert intervals["shortest_s"] == 0.0
+    assert intervals["half_within_s"] == pytest.approx(CHARACTER_S, abs=1e-9)
+    assert intervals["longest_s"] == 0.0075
+
+
+def test_reaction_times(figures: dict[str, Any]) -> None:
+    (service,) = figures["services"]
+    assert (service["service"], service["name"]) == (0x10, "Read parameter")
+    times = service["times"]
+    # 25 ms four times, 80 ms once.
+    assert times["count"] == 5
+    assert times["shortest_s"] == times["half_within_s"] == pytest.approx(0.025, abs=1e-9)
+    assert times["longest_s"] == pytest.approx(0.08, abs=1e-9)
+    assert times["average_s"] == pytest.approx(0.18 / 5, abs=1e-9)
+    assert service["trs"]["exceeded"] == 1
+
+
+def test_stations(figures: dict[str, Any]) -> None:
+    stations = {station["station"]: station for station in figures["stations"]}
+    names = ("commands", "reactions", "reactions_with_error", "sent_again", "not_answered")
+    assert {address: tuple(station[name] for name in names) for address, station in stations.items()} == {
+        16: (10, 0, 0, 2, 0),  # 14 is 11 again, and 16 is 14 again
+        3: (0, 3, 0, 0, 2),
+        4: (0, 2, 2, 0, 0),
+    }
+    assert stations[16]["tza"]["exceeded"] == 1
+    assert stations[16]["longest_pause_s"] == 0.0075
+    assert stations[4]["trs"]["exceeded"] == 1
+    assert stations[4]["reaction_times"]["longest_s"] == pytest.approx(0.08, abs=1e-9)
+
+
+def test_the_worst_of_each_kind_come_first(figures: dict[str, Any]) -> None:
+    worst = [(moment["kind"], moment["packet"]) for moment in figures["worst"]]
+    assert worst[:8] == [
+        ("tza_exceeded", 7),
+        ("trs_exceeded", 10),
+        ("unanswered", 11),
+        ("damaged", 15),
+        ("line_error", 14),
+        ("lost", 17),
+        ("longest_pause", 13),
+        ("slowest_reaction", 6),
+    ]
+    assert worst[8] == ("unanswered", 14)
+    assert len(worst) == 10
+    assert figures["worst"][0]["measured_s"] == 0.0075
+    assert figures["worst"][0]["limit_s"] == 0.005
+
+
+def found(tshark: Tshark, capture: Path, display_filter: str) -> list[int]:
+    fields = ("-T", "fields", "-e", "frame.number")
+    return [int(line) for line in tshark.output("-2", "-r", str(capture), "-Y", display_filter, *fields).split()]
+
+
+def test_display_filters_find_what_they_stand_beside(tshark: Tshark, capture: Path, report: Report) -> None:
+    for moment in report.worst:
+        assert found(tshark, capture, moment.filter)[-1] == moment.number
+        assert found(tshark, capture, f"({moment.filter}) && ({moment.kind.filter})")[-1] == moment.number
+        if moment.kind.is_fault:
+            count = report.figures.moments.counts[moment.kind.name]
+            assert len(found(tshark, capture, moment.kind.filter)) == count
+    assert found(tshark, capture, report.worst[1].filter) == [9, 10]  # a reaction with its command
+
+
+def test_the_lines_of_the_worst_are_wiresharks(tshark: Tshark, capture: Path, report: Report) -> None:
+    lines = tshark.output("-2", "-r", str(capture)).splitlines()
+    assert set(report.info) == {moment.number for moment in report.worst}
+    for number, info in report.info.items():
+        assert info
+        assert lines[number - 1].endswith(info.rstrip())
+
+
+def test_windows_show_the_worst_and_what_was_asked_for(tshark: Tshark, capture: Path) -> None:
+    # The first exchange is packets 5 and 6: from the middle of the one to the middle of the other.
+    before = sum(sent.silence_ms / 1e3 + (len(sent.data) - 1) * CHARACTER_S for sent in BUS[:3])
+    start = before + 0.025 + 2.5 * CHARACTER_S
+    length = (len(READ) - 1) * CHARACTER_S + 0.025
+    report = made(tshark, capture, f"{start}+{length}", "100+1")
+    asked, nothing, *worst = report.windows
+    assert [packet.number for packet in asked.packets] == [5, 6]
+    assert asked.packets[0].intervals_s == pytest.approx([CHARACTER_S] * (len(READ) - 1), abs=1e-9)
+    assert nothing.packets == []
+    assert [window.title for window in worst] == [
+        "Packet 7: Pause in a telegram longer than TzA",
+        "Packet 10: Reaction later than TrS",
+        "Packet 11: Command without a reaction",
+    ]
+    for window, moment in zip(worst, report.worst, strict=False):
+        assert moment.number in [packet.number for packet in window.packets]
+        assert window.start_s < moment.start_s < moment.end_s < window.end_s
+    late = report.worst[1]
+    assert late.time_s - late.start_s == pytest.approx(0.08, abs=1e-9)  # it began with the end of its command
+
+
+def test_a_window_that_shows_two_of_the_worst_is_not_made_twice(tshark: Tshark, capture: Path) -> None:
+    report = made(tshark, capture, "0+10")
+    assert [window.title for window in report.windows] == ["Asked for: 10 s from 0 s"]
+
+
+def test_a_window_keeps_a_bounded_number_of_packets() -> None:
+    window = Window("", 0.0, 10.0)
+    for _ in range(PACKETS_KEPT + 7):
+        window.add(a_packet())
+    assert (len(window.packets), window.left_out) == (PACKETS_KEPT, 7)
+
+
+def a_packet() -> Packet:
+    return Packet(1, 0.0, 1.0, "", 0, 9600, "8E1", None, None, "", [], 0, 0)
+
+
+def test_bare_telegrams_have_reaction_times_and_no_verdict_on_tza(tshark: Tshark, tmp_path: Path) -> None:
+    sent = [Sent(READ), Sent(ANSWER, silence_ms=30.0), Sent(READ), Sent(ANSWER)]
+    report = made(tshark, write(tmp_path / "bare.pcapng", sent, dissector="sis"))
+    figures = json.loads(plain.as_json(report))
+    assert figures["telegrams"] == {"all": 4, "damaged": 0}
+    assert figures["intervals"] == {"count": 0}
+    assert figures["clock"]["uncertainty_most_s"] is None
+    # From packet to packet: the command's own length and the silence.
+    longest_s = (len(READ) - 1) * CHARACTER_S + 0.030
+    assert figures["services"][0]["times"]["longest_s"] == pytest.approx(longest_s, abs=1e-6)
+    assert any("no records of the tap" in remark for remark in tables.remarks(report))
+    assert report.windows == []
+
+
+class OldTshark:
+    """tshark with a dissector that does not know some fields, as tshark 4.0 says it."""
+
+    def __init__(self, unknown: Sequence[str]) -> None:
+        self._unknown = unknown
+
+    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+        names = [name for option, name in zip(arguments, arguments[1:], strict=False) if option == "-e"]
+        if refused := [name for name in names if name in self._unknown]:
+            raise TsharkError("tshark: Some fields aren't valid:\n" + "".join(f"\t{name}\n" for name in refused))
+        known = {"frame.number": "1", "frame.time_epoch": "0.0", "frame.time_relative": "0.0", "sis.start": "0x02"}
+        known |= {"sis.checksum.status": "1", "sertap.type": "0", "sertap.interval.max": "0.001145833"}
+        yield "\t".join(known.get(name, "") for name in names)
+
+
+def test_fields_that_the_dissector_does_not_know_are_left_out_and_named() -> None:
+    unknown = [name for name in FIELDS if name.startswith(("sis.tza", "sis.trs", "sis.tmas"))]
+    report = made(cast(Tshark, OldTshark(unknown)), Path("x.pcapng"))
+    assert report.missing == unknown
+    assert report.figures.telegrams == 1
+    assert report.figures.limits["tza"].verdicts == {None: 1}  # the longest interval is known from the tap's record
+    (remark,) = tables.remarks(report)
+    assert all(name in remark for name in unknown)
+
+
+def test_without_any_dissector_it_says_what_to_do() -> None:
+    with pytest.raises(TsharkError, match="WIRESHARK_PLUGIN_DIR"):
+        made(cast(Tshark, OldTshark(FIELDS)), Path("x.pcapng"))
+
+
+def test_tmas_is_judged_from_master_control_word_to_master_control_word(tshark: Tshark, tmp_path: Path) -> None:
+    set_tmas = build(0x03, 16, 255, bytes.fromhex("FF 03 64 00"))  # 100 ms
+    control_word = build(0x1F, 16, 3, bytes.fromhex("3C 03 00 86 00 00 E0"))  # S-0-0134
+    done = build(0x1F, 16, 3, bytes.fromhex("00 3C 03"), reaction=True)
+    sent = [
+        Sent(set_tmas),
+        Sent(ACCEPT),
+        Sent(control_word),
+        Sent(done),
+        Sent(control_word, silence_ms=200),
+        Sent(done),
+    ]
+    figures = json.loads(plain.as_json(made(tshark, write(tmp_path / "tmas.pcapng", sent))))
+    assert figures["limits"]["tmas"]["limits_s"] == [0.1]
+    assert figures["limits"]["tmas"]["exceeded"] == figures["faults"]["tmas_exceeded"] == 1
+    characters = len(control_word) - 1 + len(done) - 1
+    assert figures["worst"][0]["packet"] == 6
+    assert figures["worst"][0]["measured_s"] == pytest.approx(0.225 + characters * CHARACTER_S, abs=1e-6)
+
+
+class ToldTshark:
+    """tshark that says one thing of one packet."""
+
+    def __init__(self, **columns: str) -> None:
+        told = {"frame.number": "7", "frame.time_epoch": "0.0", "frame.time_relative": "0.0"}
+        self._columns = told | {name.replace("__", "."): text for name, text in columns.items()}
+
+    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+        names = [name for option, name in zip(arguments, arguments[1:], strict=False) if option == "-e"]
+        yield "\t".join(self._columns.get(name, "") for name in names)
+
+    def packet(self) -> Packet:
+        (packet,) = Dissection(cast(Tshark, self), Path("x.pcapng")).packets()
+        return packet
+
+
+def test_intervals_whose_characters_are_not_said_are_left_out() -> None:
+    def intervals(text: str, unknown: str) -> list[float]:
+        return ToldTshark(sertap__interval=text, sertap__interval__unknown=unknown).packet().intervals_s
+
+    assert intervals("0.1\x1f0.2\x1f0.3", "") == [0.2, 0.3]
+    assert intervals("0.1\x1f0.2\x1f0.3", "1") == [0.1, 0.2, 0.3]
+    assert intervals("0.1\x1f0.2\x1f0.3", "1\x1f1") == []
+
+
+def test_what_later_versions_of_wireshark_write() -> None:
+    packet = ToldTshark(sis__start="0x02", sis__control__reaction="True", sis__checksum__status="Good").packet()
+    assert packet.telegrams[0].is_reaction
+    assert packet.telegrams[0].good
+
+
+def test_several_telegrams_in_a_packet_are_told_apart_where_that_is_possible() -> None:
+    packet = ToldTshark(
+        sis__start="0x02\x1f0x02",
+        sis__checksum__status="1\x1f0",
+        sis__talker="16\x1f3",
+        sis__service="0x10\x1f0x12",
+        sis__control__reaction="0\x1f1",
+        sis__reaction_time="0.5",
+    ).packet()
+    first, second = packet.telegrams
+    assert (first.talker, first.service, first.is_reaction, first.good) == (16, 0x10, False, True)
+    assert (second.talker, second.service, second.is_reaction, second.good) == (3, 0x12, True, False)
+    assert first.reaction is None  # whose it is, is not said
+    assert second.reaction is None
+    figures = Figures()
+    figures.add(packet)
+    assert (figures.telegrams, figures.good) == (2, 1)
+    assert list(figures.stations) == [16]
+
+
+@pytest.mark.parametrize("text", ["", "5", "5+", "+1", "5+0", "5+-1", "-1+2", "nan+1", "1+inf", "a+b"])
+def test_what_is_no_window(text: str) -> None:
+    with pytest.raises(ValueError, match="12.5\\+0.2"):
+        parse(text)

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is kept of many values is bounded, and as exact as it says."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sistap.report.distribution import Distribution, Slices
+
+TIMES = st.one_of(st.just(0.0), st.floats(1e-9, 1e5))
+BIN = 10 ** (1 / Distribution.PER_DECADE)
+
+
+@given(st.lists(TIMES, min_size=1), st.floats(0.01, 1.0))
+def test_a_share_of_all_times_lies_within(times: list[float], share: float) -> None:
+    distribution = Distribution()
+    distribution.add(times)
+    within_s = distribution.within_s(share)
+    least_s = sorted(times)[math.ceil(share * len(times) - 1e-9) - 1]
+    assert within_s in times
+    assert least_s <= within_s <= least_s * BIN * (1 + 1e-9)
+
+
+@given(st.lists(st.lists(TIMES)))
+def test_count_sum_and_extremes_are_exact(parts: list[list[float]]) -> None:
+    distribution = Distribution()
+    for part in parts:
+        distribution.add(part)
+    times = [time for part in parts for time in part]
+    assert distribution.count == len(times)
+    assert math.isclose(distribution.average_s * len(times), math.fsum(times), rel_tol=1e-9, abs_tol=1e-12)
+    if times:
+        assert (distribution.shortest_s, distribution.longest_s) == (min(times), max(times))
+    assert distribution.zeros + sum(found.count for found in distribution.bins.values()) == len(times)
+
+
+def test_bins_are_bounded() -> None:
+    distribution = Distribution()
+    distribution.add([1e-9 * 1.001**number for number in range(30_000)])  # 13 decades
+    assert len(distribution.bins) <= 13.1 * Distribution.PER_DECADE
+
+
+@given(st.lists(st.floats(0, 1e6), min_size=1))
+def test_nothing_is_lost_when_slices_are_joined(times: list[float]) -> None:
+    slices = Slices()
+    for time in times:
+        at = slices.at(time)
+        slices.counts["x"][at] += 1
+        slices.add_load(at, time % 100)
+    assert sum(slices.counts["x"]) == len(times)
+    assert len(slices.counts["x"]) == len(slices.loads) == Slices.COUNT
+    assert max(load for load in slices.loads if load is not None) == max(time % 100 for time in times)
+    # Each count is still where its time is.
+    for time in times:
+        assert slices.counts["x"][slices.at(time)] > 0
+    assert slices.used * slices.width_s >= max(times)
+
+
+def test_a_load_is_the_most_in_its_slice() -> None:
+    slices = Slices()
+    slices.add_load(slices.at(0.0), 40.0)
+    slices.add_load(slices.at(0.0), 10.0)
+    assert slices.loads[:2] == [40.0, None]
+    slices.add_load(slices.at(10.0), 20.0)
+    assert [load for load in slices.loads if load is not None] == [40.0, 20.0]

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The page and the pictures: whole, self-contained, escaped, and red where it has to be."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+from itertools import accumulate
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, write
+
+from sistap.line import Flag
+from sistap.report import plots
+from sistap.report.gather import Report, gather
+from sistap.report.page import page
+from sistap.report.windows import parse
+from sistap.tshark import Tshark
+
+VOID = {"meta", "br"}
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Report:
+    capture = write(tmp_path_factory.mktemp("page") / "a <b> & c.pcapng", BUS)
+    with Tshark() as tshark:
+        return gather(tshark, capture, [parse("100+1")], lambda text: None)
+
+
+@pytest.fixture(scope="module")
+def text(report: Report) -> str:
+    return page(report)
+
+
+class Checker(HTMLParser):
+    """Notes what is in a page, and whether every element is closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.tags: set[str] = set()
+        self.links: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        if tag not in VOID:
+            self.open.append(tag)
+        self._note(attrs)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._note(attrs)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def _note(self, attrs: list[tuple[str, str | None]]) -> None:
+        self.ids += [value or "" for name, value in attrs if name == "id"]
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "xlink:href")]
+
+
+def test_the_page_is_whole_and_needs_nothing_else(text: str) -> None:
+    checker = Checker(text)
+    assert checker.open == []
+    assert len(checker.ids) == len(set(checker.ids)) > 0
+    assert all(link.startswith("#") and link[1:] in checker.ids for link in checker.links)
+    assert set(re.findall(r"url\((.).*?\)", text)) <= {"#"}
+    assert not checker.tags & {"script", "link", "iframe", "img", "object"}
+
+
+def test_what_others_wrote_is_escaped(text: str) -> None:
+    assert STARTED not in text
+    assert "test &lt;b&gt;adapter&lt;/b&gt; &amp; &quot;quotes&quot;" in text
+    assert "<h1>a &lt;b&gt; &amp; c.pcapng</h1>" in text
+
+
+def test_every_colour_of_the_pictures_changes_in_the_dark(text: str) -> None:
+    body = text[text.index("<body>") :]
+    assert not re.search(r"#[0-9a-f]{6}", body)
+    light, dark = (set(re.findall(r"--(\w+):", line)) for line in text.splitlines() if ":root" in line)
+    assert light == dark >= set(re.findall(r"var\(--(\w+)\)", text))
+
+
+def test_a_window_with_nothing_in_it_says_so(text: str) -> None:
+    assert "Asked for: 1 s from 100 s</b><br>Nothing was on the line." in text
+
+
+class Drawn:
+    """The window around a packet that is one of the worst, as it was drawn; times in ms since its beginning."""
+
+    def __init__(self, report: Report, number: int) -> None:
+        self.window = next(window for window in report.windows if window.title.startswith(f"Packet {number}:"))
+        drawing = plots.window(self.window)
+        assert drawing
+        figure = Figure()
+        drawing.draw(figure)
+        (axes,) = figure.axes
+        self.words = [text.get_text() for text in axes.texts]
+        paths = [patch.get_path() for patch in axes.patches if isinstance(patch, PathPatch)]
+        self.strokes = sorted(float(x) for path in paths for x in path.vertices[::2, 0])
+        areas = [
+            area for area in axes.collections if np.allclose(area.get_facecolor()[:, :3], to_rgb(plots.COLOURS["bad"]))
+        ]
+        self.red = [area.get_paths()[0].get_extents().intervalx.tolist() for area in areas if len(area.get_facecolor())]
+
+
+def test_a_pause_that_exceeds_tza_is_red_from_character_to_character(report: Report) -> None:
+    drawn = Drawn(report, 7)
+    packet = next(packet for packet in drawn.window.packets if packet.number == 7)
+    fifth = packet.time_s - drawn.window.start_s + 4 * LINE.character_ns / 1e9
+    assert drawn.red == [pytest.approx([fifth * 1e3, fifth * 1e3 + 7.5], abs=1e-3)]
+    assert "7.500 ms" in drawn.words
+
+
+def test_every_pause_that_exceeds_tza_is_red(tmp_path: Path) -> None:
+    two = Sent(READ, pauses_ms={3: 6.0, 9: 9.0, 11: 5.2})  # the third is not certain: 0.31 ms
+    in_one_read = Sent(READ, silence_ms=500, pauses_ms={3: 6.0, 9: 9.0}, flags={4: Flag.SAME_READ})
+    capture = write(tmp_path / "two.pcapng", [Sent(SET_TZA), Sent(ACCEPT), two, in_one_read])
+    with Tshark() as tshark:
+        report = gather(tshark, capture, [], lambda text: None)
+    widths = {number: [end - begin for begin, end in Drawn(report, number).red] for number in (4, 5)}
+    assert widths[4] == pytest.approx([6.0, 9.0], abs=1e-3)
+    assert widths[5] == pytest.approx([9.0], abs=1e-3)  # the other one the dissector does not name
+
+
+def test_the_wait_for_a_late_reaction_is_red(report: Report) -> None:
+    drawn = Drawn(report, 10)
+    late = next(packet for packet in drawn.window.packets if packet.number == 10)
+    begin = (late.time_s - drawn.window.start_s) * 1e3
+    assert drawn.red[-1] == pytest.approx([begin - 80, begin], abs=1e-3)
+    assert "80.000 ms" in drawn.words
+
+
+def test_a_command_without_a_reaction_is_marked(report: Report) -> None:
+    assert "no reaction" in Drawn(report, 11).words
+
+
+def test_every_character_is_a_stroke(report: Report) -> None:
+    drawn = Drawn(report, 7)
+    expected = []
+    for packet in drawn.window.packets:
+        expected += accumulate(packet.intervals_s, initial=packet.time_s - drawn.window.start_s)
+    assert drawn.strokes == pytest.approx(sorted(time * 1e3 for time in expected))
+    assert len(expected) == 3 * 13  # packets 6 to 8
+
+
+def test_limits_are_drawn(report: Report) -> None:
+    intervals, reactions = plots.intervals(report), plots.reactions(report)
+    assert intervals
+    assert reactions
+    assert "TzA 5 ms" in plots.svg_for_page(intervals, "x")
+    assert "0x10 Read parameter" in plots.svg_for_page(reactions, "x")
+
+
+def test_the_overview_names_stations_and_faults(report: Report) -> None:
+    drawing = plots.overview(report)
+    assert drawing
+    svg = plots.svg_for_page(drawing, "x")
+    for name in ("station 3", "station 4", "station 16", "TzA exceeded", "TrS exceeded", "no reaction"):
+        assert f">{name}<" in svg
+    assert ">Tmas exceeded<" not in svg
+    assert "bus load" not in svg  # the capture is shorter than the second that it needs
+
+
+def test_the_load_is_drawn_from_its_first_whole_second_on(tmp_path: Path) -> None:
+    with Tshark() as tshark:
+        capture = write(tmp_path / "load.pcapng", [Sent(READ, silence_ms=100.0)] * 30)
+        figures = gather(tshark, capture, [], lambda text: None).figures
+    # 30 times 100 ms of silence and 12 intervals of a character.
+    loads = [(number * figures.slices.width_s, load) for number, load in enumerate(figures.slices.loads) if load]
+    assert loads[0][0] == pytest.approx(1.0, abs=0.12)
+    for _, load in loads:
+        assert load == pytest.approx(100 * 13 * 1.1458 / (100 + 12 * 1.1458), abs=2.0)
+
+
+@pytest.mark.parametrize("kind", ["png", "svg"])
+def test_pictures_are_files_of_their_kind(report: Report, kind: str, tmp_path: Path) -> None:
+    data = plots.picture(report, kind)
+    if kind == "png":
+        assert data.startswith(b"\x89PNG\r\n\x1a\n")
+    else:
+        assert ET.fromstring(data).tag == "{http://www.w3.org/2000/svg}svg"

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Output of tshark line by line; a shell plays tshark."""
+
+import pytest
+
+from sistap.tshark import Tshark, TsharkError
+
+
+def test_lines_come_while_it_runs_and_the_rest_is_not_waited_for() -> None:
+    with Tshark("sh") as shell:
+        lines = shell.lines(["-c", "echo first; exec sleep 1000"])
+        assert next(lines) == "first"
+        lines.close()  # type: ignore[attr-defined] - a generator: it ends the program
+
+
+def test_what_it_said_comes_after_the_last_line() -> None:
+    with Tshark("sh") as shell:
+        lines = shell.lines(["-c", "echo one; echo why >&2; echo two; exit 3"])
+        assert [next(lines), next(lines)] == ["one", "two"]
+        with pytest.raises(TsharkError, match="^why$"):
+            next(lines)
+
+
+def test_much_on_stderr_does_not_block_it() -> None:
+    with Tshark("sh") as shell:
+        flood = (
+            "i=0; while [ $i -lt 5000 ]; do echo 'a line as long as a pipe is deep, in the end' >&2; i=$((i+1)); done"
+        )
+        assert list(shell.lines(["-c", f"{flood}; echo done"])) == ["done"]
