@@ -134,6 +134,12 @@ local function plural(count)
   return count == 1 and "" or "s"
 end
 
+-- What Wireshark says where the capture has cut a packet. Lua cannot throw its exception.
+function S.show_cut(tvb, pinfo, parent, name)
+  parent:add(tvb(0, 0), "[Packet size limited during capture: " .. name .. " truncated]")
+  pinfo.cols.info:append("[Packet size limited during capture]")
+end
+
 -- "02 5e".
 local function hex(bytes)
   local spaced = string.gsub(bytes, ".", function(c) return strformat("%02x ", byte(c)) end)
@@ -170,8 +176,8 @@ function S.connection(pinfo)
 end
 
 -- When a packet came: ns since the first packet. Lua has the time since 1970 as a double of seconds, too coarse for ns;
--- that since the first packet is exact for weeks. It changes with a time reference that the user sets, so the one of the
--- first pass is kept.
+-- that since the first packet is exact for weeks. It changes with a time reference that the user sets, so the one of
+-- the first pass is kept.
 local packet_times = {}
 
 at_init(function() packet_times = {} end)

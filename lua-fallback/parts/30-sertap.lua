@@ -61,6 +61,20 @@ do
     if record.type ~= K.EVENT then note_spell(line, pinfo, record) end
   end
 
+  -- How long the line was busy, of how much time, both in ns; nothing where that is not known. Of the oldest spell only
+  -- a part may lie in the window.
+  function T.load(record)
+    local line = record.known
+    local first, last = line.spells[line.head], line.spells[line.last]
+
+    if not first then return end
+    local busy, begin = line.busy, max(last[2] - WINDOW_NS, line.begin)
+    if first[1] < begin then
+      busy = busy - floor(first[3] * (begin - first[1]) / (first[2] - first[1]))
+    end
+    return busy, last[2] - begin
+  end
+
   -- The double nearest to x that C's float can hold: the plugin keeps the load in one.
   local function single(x)
     local scaled = x * 536870913.0 -- 2^29 + 1
@@ -68,17 +82,9 @@ do
     return scaled - (scaled - x)
   end
 
-  -- In percent; nil where it is not known. Of the oldest spell only a part may lie in the window.
-  function T.load(record)
-    local line = record.known
-    local first, last = line.spells[line.head], line.spells[line.last]
-
-    if not first then return nil end
-    local busy, begin = line.busy, max(last[2] - WINDOW_NS, line.begin)
-    if first[1] < begin then
-      busy = busy - floor(first[3] * (begin - first[1]) / (first[2] - first[1]))
-    end
-    return single(min(max(single(single(busy) / single(last[2] - begin)), 0), 1) * 100)
+  -- What T.load() gave, in percent.
+  function T.percent(busy, span)
+    return single(min(max(single(single(busy) / single(span)), 0), 1) * 100)
   end
 end
 
@@ -86,6 +92,7 @@ end
 
 do
   local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
+  local FRAMING_SIS = 0
   local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
   K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
@@ -98,7 +105,7 @@ do
   local parities = {[0] = "None", [1] = "Even", [2] = "Odd", [3] = "Mark", [4] = "Space"}
   local parity_letters = {[0] = "N", [1] = "E", [2] = "O", [3] = "M", [4] = "S"}
   local stop_bits = {[2] = "1", [3] = "1.5", [4] = "2"}
-  local framings = {[0] = "SIS", [1] = "3964R", [255] = "Silence"}
+  local framings = {[FRAMING_SIS] = "SIS", [1] = "3964R", [255] = "Silence"}
   local events = {
     [0] = "None",
     [1] = "Capture started",
@@ -202,6 +209,13 @@ do
     return record.flags == 0 and 0 or byte(record.bytes, record.flags_offset + character + 1)
   end
 
+  local function write_columns(pinfo, info)
+    local cols = pinfo.cols
+
+    cols.protocol = "SERTAP"
+    cols.info = info
+  end
+
   -- "8E1" and its parts.
   local function add_format(tree, tvb, record)
     local parity, stop = parity_letters[record.parity] or "?", stop_bits[record.stop_half_bits] or "?"
@@ -231,13 +245,14 @@ do
     add_uncertainty(tree, tvb, record.uncertainty)
   end
 
-  -- Whether version and length of the header are there and can be read.
-  local function check_header(tvb, tree, root, bytes)
+  -- Whether version and length of the header can be read; says why not. The second result tells whether that is because
+  -- the capture has cut the packet.
+  local function check_header(tvb, tree, root, bytes, there)
     local version, size = byte(bytes, 1, 2)
 
     if not version then
-      add_expert(root, ET.truncated)
-      return false
+      if there == 0 then add_expert(root, ET.truncated) end
+      return false, there > 0
     end
     local item = add(tree, FT.version, tvb, 0, 1) or root
     if version ~= RECORD_VERSION then
@@ -245,52 +260,67 @@ do
         strformat("Record version %d is not known here, only %d", version, RECORD_VERSION))
       return false
     end
-    if #bytes < RECORD_HEADER_SIZE then
+    if there < RECORD_HEADER_SIZE then
       add_expert(item, ET.truncated)
       return false
     end
+    if not size then return false, true end
     item = add(tree, FT.header_length, tvb, 1, 1) or root
     if size < RECORD_HEADER_SIZE then
       add_expert(item, ET.header_length)
-    elseif #bytes < size then
+    elseif there < size then
       add_expert(item, ET.truncated)
     end
-    return size >= RECORD_HEADER_SIZE and #bytes >= size
+    return size >= RECORD_HEADER_SIZE and there >= size and #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
   end
 
-  -- Reads the header of a record, offsets 0 to 19. False where nothing after it can be told.
-  local function dissect_header(tvb, tree, root, record)
-    local bytes = record.bytes
-
-    if not check_header(tvb, tree, root, bytes) then return false end
-    local _
-    _, record.data_offset, record.type, record.line, record.baud, record.data_bits, record.parity,
-      record.stop_half_bits, record.framing, record.uncertainty, record.declared, record.event =
+  -- Reads a record whose header can be read. What is whole is decoded, also where something is missing.
+  local function read_record(tvb, bytes)
+    local _, size, kind, line, baud, data_bits, parity, stop_half_bits, framing, uncertainty, declared, event =
       Struct.unpack(">BBBBI4BBBBI4I2I2", bytes)
-    if record.uncertainty == UNCERTAINTY_UNKNOWN then record.uncertainty = nil end
-    if tree then show_header(tvb, tree, record) end
-    return true
+    local captured = max(#bytes - size, 0)
+
+    return {
+      bytes = bytes,
+      raw_offset = tvb:offset(),
+      type = kind,
+      line = line,
+      framing = framing,
+      baud = baud,
+      data_bits = data_bits,
+      parity = parity,
+      stop_half_bits = stop_half_bits,
+      uncertainty = uncertainty ~= UNCERTAINTY_UNKNOWN and uncertainty or nil, -- ns
+      event = event,
+      declared = declared, -- characters the record says it has
+      count = min(captured, declared), -- characters whose value is there
+      -- Characters whose interval and flags are there, too. The three arrays follow one another: what is missing at the
+      -- end is missing from the flags first.
+      timed = kind ~= K.EVENT and max(min(captured - declared * 5, declared), 0) or 0,
+      data_offset = size, -- of the values
+      times_offset = size + declared, -- of the intervals, 4 bytes each, ns
+      flags_offset = size + declared * 5,
+      known = nil, -- in the first pass: what is known of the line
+      flags = 0, -- of all its characters, ORed
+      first_at = nil, -- by flag: the first character that has it
+      intervals = nil, -- ns
+      duration = 0, -- ns, from the first character to the last
+      interval_max = 0, -- ns, longest between two characters of this record
+      interval_max_at = 0, -- before this character; 0: there is none
+    }
   end
 
-  -- Compares the count with the bytes that are there; what is whole is still decoded.
-  local function check_count(tvb, item, record)
-    local declared, offset = record.declared, record.data_offset
-    local there, captured = tvb:reported_len() - offset, #record.bytes - offset
-    local is_event = record.type == K.EVENT
-    local expected = declared * (is_event and 1 or 6)
+  -- Compares the count with the bytes that are there.
+  local function check_count(item, record, there)
+    local declared, rest = record.declared, there - record.data_offset
+    local expected = declared * (record.type == K.EVENT and 1 or 6)
 
-    -- The three arrays follow one another: what is missing at the end is missing from the flags first.
-    record.count = min(captured, declared)
-    record.timed = is_event and 0 or max(min(captured - declared * 5, declared), 0)
-    if there < expected then
-      add_expert(item, ET.truncated,
-        strformat("The record is cut: %d bytes of %d after its header", there, expected))
-    elseif there > expected then
+    if rest < expected then
+      add_expert(item, ET.truncated, strformat("The record is cut: %d bytes of %d after its header", rest, expected))
+    elseif rest > expected then
       add_expert(item, ET.count,
-        strformat("The count does not fit: %d bytes after its %d characters", there - expected, declared))
+        strformat("The count does not fit: %d bytes after its %d characters", rest - expected, declared))
     end
-    record.times_offset = offset + declared
-    record.flags_offset = record.times_offset + declared * 4
   end
 
   local CHUNK = 64 -- so many intervals in one call: it has all of them on Lua's stack
@@ -319,6 +349,7 @@ do
     local bytes, offset = record.bytes, record.flags_offset
     local at = string.find(bytes, "[^\0]", offset + 1)
 
+    if at then record.first_at = {} end
     while at and at <= offset + record.timed do
       local flag = byte(bytes, at)
 
@@ -345,7 +376,8 @@ do
       local interval = intervals[i]
 
       duration = duration + interval
-      if interval > longest and not (may_be_lost and band(T.flags_of(record, i - 1), K.LOST_BEFORE) ~= 0) then
+      if interval > longest
+        and not (may_be_lost and band(T.flags_of(record, i - 1), K.LOST_BEFORE) ~= 0) then
         longest, longest_at = interval, i - 1
       end
     end
@@ -360,7 +392,8 @@ do
   local function add_character(tree, tvb, record, index)
     local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
     local flags_at = record.flags_offset + index
-    local value, flag, interval = byte(record.bytes, data_at + 1), T.flags_of(record, index), record.intervals[index + 1]
+    local value, flag = byte(record.bytes, data_at + 1), T.flags_of(record, index)
+    local interval = record.intervals[index + 1]
     local subtree = add(tree, FT.character, tvb, data_at, 1, value,
       strformat("Character %d: 0x%02x", index + 1, value))
 
@@ -455,7 +488,7 @@ do
     if record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST then
       add_expert(item, ET.event, text)
     end
-    pinfo.cols.info = text
+    write_columns(pinfo, text)
   end
 
   -- Whether a person would read this rather than decode it.
@@ -478,15 +511,17 @@ do
       info = info .. "  " .. hex(shown) .. more
       if is_text(shown) then info = info .. "  \"" .. format_text(shown) .. "\"" .. more end
     end
-    pinfo.cols.info = info
+    write_columns(pinfo, info)
   end
 
-  -- The info column is for a dissector that finds that this is not its frame.
+  -- The columns are for a dissector that finds that this is not its frame. SIS writes both of them.
   local function dissect_frame(tvb, pinfo, parent, record)
-    pinfo.cols.info = strformat("%d character%s", record.count, plural(record.count))
-    if record.count > 0 then
-      framing_table:try(record.framing, tvb(record.data_offset, record.count):tvb(), pinfo, parent)
+    local count = record.count
+
+    if record.framing ~= FRAMING_SIS or count == 0 then
+      write_columns(pinfo, strformat("%d character%s", count, plural(count)))
     end
+    if count > 0 then framing_table:try(record.framing, tvb(record.data_offset, count):tvb(), pinfo, parent) end
   end
 
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
@@ -501,18 +536,9 @@ do
     if record.flags ~= 0 then report_errors(pinfo, root, record) end -- after the info column has its text
   end
 
-  function sertap.dissector(tvb, pinfo, parent)
-    local record = {bytes = tvb:raw(), raw_offset = tvb:offset(), flags = 0, first_at = {}, duration = 0}
-    local tree = parent:referenced(handle) and parent:add(sertap, tvb()) or nil
-    local root = tree or parent
-
-    pinfo.cols.protocol = "SERTAP"
-    if not dissect_header(tvb, tree, root, record) then
-      pinfo.cols.info = "Record that cannot be read"
-      return
-    end
-
-    check_count(tvb, add(tree, FT.count, tvb, 16, 2) or root, record)
+  local function dissect_record(tvb, pinfo, parent, tree, root, record)
+    if tree then show_header(tvb, tree, record) end
+    check_count(add(tree, FT.count, tvb, 16, 2) or root, record, tvb:reported_len())
     append_text(tree, ", " .. (types[record.type] or "type of a later version"))
     if record.type ~= K.EVENT then survey_characters(record) end
     if not pinfo.visited then T.line_note(pinfo, record) end
@@ -520,6 +546,22 @@ do
       dissect_event(tvb, pinfo, tree, root, record)
     else
       dissect_characters(tvb, pinfo, parent, tree, root, record)
+    end
+  end
+
+  function sertap.dissector(tvb, pinfo, parent)
+    local bytes, there = tvb:raw(), tvb:reported_len()
+    local tree = (#bytes > 0 or there == 0) and parent:referenced(handle) and parent:add(sertap, tvb()) or nil
+    local root = tree or parent
+    local can_be_read, is_cut = check_header(tvb, tree, root, bytes, there)
+
+    if can_be_read then
+      dissect_record(tvb, pinfo, parent, tree, root, read_record(tvb, bytes))
+    elseif is_cut then
+      write_columns(pinfo, "")
+      S.show_cut(tvb, pinfo, parent, "SERTAP")
+    else
+      write_columns(pinfo, "Record that cannot be read")
     end
   end
 

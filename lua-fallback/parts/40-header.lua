@@ -191,10 +191,12 @@ do
 
   -- Sum of bytes modulo 256; 0 for a telegram with a good checksum.
   function S.sum(bytes, offset, length)
-    local values, sum = {byte(bytes, offset + 1, offset + length)}, 0
+    local sum, last = 0, offset + length
 
-    for i = 1, length do
-      sum = sum + values[i]
+    for at = offset + 1, last, 8 do
+      local a, b, c, d, e, f, g, h = byte(bytes, at, min(at + 7, last))
+
+      sum = sum + a + (b or 0) + (c or 0) + (d or 0) + (e or 0) + (f or 0) + (g or 0) + (h or 0)
     end
     return sum % 256
   end
@@ -486,6 +488,7 @@ do
 
   -- Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044".
   local function dissect_whole_telegram(d)
+    if #d.bytes < K.STATIC_LENGTH then return "" end
     d.telegram = read_header(d)
     S.set_addresses(d.pinfo, d.telegram.talker, d.telegram.listener)
     dissect_start(d)
@@ -508,9 +511,11 @@ do
     local there = d.there
 
     dissect_start(d)
-    if #d.bytes > 1 then add(d.tree, F.raw, d.tvb, 1, #d.bytes - 1) end
-    add_expert(d.root, E.too_short,
-      strformat("The telegram is cut: %d byte%s, it has at least %d", there, plural(there), K.STATIC_LENGTH))
+    if #d.bytes == there then
+      if there > 1 then add(d.tree, F.raw, d.tvb, 1, there - 1) end
+      add_expert(d.root, E.too_short,
+        strformat("The telegram is cut: %d byte%s, it has at least %d", there, plural(there), K.STATIC_LENGTH))
+    end
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, concat(d.marks))
   end
 
@@ -518,7 +523,7 @@ do
   local function dissect_no_telegram(d)
     if d.tree then append_text(d.root, ", not a telegram") end
     add_expert(d.root, E.start)
-    add(d.tree, F.raw, d.tvb, 0, #d.bytes)
+    if #d.bytes == d.there then add(d.tree, F.raw, d.tvb, 0, d.there) end
     return strformat("Not a telegram, %d byte%s", d.there, plural(d.there))
   end
 
@@ -568,6 +573,7 @@ do
       if offset == 0 then cols.info = info else cols.info:append(" | " .. info) end
       offset = offset + extent
     end
+    if #bytes < there then S.show_cut(tvb, pinfo, tree, "SIS") end
   end
 
   -- TCP may split telegrams over segments and pack them into one: sis-transports.

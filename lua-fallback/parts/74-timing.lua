@@ -202,7 +202,7 @@ do
   end
 
   local function show_tmas(t)
-    local cycle, longest = t.record.cycle, limit_of(t, K.TMAS, 0)
+    local cycle, longest = t.record.cycle, t.telegram.times.record and limit_of(t, K.TMAS, 0) or 0
 
     add_time(t, F.tmas_cycle, cycle.ns, ms_text(cycle.ns))
     if longest > 0 then
@@ -224,10 +224,12 @@ do
   end
 
   local function show_bus(t)
-    local rate, load = setting(t, K.BAUD), t.record.load
+    local rate, record = setting(t, K.BAUD), t.record
 
     if rate then show_baud(t, rate) end
-    if load >= 0 and t.tree then
+    if record.busy and t.tree then
+      local load = T.percent(record.busy, record.span)
+
       set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, strformat("%.1f %%", load)))
     end
   end
@@ -271,7 +273,8 @@ do
     timing.tza = limit_of(t, K.TZA, P.tza_ms)
     if is_longest_wanted(t) then timing.longest = S.longest(telegram.times, timing.tza) end
     if timing.longest and not timing.longest.interval then timing.longest = nil end
-    timing.trs = is_answer and telegram.subaddress_count == 0 and limit_of(t, K.TRS, P.trs_ms) or 0
+    timing.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
+      and limit_of(t, K.TRS, P.trs_ms) or 0
     timing.wait = exchange and not telegram.is_reaction and exchange.wait or -1
   end
 
@@ -279,7 +282,7 @@ do
     local timing, record = t.timing, t.record
 
     return timing.silence or timing.longest or timing.trs > 0 or timing.wait >= 0 or record.cycle
-      or setting(t, K.BAUD) or record.load >= 0
+      or setting(t, K.BAUD) or record.busy
   end
 
   local function show(t)
@@ -343,7 +346,7 @@ do
     if pinfo.visited then return end
     if not telegram.is_good or not S.is_answered(address) then address = K.ALL_STATIONS end
     record.settings = S.bus_settings(record.bus.told, address, telegram.times.begin)
-    record.load = telegram.times.record and T.load(telegram.times.record) or -1
+    if telegram.times.record then record.busy, record.span = T.load(telegram.times.record) end
   end
 
   -- Adds what is known of a telegram's timing to its tree, and marks. `body` has been taken apart.
