@@ -1,6 +1,7 @@
 
 -- timing (sis-timing.c): verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
--- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict.
+-- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is there
+-- one where only packets have times.
 
 do
   local MS = 1000000 -- in ns
