@@ -46,7 +46,7 @@ do
 
   -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
   local function line_number(pinfo)
-    local record, interface = T.record(pinfo), S.interface()
+    local record, interface = T.record(pinfo), S.interface() or 0
 
     return record and record.line == 2 and interface > 0 and interface - 1 or interface
   end
@@ -65,7 +65,10 @@ do
     local number = stream_count
 
     stream_count = number + 1
-    return {number = number, bus = bus, from = {[0] = {transfers = {}}, {transfers = {}}}}
+    local stream = {number = number, bus = bus}
+
+    stream.from = {[0] = {stream = stream, transfers = {}}, {stream = stream, transfers = {}}}
+    return stream
   end
 
   -- Two stations, with what lies between them: a drive behind a router is not the router.
@@ -119,6 +122,11 @@ do
     exchange.transfer = before.transfer
   end
 
+  -- Neither group nor broadcast: judged by whom it is for in the end.
+  local function needs_reaction(exchange)
+    return S.is_answered(byte(exchange.path, -1))
+  end
+
   -- A router drops the first address and sends the rest on: is `bytes` what it made of `above`? Addresses of a telegram
   -- are from the sender to the last subaddress: bytes 6 and following.
   local function is_one_level_below(bytes, telegram, above)
@@ -157,36 +165,37 @@ do
 
   -- A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
   local function follow_command(exchange, before, telegram)
-    local same = exchange.stream.from[exchange.direction].last
+    local from, is_needed = exchange.from, needs_reaction(before)
 
-    if before.needs_reaction and not before.reaction_in then
+    if is_needed and not before.reaction_in then
       before.next_command_in = exchange.command_in
-      before.is_reaction_damaged = exchange.stream.bus.damaged_in > before.command_in
+      before.is_reaction_damaged = from.stream.bus.damaged_in > before.command_in
       exchange.gave_up = before.command_in
     end
     if exchange.repeat_of then
-      exchange.wait = telegram.times.begin - same.command_end
-    elseif not before.needs_reaction then
+      exchange.wait = telegram.times.begin - from.last.command_end
+    elseif not is_needed then
       exchange.wait = telegram.times.begin - before.command_end
     end
   end
 
   local function begin_exchange(bus, pinfo, telegram)
-    local stream, direction = find_stream(bus, telegram), S.direction(telegram)
-    local from, times = stream.from[direction], telegram.times
+    local stream, times = find_stream(bus, telegram), telegram.times
+    local from = stream.from[S.direction(telegram)]
     local bytes = sub(telegram.bytes, 1, telegram.declared)
-    local exchange = {
-      stream = stream,
-      direction = direction,
+    local exchange = { -- with no more fields than most exchanges need: half of the memory
+      from = from,
       path = sub(bytes, 8, 8 + telegram.subaddress_count), -- from the receiver to whom the command is for
       command_in = pinfo.number,
       command_end = times.end_,
-      command_end_earliest = times.is_bounded and times.end_earliest or nil,
-      needs_reaction = S.is_answered(telegram.last_address),
+      command_end_earliest = times.end_earliest,
+      reaction_in = nil,
+      reaction_time = nil, -- nil, too, where both are in one packet
+      request = nil,
     }
     local before = bus.last[telegram.sender]
 
-    if exchange.needs_reaction then
+    if needs_reaction(exchange) then
       find_repeat(exchange, from, bytes, telegram)
     end
     if next(routes) then
@@ -237,11 +246,11 @@ do
   local function is_given_up(exchange)
     return not exchange.reaction_in
       and exchange.next_command_in
-      and exchange.stream.bus.damaged_in > exchange.next_command_in
+      and exchange.from.stream.bus.damaged_in > exchange.next_command_in
   end
 
   local function answer(record, exchange, pinfo, telegram)
-    local stream = exchange.stream
+    local stream = exchange.from.stream
 
     record.exchange = exchange
     if exchange.reaction_in then
@@ -253,8 +262,9 @@ do
       exchange.next_command_in = nil -- there a master need not wait
     end
     routes[stream] = nil
-    exchange.has_time = exchange.command_in ~= pinfo.number
-    exchange.reaction_time = telegram.times.begin - exchange.command_end
+    if exchange.command_in ~= pinfo.number then
+      exchange.reaction_time = telegram.times.begin - exchange.command_end
+    end
     if exchange.forwarded then
       record.routed_from = exchange.forwarded.reaction_in
     end
@@ -279,7 +289,6 @@ do
     if tap then
       note_disturbance(bus, tap)
     end
-    record.bus = bus
     if not telegram.is_good then
       note_damaged(bus, pinfo.number)
     elseif telegram.is_reaction then
@@ -292,26 +301,24 @@ do
   -- Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then. Of a
   -- damaged telegram, the reaction that a command waits for may have been this one. Never nil.
   function S.exchange_find(_, pinfo, telegram)
-    local packet = S.packet(pinfo)
-    local place, number = packet.count + 1, pinfo.number
-    local of_place = records[place]
-    local record
+    local packet, number = S.packet(pinfo), pinfo.number
+    local place = packet.count + 1 -- several telegrams may be in one packet
+    local kind = telegram.service + (telegram.is_reaction and 0x100 or 0)
 
-    packet.count = place -- several telegrams may be in one packet
-    if not of_place then
-      of_place = {}
-      records[place] = of_place
-    end
-    record = of_place[number]
-    if record and record.service == telegram.service and record.is_reaction == telegram.is_reaction then
-      return record
-    end
+    packet.count = place
+    records[place] = records[place] or {}
+    local record = records[place][number]
+
+    if record and record.kind == kind then return record end
     -- A telegram that the first pass did not see: TCP put its segments together in another way.
-    if record or pinfo.visited then
-      return {service = telegram.service, is_reaction = telegram.is_reaction, load = -1}
-    end
-    record = {service = telegram.service, is_reaction = telegram.is_reaction, load = -1}
-    of_place[number] = record
+    if record or pinfo.visited then return {kind = kind} end
+    record = {
+      kind = kind, -- to know the telegram again
+      exchange = nil, -- of a damaged telegram, and of a reaction without a command
+      busy = nil,
+      span = nil,
+    }
+    records[place][number] = record
     note_telegram(record, pinfo, telegram)
     return record
   end
@@ -327,14 +334,16 @@ do
     end
   end
 
-  local function show_command(exchange, tvb, tree, root, marks)
+  local function show_command(exchange, body)
+    local tree, tvb, root = body.tree, body.tvb, body.root
+
     add_frame(tree, tvb, F.reaction_in, exchange.reaction_in)
     add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
     add_frame(tree, tvb, F.gave_up, exchange.gave_up)
     add_frame(tree, tvb, F.routed_from, exchange.routed_from)
     if exchange.repeat_of then
       add_expert(root, E.repeated, strformat("The command of frame %d again", exchange.repeat_of))
-      marks[#marks + 1] = "  [repeat]"
+      body.marks = body.marks .. "  [repeat]"
     end
     if exchange.next_command_in then
       add_expert(root, E.unanswered, strformat("No reaction before the next command (frame %d)%s",
@@ -342,8 +351,9 @@ do
     end
   end
 
-  local function show_reaction(record, tvb, tree, root)
+  local function show_reaction(record, body)
     local exchange = record.exchange
+    local tree, tvb, root = body.tree, body.tvb, body.root
 
     if not exchange then
       add_expert(root, E.unasked)
@@ -354,23 +364,23 @@ do
     if record.reaction_before then
       add_expert(root, E.answered_before,
         strformat("The command was answered before, in frame %d", record.reaction_before))
-    elseif exchange.has_time and tree then
+    elseif exchange.reaction_time and tree then
       set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(exchange.reaction_time),
         strformat("%.3f ms", exchange.reaction_time / 1e6)))
     end
   end
 
   -- Adds what is known of the exchange to the tree, and marks.
-  function S.exchange_show(record, tvb, _, tree, root, telegram, marks)
+  function S.exchange_show(record, telegram, body)
     local exchange = record.exchange
 
     if exchange then
-      set_generated(add(tree, F.stream, tvb, 0, 0, exchange.stream.number))
+      set_generated(add(body.tree, F.stream, body.tvb, 0, 0, exchange.from.stream.number))
     end
     if telegram.is_reaction then
-      show_reaction(record, tvb, tree, root)
+      show_reaction(record, body)
     elseif exchange then
-      show_command(exchange, tvb, tree, root, marks)
+      show_command(exchange, body)
     end
   end
 end

@@ -44,7 +44,7 @@ do
   end
 
   local function transfers_of(exchange)
-    return exchange.stream.from[exchange.direction].transfers
+    return exchange.from.transfers
   end
 
   local function is_same_transfer(a, b)
@@ -65,27 +65,25 @@ do
   end
 
   -- A step that was taken before: the same command again, or its reaction again.
-  local function is_taken_before(record)
-    local exchange = record.exchange
+  local function is_taken_before(body)
+    local record, exchange = body.record, body.record.exchange
 
-    if record.is_reaction then
-      return record.reaction_before ~= nil or exchange.is_kept_reaction_seen
-    end
+    if body.is_reaction then return record.reaction_before ~= nil or exchange.is_kept_reaction_seen end
     return exchange.repeat_of ~= nil
   end
 
   local function damaged_since(transfer, exchange)
-    return exchange.stream.bus.damaged_count - transfer.damaged_count
+    return exchange.from.stream.bus.damaged_count - transfer.damaged_count
   end
 
   -- Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a command
   -- that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends the reaction
   -- again that it has kept.
-  local function is_piece_missing(record, transfer)
-    local exchange = record.exchange
-    local enough = record.is_reaction and exchange.repeat_of and 1 or 2
+  local function is_piece_missing(body, transfer)
+    local exchange = body.record.exchange
+    local enough = body.is_reaction and exchange.repeat_of and 1 or 2
 
-    if exchange.stream.bus.lost_in > transfer.last_in then
+    if exchange.from.stream.bus.lost_in > transfer.last_in then
       return true
     end
     return not exchange.is_reaction_kept and damaged_since(transfer, exchange) >= enough
@@ -108,11 +106,12 @@ do
   end
 
   -- Whose piece these data are; decided once, in the order of the capture.
-  local function place_piece(record, body, like, is_last)
-    local exchange, frame = record.exchange, body.pinfo.number
+  local function place_piece(body, like, is_last)
+    local record, frame = body.record, body.pinfo.number
+    local exchange = record.exchange
     local place, transfer = find_transfer(exchange, like)
 
-    record.is_piece_repeated = is_taken_before(record)
+    record.is_piece_repeated = is_taken_before(body)
     if not transfer and (is_last or record.is_piece_repeated) then
       record.transfer = record.is_piece_repeated and exchange.transfer or nil -- of one that is over
       return
@@ -120,12 +119,12 @@ do
     if not transfer then
       transfer = like
       transfer.begun_in, transfer.last_in, transfer.pieces = frame, frame, {}
-      transfer.damaged_count = exchange.stream.bus.damaged_count
+      transfer.damaged_count = exchange.from.stream.bus.damaged_count
       place = #transfers_of(exchange) + 1
       transfers_of(exchange)[place] = transfer
     end
     record.transfer, exchange.transfer = transfer, transfer
-    if not record.is_piece_repeated and is_piece_missing(record, transfer) then
+    if not record.is_piece_repeated and is_piece_missing(body, transfer) then
       transfer.is_broken = true
     end
     record.is_piece_missing = transfer.is_broken
@@ -133,7 +132,7 @@ do
       return
     end
     transfer.last_in = frame
-    transfer.damaged_count = exchange.stream.bus.damaged_count
+    transfer.damaged_count = exchange.from.stream.bus.damaged_count
     if not transfer.is_broken then
       add_piece(transfer, frame, S.data(body).bytes, is_last)
     end
@@ -226,8 +225,10 @@ do
     if is_outside(body) then
       return is_last and S.data(body) or nil
     end
-    if not body.pinfo.visited then
-      place_piece(record, body, make_like(body, ident, element, device), is_last)
+    local is_alone = is_last and not next(transfers_of(record.exchange)) and not is_taken_before(body) -- as most are
+
+    if not body.pinfo.visited and not is_alone then
+      place_piece(body, make_like(body, ident, element, device), is_last)
     end
     if record.transfer then
       return put_together(body, is_last)

@@ -104,7 +104,7 @@ do
 
   local function look_up(body, ident, device)
     local exchange = body.record and body.record.exchange
-    local learned = exchange and exchange.stream.bus.learned
+    local learned = exchange and exchange.from.stream.bus.learned
 
     if learned and next(learned) then
       return learned[make_key(exchange, ident, device)]
@@ -180,6 +180,6 @@ do
       known[name] = old
     end
     known[what], known[what .. "_from"] = value, K.FROM_BUS
-    exchange.stream.bus.learned[make_key(exchange, ident, device)] = known
+    exchange.from.stream.bus.learned[make_key(exchange, ident, device)] = known
   end
 end

@@ -32,15 +32,9 @@ do
   -- much of that its others need, from the first character to the last, at least; ns.
   local function read_at(times, character)
     local record, size = times.record, read_size(times, character)
+    local others = size > 1 and (size - 1) * shortest_character(record) or 0
 
-    if size > 1 then
-      local others = (size - 1) * shortest_character(record)
-
-      return {size = size, uncertainty = max(record.uncertainty or K.ANY_TIME, others), others = others}
-    end
-    -- As most reads are.
-    times.lone = times.lone or {size = 1, uncertainty = record.uncertainty or K.ANY_TIME, others = 0}
-    return times.lone
+    return {size = size, uncertainty = max(record.uncertainty or K.ANY_TIME, others), others = others}
   end
 
   local function bound_begin(times)
@@ -73,7 +67,7 @@ do
 
   -- The times of the telegram that `tvb` begins with, in ns; record is nil where only the time of its packet is known:
   -- {record, first, count: of the record's characters, begin, end_: as recorded, begin_earliest, begin_latest,
-  -- end_earliest, is_bounded: else these three are not known}.
+  -- end_earliest: nil where they are not known}.
   function S.times(tvb, pinfo, length)
     local record, begin = T.record(pinfo), S.packet_time(pinfo)
     local first = record and T.index(record, tvb)
@@ -82,21 +76,27 @@ do
       return {begin = begin, end_ = begin}
     end
     begin = begin + duration(record, 0, first)
-    local times = {
+    local end_ = begin + (length == record.timed and record.duration or duration(record, first, first + length - 1))
+    local uncertainty = record.uncertainty
+    local times = { -- as they are where every character came in a read of its own
       record = record,
       first = first,
       count = length,
       begin = begin,
-      end_ = begin + (length == record.timed and record.duration or duration(record, first, first + length - 1)),
-      is_bounded = record.uncertainty ~= nil,
+      end_ = end_,
+      begin_earliest = uncertainty and begin - uncertainty,
+      begin_latest = uncertainty and begin,
+      end_earliest = uncertainty and end_ - uncertainty,
     }
-    if times.is_bounded then
+
+    if uncertainty and band(record.flags, K.SAME_READ) ~= 0 then
       bound_begin(times)
       bound_end(times)
     end
     return times
   end
 
+  local NOT_MEASURED = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED + K.LOST_BEFORE
   local UNKNOWN_OR_LOST = K.INTERVAL_UNKNOWN + K.LOST_BEFORE
   local UNKNOWN_OR_SATURATED = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED
 
@@ -106,7 +106,7 @@ do
     local least = interval - read.uncertainty
     local most = interval - read.others + before.uncertainty - before.others
 
-    if not times.is_bounded then return {least = 0, most = K.ANY_TIME} end
+    if not times.record.uncertainty then return {least = 0, most = K.ANY_TIME} end
     if band(flags, UNKNOWN_OR_LOST) ~= 0 then least = 0 end
     if band(flags, UNKNOWN_OR_SATURATED) ~= 0 then most = K.ANY_TIME end
     return {least = max(least, 0), most = most}
@@ -118,7 +118,7 @@ do
     local shortest = shortest_character(times.record)
     local most = read.uncertainty - read.others + shortest
 
-    if not times.is_bounded then
+    if not times.record.uncertainty then
       most = K.ANY_TIME
     elseif before then
       most = min(most, span_before(times, before, read, character).most)
@@ -185,12 +185,16 @@ do
       before = read
       character = character + read.size
     end
-    return longest
+    return longest.interval and longest
   end
 
-  -- Whether an interval of a telegram can be longer than the limit: quicker than to look at every one of them.
-  function S.may_exceed(times, limit)
-    return times.record.interval_max > limit or shortest_character(times.record) > limit
+  -- Whether all intervals are within the limit, whatever the uncertainty: quicker than to look at each of them.
+  function S.are_within(times, limit)
+    local record = times.record
+
+    return record.uncertainty
+      and band(record.flags, NOT_MEASURED) == 0
+      and max(record.interval_max, shortest_character(record)) + record.uncertainty <= limit
   end
 
   -- From the end of one telegram to the beginning of another.

@@ -105,7 +105,7 @@ do
 
     if not body.is_reaction then request = body.request end
     if body.pinfo.visited or not exchange or not is_told(body, request, is_for_all) then return end
-    local told = exchange.stream.bus.told
+    local told = exchange.from.stream.bus.told
     local address = is_for_all and K.ALL_STATIONS or byte(exchange.path)
 
     learn(told, address, request, exchange.command_in, body.pinfo.number, telegram.times.end_)

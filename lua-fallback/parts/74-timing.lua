@@ -76,7 +76,9 @@ do
     return strformat("between %s and %s", ms_text(max(span.least, 0)), ms_text(span.most))
   end
 
-  -- A telegram whose timing is looked at (t): {telegram, timing: of the telegram, record, body, tree, root: of `tree`}.
+  -- A telegram whose timing is looked at (t): {telegram, record, body, tree, root: of `tree`; and in ns silence (nil: not
+  -- known), tza and trs: limits (0: not known, so there is no verdict), longest (nil: not known, or nobody asks), wait:
+  -- TwM (negative: none)}.
 
   local function add_time(t, which, ns, text)
     local item = t.tree and add_value(t.tree, which, t.body.tvb, 0, 0, nstime(ns), text)
@@ -117,7 +119,7 @@ do
     add_expert(item or t.root, is_exceeded and judgement.exceeded or judgement.unresolved,
       strformat("%s = %s %s: %s", judgement.name, limit_text, is_exceeded and "exceeded" or "perhaps exceeded", words))
     if is_exceeded then
-      t.body.marks[#t.body.marks + 1] = strformat("  [%s exceeded]", judgement.name)
+      t.body.marks = t.body.marks .. strformat("  [%s exceeded]", judgement.name)
     end
   end
 
@@ -162,7 +164,7 @@ do
 
   -- The longest interval, where it is, and what TzA says to it.
   local function show_tza(t)
-    local longest = t.timing.longest
+    local longest = t.longest
     local interval = longest.interval
     local text, position = interval_text(t, interval), position_text(t, interval.at)
 
@@ -172,8 +174,8 @@ do
       add_time(t, F.tza_interval_max, interval.span.most, text)
     end
     add_uint(t, F.tza_position, interval.at, " (" .. position .. ")")
-    if t.timing.tza ~= 0 then
-      show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.timing.tza, longest.verdict,
+    if t.tza ~= 0 then
+      show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.tza, longest.verdict,
         strformat("%s before character %d (%s)%s", text, interval.at, position, receiver_words(longest)))
     end
   end
@@ -181,19 +183,22 @@ do
   -- The reaction time of a slave on this line; behind a router it holds times of other lines.
   local function show_trs(t)
     local exchange, times = t.record.exchange, t.telegram.times
-    local span, words = {least = 0, most = K.ANY_TIME}, "how exact the times are is not known"
+    local span, words = {least = 0, most = K.ANY_TIME}, function() return "how exact the times are is not known" end
 
-    if times.is_bounded and exchange.command_end_earliest then
-      span = S.span_between(exchange.command_end_earliest, exchange.command_end, times)
-      words = span_text(span)
+    if times.begin_earliest and exchange.command_end_earliest then
+      span, words = S.span_between(exchange.command_end_earliest, exchange.command_end, times), span_text
     end
-    show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.timing.trs, S.judge(span, t.timing.trs), words)
+    local verdict = S.judge(span, t.trs)
+
+    if t.tree or verdict ~= K.TIME_OK then
+      show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict, words(span))
+    end
   end
 
   -- How long the master waited before it repeated, or after a broadcast. Nobody is told TwM, but a slave may take TrS
   -- to answer.
   local function show_twm(t)
-    local wait, slave = t.timing.wait, limit_of(t, K.TRS, P.trs_ms)
+    local wait, slave = t.wait, limit_of(t, K.TRS, P.trs_ms)
     local item = add_time(t, F.twm_wait, wait, ms_text(wait))
 
     if t.record.exchange.repeat_of and slave > 0 and wait < slave then
@@ -236,7 +241,7 @@ do
   end
 
   local function show_silence(t)
-    local silence = t.timing.silence
+    local silence = t.silence
     local item = t.tree and add_time(t, F.silence_before, silence, idle_text(t, silence) .. ")")
 
     if silence > OPERATOR_TERMINAL_SILENCE then
@@ -260,41 +265,37 @@ do
     local tree, times = t.body.tree, t.telegram.times
 
     if not times.record then return false end
-    return (t.timing.tza > 0 and S.may_exceed(times, t.timing.tza))
-      or (tree and (t.timing.tza > 0 or tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_position)))
+    if t.tza > 0 then return tree or not S.are_within(times, t.tza) end
+    return tree and (tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_position))
   end
 
   local function find_timing(t)
-    local telegram, record, timing = t.telegram, t.record, t.timing
+    local telegram, record = t.telegram, t.record
     local exchange = record.exchange
-    local is_answer = telegram.is_good and telegram.is_reaction and exchange and exchange.has_time
+    local is_answer = telegram.is_good and telegram.is_reaction and exchange and exchange.reaction_time
       and not record.reaction_before
 
-    timing.silence = silence_before(telegram.times)
-    timing.tza = limit_of(t, K.TZA, P.tza_ms)
-    if is_longest_wanted(t) then timing.longest = S.longest(telegram.times, timing.tza) end
-    if timing.longest and not timing.longest.interval then timing.longest = nil end
-    timing.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
+    t.silence = silence_before(telegram.times)
+    t.tza = limit_of(t, K.TZA, P.tza_ms)
+    if is_longest_wanted(t) then t.longest = S.longest(telegram.times, t.tza) end
+    t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
       and limit_of(t, K.TRS, P.trs_ms) or 0
-    timing.wait = exchange and not telegram.is_reaction and exchange.wait or -1
+    t.wait = exchange and not telegram.is_reaction and exchange.wait or -1
   end
 
   local function is_anything_known(t)
-    local timing, record = t.timing, t.record
-
-    return timing.silence or timing.longest or timing.trs > 0 or timing.wait >= 0 or record.cycle
-      or setting(t, K.BAUD) or record.busy
+    return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.record.busy
   end
 
   local function show(t)
-    local timing, body = t.timing, t.body
+    local body = t.body
 
     t.tree = set_generated(add_subtree(body.tree, body.tvb, 0, 0, "Timing"))
     t.root = t.tree or body.root
-    if timing.silence then show_silence(t) end
-    if timing.longest then show_tza(t) end
-    if timing.trs > 0 then show_trs(t) end
-    if timing.wait >= 0 then show_twm(t) end
+    if t.silence then show_silence(t) end
+    if t.longest then show_tza(t) end
+    if t.trs > 0 then show_trs(t) end
+    if t.wait >= 0 then show_twm(t) end
     if t.record.cycle then show_tmas(t) end
     show_bus(t)
   end
@@ -321,7 +322,7 @@ do
     local before = last.times
     local span = {least = 0, most = K.ANY_TIME}
 
-    if times.is_bounded and before.is_bounded then
+    if times.begin_earliest and before.begin_earliest then
       span.least = times.begin_earliest - before.begin_latest
       span.most = times.begin_latest - before.begin_earliest
     end
@@ -333,8 +334,8 @@ do
     local request = exchange and body.request and find_control_word(body.request)
 
     if not request then return end
-    local cycles, times = exchange.stream.bus.cycles, telegram.times
-    local key = exchange.stream.number * 256 + (request.device or 0)
+    local cycles, times = exchange.from.stream.bus.cycles, telegram.times
+    local key = exchange.from.stream.number * 256 + (request.device or 0)
 
     if cycles[key] then record.cycle = make_cycle(cycles[key], times) end
     cycles[key] = {frame = body.pinfo.number, times = times}
@@ -342,21 +343,23 @@ do
 
   -- First pass: what is valid for a telegram that has just come. A swapped reaction's slave is in its command.
   function S.timing_note(record, telegram, pinfo)
-    local address = record.exchange and byte(record.exchange.path) or telegram.receiver
-
     if pinfo.visited then return end
+    local exchange = record.exchange
+    local bus = exchange and exchange.from.stream.bus or S.exchange_bus(pinfo)
+    local address = exchange and byte(exchange.path) or telegram.receiver
+
     if not telegram.is_good or not S.is_answered(address) then address = K.ALL_STATIONS end
-    record.settings = S.bus_settings(record.bus.told, address, telegram.times.begin)
+    record.settings = S.bus_settings(bus.told, address, telegram.times.begin)
     if telegram.times.record then record.busy, record.span = T.load(telegram.times.record) end
   end
 
   -- Adds what is known of a telegram's timing to its tree, and marks. `body` has been taken apart.
   function S.timing_dissect(telegram, record, body)
-    local timing = {}
-    local t = {telegram = telegram, timing = timing, record = record, body = body}
-
     if not body.pinfo.visited then note_cycle(record, telegram, body) end
+    if not body.tree and not record.settings and P.tza_ms == 0 and P.trs_ms == 0 then return end -- nothing to be seen
+    local t = {telegram = telegram, record = record, body = body}
+
     find_timing(t)
-    if (body.tree or timing.tza > 0 or timing.trs > 0 or record.cycle) and is_anything_known(t) then show(t) end
+    if (body.tree or t.tza > 0 or t.trs > 0 or record.cycle) and is_anything_known(t) then show(t) end
   end
 end
