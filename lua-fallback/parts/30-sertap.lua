@@ -9,7 +9,7 @@ do
 
   at_init(function() lines = {} end)
 
-  local function find_line(pinfo)
+  local function find_line()
     local key = S.interface()
     local line = lines[key]
 
@@ -54,7 +54,7 @@ do
   end
 
   function T.line_note(pinfo, record)
-    local line = find_line(pinfo)
+    local line = find_line()
 
     record.known = line
     if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, pinfo, record) end
@@ -274,40 +274,36 @@ do
     return size >= RECORD_HEADER_SIZE and there >= size and #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
   end
 
+  -- The record that is dissected: one table for all of them, as making new ones would cost more than all the rest.
+  local reused = {}
+
   -- Reads a record whose header can be read. What is whole is decoded, also where something is missing.
   local function read_record(tvb, bytes)
-    local _, size, kind, line, baud, data_bits, parity, stop_half_bits, framing, uncertainty, declared, event =
-      Struct.unpack(">BBBBI4BBBBI4I2I2", bytes)
+    local record, _, size, kind, uncertainty, declared = reused
+    _, size, kind, record.line, record.baud, record.data_bits, record.parity, record.stop_half_bits, record.framing,
+      uncertainty, declared, record.event = Struct.unpack(">BBBBI4BBBBI4I2I2", bytes)
     local captured = max(#bytes - size, 0)
 
-    return {
-      bytes = bytes,
-      raw_offset = tvb:offset(),
-      type = kind,
-      line = line,
-      framing = framing,
-      baud = baud,
-      data_bits = data_bits,
-      parity = parity,
-      stop_half_bits = stop_half_bits,
-      uncertainty = uncertainty ~= UNCERTAINTY_UNKNOWN and uncertainty or nil, -- ns
-      event = event,
-      declared = declared, -- characters the record says it has
-      count = min(captured, declared), -- characters whose value is there
-      -- Characters whose interval and flags are there, too. The three arrays follow one another: what is missing at the
-      -- end is missing from the flags first.
-      timed = kind ~= K.EVENT and max(min(captured - declared * 5, declared), 0) or 0,
-      data_offset = size, -- of the values
-      times_offset = size + declared, -- of the intervals, 4 bytes each, ns
-      flags_offset = size + declared * 5,
-      known = nil, -- in the first pass: what is known of the line
-      flags = 0, -- of all its characters, ORed
-      first_at = nil, -- by flag: the first character that has it
-      intervals = nil, -- ns
-      duration = 0, -- ns, from the first character to the last
-      interval_max = 0, -- ns, longest between two characters of this record
-      interval_max_at = 0, -- before this character; 0: there is none
-    }
+    record.bytes = bytes
+    record.raw_offset = tvb:offset()
+    record.type = kind
+    record.uncertainty = uncertainty ~= UNCERTAINTY_UNKNOWN and uncertainty or nil -- ns
+    record.declared = declared -- characters the record says it has
+    record.count = min(captured, declared) -- characters whose value is there
+    -- Characters whose interval and flags are there, too. The three arrays follow one another: what is missing at the
+    -- end is missing from the flags first.
+    record.timed = kind ~= K.EVENT and max(min(captured - declared * 5, declared), 0) or 0
+    record.data_offset = size -- of the values
+    record.times_offset = size + declared -- of the intervals, 4 bytes each, ns
+    record.flags_offset = size + declared * 5
+    record.known = nil -- in the first pass: what is known of the line
+    record.flags = 0 -- of all its characters, ORed
+    record.first_at = nil -- by flag: the first character that has it
+    record.intervals = nil -- ns
+    record.duration = 0 -- ns, from the first character to the last
+    record.interval_max = 0 -- ns, longest between two characters of this record
+    record.interval_max_at = 0 -- before this character; 0: there is none
+    return record
   end
 
   -- Compares the count with the bytes that are there.

@@ -177,9 +177,9 @@ do
   end
 
   -- Something is wrong: an expert item, and a mark that people see in the info column.
-  local function mark(d, item, which, text)
-    add_expert(item or d.root, which)
-    d.marks[#d.marks + 1] = "  [" .. text .. "]"
+  local function mark(body, item, which, text)
+    add_expert(item or body.root, which)
+    body.marks = body.marks .. "  [" .. text .. "]"
   end
 
   -- How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ).
@@ -210,9 +210,9 @@ do
   end
 
   -- Verified only where the whole telegram is there and tells its length.
-  local function dissect_checksum(d)
-    local telegram, checksum = d.telegram, byte(d.bytes, 2)
-    local item = add(d.tree, F.checksum, d.tvb, 1, 1)
+  local function dissect_checksum(body)
+    local telegram, checksum = body.telegram, byte(body.bytes, 2)
+    local item = add(body.tree, F.checksum, body.tvb, 1, 1)
     local state = CHECKSUM_UNVERIFIED
 
     if telegram.sum == 0 then
@@ -220,58 +220,58 @@ do
     elseif telegram.sum then
       state = CHECKSUM_BAD
     end
-    set_generated(add_value(d.tree, F.checksum_status, d.tvb, 1, 0, state, checksum_states[state]))
+    set_generated(add_value(body.tree, F.checksum_status, body.tvb, 1, 0, state, checksum_states[state]))
     if state == CHECKSUM_BAD then
       local expected = strformat("should be 0x%02x", (checksum - telegram.sum) % 256)
 
       append_text(item, " incorrect, " .. expected)
-      add_expert(item or d.root, E.checksum, WRONG_CHECKSUM .. " [" .. expected .. "]")
-      d.marks[#d.marks + 1] = "  [wrong checksum]"
+      add_expert(item or body.root, E.checksum, WRONG_CHECKSUM .. " [" .. expected .. "]")
+      body.marks = body.marks .. "  [wrong checksum]"
     else
       append_text(item, state == CHECKSUM_GOOD and " [correct]" or " [unverified]")
     end
   end
 
-  local function dissect_lengths(d)
-    local there, declared, marks = d.there, d.declared, d.marks
-    local item = add(d.tree, F.length_repeat, d.tvb, 3, 1)
+  local function dissect_lengths(body)
+    local there, declared = body.there, body.declared
+    local item = add(body.tree, F.length_repeat, body.tvb, 3, 1)
 
     if declared == 0 then
-      mark(d, item, E.lengths_differ, "lengths differ")
+      mark(body, item, E.lengths_differ, "lengths differ")
     elseif there < declared then
-      add_expert(item or d.root, E.too_short, strformat("The telegram is cut: %d of %d bytes", there, declared))
-      marks[#marks + 1] = strformat("  [cut: %d of %d bytes]", there, declared)
+      add_expert(item or body.root, E.too_short, strformat("The telegram is cut: %d of %d bytes", there, declared))
+      body.marks = body.marks .. strformat("  [cut: %d of %d bytes]", there, declared)
     elseif there > declared then
-      add_expert(item or d.root, E.too_long,
+      add_expert(item or body.root, E.too_long,
         strformat("%d bytes follow the end of the telegram", there - declared))
-      marks[#marks + 1] = strformat("  [%d bytes too many]", there - declared)
+      body.marks = body.marks .. strformat("  [%d bytes too many]", there - declared)
     end
   end
 
   -- IF02: bit 5 reserved, 6 and 7 the system state of the sender.
-  local function dissect_control_if02(d, item)
-    local control = d.telegram.control
+  local function dissect_control_if02(body, item)
+    local control = body.telegram.control
 
-    if band(control, CONTROL_RESERVED) ~= 0 then mark(d, item, E.control_reserved, "reserved bit") end
-    if band(control, CONTROL_WARNING) ~= 0 then mark(d, item, E.system_warning, "system warning") end
-    if band(control, CONTROL_ERROR) ~= 0 then mark(d, item, E.system_error, "system error") end
+    if band(control, CONTROL_RESERVED) ~= 0 then mark(body, item, E.control_reserved, "reserved bit") end
+    if band(control, CONTROL_WARNING) ~= 0 then mark(body, item, E.system_warning, "system warning") end
+    if band(control, CONTROL_ERROR) ~= 0 then mark(body, item, E.system_error, "system error") end
   end
 
   local ECODRIVE03_ERROR = 6
 
   -- ECODRIVE03: bits 5 to 7 are the state of a reaction.
-  local function dissect_control_ecodrive03(d, item)
-    local status = rshift(d.telegram.control, 5)
+  local function dissect_control_ecodrive03(body, item)
+    local status = rshift(body.telegram.control, 5)
     local text = N.control_status_ecodrive03[status]
 
     if status == 0 then return end
-    if not d.telegram.is_reaction then
-      mark(d, item, E.control_reserved, "reserved bits")
+    if not body.telegram.is_reaction then
+      mark(body, item, E.control_reserved, "reserved bits")
       return
     end
-    add_expert(item or d.root, status == ECODRIVE03_ERROR and E.control_error or E.control_status,
+    add_expert(item or body.root, status == ECODRIVE03_ERROR and E.control_error or E.control_status,
       "Status in the telegram control: " .. text)
-    d.marks[#d.marks + 1] = strformat("  [control status %d: %s]", status, text)
+    body.marks = body.marks .. strformat("  [control status %d: %s]", status, text)
   end
 
   local bits = {
@@ -280,146 +280,140 @@ do
     [K.ECODRIVE03] = {F.control_status, F.control_reaction, F.control_number, F.control_subaddresses},
   }
 
-  local function dissect_control(d)
+  local function dissect_control(body)
     local item
 
-    if d.tree then
-      item = add(d.tree, F.control, d.tvb, 4, 1)
+    if body.tree then
+      item = add(body.tree, F.control, body.tvb, 4, 1)
       for _, bit_field in ipairs(bits[P.edition]) do
-        add(item, bit_field, d.tvb, 4, 1)
+        add(item, bit_field, body.tvb, 4, 1)
       end
-      append_text(item, d.telegram.is_reaction and " (reaction)" or " (command)")
+      append_text(item, body.telegram.is_reaction and " (reaction)" or " (command)")
     end
-    if d.telegram.control >= CONTROL_RESERVED then
-      if P.edition == K.IF02 then dissect_control_if02(d, item) else dissect_control_ecodrive03(d, item) end
+    if body.telegram.control >= CONTROL_RESERVED then
+      if P.edition == K.IF02 then dissect_control_if02(body, item) else dissect_control_ecodrive03(body, item) end
     end
   end
 
-  local function dissect_service(d)
-    local service = d.telegram.service
-    local item = add(d.tree, F.service, d.tvb, 5, 1)
+  local function dissect_service(body)
+    local service = body.telegram.service
+    local item = add(body.tree, F.service, body.tvb, 5, 1)
 
     if S.service_is_reserved(service) or (P.edition == K.ECODRIVE03 and service >= 0xE0) then
-      add_expert(item or d.root, E.service_reserved)
+      add_expert(item or body.root, E.service_reserved)
     end
   end
 
-  local function dissect_sender(d)
-    local sender = d.telegram.sender
+  local function dissect_sender(body)
+    local sender = body.telegram.sender
     local kind = S.sender_kind(sender)
-    local item = d.tree and add_value(d.tree, F.sender, d.tvb, 6, 1, sender,
+    local item = body.tree and add_value(body.tree, F.sender, body.tvb, 6, 1, sender,
       strformat("%d (%s)", sender, S.kind_text(kind)))
 
     if kind == K.SERVICE_MASTER then
-      mark(d, item, E.sender_service, "service address 127")
+      mark(body, item, E.sender_service, "service address 127")
     elseif kind == K.NO_SENDER then
-      mark(d, item, E.sender_invalid, "invalid sender address")
+      mark(body, item, E.sender_invalid, "invalid sender address")
     end
   end
 
   -- What is wrong with one address of the list.
-  local function check_receiver(d, item, receiver, kind, is_last)
-    if kind == K.NOT_ASSIGNED then mark(d, item, E.receiver_reserved, "address 127 is not assigned") end
-    if kind == K.RESERVED then mark(d, item, E.receiver_reserved, "reserved address") end
+  local function check_receiver(body, item, receiver, kind, is_last)
+    if kind == K.NOT_ASSIGNED then mark(body, item, E.receiver_reserved, "address 127 is not assigned") end
+    if kind == K.RESERVED then mark(body, item, E.receiver_reserved, "reserved address") end
     if kind == K.LEVEL_BROADCAST and not is_last then
-      mark(d, item, E.level_broadcast, "254 before the last address")
+      mark(body, item, E.level_broadcast, "254 before the last address")
     end
-    if is_last and d.telegram.is_reaction and not S.is_answered(receiver) then
-      mark(d, item, E.reaction_unexpected, "reaction to a group or broadcast")
+    if is_last and body.telegram.is_reaction and not S.is_answered(receiver) then
+      mark(body, item, E.reaction_unexpected, "reaction to a group or broadcast")
     end
   end
 
   -- One address of the list: the receiver itself, or a subaddress.
-  local function dissect_receiver(d, which, offset, is_last)
-    local receiver = byte(d.bytes, offset + 1)
+  local function dissect_receiver(body, which, offset, is_last)
+    local receiver = byte(body.bytes, offset + 1)
     local kind = S.receiver_kind(receiver)
     local item
 
-    if d.tree then
+    if body.tree then
       local text = strformat("%d (%s)", receiver, S.kind_text(kind))
 
       if which == F.subaddress then
-        item = add(d.tree, which, d.tvb, offset, 1, receiver,
+        item = add(body.tree, which, body.tvb, offset, 1, receiver,
           strformat("Subaddress %d: %s", offset - K.STATIC_LENGTH + 1, text))
       else
-        item = add_value(d.tree, which, d.tvb, offset, 1, receiver, text)
+        item = add_value(body.tree, which, body.tvb, offset, 1, receiver, text)
       end
     end
-    if kind ~= K.STATION then check_receiver(d, item, receiver, kind, is_last) end
+    if kind ~= K.STATION then check_receiver(body, item, receiver, kind, is_last) end
   end
 
   -- Receiver, subaddresses and telegram number: the number comes directly after the last subaddress present.
-  local function dissect_addresses(d)
-    local telegram = d.telegram
+  local function dissect_addresses(body)
+    local telegram = body.telegram
     local count, number_at = telegram.subaddress_count, K.STATIC_LENGTH + telegram.subaddress_count
 
-    dissect_sender(d)
-    dissect_receiver(d, F.receiver, 7, count == 0)
-    for offset = K.STATIC_LENGTH, min(number_at, d.end_) - 1 do
-      dissect_receiver(d, F.subaddress, offset, offset + 1 == number_at)
+    dissect_sender(body)
+    dissect_receiver(body, F.receiver, 7, count == 0)
+    for offset = K.STATIC_LENGTH, min(number_at, body.end_) - 1 do
+      dissect_receiver(body, F.subaddress, offset, offset + 1 == number_at)
     end
-    if number_at < telegram.body_offset and number_at < d.end_ then
-      add(d.tree, F.number, d.tvb, number_at, 1)
+    if number_at < telegram.body_offset and number_at < body.end_ then
+      add(body.tree, F.number, body.tvb, number_at, 1)
     end
-    if d.declared > 0 and telegram.body_offset > d.declared then
-      mark(d, d.root, E.header_too_long, "header longer than telegram")
+    if body.declared > 0 and telegram.body_offset > body.declared then
+      mark(body, body.root, E.header_too_long, "header longer than telegram")
     end
-    if d.tree then
-      set_generated(add(d.tree, F.talker, d.tvb, 0, 0, telegram.talker))
-      set_generated(add(d.tree, F.listener, d.tvb, 0, 0, telegram.listener))
-      set_generated(add(d.tree, F.station, d.tvb, 0, 0, telegram.talker)):set_hidden()
-      set_generated(add(d.tree, F.station, d.tvb, 0, 0, telegram.listener)):set_hidden()
+    if body.tree then
+      set_generated(add(body.tree, F.talker, body.tvb, 0, 0, telegram.talker))
+      set_generated(add(body.tree, F.listener, body.tvb, 0, 0, telegram.listener))
+      set_generated(add(body.tree, F.station, body.tvb, 0, 0, telegram.talker)):set_hidden()
+      set_generated(add(body.tree, F.station, body.tvb, 0, 0, telegram.listener)):set_hidden()
     end
   end
 
-  -- A body of a telegram before it is taken apart (sis-body.h says what is in it).
-  local function new_body(d, record)
-    local telegram, exchange = d.telegram, record.exchange
+  -- The useful data before they are taken apart.
+  local function begin_body(body, record)
+    local telegram, exchange = body.telegram, record.exchange
+    local body_offset = telegram.body_offset
 
-    return {
-      telegram = telegram,
-      tvb = d.tvb,
-      bytes = d.bytes,
-      pinfo = d.pinfo,
-      tree = d.tree,
-      root = d.root,
-      item = d.root,
-      offset = min(telegram.body_offset, d.end_),
-      end_ = d.end_,
-      is_cut = d.end_ < d.declared or d.declared == 0 or telegram.body_offset > d.end_,
-      is_reaction = telegram.is_reaction,
-      service = telegram.service,
-      status = 0,
-      summary = {S.service_name(telegram.service)},
-      marks = d.marks,
-      request = not telegram.is_reaction and {service = telegram.service} or nil,
-      asked = exchange and exchange.request,
-      record = telegram.is_good and record or nil,
-    }
+    body.item = body.root
+    body.offset = min(body_offset, body.end_)
+    body.is_cut = body.end_ < body.declared or body.declared == 0 or body_offset > body.end_
+    body.is_short = false
+    body.is_reaction = telegram.is_reaction
+    body.service = telegram.service
+    body.status = 0
+    body.error = 0
+    body.is_explained = false
+    body.summary = S.service_name(telegram.service)
+    body.request = not telegram.is_reaction and {service = telegram.service} or nil
+    body.asked = exchange and exchange.request
+    body.record = telegram.is_good and record or nil
   end
 
   -- Takes the useful data apart, with what their exchange knows. Gives words for the packet list.
-  local function dissect_useful_data(d)
-    local telegram, pinfo = d.telegram, d.pinfo
-    local record = S.exchange_find(d.tvb, pinfo, telegram)
+  local function dissect_useful_data(body)
+    local telegram, pinfo = body.telegram, body.pinfo
+    local record = S.exchange_find(body.tvb, pinfo, telegram)
     local exchange = record.exchange
-    local body = new_body(d, record)
 
+    begin_body(body, record)
     S.timing_note(record, telegram, pinfo)
-    if telegram.is_good then S.exchange_show(record, d.tvb, pinfo, d.tree, d.root, telegram, d.marks) end
+    if telegram.is_good then S.exchange_show(record, telegram, body) end
     S.dissect_body(body)
     if exchange and not telegram.is_reaction then S.exchange_keep(exchange, body.request) end
     S.timing_dissect(telegram, record, body)
-    return concat(body.summary)
+    return body.summary
   end
 
-  local function dissect_trailer(d)
-    if d.end_ < #d.bytes then add(d.tree, F.raw, d.tvb, d.end_, #d.bytes - d.end_) end
+  local function dissect_trailer(body)
+    if body.end_ < #body.bytes then add(body.tree, F.raw, body.tvb, body.end_, #body.bytes - body.end_) end
   end
 
   -- Reads the static header, 8 bytes.
-  local function read_header(d)
-    local bytes, declared = d.bytes, d.declared
+  local function read_header(body)
+    local bytes, declared, telegram = body.bytes, body.declared, body.telegram
     local start, _, _, _, control, service, sender, receiver = byte(bytes, 1, K.STATIC_LENGTH)
     local subaddress_count = band(control, K.CONTROL_SUBADDRESSES)
     local has_number = band(control, K.CONTROL_NUMBER) ~= 0
@@ -428,50 +422,47 @@ do
     local sum = declared > 0 and #bytes >= declared and S.sum(bytes, 0, declared) or nil
     local is_good = start == K.START and sum == 0 and body_offset <= declared
 
-    return {
-      bytes = bytes,
-      length = d.there,
-      declared = declared,
-      sum = sum, -- nil: not all of it is there
-      is_good = is_good,
-      control = control,
-      service = service,
-      sender = sender,
-      receiver = receiver,
-      subaddress_count = subaddress_count,
-      last_address = is_good and byte(bytes, K.STATIC_LENGTH + subaddress_count) or receiver,
-      number = is_good and has_number and byte(bytes, body_offset) or 0,
-      is_reaction = is_reaction,
-      talker = is_reaction and receiver or sender,
-      listener = is_reaction and sender or receiver,
-      body_offset = body_offset,
-      times = S.times(d.tvb, d.pinfo, declared ~= 0 and min(d.there, declared) or d.there),
-    }
+    telegram.bytes = bytes
+    telegram.declared = declared
+    telegram.sum = sum -- nil: not all of it is there
+    telegram.is_good = is_good
+    telegram.control = control
+    telegram.service = service
+    telegram.sender = sender
+    telegram.receiver = receiver
+    telegram.subaddress_count = subaddress_count
+    telegram.last_address = is_good and byte(bytes, K.STATIC_LENGTH + subaddress_count) or receiver
+    telegram.number = is_good and has_number and byte(bytes, body_offset) or 0
+    telegram.is_reaction = is_reaction
+    telegram.talker = is_reaction and receiver or sender
+    telegram.listener = is_reaction and sender or receiver
+    telegram.body_offset = body_offset
+    telegram.times = S.times(body.tvb, body.pinfo, declared ~= 0 and min(body.there, declared) or body.there)
   end
 
   -- "3" or, through routers, "3/2/8".
-  local function route_text(d)
-    local telegram = d.telegram
+  local function route_text(body)
+    local telegram = body.telegram
     local text = S.station_text(telegram.receiver)
 
-    for offset = K.STATIC_LENGTH, min(K.STATIC_LENGTH + telegram.subaddress_count, d.end_) - 1 do
-      text = text .. "/" .. S.station_text(byte(d.bytes, offset + 1))
+    for offset = K.STATIC_LENGTH, min(K.STATIC_LENGTH + telegram.subaddress_count, body.end_) - 1 do
+      text = text .. "/" .. S.station_text(byte(body.bytes, offset + 1))
     end
     return text
   end
 
   -- Who speaks to whom; a reaction keeps the command's addresses.
-  local function stations_text(d)
-    local telegram = d.telegram
+  local function stations_text(body)
+    local telegram = body.telegram
 
-    if telegram.is_reaction then return strformat("%s -> %d", route_text(d), telegram.sender) end
-    return strformat("%d -> %s", telegram.sender, route_text(d))
+    if telegram.is_reaction then return strformat("%s -> %d", route_text(body), telegram.sender) end
+    return strformat("%d -> %s", telegram.sender, route_text(body))
   end
 
-  local function dissect_start(d)
-    local item = add(d.tree, F.start, d.tvb, 0, 1)
+  local function dissect_start(body)
+    local item = add(body.tree, F.start, body.tvb, 0, 1)
 
-    if byte(d.bytes, 1) ~= K.START then mark(d, item, E.start, "no start character") end
+    if byte(body.bytes, 1) ~= K.START then mark(body, item, E.start, "no start character") end
   end
 
   local HEAD_LENGTH = 160 -- characters: Wireshark cuts a line of the tree soon after
@@ -487,45 +478,49 @@ do
   end
 
   -- Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044".
-  local function dissect_whole_telegram(d)
-    if #d.bytes < K.STATIC_LENGTH then return "" end
-    d.telegram = read_header(d)
-    S.set_addresses(d.pinfo, d.telegram.talker, d.telegram.listener)
-    dissect_start(d)
-    dissect_checksum(d)
-    add(d.tree, F.length, d.tvb, 2, 1)
-    dissect_lengths(d)
-    dissect_control(d)
-    dissect_service(d)
-    dissect_addresses(d)
-    local words = dissect_useful_data(d)
-    dissect_trailer(d)
+  local function dissect_whole_telegram(body)
+    if #body.bytes < K.STATIC_LENGTH then return "" end
+    read_header(body)
+    S.set_addresses(body.pinfo, body.telegram.talker, body.telegram.listener)
+    dissect_start(body)
+    dissect_checksum(body)
+    add(body.tree, F.length, body.tvb, 2, 1)
+    dissect_lengths(body)
+    dissect_control(body)
+    dissect_service(body)
+    dissect_addresses(body)
+    local words = dissect_useful_data(body)
+    dissect_trailer(body)
 
-    local stations, kind = stations_text(d), d.telegram.is_reaction and "Reaction" or "Command"
-    if d.tree then append_text(d.root, strformat(", %s, %s, %s", stations, kind, shortened(words))) end
-    return strformat("%s  %s  %s%s", stations, kind, words, concat(d.marks))
+    local stations, kind = stations_text(body), body.telegram.is_reaction and "Reaction" or "Command"
+    if body.tree then append_text(body.root, strformat(", %s, %s, %s", stations, kind, shortened(words))) end
+    return strformat("%s  %s  %s%s", stations, kind, words, body.marks)
   end
 
   -- Less than the 8 bytes that every telegram has.
-  local function dissect_stump(d)
-    local there = d.there
+  local function dissect_stump(body)
+    local there = body.there
 
-    dissect_start(d)
-    if #d.bytes == there then
-      if there > 1 then add(d.tree, F.raw, d.tvb, 1, there - 1) end
-      add_expert(d.root, E.too_short,
+    dissect_start(body)
+    if #body.bytes == there then
+      if there > 1 then add(body.tree, F.raw, body.tvb, 1, there - 1) end
+      add_expert(body.root, E.too_short,
         strformat("The telegram is cut: %d byte%s, it has at least %d", there, plural(there), K.STATIC_LENGTH))
     end
-    return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, concat(d.marks))
+    return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
   end
 
   -- No start character, and not the length of a telegram either: addresses read from it would be invented.
-  local function dissect_no_telegram(d)
-    if d.tree then append_text(d.root, ", not a telegram") end
-    add_expert(d.root, E.start)
-    if #d.bytes == d.there then add(d.tree, F.raw, d.tvb, 0, d.there) end
-    return strformat("Not a telegram, %d byte%s", d.there, plural(d.there))
+  local function dissect_no_telegram(body)
+    if body.tree then append_text(body.root, ", not a telegram") end
+    add_expert(body.root, E.start)
+    if #body.bytes == body.there then add(body.tree, F.raw, body.tvb, 0, body.there) end
+    return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
   end
+
+  -- The telegram that is dissected, and its useful data: one table each for all of them, as making new ones would cost
+  -- more than what is done with them.
+  local body = {telegram = {}}
 
   -- One telegram; `tvb` begins with it and holds nothing of the next; `there` bytes of it were on the line. Gives the
   -- words for the info column.
@@ -533,21 +528,15 @@ do
     local bytes = tvb:raw()
     local declared = S.declared_length(bytes, 0)
     local tree = parent:referenced(handle) and parent:add(sis, tvb()) or nil
-    local d = {
-      tvb = tvb,
-      bytes = bytes,
-      there = there,
-      pinfo = pinfo,
-      tree = tree,
-      root = tree or parent,
-      declared = declared, -- 0: its two lengths differ, or are not there
-      end_ = min(declared > 0 and declared or there, #bytes), -- of what belongs to the telegram and is there
-      marks = {}, -- for the end of the info column: what is wrong
-    }
 
-    if byte(bytes, 1) ~= K.START and declared ~= there then return dissect_no_telegram(d) end
-    if there < K.STATIC_LENGTH then return dissect_stump(d) end
-    return dissect_whole_telegram(d)
+    body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
+    body.tree, body.root = tree, tree or parent
+    body.there, body.declared = there, declared -- 0: its two lengths differ, or are not there
+    body.end_ = min(declared > 0 and declared or there, #bytes) -- of what belongs to the telegram and is there
+    body.marks = "" -- for the end of the info column: what is wrong
+    if byte(bytes, 1) ~= K.START and declared ~= there then return dissect_no_telegram(body) end
+    if there < K.STATIC_LENGTH then return dissect_stump(body) end
+    return dissect_whole_telegram(body)
   end
 
   -- Where the telegram at offset ends: at its declared length if another one starts there, else with the data.

@@ -78,7 +78,7 @@ do
 
   -- Words for the packet list.
   function S.say(body, format, ...)
-    body.summary[#body.summary + 1] = strformat(format, ...)
+    body.summary = body.summary .. strformat(format, ...)
   end
 
   -- What is wrong, for the packet list and as an expert item of what was taken last.
@@ -86,7 +86,7 @@ do
     local text = strformat(format, ...)
 
     add_expert(body.item or body.root, which, text)
-    body.marks[#body.marks + 1] = "  [" .. text .. "]"
+    body.marks = body.marks .. "  [" .. text .. "]"
   end
 
   -- Whether so many bytes are left for a field. Saying once that not is enough: after it nothing else can be there
@@ -321,7 +321,7 @@ do
       (dissect or dissect_undocumented)(body)
     end
     if body.status ~= 0 and not body.is_explained then -- an error code says more
-      body.marks[#body.marks + 1] = "  [status: " .. body.status_text .. "]"
+      body.marks = body.marks .. "  [status: " .. body.status_text .. "]"
     end
     show_leftover(body)
     S.sequence_watch(body)
@@ -643,9 +643,10 @@ do
       is_reaction = list.is_reaction,
       service = service,
       status = 0,
+      error = 0,
       record = list.record,
-      summary = {S.service_name(service)},
-      marks = {},
+      summary = S.service_name(service),
+      marks = "",
       asked = asked and asked.service == service and asked or nil,
     }
 
@@ -655,7 +656,7 @@ do
     end
     S.dissect_body(element)
     list.is_explained = list.is_explained or element.is_explained or element.status ~= 0
-    local text = concat(element.summary) .. concat(element.marks)
+    local text = element.summary .. element.marks
     append_text(root, ": " .. text)
     S.say(list, "; %s", text)
   end
@@ -698,6 +699,7 @@ do
   S.bodies[LIST_SERVICE] = function(body)
     local asked, number = body.asked and body.asked.list, 1
 
+    body.last_request = nil -- of its elements
     if body.is_reaction and S.take_channel_error(body) then return end
     while S.left(body) > 0 and not body.is_short do
       dissect_element(body, number, asked)
@@ -969,7 +971,7 @@ do
   -- The upper digit of a code names the element, also where the code is not defined.
   local function take_parameter_error(body)
     S.take_error(body, N.errors_parameter)
-    local code = body.error or 0
+    local code = body.error
     local digit = rshift(code, 12)
     if digit >= 1 and digit < 8 and not N.errors_parameter[code] then
       append_text(body.item, ", element: " .. N.elements[digit])
@@ -1025,7 +1027,7 @@ do
   -- error.
   local function follow_switch(body, phase)
     local record, exchange = body.record, body.record.exchange
-    local from = exchange.stream.from[exchange.direction]
+    local from = exchange.from
     local is_switch = S.general_service(body.service) == 0x1D
 
     if is_switch and body.status == 0 and body.asked then
