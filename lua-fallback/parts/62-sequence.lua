@@ -24,8 +24,6 @@ do
 
   local WHOLE = "Data of all pieces"
 
-  local NO_IDENT = {type = 0, number = 0} -- of a command that was too short for one
-
   -- A transfer: {service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
   -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: {frame, length}, whole_in,
   -- bytes: of the whole}. A record keeps the one that it is a piece of.
@@ -50,8 +48,7 @@ do
   local function is_same_transfer(a, b)
     return a.service == b.service
       and a.element == b.element
-      and a.ident.type == b.ident.type
-      and a.ident.number == b.ident.number
+      and a.ident == b.ident
       and a.device == b.device
   end
 
@@ -278,7 +275,7 @@ do
   local function watch_reaction(body)
     local record, asked = body.record, body.asked
     local status = body.status
-    local like = make_like(body, asked.ident or NO_IDENT, asked.element or 0, asked.device or 0)
+    local like = make_like(body, asked.ident, asked.element, asked.device or 0) -- without an ident like none
     local place, transfer = find_transfer(record.exchange, like)
     -- Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes again.
     local is_to_be_repeated = status == 0x02

@@ -52,26 +52,36 @@ do
     {"C", 194, "PPC, UDP ports"},
   }
 
-  -- A type byte and a number word (fig. 8-3) in one.
-  local function table_key(ident)
-    return ident.type * 0x10000 + ident.number
-  end
-
   -- "S-0-0044", "P-2-0012", "A-0-0004", "C-0-0066", "type3-0-0066".
-  function S.ident_text(ident)
-    local kind, word = ident.type, ident.number
+  local function ident_text(kind, word)
     local letter = kind == 0 and word >= BIT_15 and "P" or letters[kind] or "type" .. strformat("%d", kind)
 
     return strformat("%s-%d-%04d", letter, band(rshift(word, 12), MAX_SET), word % SET_SIZE)
+  end
+
+  local idents -- by key: the same ident is the same table
+
+  at_init(function() idents = {} end)
+
+  -- Of a type byte and a number word (fig. 8-3).
+  local function ident_key(kind, word)
+    return kind * 0x10000 + word
+  end
+
+  -- An ident: {type, number, key, text: as it is written}.
+  function S.ident(kind, word)
+    local key = ident_key(kind, word)
+
+    idents[key] = idents[key] or {type = kind, number = word, key = key, text = ident_text(kind, word)}
+    return idents[key]
   end
 
   local by_key = {}
 
   for _, row in ipairs(built_in) do
     local kind, number, name, unit = unpack(row)
-    local ident = {type = types[kind], number = kind == "P" and BIT_15 + number or number}
 
-    by_key[table_key(ident)] = {
+    by_key[ident_key(types[kind], kind == "P" and BIT_15 + number or number)] = {
       name = name,
       name_from = K.BUILT_IN,
       unit = unit,
@@ -83,7 +93,7 @@ do
 
   -- What the built-in table says.
   function S.known_from_tables(ident)
-    return by_key[table_key(ident)] or nothing
+    return by_key[ident.key] or nothing
   end
 end
 
@@ -91,29 +101,21 @@ end
 -- command keeps what was known when it was sent, so that all passes show the same.
 
 do
-  -- What is known of a parameter: { name, unit, minimum, maximum, attribute }, nil where unknown, and name_from,
-  -- unit_from, attribute_from. Never changed once made: later knowledge makes a new one.
+  -- What is known of a parameter: {name, unit, attribute, minimum, maximum}, nil where unknown, each with where it is
+  -- from as name_from and so on. Never changed once made: later knowledge makes a new one.
 
-  -- A parameter of a device behind a station, which may be behind routers.
-  local function make_key(exchange, ident, device)
-    local path = exchange.path
+  local DEVICE = 0x1000000 -- above the key of an ident
 
-    return path .. rep("\0", 8 - #path)
-      .. char(device, ident.type, rshift(ident.number, 8), ident.number % 256)
-  end
-
+  -- What the bus has said of a parameter of a device behind a station, which may be behind routers.
   local function look_up(body, ident, device)
     local exchange = body.record and body.record.exchange
-    local learned = exchange and exchange.from.stream.bus.learned
+    local of_station = exchange and exchange.from.stream.bus.learned[exchange.path]
 
-    if learned and next(learned) then
-      return learned[make_key(exchange, ident, device)]
-    end
+    return of_station and of_station[device * DEVICE + ident.key]
   end
 
   -- What is known of a parameter of a device at this telegram: from the bus, else built in.
   function S.learned_known(body, ident, device)
-    local known = S.known_from_tables(ident)
     local learned
 
     if body.asked then
@@ -121,22 +123,8 @@ do
     else
       learned = look_up(body, ident, device)
     end
-    if body.request then
-      body.request.known = learned
-    end
-    if not learned then
-      return known
-    end
-    return {
-      name = learned.name or known.name,
-      name_from = learned.name_from or known.name_from,
-      unit = learned.unit or known.unit,
-      unit_from = learned.unit_from or known.unit_from,
-      attribute = learned.attribute,
-      attribute_from = learned.attribute_from,
-      minimum = learned.minimum,
-      maximum = learned.maximum,
-    }
+    if body.request then body.request.known = learned end
+    return learned or S.known_from_tables(ident)
   end
 
   -- What an element says, by element: the field of what is known, and its value, nil where that is none.
@@ -162,24 +150,21 @@ do
 
   -- A good reaction with an element, all of it, and the text that it was shown with (nil: none).
   function S.learn(body, ident, device, element, data, shown)
-    local exchange = body.record and body.record.exchange
-    local read = readers[element]
+    local exchange, read = body.record and body.record.exchange, readers[element]
 
-    if body.pinfo.visited or not exchange or not read then
-      return
-    end
-    local before = look_up(body, ident, device) or {}
+    if body.pinfo.visited or not exchange or not read then return end
+    local before = look_up(body, ident, device) or S.known_from_tables(ident)
     local what, value = read(data, shown)
+    local source = what .. "_from"
 
-    if value == nil or before[what] == value then
-      return
-    end
-    local known = {}
+    if value == nil or (before[what] == value and before[source] == K.FROM_BUS) then return end
+    local learned, known = exchange.from.stream.bus.learned, {}
 
     for name, old in pairs(before) do
       known[name] = old
     end
-    known[what], known[what .. "_from"] = value, K.FROM_BUS
-    exchange.from.stream.bus.learned[make_key(exchange, ident, device)] = known
+    known[what], known[source] = value, K.FROM_BUS
+    learned[exchange.path] = learned[exchange.path] or {}
+    learned[exchange.path][device * DEVICE + ident.key] = known
   end
 end

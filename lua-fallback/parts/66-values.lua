@@ -166,7 +166,7 @@ do
     [SIGNED] = {write = signed_text, least = 1, most = 8},
     [IDENT] = {
       write = function(bytes, at)
-        return S.ident_text({type = 0, number = S.little_endian(bytes, at, 2)})
+        return S.ident(0, S.little_endian(bytes, at, 2)).text
       end,
       least = 2,
       most = 2,
@@ -308,7 +308,7 @@ do
   -- The number word alone does not tell the kind of a control parameter.
   local function add_ident(tree, data, asked)
     if data.length ~= 2 or not asked then return nil end
-    local text = S.ident_text({type = asked.type, number = S.little_endian(data.bytes, 1, 2)})
+    local text = S.ident(asked.type, S.little_endian(data.bytes, 1, 2)).text
 
     add(tree, F.value, data.tvb, data.offset, data.length, text)
     return text
