@@ -15,7 +15,7 @@ do
 
     if not line then
       -- The spells of the last window are those from `head` to `last`; `busy` is the time of all of them, in ns.
-      line = {lost_in = 0, unframed_in = 0, spells = {}, head = 1, last = 0, busy = 0, begin = 0}
+      line = {interface = key, lost_in = 0, unframed_in = 0, spells = {}, head = 1, last = 0, busy = 0, begin = 0}
       lines[key] = line
     end
     return line

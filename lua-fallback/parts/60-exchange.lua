@@ -46,7 +46,8 @@ do
 
   -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
   local function line_number(pinfo)
-    local record, interface = T.record(pinfo), S.interface()
+    local record = T.record(pinfo)
+    local interface = record and record.known.interface or S.interface()
 
     return record and record.line == 2 and interface > 0 and interface - 1 or interface
   end

@@ -1,7 +1,7 @@
 
 -- timing (sis-timing.c): verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
--- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is there
--- one where only packets have times.
+-- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is
+-- there one where only packets have times.
 
 do
   local MS = 1000000 -- in ns
@@ -76,7 +76,7 @@ do
     return strformat("between %s and %s", ms_text(max(span.least, 0)), ms_text(span.most))
   end
 
-  -- A telegram whose timing is looked at (t): {telegram, record, body, tree, root: of `tree`; and in ns silence (nil: not
+  -- A telegram whose timing is looked at (t): {telegram, record, body, tree, root: of `tree`; in ns silence (nil: not
   -- known), tza and trs: limits (0: not known, so there is no verdict), longest (nil: not known, or nobody asks), wait:
   -- TwM (negative: none)}.
 
