@@ -159,11 +159,19 @@ end
 -- Which interface of the capture a packet came from; 0 where there is none, and in the first of two passes of tshark,
 -- which has no fields for Lua unless a filter wants some.
 local frame_interface_id = Field.new("frame.interface_id")
+local interface_of, interface_id -- of the packet that was asked for last: every field that is looked at costs time
 
-function S.interface()
-  local found = frame_interface_id()
+at_init(function() interface_of = nil end)
 
-  return found and found.value or 0
+function S.interface(pinfo)
+  local number = pinfo.number
+
+  if number ~= interface_of then
+    local found = frame_interface_id()
+
+    interface_of, interface_id = number, found and found.value or 0
+  end
+  return interface_id
 end
 
 -- Which TCP connection a packet belongs to: its two ends, as text. Its number is a field, and the first pass of tshark

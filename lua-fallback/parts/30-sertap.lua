@@ -9,13 +9,13 @@ do
 
   at_init(function() lines = {} end)
 
-  local function find_line()
-    local key = S.interface()
+  local function find_line(pinfo)
+    local key = S.interface(pinfo)
     local line = lines[key]
 
     if not line then
       -- The spells of the last window are those from `head` to `last`; `busy` is the time of all of them, in ns.
-      line = {interface = key, lost_in = 0, unframed_in = 0, spells = {}, head = 1, last = 0, busy = 0, begin = 0}
+      line = {lost_in = 0, unframed_in = 0, spells = {}, head = 1, last = 0, busy = 0, begin = 0}
       lines[key] = line
     end
     return line
@@ -54,7 +54,7 @@ do
   end
 
   function T.line_note(pinfo, record)
-    local line = find_line()
+    local line = find_line(pinfo)
 
     record.known = line
     if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, pinfo, record) end

@@ -66,20 +66,29 @@ do
     [K.GLOBAL_BROADCAST] = "all",
     [K.POINT_TO_POINT] = "point-to-point",
   }
+  local station_texts, numbers = {}, {} -- of every address: every telegram asks
+
+  for edition, kinds in pairs(receiver_kinds) do
+    station_texts[edition] = {}
+    for station, kind in pairs(kinds) do
+      station_texts[edition][station] = strformat(station_formats[kind] or "%d", station)
+      numbers[station] = strformat("%d", station)
+    end
+  end
 
   -- "3", "group 201", "all": as it stands in the info column.
   function S.station_text(station)
-    return strformat(station_formats[S.receiver_kind(station)] or "%d", station)
+    return station_texts[P.edition][station]
   end
 
   -- Talker and listener as addresses, unless a network below has set its own. Lua has no address type for them, so only
   -- the columns get them. Those of a packet's first telegram count.
   function S.set_addresses(pinfo, talker, listener)
-    if pinfo.port_type ~= 0 or S.packet(pinfo).count > 0 then return end
+    local packet = S.packet()
 
-    local cols = pinfo.cols
-    cols.src = strformat("%d", talker)
-    cols.dst = strformat("%d", listener)
+    if packet.count > 0 or pinfo.port_type ~= 0 then return end
+    packet.cols.src = numbers[talker]
+    packet.cols.dst = numbers[listener]
   end
 end
 
@@ -157,7 +166,7 @@ do
     "A group or broadcast is not answered")
 
   local handle -- of this dissector, once there is one
-  local packet -- what its telegrams share while a packet is dissected
+  local packet = {count = 0, cols = nil} -- what its telegrams share while a packet is dissected
 
   -- Several telegrams may be in one packet: count of those whose exchange was looked for. The tables that sis-exchange
   -- and others keep are by packet and by this count.
@@ -167,13 +176,14 @@ do
 
   -- A TCP segment may come in several calls: only Wireshark's own table of a packet knows that it is still the same.
   function S.begin_packet(pinfo)
+    packet.cols = pinfo.cols
     if pinfo.port_type ~= 0 then
       local private = pinfo.private
 
-      if packet and private.sis then return end
+      if private.sis then return end
       private.sis = "begun"
     end
-    packet = {count = 0}
+    packet.count = 0
   end
 
   -- Something is wrong: an expert item, and a mark that people see in the info column.
@@ -549,9 +559,9 @@ do
 
   local function dissect_telegrams(tvb, pinfo, tree)
     local bytes, there, offset = tvb:raw(), tvb:reported_len(), 0
-    local cols = pinfo.cols
 
     S.begin_packet(pinfo)
+    local cols = packet.cols
     cols.protocol = "SIS"
     while offset < #bytes do
       local extent = telegram_extent(bytes, offset, there)

@@ -810,7 +810,7 @@ do
   local function say_parameter(access)
     local body, name = access.body, access.known.name
 
-    S.say(body, name and " %s (%s)" or " %s", S.ident_text(access.ident), name)
+    S.say(body, name and " %s (%s)" or " %s", access.ident.text, name)
     if access.element == K.ELEMENT_IDENT and is_write(access) then
       S.say(body, ", data status")
     elseif access.element ~= K.ELEMENT_DATA then
@@ -822,7 +822,7 @@ do
     local body = access.body
     local offset, tvb = body.offset, body.tvb
 
-    body.item = add(body.tree, F.parameter, tvb, offset, 3, S.ident_text(access.ident))
+    body.item = add(body.tree, F.parameter, tvb, offset, 3, access.ident.text)
     if access.known.name then append_text(body.item, " (" .. access.known.name .. ")") end
     add(body.item, F.parameter_type, tvb, offset, 1)
     for _, bit_field in ipairs({F.parameter_profile, F.parameter_set, F.parameter_number}) do
@@ -836,7 +836,7 @@ do
 
     if not S.needs(body, F.parameter, 3) then return false end
     local kind, low, high = byte(body.bytes, body.offset + 1, body.offset + 3)
-    access.ident = {type = kind, number = low + high * 0x100}
+    access.ident = S.ident(kind, low + high * 0x100)
     access.known = S.learned_known(body, access.ident, access.device)
     body.item = nil
     if body.tree then show_parameter(access) end
@@ -884,7 +884,7 @@ do
     access.ident = body.asked.ident
     access.known = S.learned_known(body, access.ident, access.device)
     if body.tree then
-      local item = set_generated(add(body.tree, F.parameter, body.tvb, 0, 0, S.ident_text(access.ident)))
+      local item = set_generated(add(body.tree, F.parameter, body.tvb, 0, 0, access.ident.text))
 
       if access.known.name then append_text(item, " (" .. access.known.name .. ")") end
       add_known(access, item)

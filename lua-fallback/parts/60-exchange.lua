@@ -46,8 +46,7 @@ do
 
   -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
   local function line_number(pinfo)
-    local record = T.record(pinfo)
-    local interface = record and record.known.interface or S.interface()
+    local record, interface = T.record(), S.interface(pinfo)
 
     return record and record.line == 2 and interface > 0 and interface - 1 or interface
   end
