@@ -26,7 +26,7 @@ class UrlReader:
         scheme, separator, _ = port.partition("://")
         over = scheme + separator
         self.timing = f"times are those of arrival at this program over {over}; no bound known"
-        self.notes = (
+        self.notes: tuple[str, ...] = (
             f"{port}: without a bound no verdict on its times is possible: a device of this computer has one",
         )
         try:
