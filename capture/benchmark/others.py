@@ -12,6 +12,7 @@ mstpcap is part of the project bacnet-stack (`make mstpcap`), the sniffer is the
 from __future__ import annotations
 
 import argparse
+import functools
 import itertools
 import signal
 import struct
@@ -20,6 +21,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -141,13 +143,16 @@ def written(program: Program, folder: Path, pattern: str) -> Path:
 def measure(folder: Path, seconds: float, mstpcap_path: Path, sniffer_path: Path) -> list[Matched]:
     """Play to all tools at the same time and measure."""
     characters = stream(seconds)
-    with terminals(3) as ends:
-        ports = [end.path for end in ends]
-        tools = [
-            mstpcap_tool(mstpcap_path, folder, ports[0]),
-            sniffer_tool(sniffer_path, folder, ports[1]),
-            sistap_tool(folder, ports[2]),
-        ]
+    starters: tuple[Callable[[Path, str], Tool], ...] = (
+        functools.partial(mstpcap_tool, mstpcap_path),
+        functools.partial(sniffer_tool, sniffer_path),
+        sistap_tool,
+    )
+    with terminals(len(starters)) as ends, ExitStack() as killed:
+        tools = list[Tool]()
+        for starter, end in zip(starters, ends, strict=True):
+            tools.append(starter(folder, end.path))
+            killed.callback(tools[-1].program.kill)  # mstpcap would turn for ever when its terminal closes
         played = play(folder, characters, ends, [tool.program for tool in tools])
         for tool in tools[:-1]:
             tool.program.send_signal(signal.SIGINT)
@@ -168,7 +173,7 @@ def match(tool: Tool, data: bytes, instants_ns: list[int], share: float) -> Matc
     for packet in tool.packets():
         packets += 1
         start_at = data.find(packet.data, at)
-        if start_at >= 0:
+        if start_at >= 0 and instants_ns[start_at] <= packet.times_ns[-1]:  # else it is not what was played there
             at = start_at + len(packet.data)
             found += len(packet.data)
             times += len(packet.times_ns)
