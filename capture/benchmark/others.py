@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import functools
 import itertools
-import signal
 import struct
 import subprocess
 import sys
@@ -155,7 +154,7 @@ def measure(folder: Path, seconds: float, mstpcap_path: Path, sniffer_path: Path
             killed.callback(tools[-1].program.kill)  # mstpcap would turn for ever when its terminal closes
         played = play(folder, characters, ends, [tool.program for tool in tools])
         for tool in tools[:-1]:
-            tool.program.send_signal(signal.SIGINT)
+            tool.program.terminate()
             tool.program.wait(PATIENCE_S)
         stop_sistap(tools[-1].program)
     data = bytes(character.value for character in characters)
