@@ -53,9 +53,9 @@ forget_known(struct sis_told *told)
     memset(told->known, 0, sizeof told->known);
 }
 
-/* Makes valid for a station what it or all were told, if that is newer. */
+/* Makes valid for a station what it or all were told, if that is newer. A new rate ends a test. */
 static void
-accept(station_t *station, const station_t *all, uint32_t frame)
+accept(station_t *station, test_t *test, const station_t *all, uint32_t frame)
 {
     for (unsigned kind = 0; kind < SIS_SETTINGS; kind++) {
         sis_setting_t setting = station->told.of[kind];
@@ -66,6 +66,8 @@ accept(station_t *station, const station_t *all, uint32_t frame)
             continue;
         setting.accepted_in = frame;
         station->valid.of[kind] = setting;
+        if (kind == SIS_BAUD)
+            test->end = 0;
     }
 }
 
@@ -76,7 +78,7 @@ accept_of(struct sis_told *told, uint8_t address, uint32_t frame)
 
     for (unsigned i = 0; i < array_length(told->stations); i++) {
         if (told->stations[i] != NULL && (address == SIS_ALL_STATIONS || address == i))
-            accept(told->stations[i], all, frame);
+            accept(told->stations[i], &told->tests[i], all, frame);
     }
 }
 

@@ -59,8 +59,8 @@ static stat_tap_table_item tza_columns[TZA_COLUMNS] = {
     {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Talker", "%-6s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Telegrams", "%9u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Characters", "%10u"},
-    {TABLE_ITEM_FLOAT, TAP_ALIGN_RIGHT, "p50 in ms", "%9.3f"},
-    {TABLE_ITEM_FLOAT, TAP_ALIGN_RIGHT, "p99 in ms", "%9.3f"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "p50 in ms", "%9s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "p99 in ms", "%9s"},
     {TABLE_ITEM_FLOAT, TAP_ALIGN_RIGHT, "Longest in ms", "%13.3f"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "TzA exceeded", "%12u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Unresolved", "%10u"},
@@ -97,6 +97,7 @@ typedef struct {
     sis_quantiles_t intervals;
     int64_t busy;       /* ns */
     int64_t begin, end; /* in the first row: of all characters, ns since 1970; 0: none yet */
+    uint64_t lines;     /* in the first row: interfaces seen, a bit each */
 } row_t;
 
 static stat_tap_table *
@@ -118,8 +119,11 @@ add_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
     unsigned index = table->num_elements;
     row_t *row = g_new0(row_t, 1);
 
-    for (unsigned i = 0; i < table->num_fields; i++)
+    for (unsigned i = 0; i < table->num_fields; i++) {
         items[i].type = columns[i].type;
+        if (i > 0 && columns[i].type == TABLE_ITEM_STRING)
+            items[i].value.string_value = g_strdup("");
+    }
     row->station = station;
     sis_quantiles_init(&row->intervals);
     items[0].user_data.ptr_value = row;
@@ -150,6 +154,21 @@ set(const stat_tap_table *table, unsigned row, unsigned column, double value)
     stat_tap_get_field_data(table, row, column)->value.float_value = value;
 }
 
+/* Empty where no interval has an exact time. */
+static void
+set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const sis_quantiles_t *quantiles,
+             const sis_quantile_t *quantile)
+{
+    stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
+    uint32_t ns = sis_quantile_ns(quantiles, quantile);
+
+    if (quantiles->count == 0 || item->user_data.uint_value == ns)
+        return;
+    g_free((char *)item->value.string_value);
+    item->value.string_value = g_strdup_printf("%9.3f", ns / NS_PER_MS);
+    item->user_data.uint_value = ns;
+}
+
 static void
 raise_to(const stat_tap_table *table, unsigned row, unsigned column, double value)
 {
@@ -173,6 +192,18 @@ init_table(stat_tap_table_ui *ui, const char *title)
     add_row(table, ALL, ui->fields);
 }
 
+static void
+reset_item(stat_tap_table_item_type *item)
+{
+    if (item->type == TABLE_ITEM_STRING) {
+        g_free((char *)item->value.string_value);
+        item->value.string_value = g_strdup("");
+        item->user_data.uint_value = 0;
+    } else {
+        memset(&item->value, 0, sizeof item->value);
+    }
+}
+
 /* Everything back to nothing; the rows stay. */
 static void
 reset_table(stat_tap_table *table)
@@ -182,21 +213,19 @@ reset_table(stat_tap_table *table)
 
         sis_quantiles_init(&row->intervals);
         row->busy = row->begin = row->end = 0;
-        for (unsigned column = 1; column < table->num_fields; column++) {
-            stat_tap_table_item_type *item = stat_tap_get_field_data(table, i, column);
-
-            memset(&item->value, 0, sizeof item->value);
-        }
+        row->lines = 0;
+        for (unsigned column = 1; column < table->num_fields; column++)
+            reset_item(stat_tap_get_field_data(table, i, column));
     }
 }
 
 static void
 free_item(stat_tap_table *table _U_, unsigned row _U_, unsigned column, stat_tap_table_item_type *item)
 {
-    if (column > 0)
-        return;
-    g_free((char *)item->value.string_value);
-    g_free(item->user_data.ptr_value);
+    if (item->type == TABLE_ITEM_STRING)
+        g_free((char *)item->value.string_value);
+    if (column == 0)
+        g_free(item->user_data.ptr_value);
 }
 
 static bool
@@ -239,8 +268,8 @@ count_intervals(const stat_tap_table *table, unsigned row, const sis_telegram_t 
     count(table, row, TZA_CHARACTERS, telegram->length);
     for (unsigned i = 1; i < telegram->times.count; i++)
         count_interval(table, row, &telegram->times, i);
-    set(table, row, TZA_P50, sis_quantile_ns(intervals, &intervals->p50) / NS_PER_MS);
-    set(table, row, TZA_P99, sis_quantile_ns(intervals, &intervals->p99) / NS_PER_MS);
+    set_quantile(table, row, TZA_P50, intervals, &intervals->p50);
+    set_quantile(table, row, TZA_P99, intervals, &intervals->p99);
     if (longest->at > 0 && (longest->is_exact || longest->span.most != SIS_ANY_TIME))
         raise_to(table, row, TZA_LONGEST,
                  (longest->is_exact ? longest->recorded : longest->span.most) / NS_PER_MS);
@@ -287,6 +316,7 @@ count_record(const stat_tap_table *table, packet_info *pinfo, const sertap_recor
     count(table, 0, BUS_CHARACTERS, record->count);
     count(table, 0, BUS_LINE, line_errors(record, 0, record->timed));
     all->busy += sertap_character_ns(record) * record->count;
+    all->lines |= UINT64_C(1) << MIN(compat_interface(pinfo), 63);
     if (all->begin == 0)
         all->begin = begin;
     all->end = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
@@ -356,13 +386,20 @@ count_telegram(stat_tap_table *table, const sis_telegram_t *telegram)
         count_asked(table, exchange);
 }
 
+/* Of several lines, such as two directions, the mean. */
 static void
 set_loads(const stat_tap_table *table)
 {
     const row_t *all = row_at(table, 0);
+    unsigned lines = 0;
 
-    for (unsigned i = 0; i < table->num_elements && all->end > all->begin; i++)
-        set(table, i, BUS_LOAD, 100.0 * row_at(table, i)->busy / (double)(all->end - all->begin));
+    if (all->end <= all->begin)
+        return;
+    for (uint64_t rest = all->lines; rest != 0; rest &= rest - 1)
+        lines++;
+    for (unsigned i = 0; i < table->num_elements; i++)
+        set(table, i, BUS_LOAD,
+            100.0 * row_at(table, i)->busy / (double)(all->end - all->begin) / (i == 0 ? lines : 1));
 }
 
 /* Called for every packet: the line's other characters have errors, too. */

@@ -152,12 +152,10 @@ looks_like_start(const sis_times_t *times, unsigned at)
            compat_get_uint8(tvb, offset + 2) == compat_get_uint8(tvb, offset + 3);
 }
 
-/* By how much an interval counts: an unknown one does not. */
+/* By how much an interval counts. */
 static int64_t
-weight(const sis_times_t *times, const sis_interval_t *interval, bool is_exceeded)
+weight(const sis_interval_t *interval, bool is_exceeded)
 {
-    if (flags_of(times->record, times->first + interval->at - 1) & SERTAP_INTERVAL_UNKNOWN)
-        return -1;
     if (is_exceeded)
         return interval->span.least;
     return interval->span.most != SIS_ANY_TIME ? interval->span.most : interval->recorded;
@@ -166,14 +164,21 @@ weight(const sis_times_t *times, const sis_interval_t *interval, bool is_exceede
 static void
 consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interval, int64_t limit)
 {
+    uint8_t flags = flags_of(times->record, times->first + interval.at - 1);
     sis_verdict_t verdict = sis_judge(interval.span, limit);
     bool is_exceeded = verdict == SIS_TIME_EXCEEDED, was_exceeded = longest->verdict == SIS_TIME_EXCEEDED;
 
-    interval.weight = weight(times, &interval, is_exceeded);
     if (is_exceeded && longest->restart_at == 0 && looks_like_start(times, interval.at))
         longest->restart_at = interval.at;
     if (longest->verdict == SIS_TIME_OK || is_exceeded)
         longest->verdict = verdict;
+    if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_LOST_BEFORE)) {
+        if (verdict == SIS_TIME_UNRESOLVED && longest->unknown_at == 0)
+            longest->unknown_at = interval.at;
+        return;
+    }
+    interval.is_saturated = flags & SERTAP_INTERVAL_SATURATED;
+    interval.weight = weight(&interval, is_exceeded);
     if (longest->interval.at == 0 || (is_exceeded && !was_exceeded) ||
         (is_exceeded == was_exceeded && interval.weight > longest->interval.weight))
         longest->interval = interval;

@@ -33,8 +33,9 @@ typedef struct {
     unsigned at;      /* number of the character in the telegram, from 1 */
     int64_t recorded; /* ns */
     sis_span_t span;
-    int64_t weight; /* ns; the interval with the largest is the longest */
-    bool is_exact;  /* both its characters came alone, each in a read of its own */
+    int64_t weight;    /* ns; the interval with the largest is the longest */
+    bool is_exact;     /* both its characters came alone, each in a read of its own */
+    bool is_saturated; /* it was longer than `recorded` */
 } sis_interval_t;
 
 /* The times of the telegram that `tvb` begins with. */
@@ -45,8 +46,8 @@ sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length);
 typedef struct {
     sis_interval_t interval;
     sis_verdict_t verdict;
-    unsigned
-        restart_at; /* the first character after too long a pause where a telegram seems to begin; 0: none */
+    unsigned restart_at; /* where after too long a pause a telegram seems to begin; 0: nowhere */
+    unsigned unknown_at; /* before which character nobody knows how long it was, and it matters; 0: none */
 } sis_longest_t;
 
 sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);

@@ -179,12 +179,16 @@ position_text(const timing_t *t, unsigned n)
     return wmem_strdup_printf(pool, "Useful data, byte %u", n - telegram->body_offset);
 }
 
-/* What a receiver does after so long a pause (chapter 10.5). */
+/* What makes a verdict unresolved beside the longest interval, or what a receiver does after so long a pause
+ * (chapter 10.5). */
 static const char *
-receiver_words(const timing_t *t)
+verdict_words(const timing_t *t)
 {
     const sis_longest_t *longest = &t->timing->longest;
 
+    if (longest->verdict == SIS_TIME_UNRESOLVED && longest->unknown_at != 0)
+        return wmem_strdup_printf(t->pinfo->pool, "; how long it was before character %u is not known",
+                                  longest->unknown_at);
     if (longest->verdict != SIS_TIME_EXCEEDED)
         return "";
     if (longest->restart_at != 0)
@@ -201,6 +205,8 @@ interval_text(const timing_t *t, const sis_interval_t *interval)
     int64_t idle = interval->recorded - sertap_character_ns(t->telegram->times.record);
     uint32_t uncertainty = t->telegram->times.record->uncertainty;
 
+    if (interval->is_saturated)
+        return wmem_strdup_printf(t->pinfo->pool, "at least %s", ms_text(t, interval->recorded));
     if (!interval->is_exact)
         return span_text(t, &interval->span);
     return wmem_strdup_printf(
@@ -217,20 +223,20 @@ show_tza(const timing_t *t)
     const sis_longest_t *longest = &t->timing->longest;
     const sis_interval_t *interval = &longest->interval;
     const char *text, *position;
-    bool has_bound = interval->span.most != SIS_ANY_TIME;
+    bool is_recorded = interval->is_exact || interval->is_saturated;
 
     if (interval->at == 0)
         return;
     text = interval_text(t, interval);
     position = position_text(t, interval->at);
-    if (interval->is_exact || has_bound)
-        add_time(t, hf_tza_interval_max, interval->is_exact ? interval->recorded : interval->span.most, text);
+    if (is_recorded || interval->span.most != SIS_ANY_TIME)
+        add_time(t, hf_tza_interval_max, is_recorded ? interval->recorded : interval->span.most, text);
     proto_item_append_text(add_uint(t, hf_tza_position, interval->at), " (%s)", position);
     if (t->timing->tza == 0)
         return;
     show_verdict(t, &tza, tza_ms == 0 ? setting(t, SIS_TZA) : NULL, t->timing->tza, longest->verdict,
                  wmem_strdup_printf(t->pinfo->pool, "%s before character %u (%s)%s", text, interval->at,
-                                    position, receiver_words(t)));
+                                    position, verdict_words(t)));
 }
 
 /* The reaction time of a slave on this line; behind a router it holds times of other lines. */

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from make import Scenario
 from sistap.tshark import Tshark
 
 CAPTURE = Path(__file__).parent / "statistics.pcapng"
@@ -102,3 +103,20 @@ def test_tree(statistics: Callable[[str], str]) -> None:
 def test_a_filter(tshark: Tshark) -> None:
     rows = table(tshark.output("-q", "-z", "sis,tza,sis.talker == 4", "-r", str(CAPTURE)))
     assert set(rows) == {"All", "4"}
+
+
+def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
+    """All of a telegram in one read: there is nothing to make a quantile of."""
+    text = "command 16>3 12\n" + "".join(f"flag {n} 0x01\n" for n in range(2, 9))
+    (tmp_path / "read.txt").write_text(text)
+    (tmp_path / "read.pcapng").write_bytes(Scenario(tmp_path / "read.txt").capture())
+    rows = table(tshark.output("-q", "-z", "sis,tza", "-r", str(tmp_path / "read.pcapng")))
+    assert rows["16"][:4] == ["1", "8", "", ""]
+    assert rows["16"][7:] == "7 0 0 0 0 0 0 0".split()
+
+
+def test_load_of_two_lines_is_their_mean(tshark: Tshark) -> None:
+    """duplex.txt: 31 characters on one line, 32 on the other; the table says how busy a line was, not both."""
+    rows = table(tshark.output("-q", "-z", "sis,bus", "-r", str(CAPTURE.with_name("duplex.pcapng"))))
+    load, stations = float(rows["All"][2]), [float(rows[name][2]) for name in ("3", "16")]
+    assert load == pytest.approx(sum(stations) / 2, abs=0.06)

@@ -24,6 +24,7 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
+from crc import crc  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
 from sistap import pcapng  # noqa: E402
@@ -71,7 +72,7 @@ def modbus_packet(number: int, telegram: bytes, time_ns: int) -> bytes:
     header = struct.pack(">IIBBH", seconds, rest // 1000, 1 + number % 2, 0, 0)  # sent and received take turns
     receiver = telegram[7:8]  # 3 and 4 take turns: so every response has its query a few frames before
     frame = receiver + modbus_body(number, len(telegram) - 3)
-    return header + frame + struct.pack("<H", crc(frame))
+    return header + frame + struct.pack("<H", crc(frame, 0xA001, 0xFFFF))
 
 
 def modbus_body(number: int, size: int) -> bytes:
@@ -84,16 +85,6 @@ def modbus_body(number: int, size: int) -> bytes:
     if number % 2 or size == 6:
         return struct.pack(">BB", 3, size - 2) + registers[2:]
     return struct.pack(">BHHB", 16, number % 1000, (size - 6) // 2, size - 6) + registers[6:]
-
-
-def crc(frame: bytes) -> int:
-    """Give Modbus RTU's check: polynomial 0xA001 (reflected), start 0xFFFF."""
-    value = 0xFFFF
-    for byte in frame:
-        value ^= byte
-        for _ in range(8):
-            value = value >> 1 ^ (0xA001 if value & 1 else 0)
-    return value
 
 
 PROTOCOLS = [

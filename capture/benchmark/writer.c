@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Plays one stream of characters into two pseudo terminals at the pace of a serial line.
+/* Plays one stream of characters into pseudo terminals at the pace of a serial line.
  *
- *     writer DATA TIMES FD_A FD_B CHARACTER_NS
+ *     writer CHARACTERS INSTANTS STEP_NS FD...
  *
- * The second gets each character half a character time after the first, so that two readers do not wake at the same
- * moment. Waits by turning, not sleeping: a sleep is late by about a character. TIMES gets for each character two
- * int64_t of native byte order: the instants just before it was written to A and to B (CLOCK_REALTIME, ns).
+ * CHARACTERS has for each character two int64_t of native byte order: the character, and how long after the one before
+ * it (ns). Each descriptor gets it STEP_NS after the one before, so that two readers do not wake at the same moment.
+ * Waits by turning, not sleeping: a sleep is late by about a character. INSTANTS gets for each character an int64_t a
+ * descriptor: just before it was written there (CLOCK_REALTIME, ns).
  */
 
 #include <stdint.h>
@@ -43,20 +44,23 @@ play(int fd, char character, int64_t due, int64_t *written_at)
 int
 main(int count, char **arguments)
 {
-    int64_t half, due, written_at[2];
-    FILE *data, *out;
-    int character;
+    int64_t step, due, character[2], written_at;
+    FILE *in, *out;
 
-    if (count != 6 || !(data = fopen(arguments[1], "rb")) || !(out = fopen(arguments[2], "wb"))) {
-        fprintf(stderr, "usage: writer DATA TIMES FD_A FD_B CHARACTER_NS\n");
+    if (count < 5 || !(in = fopen(arguments[1], "rb")) || !(out = fopen(arguments[2], "wb"))) {
+        fprintf(stderr, "usage: writer CHARACTERS INSTANTS STEP_NS FD...\n");
         return 2;
     }
-    half = atoll(arguments[5]) / 2;
+    step = atoll(arguments[3]);
     due = now_ns(CLOCK_MONOTONIC);
-    while ((character = getc(data)) != EOF) {
-        for (int i = 0; i < 2; i++)
-            due = play(atoi(arguments[3 + i]), (char)character, due, &written_at[i]) + half;
-        fwrite(written_at, sizeof written_at, 1, out);
+    while (fread(character, sizeof character, 1, in) == 1) {
+        due += character[1];
+        for (int i = 4; i < count; i++) {
+            int64_t later = (i - 4) * step;
+
+            due = play(atoi(arguments[i]), (char)character[0], due + later, &written_at) - later;
+            fwrite(&written_at, sizeof written_at, 1, out);
+        }
     }
     return fclose(out) == 0 ? 0 : 1;
 }

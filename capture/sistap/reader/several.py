@@ -92,13 +92,12 @@ class PolledReaders:
     def _look(self, step_ms: float) -> bool:
         """Take what comes within the step; tell whether anything did."""
         asked_ns = monotonic_ns()
-        ready = {descriptor for descriptor, _ in self._poll.poll(step_ms)}
+        ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
+        for descriptor in ready:  # first of all: until then nothing has its time
+            self._take(descriptor, self._readers[descriptor], in_time=step_ms > 0)
         silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
-        for descriptor, reader in list(self._readers.items()):
-            if descriptor in ready:
-                self._take(descriptor, reader, in_time=step_ms > 0)
-            else:
-                reader.nothing_until(silent_ns)
+        for descriptor in self._readers.keys() - ready:
+            self._readers[descriptor].nothing_until(silent_ns)
         return bool(ready)
 
     def _take(self, descriptor: int, reader: Pollable, *, in_time: bool) -> None:

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Plays characters into pseudo terminals by writer.c, and looks after the programs that listen there."""
+
+from __future__ import annotations
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+import tty
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.line import LineSettings
+
+HERE = Path(__file__).parent
+SETTINGS = LineSettings(115200, 8, "E", 2)
+PATIENCE_S = 20  # for what takes no time
+
+Program = subprocess.Popen[str]
+
+
+class Broken(Exception):
+    """The benchmark cannot be run, or a character is missing; the text is the one line to show."""
+
+
+class Terminal(NamedTuple):
+    """A pseudo terminal that changes no character."""
+
+    master: int
+    slave: int
+    path: str
+
+
+class Character(NamedTuple):
+    """What is played: a character, and how long after the one before it, in ns."""
+
+    value: int
+    pause_ns: int
+
+
+class Played(NamedTuple):
+    """When each terminal got each character (wall clock, ns), and what share of a core each listener had."""
+
+    elapsed_s: float
+    instants_ns: list[list[int]]
+    shares: list[float]
+
+
+@contextmanager
+def terminals(count: int) -> Iterator[list[Terminal]]:
+    """Open so many; whoever still listens when they close sees the end of the line."""
+    opened = [pty.openpty() for _ in range(count)]
+    try:
+        for _, slave in opened:
+            tty.setraw(slave)
+        yield [Terminal(master, slave, os.ttyname(slave)) for master, slave in opened]
+    finally:
+        for descriptor in (descriptor for both in opened for descriptor in both):
+            os.close(descriptor)
+
+
+def compile_into(folder: Path, name: str) -> str:
+    """Compile NAME.c; give the program's path."""
+    program = str(folder / name)
+    subprocess.run(["gcc", "-O2", "-Wall", "-Wextra", "-Werror", "-o", program, str(HERE / f"{name}.c")], check=True)
+    return program
+
+
+def start_sistap(file: Path, ports: Sequence[str], *options: str) -> tuple[Program, str]:
+    """Start a capture of these ports; it is listening when this returns. Give, too, what it says of its times."""
+    command = [sys.executable, "-m", "sistap", "capture", "-w", str(file), *options]
+    command += ["--baud", str(SETTINGS.baud), "--format", SETTINGS.format]
+    for port in ports:
+        command += ["-i", port]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=HERE.parent)
+    said = [listening(process, process.stderr, "capturing on") for _ in ports]
+    return process, said[0].partition(f"{SETTINGS}; ")[2]
+
+
+def listening(process: Program, says: Iterable[str] | None, expected: str) -> str:
+    """Give the line in which a program says that it listens; Broken if it says something else."""
+    said = next(iter(says or ()), "").strip()
+    if expected not in said:
+        process.kill()
+        raise Broken(said or "a program that was to listen ended at once")
+    return said
+
+
+def stop_sistap(process: Program) -> None:
+    """End a capture. Broken if it had not gone well."""
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=PATIENCE_S)
+    if process.returncode != 0:
+        raise Broken(f"sistap ended with exit code {process.returncode}: {said.strip()}")
+
+
+def play(folder: Path, characters: Iterable[Character], ends: Sequence[Terminal], listeners: list[Program]) -> Played:
+    """Play to all terminals, to each a little later than to the one before."""
+    items = array("q")
+    for character in characters:
+        items.extend(character)
+    (folder / "characters").write_bytes(items)
+    step_ns = SETTINGS.character_ns // len(ends)
+    masters = [end.master for end in ends]
+    files = str(folder / "characters"), str(folder / "instants")
+    command = [compile_into(folder, "writer"), *files, str(step_ns), *map(str, masters)]
+    before_s = [_cpu_s(listener) for listener in listeners]
+    started_s = time.monotonic()
+    subprocess.run(command, check=True, pass_fds=masters)
+    elapsed_s = time.monotonic() - started_s
+    shares = [(_cpu_s(listener) - before) / elapsed_s for listener, before in zip(listeners, before_s, strict=True)]
+    return Played(elapsed_s, columns(folder / "instants", len(ends)), shares)
+
+
+def columns(file: Path, count: int) -> list[list[int]]:
+    """Read rows of so many 64-bit numbers."""
+    numbers = array("q", file.read_bytes())
+    return [list(numbers[i::count]) for i in range(count)]
+
+
+def _cpu_s(process: Program) -> float:
+    """How long a running process has had a core, user and system."""
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
