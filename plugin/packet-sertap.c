@@ -252,8 +252,13 @@ check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *
 static void
 survey_characters(tvbuff_t *tvb, sertap_record_t *record)
 {
+    const uint8_t *all_flags;
+
+    if (record->timed == 0)
+        return;
+    all_flags = tvb_get_ptr(tvb, record->flags_offset, record->timed);
     for (unsigned i = 0; i < record->timed; i++) {
-        uint8_t flag = compat_get_uint8(tvb, record->flags_offset + i);
+        uint8_t flag = all_flags[i];
         uint32_t interval = tvb_get_ntohl(tvb, record->times_offset + 4 * i);
         uint8_t news = flag & ~record->flags;
 

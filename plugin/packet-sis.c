@@ -467,8 +467,8 @@ dissect_whole_telegram(dissection_t *d)
 
     stations = stations_text(d);
     kind = d->telegram->is_reaction ? "Reaction" : "Command";
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "%s  %s  %s%s", stations, kind, words,
-                    wmem_strbuf_get_str(d->marks));
+    col_append_lstr(d->pinfo->cinfo, COL_INFO, stations, "  ", kind, "  ", words,
+                    wmem_strbuf_get_str(d->marks), COL_ADD_LSTR_TERMINATOR);
     if (d->tree)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, shortened(d->pinfo->pool, words));
     d->telegram->before = packet->last;

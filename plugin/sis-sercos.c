@@ -49,6 +49,7 @@ typedef struct {
     uint32_t device;
     bool has_ident;
     sis_ident_t ident; /* in a reaction: its command's */
+    const char *ident_text;
     sis_known_t known;
 } access_t;
 
@@ -125,52 +126,69 @@ add_known(const access_t *access, proto_tree *tree)
     add_generated(tree, tvb, hf_parameter_maximum, known->maximum, sources[SIS_FROM_BUS]);
 }
 
-static const char *
-parameter_text(const access_t *access)
-{
-    wmem_allocator_t *pool = access->body->pinfo->pool;
-    const char *ident = sis_ident_text(pool, access->ident);
-
-    return access->known.name == NULL ? ident
-                                      : wmem_strdup_printf(pool, "%s (%s)", ident, access->known.name);
-}
-
-/* Which parameter, and which of its elements. */
 static void
 say_parameter(const access_t *access)
 {
     sis_body_t *body = access->body;
     const char *element = val_to_str_const(access->element, sis_elements, "");
 
-    sis_say(body, " %s", parameter_text(access));
+    wmem_strbuf_append(body->summary, " ");
+    wmem_strbuf_append(body->summary, access->ident_text);
+    if (access->known.name != NULL)
+        sis_say(body, " (%s)", access->known.name);
     if (access->element == SIS_ELEMENT_IDENT && is_write(access))
         sis_say(body, ", data status");
     else if (access->element != SIS_ELEMENT_DATA)
         sis_say(body, ", %s", wmem_ascii_strdown(body->pinfo->pool, element, -1));
 }
 
-static bool
-take_parameter(access_t *access)
+/* Everything about a parameter, read from here on or, with no length, recalled. */
+static void
+show_parameter(const access_t *access, unsigned length)
 {
     static int *const bits_drive[] = {&hf_parameter_profile, &hf_parameter_set, &hf_parameter_number, NULL};
     sis_body_t *body = access->body;
-    unsigned offset = body->offset;
-    const char *text;
+    unsigned offset = length > 0 ? body->offset : 0;
     proto_tree *tree;
 
-    if (!sis_needs(body, hf_parameter, 3))
-        return false;
-    access->has_ident = true;
-    access->ident = (sis_ident_t){compat_get_uint8(body->tvb, offset), tvb_get_letohs(body->tvb, offset + 1)};
-    access->known = sis_learned_known(body, access->ident, (uint8_t)access->device);
-    text = sis_ident_text(body->pinfo->pool, access->ident);
-    body->item = proto_tree_add_string(body->tree, hf_parameter, body->tvb, offset, 3, text);
+    if (body->tree == NULL)
+        return;
+    body->item =
+        proto_tree_add_string(body->tree, hf_parameter, body->tvb, offset, length, access->ident_text);
     if (access->known.name != NULL)
         proto_item_append_text(body->item, " (%s)", access->known.name);
     tree = proto_item_add_subtree(body->item, ett_parameter);
-    proto_tree_add_item(tree, hf_parameter_type, body->tvb, offset, 1, ENC_NA);
-    proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2, bits_drive, ENC_LITTLE_ENDIAN);
+    if (length > 0) {
+        proto_tree_add_item(tree, hf_parameter_type, body->tvb, offset, 1, ENC_NA);
+        proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2, bits_drive, ENC_LITTLE_ENDIAN);
+    } else {
+        proto_item_set_generated(body->item);
+    }
     add_known(access, tree);
+}
+
+static void
+know_parameter(access_t *access, sis_ident_t ident)
+{
+    sis_body_t *body = access->body;
+
+    access->has_ident = true;
+    access->ident = ident;
+    access->ident_text = sis_ident_text(body->pinfo->pool, ident);
+    access->known = sis_learned_known(body, ident, (uint8_t)access->device);
+}
+
+static bool
+take_parameter(access_t *access)
+{
+    sis_body_t *body = access->body;
+    unsigned offset = body->offset;
+
+    if (!sis_needs(body, hf_parameter, 3))
+        return false;
+    know_parameter(access,
+                   (sis_ident_t){compat_get_uint8(body->tvb, offset), tvb_get_letohs(body->tvb, offset + 1)});
+    show_parameter(access, 3);
     body->offset += 3;
     say_parameter(access);
     if (body->request != NULL) {
@@ -216,20 +234,12 @@ take_segment(access_t *access)
 static void
 recall_parameter(access_t *access)
 {
-    sis_body_t *body = access->body;
-    proto_item *item;
+    const sis_request_t *asked = access->body->asked;
 
-    if (body->asked == NULL || !body->asked->has_ident)
+    if (asked == NULL || !asked->has_ident)
         return;
-    access->has_ident = true;
-    access->ident = body->asked->ident;
-    access->known = sis_learned_known(body, access->ident, (uint8_t)access->device);
-    item = proto_tree_add_string(body->tree, hf_parameter, body->tvb, 0, 0,
-                                 sis_ident_text(body->pinfo->pool, access->ident));
-    proto_item_set_generated(item);
-    if (access->known.name != NULL)
-        proto_item_append_text(item, " (%s)", access->known.name);
-    add_known(access, proto_item_add_subtree(item, ett_parameter));
+    know_parameter(access, asked->ident);
+    show_parameter(access, 0);
     say_parameter(access);
 }
 
