@@ -266,12 +266,11 @@ do
     end
     if not size then return false, true end
     item = add(tree, FT.header_length, tvb, 1, 1) or root
-    if size < RECORD_HEADER_SIZE then
-      add_expert(item, ET.header_length)
-    elseif there < size then
-      add_expert(item, ET.truncated)
+    if size < RECORD_HEADER_SIZE or there < size then
+      add_expert(item, size < RECORD_HEADER_SIZE and ET.header_length or ET.truncated)
+      return false
     end
-    return size >= RECORD_HEADER_SIZE and there >= size and #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
+    return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
   end
 
   -- The record that is dissected: one table for all of them, as making new ones would cost more than all the rest.

@@ -58,14 +58,18 @@ do
     cols.info:clear()
     local words = S.dissect_telegram(tvb, pinfo, tree, tvb:reported_len())
     cols.info:append(separator(cols.info) .. words)
+    if tvb:len() < tvb:reported_len() then S.show_cut(tvb, pinfo, tree, "SIS") end
     cols.info:fence()
     return tvb:len()
   end
 
-  -- Telegrams split over segments and packed into them.
+  -- Telegrams split over segments and packed into them. Where the capture has cut a segment between two telegrams,
+  -- TCP throws: an error without a message.
   local function dissect_segment(tvb, pinfo, tree)
     S.begin_packet(pinfo)
-    dissect_tcp_pdus(tvb, tree, 1, telegram_length, dissect_pdu)
+    local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1, telegram_length, dissect_pdu)
+    if message then error(message, 0) end
+    if not is_done then S.show_cut(tvb, pinfo, tree, "SIS") end
   end
 
   -- USIP and others start with 0x02, too: only a whole telegram with equal lengths and a zero checksum counts, and what
