@@ -136,22 +136,26 @@ do
     return start == K.START and at + 3 <= times.count and length == length_repeat
   end
 
-  -- By how much an interval counts: an unknown one does not.
-  local function weight(times, interval, is_exceeded)
-    if band(flags_of(times.record, times.first + interval.at - 1), K.INTERVAL_UNKNOWN) ~= 0 then return -1 end
+  -- By how much an interval counts.
+  local function weight(interval, is_exceeded)
     if is_exceeded then return interval.span.least end
     return interval.span.most ~= K.ANY_TIME and interval.span.most or interval.recorded
   end
 
   local function consider(longest, times, interval, limit)
-    local verdict = S.judge(interval.span, limit)
+    local flags, verdict = flags_of(times.record, times.first + interval.at - 1), S.judge(interval.span, limit)
     local is_exceeded, was_exceeded = verdict == K.TIME_EXCEEDED, longest.verdict == K.TIME_EXCEEDED
 
-    interval.weight = weight(times, interval, is_exceeded)
     if is_exceeded and not longest.restart_at and looks_like_start(times, interval.at) then
       longest.restart_at = interval.at
     end
     if longest.verdict == K.TIME_OK or is_exceeded then longest.verdict = verdict end
+    if band(flags, UNKNOWN_OR_LOST) ~= 0 then
+      if verdict == K.TIME_UNRESOLVED then longest.unknown_at = longest.unknown_at or interval.at end
+      return
+    end
+    interval.is_saturated = band(flags, K.INTERVAL_SATURATED) ~= 0
+    interval.weight = weight(interval, is_exceeded)
     if not longest.interval or (is_exceeded and not was_exceeded)
       or (is_exceeded == was_exceeded and interval.weight > longest.interval.weight) then
       longest.interval = interval
@@ -159,10 +163,10 @@ do
   end
 
   -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one. With the
-  -- verdict over all of them, and the first character after too long a pause where a telegram seems to begin
-  -- (restart_at). An interval: {at: number of the character in the telegram, from 1, recorded, span, weight: the
-  -- largest is the longest, is_exact: both its characters came alone, each in a read of its own}; nil where there is
-  -- none.
+  -- verdict over all of them, the first character after too long a pause where a telegram seems to begin (restart_at),
+  -- and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at: number of the
+  -- character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both its characters
+  -- came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there is none.
   function S.longest(times, limit)
     local longest = {verdict = K.TIME_OK}
     local before

@@ -50,23 +50,25 @@ do
     return setting and setting.set_in or 0
   end
 
-  -- Makes valid for a station what it or all were told, if that is newer.
-  local function accept(station, all, frame)
+  -- Makes valid for a station what it or all were told, if that is newer. A new rate ends a test.
+  local function accept(told, number, frame)
+    local station, all = told.stations[number], told.stations[K.ALL_STATIONS]
+
     for kind = K.TRS, K.BAUD do
       local setting = station.told[kind]
 
       if set_in(all.told[kind]) > set_in(setting) then setting = all.told[kind] end
       if set_in(setting) > set_in(station.valid[kind]) then
         station.valid[kind] = {value = setting.value, set_in = setting.set_in, accepted_in = frame}
+        if kind == K.BAUD then told.tests[number] = nil end
       end
     end
   end
 
   local function accept_of(told, address, frame)
-    local all = find_station(told, K.ALL_STATIONS)
-
-    for number, station in pairs(told.stations) do
-      if address == K.ALL_STATIONS or address == number then accept(station, all, frame) end
+    find_station(told, K.ALL_STATIONS)
+    for number in pairs(told.stations) do
+      if address == K.ALL_STATIONS or address == number then accept(told, number, frame) end
     end
   end
 

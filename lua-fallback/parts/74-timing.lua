@@ -137,8 +137,12 @@ do
     return strformat("Useful data, byte %d", n - telegram.body_offset)
   end
 
-  -- What a receiver does after so long a pause (chapter 10.5).
-  local function receiver_words(longest)
+  -- What makes a verdict unresolved beside the longest interval, or what a receiver does after so long a pause (chapter
+  -- 10.5).
+  local function verdict_words(longest)
+    if longest.verdict == K.TIME_UNRESOLVED and longest.unknown_at then
+      return strformat("; how long it was before character %d is not known", longest.unknown_at)
+    end
     if longest.verdict ~= K.TIME_EXCEEDED then return "" end
     if longest.restart_at then
       return strformat("; character %d looks like the start of a telegram: a receiver begins anew there",
@@ -157,6 +161,7 @@ do
   local function interval_text(t, interval)
     local uncertainty = t.telegram.times.record.uncertainty
 
+    if interval.is_saturated then return "at least " .. ms_text(interval.recorded) end
     if not interval.is_exact then return span_text(interval.span) end
     if not uncertainty then return idle_text(t, interval.recorded) .. ", uncertainty unknown)" end
     return strformat("%s, uncertain by %s)", idle_text(t, interval.recorded), ms_text(uncertainty))
@@ -168,7 +173,7 @@ do
     local interval = longest.interval
     local text, position = interval_text(t, interval), position_text(t, interval.at)
 
-    if interval.is_exact then
+    if interval.is_exact or interval.is_saturated then
       add_time(t, F.tza_interval_max, interval.recorded, text)
     elseif interval.span.most ~= K.ANY_TIME then
       add_time(t, F.tza_interval_max, interval.span.most, text)
@@ -176,7 +181,7 @@ do
     add_uint(t, F.tza_position, interval.at, " (" .. position .. ")")
     if t.tza ~= 0 then
       show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.tza, longest.verdict,
-        strformat("%s before character %d (%s)%s", text, interval.at, position, receiver_words(longest)))
+        strformat("%s before character %d (%s)%s", text, interval.at, position, verdict_words(longest)))
     end
   end
 
