@@ -572,7 +572,10 @@ do
       if offset == 0 then cols.info = info else cols.info:append(" | " .. info) end
       offset = offset + extent
     end
-    if #bytes < there then S.show_cut(tvb, pinfo, tree, "SIS") end
+    if #bytes < there then
+      if offset == 0 then cols.info = "" end
+      S.show_cut(tvb, pinfo, tree, "SIS")
+    end
   end
 
   -- TCP may split telegrams over segments and pack them into one: sis-transports.
