@@ -165,8 +165,9 @@ do
   -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one. With the
   -- verdict over all of them, the first character after too long a pause where a telegram seems to begin (restart_at),
   -- and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at: number of the
-  -- character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both its characters
-  -- came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there is none.
+  -- character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both its
+  -- characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there is
+  -- none.
   function S.longest(times, limit)
     local longest = {verdict = K.TIME_OK}
     local before
