@@ -203,7 +203,7 @@ end
 
 -- Each block stands in do ... end: Lua allows 200 locals at a time.
 
--- names: made by tables.py from plugin/sis-names.c; edit there
+-- names: made by names.py from plugin/sis-names.c; edit there
 
 -- What kinds of addresses there are; this order counts.
 K.STATION = 0
@@ -478,7 +478,7 @@ N.data_states = {
   [0xF] = "execution not possible",
 }
 
--- end of what tables.py has made
+-- end of what names.py has made
 
 do
   local names, are_reserved = {}, {} -- of all 256 services: every telegram asks

@@ -12,8 +12,8 @@ from pathlib import Path
 HERE = Path(__file__).parent
 SCRIPT = HERE / "sis.lua"
 NAMES = HERE.parent / "plugin" / "sis-names.c"
-BEGIN = "-- names: made by tables.py from plugin/sis-names.c; edit there\n"
-END = "-- end of what tables.py has made\n"
+BEGIN = "-- names: made by names.py from plugin/sis-names.c; edit there\n"
+END = "-- end of what names.py has made\n"
 
 COMMENT = re.compile(r"/\*(.*?)\*/\n", re.DOTALL)
 TABLE = re.compile(r"const (?P<kind>range|value)_string sis_(?P<name>\w+)\[\] = \{\n?(?P<entries>.*?)\};", re.DOTALL)

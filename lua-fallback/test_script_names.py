@@ -5,23 +5,24 @@ from __future__ import annotations
 
 import pytest
 
-import tables
+import names
 
 
 def test_script_is_current() -> None:
-    assert tables.current() in tables.SCRIPT.read_text(), "run lua-fallback/tables.py"
+    assert names.current() in names.SCRIPT.read_text(), "run lua-fallback/names.py"
 
 
 def test_entry_that_cannot_be_read() -> None:
     with pytest.raises(ValueError, match="sis_errors_list"):
-        tables.section(
-            '/* Errors. */\nconst value_string sis_errors_list[] = {\n    {0x01, "one"},\n    {TWO "two"},\n    {0, NULL},\n};\n',
+        names.section(
+            "/* Errors. */\nconst value_string sis_errors_list[] = {\n"
+            '    {0x01, "one"},\n    {TWO "two"},\n    {0, NULL},\n};\n',
             "typedef enum { SIS_STATION } sis_address_kind_t;",
         )
 
 
 def test_ranges_values_and_kinds() -> None:
-    made = tables.section(
+    made = names.section(
         "/* Said\n * before. */\n"
         'const range_string sis_a[] = {\n    {0x00, 0x0F, "x, {y}"},\n    {0, 0, NULL},\n};\n'
         '/* Kinds. */\nconst value_string sis_b[] = {{SIS_STATION, "s"}, {0, NULL}};\n',
