@@ -19,6 +19,11 @@ SISTAP = [sys.executable, "-m", "sistap"]
 CAPTURE = Path(__file__).parent.parent / "build" / "demo.pcapng"
 SECONDS = 6
 PACKETS = 60
+STATISTICS = (
+    ("sis,bus", "Who talked how much, and what went wrong"),
+    ("sis,tza", "The intervals between characters, against the limit TzA that the bus was told"),
+    ("sis,srt", "How fast the drives react, in seconds"),
+)
 VALUE = 'sis.value contains "rpm" && sis.control.reaction == 1'
 
 
@@ -49,10 +54,9 @@ def show(tshark: Tshark) -> None:
         print(f"  ... and {len(packets) - PACKETS} more")
     heading("One of them, taken apart", f"tshark -r build/demo.pcapng -V -O sis -Y '{VALUE}'")
     print(tshark.output(*capture, "-Y", VALUE, "-V", "-O", "sis").split("\n\n")[0])
-    heading("Who talked to whom", "tshark -r build/demo.pcapng -q -z endpoints,sis")
-    print(tshark.output(*capture, "-q", "-z", "endpoints,sis"))
-    heading("The time between characters, in microseconds", "tshark -r build/demo.pcapng -q -z sertap,tree")
-    print(tshark.output(*capture, "-q", "-z", "sertap,tree"))
+    for statistics, text in STATISTICS:
+        heading(text, f"tshark -r build/demo.pcapng -q -z {statistics}")
+        print(tshark.output(*capture, "-q", "-z", statistics))
 
 
 def main() -> int:

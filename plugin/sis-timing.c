@@ -2,7 +2,7 @@
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
  * A limit comes from a preference, else from what the bus has told (sis-bus.c), else there is none, and no
- * verdict. Which verdict: sis-times.c. */
+ * verdict; nor is there one where only packets have times. Which verdict: sis-times.c. */
 
 #include "sis-timing.h"
 
@@ -274,7 +274,7 @@ static void
 show_tmas(const timing_t *t)
 {
     const sis_cycle_t *cycle = t->record->cycle;
-    int64_t longest = limit(t, SIS_TMAS, 0);
+    int64_t longest = t->telegram->times.record != NULL ? limit(t, SIS_TMAS, 0) : 0;
 
     add_time(t, hf_tmas_cycle, cycle->ns, ms_text(t, cycle->ns));
     if (longest > 0)
@@ -356,7 +356,7 @@ find_timing(timing_t *t)
     if (is_longest_wanted(t))
         timing->longest = sis_longest(&t->telegram->times, timing->tza);
     timing->has_reaction_time = is_answer;
-    if (is_answer && t->telegram->subaddress_count == 0)
+    if (is_answer && t->telegram->subaddress_count == 0 && t->telegram->times.record != NULL)
         timing->trs = limit(t, SIS_TRS, trs_ms);
     timing->wait = exchange != NULL && !t->telegram->is_reaction ? exchange->wait : -1;
 }

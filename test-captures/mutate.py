@@ -98,12 +98,27 @@ def runtime() -> str:
 
 
 OPTIONS = {
-    pcapng.LINKTYPE_WIRESHARK_UPPER_PDU: [[], ["-o", "sis.edition:ECODRIVE03"]],
+    pcapng.LINKTYPE_WIRESHARK_UPPER_PDU: [
+        ["-o", "sis.tza_ms:3", "-o", "sis.trs_ms:30"],
+        ["-o", "sis.edition:ECODRIVE03"],
+    ],
     pcapng.LINKTYPE_USER0: [["-o", "sis.dlt_user:user0"]],
     pcapng.LINKTYPE_RTAC_SERIAL: [["-d", "rtacser.data,sis"]],
     228: [[], ["-d", "tcp.port==4200,sis"]],
 }
 
+
+STATISTICS = ["-q"]
+for name in (
+    "sertap,tree",
+    "sis,tree",
+    "sis,tza",
+    "sis,bus",
+    "sis,srt",
+    "conv,sis",
+    "endpoints,sis",
+):
+    STATISTICS += ["-z", name]
 
 FAULTS = (
     "runtime error",
@@ -126,7 +141,7 @@ def dissect(tshark: Tshark, capture: Path, options: list[str]) -> str | None:
     for layers in (
         ["-V"],
         ["-2"],
-        ["-q", "-z", "sertap,tree", "-z", "conv,sis", "-z", "endpoints,sis"],
+        STATISTICS,
     ):
         done = tshark.run(["-r", str(capture), *options, *layers], extra_environment=SANITIZERS)
         if done.returncode != 0 or any(word in done.stderr + done.stdout for word in FAULTS):

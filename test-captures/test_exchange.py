@@ -214,6 +214,17 @@ EXCHANGES_SWAPPED: Table = {
 }
 
 
+# Two interfaces, the directions of one bus: silence is that of a line, all else of the bus
+DUPLEX: Table = {
+    1: "reaction_in=2",
+    2: "command_in=1; reaction_time=0.025000000",
+    3: "reaction_in=4; silence_before=0.061458330",
+    4: "command_in=3; reaction_time=0.025000000; silence_before=0.060312497; tza.set_in=1; tza.verdict=0",
+    5: "reaction_in=6; silence_before=0.061458330; tza.set_in=1; tza.verdict=1; tza.exceeded",
+    6: "command_in=5; reaction_time=0.025000000; silence_before=0.068874998; tza.set_in=1; tza.verdict=0",
+}
+
+
 def test_exchanges(tshark: Tshark) -> None:
     check(tshark, "exchanges", FIELDS, EXPERTS, EXCHANGES)
 
@@ -232,3 +243,8 @@ def test_routes_interleaved(tshark: Tshark) -> None:
 
 def test_exchanges_swapped(tshark: Tshark) -> None:
     check(tshark, "exchanges-swapped", "reaction_in command_in", "reaction.unasked", EXCHANGES_SWAPPED)
+
+
+def test_two_directions_are_one_bus(tshark: Tshark) -> None:
+    fields = "reaction_in command_in reaction_time silence_before tza.set_in tza.verdict"
+    check(tshark, "duplex", fields, "tza.exceeded command.unanswered reaction.unasked", DUPLEX)

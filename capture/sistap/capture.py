@@ -25,7 +25,7 @@ from sistap.session import Capture, Conditions, Sink, Stop
 from sistap.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
-LARGEST_RATE = 0xFFFFFFFF
+LARGEST_RATE = 0xFFFFFFFF  # that a record can hold
 ONE_LINE, BOTH_LINES = (0,), (1, 2)  # their numbers: a shared bus, the directions of a full-duplex line
 
 DESCRIPTION = """\
@@ -140,10 +140,12 @@ def _rate(text: str) -> int | None:
     """Read a rate; None is auto."""
     if text == "auto":
         return None
-    rate = _number(text)
-    if rate > LARGEST_RATE:
-        raise argparse.ArgumentTypeError(f"{text} Bd are more than a record can hold ({LARGEST_RATE})")
-    return rate
+    try:
+        if 0 < (rate := int(text)) <= LARGEST_RATE:
+            return rate
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is neither auto nor a rate from 1 to {LARGEST_RATE} Bd")
 
 
 def _condition(text: str) -> tuple[str, float]:
@@ -271,9 +273,9 @@ def _settings(args: argparse.Namespace) -> LineSettings:
     fixed = [port for port in args.ports if port.startswith("socket://")]
     steered = "--baud auto" if args.baud is None else "--follow-baud" if args.follow_baud else ""
     if steered and args.silence_ms is not None:
-        raise Refused(f"{steered} needs SIS telegrams: leave out --framing, or say --baud")
+        raise Refused(f"{steered} needs SIS telegrams: leave out --framing or {steered}")
     if steered and fixed:
-        raise Refused(f"{steered} cannot change the rate behind {fixed[0]}: set it at the other end, and say --baud")
+        raise Refused(f"{steered} cannot change the rate behind {fixed[0]}: set it there, and leave out {steered}")
     try:
         return LineSettings.parse(args.baud or RATES[0], args.format or FORMATS[0])
     except ValueError as error:

@@ -109,7 +109,7 @@ def port_points(port: str) -> Iterator[Point]:
         for subject, text, _ in _HURDLES:
             yield Point("good", subject, text)
     yield Point("good", "adapter", reader.adapter)
-    yield Point("good", "times", reader.timing)
+    yield Point("poor" if reader.notes else "good", "times", reader.timing)
     for note in reader.notes:
         yield Point("poor", "times", note)
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from sistap import telegram
 from sistap.rates import rate_of
-from sistap.telegram import BROADCAST, Header
+from sistap.telegram import BROADCAST, LEVEL_BROADCAST, Header
 
 INITIALIZATION = 0x03
 SET_RATE, TEST_RATE, ACCEPT = 0x07, 0x08, 0xFF
@@ -44,6 +44,8 @@ class Follow:
         if header.service != INITIALIZATION or header.subaddresses:  # behind a router is another bus
             return None
         if not header.reaction:
+            if header.receiver == LEVEL_BROADCAST:
+                header = header._replace(receiver=BROADCAST)
             return self._take_command(header, end_ns)
         answers = command and (header.sender, header.receiver) == (command.sender, command.receiver)
         if command and answers and header.body[:1] == bytes([_GOOD]) and header.body[1:3] == command.body[:2]:

@@ -57,6 +57,8 @@ def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | 
     hint = None
     if not counters.characters and elapsed_s >= SILENT_S:
         hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground) and the port; the search goes on"
+    elif scan.in_vain and counters.telegrams:
+        hint = "telegrams come, but none without line errors: try --format 8O1, then others; the search goes on"
     elif scan.in_vain:
         hint = (
             f"no valid telegram at any rate from {RATES[0]} to {RATES[-1]} Bd: A and B may be swapped, "

@@ -14,7 +14,8 @@ from pathlib import Path
 
 from sistap import measurement, ports, priority
 from sistap.console import Console
-from sistap.line import LineSettings
+from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.rates import RATES
 from sistap.session import Stop
 
 if sys.platform != "win32":
@@ -51,7 +52,6 @@ exit status:
 
 LONGEST_S = 3600
 ENOUGH = 1000  # characters; of fewer, p99.9 is only the longest
-RATES = (9600, 19200, 38400, 57600, 115200)  # those that SIS knows (IF02 chapter 7)
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 
 # The rows of the histogram: up to so many ms.
@@ -158,6 +158,9 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
     """Keep the result (of sorted delays) for later captures; give the exit code."""
     if len(delays) < ENOUGH:
         console.say(f"not kept: {len(delays)} characters are too few for p99.9: measure longer with --duration")
+        return _FAILED
+    if delays[-1] >= UNCERTAINTY_UNKNOWN:
+        console.say(f"not kept: for {delays[-1] / 1e9:.0f} s sistap was stopped: measure again")
         return _FAILED
     bound_ns, longest_ns = (max(1, quantile(delays, QUANTILES[name])) for name in ("p99.9", "longest"))
     result = measurement.Result(place, time.strftime("%Y-%m-%d"), len(delays), bound_ns, longest_ns, conditions)

@@ -13,6 +13,7 @@ STATIC_LENGTH = 8  # the header without subaddresses and telegram number
 MAX_LENGTH = STATIC_LENGTH + 255
 
 BROADCAST = 255  # the receiver that is all, in both editions
+LEVEL_BROADCAST = 254  # all on this line; in ECODRIVE03 a group
 
 CONTROL_SUBADDRESSES = 0x07
 CONTROL_NUMBER = 0x08

@@ -8,6 +8,7 @@ tshark with that difference.
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import subprocess
@@ -75,7 +76,7 @@ class Tshark:
         for index, argument in enumerate(readable[:-1]):
             if argument == "-r" and self._folder is not None and readable[index + 1] != "-":
                 copy = self._folder / "capture"
-                shutil.copyfile(readable[index + 1], copy)
+                _copy(Path(readable[index + 1]), copy)
                 copy.chmod(0o644)
                 readable[index + 1] = str(copy)
         return readable
@@ -139,6 +140,19 @@ class Tshark:
             words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
             raise TsharkError(f"{Path(self._path).name}: {words[-1]}")
         return done.stdout
+
+
+def _copy(capture: Path, copy: Path) -> None:
+    """Copy a capture. TsharkError if there is no room for it."""
+    try:
+        shutil.copyfile(capture, copy)
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        raise TsharkError(
+            f"{copy.parent.parent} has no room for a copy of {capture}, which tshark needs as root: run it as an "
+            "ordinary user, or name a larger folder with TMPDIR"
+        ) from error
 
 
 def main() -> int:

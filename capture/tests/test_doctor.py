@@ -212,6 +212,17 @@ def test_a_port(capsys: pytest.CaptureFixture[str], port: str) -> None:
     assert points["times"][1].startswith("uncertainty 0.25 ms, measured by selftest on 2026-11-20")
 
 
+def test_times_whose_bound_is_not_known_are_poor(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, port: str
+) -> None:
+    monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("CP2102", "cp210x"))
+    assert cli.main(["doctor", "-i", port]) == 0
+    times = [line for line in capsys.readouterr().out.splitlines() if line[6:].startswith("times")]
+    assert [line[:4] for line in times] == ["poor", "poor"]
+    assert "what the adapter adds is not known" in times[0]
+    assert f"`sistap selftest -i {port} --transmit` measures it" in times[1]
+
+
 @pytest.fixture
 def timer(monkeypatch: pytest.MonkeyPatch, port: str, tmp_path: Path) -> Path:
     """The latency timer of the port, as if it were an FTDI adapter; at 16 ms."""

@@ -14,7 +14,7 @@ from sistap.telegram import build
 
 MS = 1_000_000
 SECOND = 1_000_000_000
-MASTER, ALL = 16, 255
+MASTER, LEVEL, ALL = 16, 254, 255
 MASKS = {9600: 0, 19200: 1, 38400: 2, 57600: 4, 115200: 8}  # fig. 6-11
 ACCEPT_ALL = TELEGRAMS["6-24"]
 
@@ -52,6 +52,20 @@ def test_set_for_one_then_accepted_by_all() -> None:
 
 def test_set_for_all_counts_without_a_reaction() -> None:
     assert rates(*tell(ALL, 38400), ACCEPT_ALL) == [38400]
+
+
+def test_all_on_this_level_are_all_on_the_line() -> None:
+    """Chapter 2.2: 254 goes to all stations of one level; nobody answers."""
+    told = command(LEVEL, 0x07, bytes([MASKS[38400]]))
+    assert rates(told, ACCEPT_ALL) == [38400]
+    assert rates(told, command(LEVEL, 0xFF)) == [38400]
+    assert rates(*tell(3, 19200), command(LEVEL, 0xFF)) == [19200]
+    assert rates(timed_test(LEVEL, 500, 57600)) == [57600]
+
+
+def test_a_group_changes_nothing() -> None:
+    """Which stations are in it nobody knows."""
+    assert rates(command(200, 0x07, bytes([MASKS[38400]])), command(200, 0xFF), timed_test(200, 500, 57600)) == []
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,9 @@ def test_while_the_settings_are_searched_no_others_are_recommended() -> None:
     scan.in_vain = True
     (hint,) = Hints(E81, Framing.SIS).look(seen(b"x" * 600), 60, scan)
     assert "no valid telegram at any rate from 9600 to 115200 Bd" in hint and "the search goes on" in hint
+    odd = seen(TELEGRAMS["6-24"] * 60, Flag.CHARACTER_ERROR)  # 8O1 read as 8E1: right characters, wrong parity
+    (hint,) = Hints(E81, Framing.SIS).look(odd, 60, scan)
+    assert "none without line errors" in hint and "--format 8O1" in hint
 
 
 def test_each_is_given_once() -> None:

@@ -185,7 +185,9 @@ def test_of_several_the_one_that_holds() -> None:
 
 
 def test_what_an_unknown_adapter_adds_is_known_from_its_self_test() -> None:
-    assert bound(UNKNOWN).how.endswith("; what the adapter adds is not known")
+    before = bound(UNKNOWN)
+    assert before.how.endswith("; what the adapter adds is not known")
+    assert [note for note in before.notes if "`sistap selftest -i /dev/ttyUSB0 --transmit` measures it" in note]
     store_for(UNKNOWN, 2_500_000)
     assert bound(UNKNOWN) == (
         2_500_000,

@@ -257,12 +257,13 @@ def test_in_real_time_through_a_pseudo_terminal(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["--baud", "auto", "--framing", "silence:5"], "--baud auto needs SIS telegrams"),
-        (["--follow-baud", "--framing", "silence:5"], "--follow-baud needs SIS telegrams"),
+        (["--baud", "auto", "--framing", "silence:5"], "leave out --framing or --baud auto"),
+        (["--follow-baud", "--framing", "silence:5"], "leave out --framing or --follow-baud"),
         (
             ["--baud", "auto", "-i", "socket://127.0.0.1:9"],
             "--baud auto cannot change the rate behind socket://127.0.0.1:9",
         ),
+        (["--follow-baud", "-i", "socket://127.0.0.1:9"], "set it there, and leave out --follow-baud"),
         (["--baud", "auto", "--format", "9E1"], "format '9E1' is not"),
     ],
 )
@@ -274,6 +275,13 @@ def test_what_cannot_be_is_one_line(arguments: list[str], text: str, capfd: pyte
     assert text in err and err.count("\n") == 1
     os.close(master)
     os.close(slave)
+
+
+@pytest.mark.parametrize("rate", ["Auto", "0", "-5", "9600.0", "4294967296", "9" * 5000])
+def test_what_is_no_rate(rate: str, capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="^2$"):
+        cli.main(["capture", "-i", "/dev/ttyFAKE", f"--baud={rate}"])
+    assert "is neither auto nor a rate from 1 to 4294967295 Bd" in capfd.readouterr().err
 
 
 def test_a_port_that_is_lost_while_it_is_changed_ends_it(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]

@@ -480,7 +480,9 @@ def test_a_change_of_format_at_a_real_port(
     bus.write(b"A")
     (read,) = collect(source, 1)
     # With a trigger level of 8 the FIFO holds a character for ten character times, those of the new rate.
-    assert 10 * settings.character_ns + LATENCY <= read.uncertainty_ns < 10 * before.character_ns
+    # How late this machine was just now is added to it.
+    assert source._latency_ns == 10 * settings.character_ns + LATENCY  # type: ignore[attr-defined]
+    assert read.uncertainty_ns >= 10 * settings.character_ns + LATENCY
     monkeypatch.undo()
     source.close()
 
@@ -840,6 +842,8 @@ def test_socket_url(server: socket.socket) -> None:
     source = open_reader(url, SETTINGS, line=1)
     connection, _ = server.accept()
     assert source.timing == "times are those of arrival at this program over socket://; no bound known"
+    (note,) = source.notes
+    assert "no verdict on its times is possible" in note
     assert source.adapter == url
     everything = bytes(range(256))
     connection.sendall(everything)

@@ -5,12 +5,18 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from report_capture import BUS, write
+
+from sistap import cli
+from sistap.report import command
 
 REPORT = [sys.executable, "-m", "sistap", "report"]
 
@@ -117,7 +123,37 @@ def test_where_nothing_can_be_written(tmp_path: Path, capture: Path) -> None:
     before = capture.read_bytes()
     refused(run(tmp_path, capture, "-o", capture, "--format", "text"), 2, "is the capture itself")
     assert capture.read_bytes() == before
-    refused(run(tmp_path, capture, "--format", "text", "-o", "/dev/full"), 1, "No space left")
+    refused(run(tmp_path, capture, "--format", "text", "-o", "/dev/full"), 1, "/dev/full", "No space left", "-o")
+
+
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    before = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    yield
+    for number, handler in before:
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_it_and_no_file_stays(
+    tmp_path: Path, capture: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    def reading(*_: object) -> None:
+        os.kill(os.getpid(), number)
+        pytest.fail("the signal did not end it")
+
+    monkeypatch.setattr(command, "gather", reading)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))  # where root has a copy of the capture
+    assert cli.main(["report", str(capture), "--format", "text"]) == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_home_is_no_matter(tmp_path: Path, capture: Path) -> None:
+    """matplotlib would like to keep something there."""
+    (tmp_path / "file").touch()
+    done = run(tmp_path, capture, HOME=str(tmp_path / "file"), XDG_CONFIG_HOME="", XDG_CACHE_HOME="", MPLCONFIGDIR="")
+    assert (done.returncode, done.stderr) == (0, "sistap: report.html written\n")
 
 
 def test_a_window_that_is_none(tmp_path: Path, capture: Path) -> None:

@@ -255,6 +255,16 @@ def test_too_few_characters_are_not_kept(monkeypatch: pytest.MonkeyPatch, capfd:
     assert measurement.load() == ([], "")
 
 
+def test_what_was_measured_over_a_stop_is_not_kept(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The record has no room for so long an uncertainty, so captures would take the whole file for a broken one."""
+    monkeypatch.setattr(delay, "through_pty", lambda duration_ns: array("q", [1000] * 1999 + [5_000 * MS]))
+    assert run() == 1
+    assert "for 5 s sistap was stopped: measure again" in capfd.readouterr().err
+    assert measurement.load() == ([], "")
+
+
 def test_a_result_that_cannot_be_kept_is_shown(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Output of tshark line by line; a shell plays tshark."""
 
+import errno
+import os
+import shutil
+from pathlib import Path
+
 import pytest
 
 from sistap.tshark import Tshark, TsharkError
@@ -27,3 +32,14 @@ def test_much_on_stderr_does_not_block_it() -> None:
             "i=0; while [ $i -lt 5000 ]; do echo 'a line as long as a pipe is deep, in the end' >&2; i=$((i+1)); done"
         )
         assert list(shell.lines(["-c", f"{flood}; echo done"])) == ["done"]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root needs a copy")
+def test_no_room_for_the_copy(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(source: Path, copy: Path) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", str(source))
+
+    with Tshark("sh") as shell:
+        monkeypatch.setattr(shutil, "copyfile", full)
+        with pytest.raises(TsharkError, match=r"no room for a copy of day\.pcapng.* TMPDIR$"):
+            shell.output("-r", "day.pcapng")

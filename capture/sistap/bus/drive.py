@@ -24,9 +24,8 @@ from sistap.bus.parameters import (
     text,
 )
 from sistap.rates import rate_of
-from sistap.telegram import BROADCAST, STATIC_LENGTH, build, checksum_good, parse
+from sistap.telegram import BROADCAST, LEVEL_BROADCAST, STATIC_LENGTH, build, checksum_good, parse
 
-LEVEL_BROADCAST = 254
 OPERATING_MODE = 4  # the phase
 
 OK = 0x00

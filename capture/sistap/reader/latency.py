@@ -62,7 +62,10 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
         )
     parts = f": {why} and {_ms(before.machine_ns)}" if why else ""
     silent = not result and not why and behind.fifo_trigger is None and not behind.pseudo_terminal
-    unknown = "; what the adapter adds is not known" if silent else ""
+    unknown = ""
+    if silent:
+        unknown = "; what the adapter adds is not known"
+        notes = (*notes, _unknown(port))
     return Bound(total_ns, f"uncertainty {_ms(total_ns)}{parts}, {before.how}{unknown}", notes)
 
 
@@ -83,6 +86,13 @@ def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
     if behind.fifo_trigger is not None and behind.fifo_trigger > 1:
         return held_by_fifo_ns(behind.fifo_trigger, settings), f"FIFO trigger {behind.fifo_trigger}"
     return 0, ""
+
+
+def _unknown(port: str) -> str:
+    return (
+        f"{port}: how long its adapter holds characters back is not known and not in the uncertainty: off the bus, "
+        f"with its lines joined, `sistap selftest -i {port} --transmit` measures it"
+    )
 
 
 def _ms(ns: int) -> str:

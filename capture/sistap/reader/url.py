@@ -21,12 +21,14 @@ class UrlReader:
         """Open the port. May raise PortError."""
         self.name = port
         self.adapter = port
-        self.notes: tuple[str, ...] = ()
         self.settings = settings
         self.line = line
         scheme, separator, _ = port.partition("://")
         over = scheme + separator
         self.timing = f"times are those of arrival at this program over {over}; no bound known"
+        self.notes: tuple[str, ...] = (
+            f"{port}: without a bound no verdict on its times is possible: a device of this computer has one",
+        )
         try:
             self._device = closed_serial(port, settings)
             self._device.open()

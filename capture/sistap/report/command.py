@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import argparse
-import signal
+import logging
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +16,7 @@ from sistap.report import plain, windows
 from sistap.report.dissection import NotACapture
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
+from sistap.session import Stop
 from sistap.tshark import Tshark, TsharkError
 
 _DONE, _FAILED, _USAGE = 0, 1, 2
@@ -81,8 +82,8 @@ class _Refused(Exception):
     """Options or files that cannot be right; the text is the one line to show."""
 
 
-class _Missing(Exception):
-    """Something is not installed; the text is the one line to show."""
+class _Failed(Exception):
+    """Something is not installed, or the disk is full; the text is the one line to show."""
 
 
 def _window(text: str) -> Window:
@@ -120,9 +121,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the report; gives the exit code."""
-    # A script's background job inherits SIGINT ignored; and both have to end tshark and remove its files.
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.default_int_handler)
+    Stop()  # so that a signal ends tshark and removes its files, as Ctrl-C does
     console = Console()
     try:
         name = _format(args)
@@ -133,7 +132,7 @@ def run(args: argparse.Namespace) -> int:
     except (_Refused, NotACapture) as error:
         console.say(str(error))
         return _USAGE
-    except (_Missing, TsharkError) as error:
+    except (_Failed, TsharkError) as error:
         console.say(str(error))
         return _FAILED
     return _DONE
@@ -162,10 +161,11 @@ def _check_files(args: argparse.Namespace) -> None:
 
 
 def _check_matplotlib() -> None:
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home it warns of a slow start
     try:
         import matplotlib  # noqa: F401, PLC0415
     except ImportError:
-        raise _Missing(
+        raise _Failed(
             f"matplotlib is missing for {sys.executable}: `pip install 'sistap[report]'`, or install the package "
             "python3-matplotlib; --format text and json do without"
         ) from None
@@ -195,6 +195,9 @@ def _write(args: argparse.Namespace, name: str, report: Report, console: Console
         file = open(path, "wb")  # noqa: SIM115 - a disk that is full then is another kind of failure
     except OSError as error:
         raise _Refused(f"cannot write {path}: {error.strerror}; name another file with -o") from None
-    with file:
-        file.write(written)
+    try:
+        with file:
+            file.write(written)
+    except OSError as error:
+        raise _Failed(f"{path} is incomplete: {error.strerror}; make room, or name another file with -o") from None
     console.say(f"{path} written")
