@@ -36,6 +36,10 @@ class OutputError(Exception):
     """Nothing more can be written; str() is the one line to show."""
 
 
+class ReaderGone(OutputError):
+    """Nobody reads the pipe any more."""
+
+
 class OutputRefused(Exception):
     """It cannot be written to at all; str() is the one line to show."""
 
@@ -128,13 +132,13 @@ class Output:
                     raise OutputError(f"{self} is not being read; the last records are missing in it")
         except OSError as error:
             file.cut(len(block) - len(rest))
-            raise OutputError(self._reason(error)) from error
+            raise self._failure(error) from error
         file.size += len(block)
 
     def check(self) -> None:
-        """Tell while there is nothing to write whether a pipe still has a reader; OutputError if not."""
+        """Tell while there is nothing to write whether a pipe still has a reader; ReaderGone if not."""
         if self._file.deserted:
-            raise OutputError(self._reason(BrokenPipeError(errno.EPIPE, "")))
+            raise self._failure(BrokenPipeError(errno.EPIPE, ""))
 
     def open_next(self) -> bool:
         """Open the next of several files while this one can still be written; if that fails this one is the last."""
@@ -183,10 +187,10 @@ class Output:
     def _open(self, number: int = 1) -> _File:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
 
-    def _reason(self, error: OSError) -> str:
+    def _failure(self, error: OSError) -> OutputError:
         if error.errno == errno.EPIPE:
-            return f"the reader of {self} is gone; the capture has ended"
-        return f"{self}: {error.strerror}; everything before it is saved"
+            return ReaderGone(f"the reader of {self} is gone; the capture has ended")
+        return OutputError(f"{self}: {error.strerror}; everything before it is saved")
 
 
 class _File:
