@@ -49,7 +49,7 @@ def _formats(_: str) -> Sequence[Choice]:
 
 def _other_ports(name: str) -> Sequence[Choice]:
     others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, DEMO)]
-    return [("", "None: both directions are on one bus"), *others]
+    return [("", "None: a bus"), *others]
 
 
 def _uncertainties(_: str) -> Sequence[Choice]:

@@ -33,8 +33,8 @@ _COUNTED = 2  # bytes of the header that belong to the length: control and comma
 _SYNC = b"T"
 
 # Commands, and the controls by their numbers.
-_INITIALIZED, _SET, _ADD, _DISABLE, _STATUS_BAR = 0, 1, 2, 5, 6
-_RATE, _MARKER, _SEEN, _LOG = range(4)
+_INITIALIZED, _SET, _ADD, _STATUS_BAR = 0, 1, 2, 6
+_RATE, _MARKER, _COUNTERS, _LOG = range(4)
 
 
 def controls() -> list[str]:
@@ -50,7 +50,14 @@ def controls() -> list[str]:
             display="Marker",
             tooltip="Enter puts this text into the capture, as an event at this moment",
         ),
-        sentence("control", number=_SEEN, type="string", display="Seen", tooltip="What was seen since the start"),
+        # A button shows text as it is meant to be read; in a field that cannot be edited it is gray on gray.
+        sentence(
+            "control",
+            number=_COUNTERS,
+            type="button",
+            display="Counters",
+            tooltip="Telegrams since the start; click to have all counters in the log",
+        ),
         sentence("control", number=_LOG, type="button", role="logger", display="Log", tooltip="What sistap says"),
     ]
 
@@ -70,6 +77,7 @@ class Toolbar:
         self._messages: SimpleQueue[bytes | None] = SimpleQueue()  # None: it was the last
         self._attached = threading.Event()  # Wireshark has opened its end, or there is no pipe
         self._left: Callable[[], None] = lambda: None
+        self._counters: Counters | None = None  # those shown last
         self._rate = ""  # that the toolbar shows; empty: not known
         self._listener = threading.Thread(target=self._listen, args=(control_in,), daemon=True)
         self._speaker = threading.Thread(target=self._speak, args=(control_out,), daemon=True)
@@ -79,7 +87,6 @@ class Toolbar:
         self._listener.start()
         self._speaker.start()
         self._send(_LOG, _SET)
-        self._send(_SEEN, _DISABLE)
         return self
 
     def __exit__(
@@ -116,7 +123,10 @@ class Toolbar:
 
     def show(self, counters: Counters, settings: LineSettings) -> None:
         """Show the counters and the rate."""
-        self._send(_SEEN, _SET, str(counters))
+        self._counters = counters
+        damaged = f", {counters.damaged} damaged" if counters.damaged else ""
+        faulty = f", {counters.faulty_characters} line errors" if counters.faulty_characters else ""
+        self._send(_COUNTERS, _SET, f"{counters.telegrams} telegrams{damaged}{faulty}")
         rate = str(settings.baud)
         if rate != self._rate:
             self._rate = rate
@@ -156,6 +166,8 @@ class Toolbar:
         elif control == _MARKER and text.strip():
             self._requests.put(Marker(text))
             self._send(_MARKER, _SET)
+        elif control == _COUNTERS and self._counters:
+            self.say(str(self._counters))
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:
