@@ -29,6 +29,7 @@ STANDARD_OUTPUT = "-"
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
 PIECE = getattr(select, "PIPE_BUF", 512)  # bytes that a pipe takes without waiting once poll says that it takes any
 _WAIT_MS = 100  # so long, at most, does a stop take
+_WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
 _PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
 
 
@@ -271,8 +272,10 @@ def _open(path: str) -> tuple[int, bool]:
         if sys.platform == "win32":
             msvcrt.setmode(1, os.O_BINARY)
         return never_waiting(1), False
-    flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    flags = os.O_WRONLY | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    if path.startswith(_WINDOWS_PIPES):
+        return os.open(path, flags), False
     try:
-        return os.open(path, flags | os.O_EXCL, 0o666), True
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666), True
     except FileExistsError:
-        return os.open(path, flags, 0o666), False
+        return os.open(path, flags | os.O_CREAT, 0o666), False

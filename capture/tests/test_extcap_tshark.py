@@ -65,8 +65,12 @@ def test_a_capture_filter_sees_telegrams(tshark: Tshark) -> None:
 
 
 def test_options_come_from_the_preferences(tshark: Tshark) -> None:
-    told = ["-o", "extcap.sistap_demo.otherbaud:1200", "-i", "sistap-demo", "-c", "1", *NOT_LONGER]
-    assert tshark.run([*told, "-T", "fields", "-e", "sertap.baud"]).stdout.splitlines() == ["1200"]
+    capture = ["-i", "sistap-demo", "-c", "1", *NOT_LONGER, "-T", "fields", "-e", "sertap.baud"]
+    rate = ["-o", "extcap.sistap_demo.baud:19200"]
+    assert tshark.run([*rate, *capture]).stdout.splitlines() == ["19200"]
+    # A rate of one's own goes before the one that was chosen.
+    other = ["-o", "extcap.sistap_demo.otherbaud:1200"]
+    assert tshark.run([*rate, *other, *capture]).stdout.splitlines() == ["1200"]
 
 
 def test_an_error_arrives_in_words_and_alone(tshark: Tshark) -> None:
