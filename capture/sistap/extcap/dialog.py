@@ -103,7 +103,7 @@ OPTIONS = (
         "Probabilities: parity, break, loss and pause of a character, checksum of a telegram",
         BUS,
         for_demo=True,
-        placeholder="checksum=0.02,pause=0.001",
+        placeholder="none; for example checksum=0.02,pause=0.001",
         validation="^[a-z]+=[0-9.]+(,[a-z]+=[0-9.]+)*$",
     ),
 )
