@@ -214,7 +214,7 @@ class Capture:
                 self._look((now - started) / 1e9)
             if self._steering:
                 self._steer(self._steering)
-            if self._remote and self._readers:
+            if self._remote:
                 self._serve(self._remote)
         if stop.requested:
             for _ in self._readers:
@@ -263,6 +263,8 @@ class Capture:
     def _serve(self, remote: Remote) -> None:
         """Do what was asked for from outside."""
         for request in remote.requests():
+            if not self._readers:  # lost while the rate was changed
+                return
             if isinstance(request, Marker):
                 self._emit([self._event(self._readers[0].line, Event.MARKER, request.text)])
             else:
