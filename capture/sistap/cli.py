@@ -20,6 +20,7 @@ COMMANDS = {
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
     "doctor": ("sistap.doctor", "say whether a capture would work, and what is missing"),
     "selftest": ("sistap.selftest", "measure how exactly this machine tells when a character came"),
+    "extcap": ("sistap.extcap.command", "be an interface of Wireshark, which calls this itself"),
     "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
 }
 

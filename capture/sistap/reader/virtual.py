@@ -22,7 +22,7 @@ class WireReader:
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Connect and say the line settings. May raise PortError."""
         self.name = port
-        self.adapter = f"virtual bus at {port}"
+        self.adapter = "virtual bus"
         self.timing = "times and their uncertainty are those the virtual bus says"
         self.notes: tuple[str, ...] = ()
         self.settings = settings
