@@ -29,8 +29,8 @@ class WireReader:
         self.line = line
         try:
             self._socket = _connect(port)
-            # The time: simulated time is to wait for this reader.
-            self._socket.sendall(wire.pack_settings(settings) + wire.pack_time(0))
+            # First the time (simulated time is to wait for this reader): with the settings the bus begins.
+            self._socket.sendall(wire.pack_time(0) + wire.pack_settings(settings))
         except OSError as error:
             raise PortError(connection_trouble(port, error)) from error
         self._decoder = wire.Decoder()
