@@ -85,6 +85,15 @@ def test_what_somebody_else_has_put_is_kept(place: Path) -> None:
     assert again(ledger).files == []
 
 
+def test_the_same_file_put_by_somebody_else_is_not_ours(place: Path) -> None:
+    """A Debian package, for instance."""
+    place.mkdir()
+    (place / "sis.lua").write_bytes(b"the same")
+    ledger = Ledger(for_all=False)
+    assert ledger.put(place / "sis.lua", b"the same") == f"same     {place / 'sis.lua'}"
+    assert again(ledger).files == []
+
+
 def test_what_somebody_has_put_beside_it_is_kept(place: Path) -> None:
     ledger = Ledger(for_all=False)
     ledger.put(place / "SIS/preferences", b"")

@@ -61,8 +61,7 @@ class Ledger:
     def put(self, file: Path, content: bytes, *, executable: bool = False) -> str:
         """Make a file what it should be, unless it is not ours; give the line that says what happened. OSError."""
         is_new = not file.exists()
-        if not is_new and file.read_bytes() == content:
-            self._files[str(file)] = _digest(content)
+        if not is_new and file.read_bytes() == content:  # it need not be ours: a package may have put it there
             return f"same     {file}"
         if not is_new and not self._is_ours(file):
             cure = "delete it and install again to have the one of this sistap"
