@@ -154,6 +154,11 @@ PROGRAM = "C:\\Program Files\\Wireshark"
             (f"{PROGRAM}\\plugins\\4.4\\epan", f"{PROGRAM}\\plugins", f"{PROGRAM}\\extcap", f"{PROGRAM}\\profiles"),
         ),
     ],
+    ids=[
+        f"{system}, {whose}"
+        for system in ("Debian 12", "Debian testing", "macOS", "Windows")
+        for whose in ("one", "all")
+    ],
 )
 def test_folders(
     monkeypatch: pytest.MonkeyPatch, text: str, for_all: bool, kind: type[Path], expected: tuple[str, ...]

@@ -24,7 +24,7 @@ or after a new Wireshark.
 
 EPILOG = """\
 The dissector is the plugin built in this checkout, if it was built for this Wireshark (4.0, 4.2 ...: a plugin fits
-one of them only), and else sis.lua, which fits all from 4.0 on. What Wireshark loads already from elsewhere stays.
+one of them only), and else sis.lua, which fits all from 4.0 on. What Wireshark loads already from elsewhere is kept.
 
 Run as root it installs for all users: as root, Wireshark skips what is in personal folders.
 A file that somebody else put there, or has changed since, is kept. `sistap uninstall` takes everything away again.
@@ -100,7 +100,7 @@ def _install(plugin: Path | None, console: Console) -> int:
         files = list(_not_there_for_all(files, list(_others(folders.parse(named, for_all=True)))))
     foreign = _foreign(there, ledger)
     if foreign:
-        print(f"same     {foreign}: Wireshark loads it already, from elsewhere", flush=True)
+        print(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there", flush=True)
     else:
         files.append(_dissector(plugin, wireshark, places, console))
     try:
@@ -132,8 +132,8 @@ def _dissector(plugin: Path | None, wireshark: Version, places: folders.Folders,
     chosen = sources.dissector(plugin, wireshark)
     for note in chosen.notes:
         console.say(note if chosen.is_module else f"{note}; sis.lua takes its place")
-    folder = places.plugins if chosen.is_module else places.lua
-    return File(folder / chosen.file.name, chosen.file.read_bytes())
+    target = places.plugins / "sis.so" if chosen.is_module else places.lua / "sis.lua"
+    return File(target, chosen.file.read_bytes())
 
 
 def _others(places: folders.Folders) -> Iterator[File]:
