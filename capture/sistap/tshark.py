@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 if TYPE_CHECKING:
     import resource  # not on Windows
@@ -69,16 +69,19 @@ def loaded(text: str) -> list[Loaded]:
 class Tshark:
     """A place to run tshark in; as root with a copy of the plugins that nobody can read. Use it in a `with`."""
 
-    def __init__(self, program: str = "tshark", *, drop_rights: bool = True) -> None:
+    def __init__(self, program: str = "tshark", *, plugins: Path | None = None, drop_rights: bool = True) -> None:
         """Prepare to run `program`, tshark or a sister of it. TsharkError if it is not installed.
 
-        Root stays root without `drop_rights`: then folders are root's own, and personal plugins are not loaded.
+        It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Root stays root without
+        `drop_rights`: then folders are root's own, and personal plugins are not loaded.
         """
         path = shutil.which(program) or shutil.which(program, path=_FOLDERS.get(sys.platform, ""))
         if path is None:
             raise TsharkError(f"{program} is not on PATH; Debian and Ubuntu: apt-get install {program}")
         self._path = path
         self._environment = dict(os.environ)
+        if plugins is not None:
+            self._environment["WIRESHARK_PLUGIN_DIR"] = str(plugins)
         self._is_root = drop_rights and hasattr(os, "geteuid") and os.geteuid() == 0
         self._folder = Path(tempfile.mkdtemp(prefix="sistap-")) if self._is_root else None
         if self._folder is not None:
@@ -92,10 +95,11 @@ class Tshark:
         self._environment["HOME"] = str(home)
         self._environment.pop("XDG_CONFIG_HOME", None)
         for variable in _FOLDER_VARIABLES:
-            source = os.environ.get(variable)
+            source = self._environment.get(variable)
             if source and Path(source).is_dir():
                 copy = folder / variable.lower()
                 shutil.copytree(source, copy)
+                copy.chmod(0o755)
                 self._environment[variable] = str(copy)
 
     def __enter__(self) -> Tshark:
@@ -128,11 +132,18 @@ class Tshark:
         return {"stdin": stdin, "cwd": self._folder, "env": environment, **nobody}
 
     def run(
-        self, arguments: Sequence[str], *, capture: bool = True, extra_environment: dict[str, str] | None = None
+        self,
+        arguments: Sequence[str],
+        *,
+        capture: bool = True,
+        extra_environment: dict[str, str] | None = None,
+        stdin: BinaryIO | None = None,
     ) -> subprocess.CompletedProcess[str]:
         """Run tshark to its end; `capture` keeps stdout and stderr as text, else they pass through."""
         settings = self._settings(arguments)
         settings["env"] |= extra_environment or {}
+        if stdin is not None:
+            settings["stdin"] = stdin
         command = [self._path, *self._readable(arguments)]
         return subprocess.run(
             command, check=False, text=True, encoding="utf-8", errors="replace", capture_output=capture, **settings

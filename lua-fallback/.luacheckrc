@@ -1,0 +1,7 @@
+-- What Wireshark's Lua gives, and luacheck does not know.
+std = "lua52"
+max_line_length = 120
+read_globals = {
+  "base", "bit", "ByteArray", "dissect_tcp_pdus", "Dissector", "DissectorTable", "ENC_UTF_8", "expert", "Field", "frametype",
+  "ftypes", "get_version", "NSTime", "Pref", "Proto", "ProtoExpert", "ProtoField", "Struct", "UInt64", "wtap",
+}

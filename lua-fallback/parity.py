@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What tshark says with the C plugin beside what it says with sis.lua, line by line."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from itertools import zip_longest
+from pathlib import Path
+
+from sistap.tshark import Tshark
+
+SCRIPT = Path(__file__).parent / "sis.lua"
+
+# One element of PDML is one line, with name, text, position, size and value; the first lines name file and time.
+_PACKET = re.compile(r"^<packet>$.*?^</packet>$", re.MULTILINE | re.DOTALL)
+_SHOWN = 5  # packets that differ
+
+# What may differ, and how both are made the same. README.md says it to people.
+ALLOWED = (
+    # Wireshark itself says that the capture has cut a packet, when C reaches over the end; in Lua it is a line of text.
+    (
+        re.compile(
+            r'<proto name="fake-field-wrapper">\n *<field name="_ws.lua.text" '
+            r'showname="(\[Packet size limited during capture: [^"]*)"[^\n]*\n *</proto>'
+        ),
+        r'<proto name="_ws.short" showname="\1" size="0" pos="0"/>',
+    ),
+    # Wireshark hangs a hidden item of its own before everything that Lua dissects.
+    (re.compile(r' *<proto name="fake-field-wrapper">\n *<field name="_ws.lua.fake" [^\n]*\n *</proto>\n'), ""),
+    (re.compile(r' *<field name="_ws.lua.fake" [^\n]*\n'), ""),
+    # A line of the tree that is no field is one in Lua, without its bytes.
+    (
+        re.compile(r'<field name="_ws.lua.text" showname="([^"]*)" (size="\d+" pos="\d+") show="" value=""'),
+        r'<field name="" show="\1" \2',
+    ),
+    (re.compile(r'(<field name="" show="[^"]*" size="\d+" pos="\d+") value="[0-9a-f]*"'), r"\1"),
+)
+
+
+def without_allowed(packet: str) -> str:
+    """Give a packet without what may differ."""
+    for pattern, same in ALLOWED:
+        packet = pattern.sub(same, packet)
+    if '<proto name="sis"' not in packet:  # that hidden item makes Wireshark name a protocol of which it shows nothing
+        packet = packet.replace(':sis"', '"')
+    return packet
+
+
+def packets(tshark: Tshark, capture: Path, *options: str) -> list[str]:
+    """Give the whole trees of all packets, as PDML. AssertionError if tshark complains."""
+    done = tshark.run(["-r", str(capture), *options, "-T", "pdml"])
+    assert done.returncode == 0, done.stderr
+    assert all(line.startswith("sis.lua: ") for line in done.stderr.splitlines()), done.stderr
+    assert not re.findall('Lua Error[^"]*', done.stdout)
+    return [without_allowed(packet) for packet in _PACKET.findall(done.stdout)]
+
+
+def difference(expected: list[str], found: list[str]) -> str:
+    """Tell how packets differ: nothing, or how many of them, and the first of them line by line."""
+    pairs = list(zip_longest(expected, found, fillvalue=""))
+    differing = [(number, *pair) for number, pair in enumerate(pairs, 1) if pair[0] != pair[1]]
+    if not differing:
+        return ""
+    words = [f"{len(differing)} of {len(pairs)} packets differ"]
+    for number, one, two in differing[:_SHOWN]:
+        words += difflib.unified_diff(one.splitlines(), two.splitlines(), f"{number} C", f"{number} Lua", "", "", 1, "")
+    return "\n".join(words)
+
+
+def listed(tshark: Tshark, capture: Path, *options: str) -> list[str]:
+    """Give the packet list, for which nobody looks at the tree."""
+    return tshark.output("-r", str(capture), *options).splitlines()
+
+
+def check(plugin: Tshark, script: Tshark, capture: Path, *options: str) -> None:
+    """Dissect a capture with both. AssertionError tells the difference, if there is one."""
+    for view in (packets, listed):
+        words = difference(view(plugin, capture, *options), view(script, capture, *options))
+        assert not words, words

@@ -1,0 +1,4837 @@
+-- SPDX-License-Identifier: GPL-2.0-or-later
+-- The SIS telegram and the serial tap's record in Lua: one file for Wireshark 4.0 and later, no compiler. Put it into
+-- the personal plugin folder (Help > About Wireshark > Folders).
+--
+-- It shows what the C plugin in plugin/ shows, and is written like it: a block a file, in the same order, with the same
+-- names. Where a block says nothing, the comments of its C file hold. README.md lists what Lua cannot do.
+
+-- head: guards, aliases, and what all blocks use
+
+if tonumber(string.match(get_version(), "^%d+")) < 4 then
+  error("sis.lua needs Wireshark 4.0 or later, this is " .. get_version(), 0)
+end
+
+-- The C plugin, which Wireshark loads first, or another copy of this file: it has all that this one has.
+for _, name in ipairs(Dissector.list()) do
+  if name == "sis" or name == "sertap" then
+    io.stderr:write("sis.lua: " .. name .. " is there already, so this copy does nothing\n")
+    return
+  end
+end
+
+local floor, fmod, max, min = math.floor, math.fmod, math.max, math.min
+local byte, char, rep, sub, strformat = string.byte, string.char, string.rep, string.sub, string.format
+local concat, unpack = table.concat, table.unpack
+local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift -- signed: up to 31 bits only
+
+local sertap = Proto("sertap", "Serial tap")
+local sis = Proto("sis", "Rexroth SIS serial protocol")
+
+-- What crosses blocks, named as in the C headers: S.take for sis_take(), T.record for sertap_record().
+local S, T = {}, {}
+-- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.missing for ei_sis_missing.
+local F, FT, E, ET = {}, {}, {}, {}
+-- Constants; texts by code; values of the preferences of sis.
+local K, N, P = {}, {}, {}
+
+K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
+
+local label = {} -- of a field
+
+-- Declares a field: `name` in F, or in FT where it belongs to sertap.
+local function field(name, text, abbreviation, kind, display, strings, mask, description)
+  local made = ProtoField.new(text, abbreviation, kind, strings, display, mask, description)
+
+  label[made] = text
+  if sub(abbreviation, 1, 4) == "sis." then F[name] = made else FT[name] = made end
+end
+
+-- Declares an expert item; group and severity as Wireshark's Lua names them.
+local function expert_field(name, abbreviation, group, severity, text)
+  local made = ProtoExpert.new(abbreviation, text, expert.group[group], expert.severity[severity])
+
+  if sub(abbreviation, 1, 4) == "sis." then E[name] = made else ET[name] = made end
+end
+
+-- Declares a preference of sis: P[name] has its value.
+local function preference(name, made)
+  sis.prefs[name] = made
+  P[name] = sis.prefs[name]
+end
+
+local function read_preferences()
+  for name in pairs(P) do
+    P[name] = sis.prefs[name]
+  end
+end
+
+sis.prefs_changed = read_preferences
+
+-- What a file leaves behind goes when the next one is opened.
+local init_routines = {}
+
+local function at_init(routine)
+  init_routines[#init_routines + 1] = routine
+end
+
+function sis.init()
+  read_preferences() -- a change of profile resets the preferences without a call
+  for _, routine in ipairs(init_routines) do
+    routine()
+  end
+end
+
+-- Items of the tree. Without a tree, and for an item that is not there, all of them do nothing.
+
+-- A field with its value, or with that of its bytes, big endian; `text` in place of all that is shown of it.
+local function add(tree, which, tvb, offset, length, value, text)
+  if tree == nil then
+    return nil
+  elseif text ~= nil then
+    return tree:add(which, tvb(offset, length), value, text)
+  elseif value ~= nil then
+    return tree:add(which, tvb(offset, length), value)
+  end
+  return tree:add(which, tvb(offset, length))
+end
+
+-- The same with the bytes as little endian.
+local function add_le(tree, which, tvb, offset, length)
+  return tree and tree:add_le(which, tvb(offset, length))
+end
+
+-- A field with its value and `text` after its name.
+local function add_value(tree, which, tvb, offset, length, value, text)
+  return tree and tree:add(which, tvb(offset, length), value, label[which] .. ": " .. text)
+end
+
+-- A line that is no field.
+local function add_subtree(tree, tvb, offset, length, text)
+  return tree and tree:add(tvb(offset, length), text)
+end
+
+local function append_text(item, text)
+  if item then item:append_text(text) end
+end
+
+local function set_generated(item)
+  return item and item:set_generated()
+end
+
+-- An expert item; its declared text where there is no other.
+local function add_expert(item, which, text)
+  if text then item:add_proto_expert_info(which, text) else item:add_proto_expert_info(which) end
+end
+
+-- ns as Wireshark's time.
+local function nstime(ns)
+  local rest = fmod(ns, 1e9)
+
+  return NSTime.new((ns - rest) / 1e9, rest)
+end
+
+local function plural(count)
+  return count == 1 and "" or "s"
+end
+
+-- What Wireshark says where the capture has cut a packet. Lua cannot throw its exception.
+function S.show_cut(tvb, pinfo, parent, name)
+  parent:add(tvb(0, 0), "[Packet size limited during capture: " .. name .. " truncated]")
+  pinfo.cols.info:append("[Packet size limited during capture]")
+end
+
+-- "02 5e".
+local function hex(bytes)
+  local spaced = string.gsub(bytes, ".", function(c) return strformat("%02x ", byte(c)) end)
+
+  return sub(spaced, 1, -2)
+end
+
+-- The text of a value in ranges {first, last, text}: the first that fits; nil where none does.
+local function range_text(value, ranges)
+  for _, range in ipairs(ranges) do
+    if value >= range[1] and value <= range[2] then
+      return range[3], range
+    end
+  end
+end
+
+-- Which interface of the capture a packet came from; 0 where there is none, and in the first of two passes of tshark,
+-- which has no fields for Lua unless a filter wants some.
+local frame_interface_id = Field.new("frame.interface_id")
+local interface_of, interface_id -- of the packet that was asked for last: every field that is looked at costs time
+
+at_init(function() interface_of = nil end)
+
+function S.interface(pinfo)
+  local number = pinfo.number
+
+  if number ~= interface_of then
+    local found = frame_interface_id()
+
+    interface_of, interface_id = number, found and found.value or 0
+  end
+  return interface_id
+end
+
+-- Which TCP connection a packet belongs to: its two ends, as text. Its number is a field, and the first pass of tshark
+-- has none.
+function S.connection(pinfo)
+  local one = tostring(pinfo.net_src) .. " " .. pinfo.src_port
+  local other = tostring(pinfo.net_dst) .. " " .. pinfo.dst_port
+
+  return one < other and one .. " " .. other or other .. " " .. one
+end
+
+-- When a packet came: ns since the first packet. Lua has the time since 1970 as a double of seconds, too coarse for ns;
+-- that since the first packet is exact for weeks. It changes with a time reference that the user sets, so the one of
+-- the first pass is kept.
+local packet_times = {}
+
+at_init(function() packet_times = {} end)
+
+function S.packet_time(pinfo)
+  local number = pinfo.number
+  local time = packet_times[number]
+
+  if not time then
+    time = floor(pinfo.rel_ts * 1e9 + 0.5)
+    packet_times[number] = time
+  end
+  return time
+end
+
+-- Each block stands in do ... end: Lua allows 200 locals at a time.
+
+-- names: made by names.py from plugin/sis-names.c; edit there
+
+-- What kinds of addresses there are; this order counts.
+K.STATION = 0
+K.SERVICE_MASTER = 1
+K.POINT_TO_POINT = 2
+K.NOT_ASSIGNED = 3
+K.RESERVED = 4
+K.NO_SENDER = 5
+K.GROUP = 6
+K.LEVEL_BROADCAST = 7
+K.GLOBAL_BROADCAST = 8
+
+-- Fig. 2-9 and chapters 3 to 9. The first entry that fits names a service: single ones before their ranges.
+N.services = {
+  {0x00, 0x00, "Node identification"},
+  {0x01, 0x01, "Cancel data transmission"},
+  {0x02, 0x02, "Flash operation"},
+  {0x03, 0x03, "Initialization of the SIS communication"},
+  {0x04, 0x04, "Execute a list of SIS services"},
+  {0x0F, 0x0F, "Token passing"},
+  {0x10, 0x10, "Read parameter"},
+  {0x11, 0x11, "Read list segment"},
+  {0x12, 0x12, "Read phase"},
+  {0x1D, 0x1D, "Switch phase"},
+  {0x1E, 0x1E, "Write list segment"},
+  {0x1F, 0x1F, "Write parameter"},
+  {0x80, 0x80, "Read parameter (ECODRIVE)"},
+  {0x81, 0x81, "Read list segment (ECODRIVE)"},
+  {0x8E, 0x8E, "Write list segment (ECODRIVE)"},
+  {0x8F, 0x8F, "Write parameter (ECODRIVE)"},
+  {0x90, 0x90, "Read parameter (SYNAX)"},
+  {0x91, 0x91, "Read list segment (SYNAX)"},
+  {0x92, 0x92, "Read phase (SYNAX)"},
+  {0x9D, 0x9D, "Switch phase (SYNAX)"},
+  {0x9E, 0x9E, "Write list segment (SYNAX)"},
+  {0x9F, 0x9F, "Write parameter (SYNAX)"},
+  {0x00, 0x0F, "General service"},
+  {0x10, 0x7F, "Reserved service"},
+  {0x80, 0x8F, "ECODRIVE service"},
+  {0x90, 0x9F, "SYNAX service"},
+  {0xA0, 0xAF, "MT-CNC/MTC200 service"},
+  {0xB0, 0xBF, "ISP200 service"},
+  {0xC0, 0xCF, "CLC-GPS service"},
+  {0xD0, 0xDF, "HMI system service"},
+  {0xE0, 0xEF, "DISC service"},
+  {0xF0, 0xFF, "Reserved service"},
+}
+
+-- Kinds of addresses, fig. 2-9; which address is of which kind differs between the editions (sis-address.c).
+N.address_kinds = {
+  [K.STATION] = "station",
+  [K.SERVICE_MASTER] = "service or emergency master",
+  [K.POINT_TO_POINT] = "point-to-point",
+  [K.NOT_ASSIGNED] = "not assigned",
+  [K.RESERVED] = "reserved",
+  [K.NO_SENDER] = "not a sender address",
+  [K.GROUP] = "logical group",
+  [K.LEVEL_BROADCAST] = "broadcast on one hierarchy level",
+  [K.GLOBAL_BROADCAST] = "global broadcast",
+}
+
+-- Telegram control bits 7, 6, 5 of a reaction, ECODRIVE03; the order of the bits is inferred.
+N.control_status_ecodrive03 = {
+  [0] = "No error, request processed",
+  [1] = "Request still being processed",
+  [2] = "Request cannot be processed now",
+  [3] = "Not defined",
+  [4] = "Warning",
+  [5] = "Not defined",
+  [6] = "Error",
+  [7] = "Not defined",
+}
+
+-- Status byte of a reaction, fig. 2-18; 0xF9 to 0xFC from the IndraDrive manual.
+N.status = {
+  {0x00, 0x00, "Transmission error-free"},
+  {0x01, 0x01, "Execution error"},
+  {0x02, 0x02, "Error in the internal transmission channel"},
+  {0x03, 0xEF, "Execution error, not specified"},
+  {0xF0, 0xF0, "Invalid service"},
+  {0xF1, 0xF1, "Invalid telegram"},
+  {0xF2, 0xF2, "Wrong telegram length"},
+  {0xF3, 0xF3, "Telegram error, not specified"},
+  {0xF4, 0xF4, "Wrong checksum"},
+  {0xF5, 0xF7, "Telegram error, not specified"},
+  {0xF8, 0xF8, "Invalid sequential telegram"},
+  {0xF9, 0xF9, "Command has subaddresses, the slave does not route"},
+  {0xFA, 0xFA, "Useful data missing in the command"},
+  {0xFB, 0xFB, "Subservice not supported"},
+  {0xFC, 0xFC, "Component not available or address invalid"},
+  {0xFD, 0xFF, "Telegram error, not specified"},
+}
+
+-- The same byte where it answers a phase service (chapters 8.4 and 8.5): 2 has another meaning there, and 1 * has
+-- none.
+N.status_phase = {
+  {0x01, 0x01, "Execution error, not specified for this service"},
+  {0x02, 0x02, "Phase switching error"},
+}
+
+-- The error code after status 2 where a service has no other meaning for it, fig. 2-19.
+N.errors_channel = {
+  [0x8001] = "Transmission channel busy",
+  [0x8002] = "Fault in the transmission channel",
+  [0x800B] = "Transmission cancelled, another request had priority",
+  [0x800C] = "Access not allowed, the transmission channel is still active",
+}
+
+-- Subservices of 0x00, chapter 3.
+N.subservices_identification = {
+  [0x01] = "SIS version",
+  [0x02] = "Firmware (FWA) number",
+  [0x03] = "Device type key",
+  [0x04] = "Supported baud rates",
+}
+
+-- Subservices of 0x02, chapter 5.
+N.subservices_flash = {
+  [0x90] = "Shutdown",
+  [0x91] = "Reboot",
+  [0x92] = "Read flash",
+  [0x93] = "Find header",
+  [0x94] = "Erase flash",
+  [0x96] = "Program flash",
+  [0x97] = "Build checksum",
+  [0x9F] = "Reset errors in the slave",
+}
+
+-- Subservice and error byte of 0x02, chapter 5.3; those with 0x10 and 0x0B from the IndraDrive manual.
+N.errors_flash = {
+  [0x9002] = "Firmware was deleted",
+  [0x9003] = "Shutdown not allowed in phase 3",
+  [0x9004] = "Shutdown not allowed in phase 4",
+  [0x9010] = "Shutdown not allowed in operating mode",
+  [0x9102] = "Firmware was deleted",
+  [0x9103] = "Reboot not allowed in phase 3",
+  [0x9104] = "Reboot not allowed in phase 4",
+  [0x9110] = "Reboot not allowed in operating mode",
+  [0x9200] = "Read error",
+  [0x920B] = "More than the maximum of useful data",
+  [0x9400] = "Timeout while erasing",
+  [0x940A] = "Erasing is only possible in the loader",
+  [0x96E0] = "Verify error while programming the flash",
+  [0x96E1] = "Timeout while programming the flash",
+  [0x96FF] = "Error while writing to the RAM",
+  [0x9701] = "Additive checksum wrong",
+  [0x9702] = "CRC32 checksum wrong",
+}
+
+-- Where Shutdown goes, chapter 5.1.
+N.shutdown_targets = {
+  [0] = "Firmware",
+  [1] = "Loader",
+}
+
+-- Device types of Program flash, chapter 5.1.
+N.device_types = {
+  [0] = "None (not supported)",
+  [1] = "ROM (not supported)",
+  [2] = "RAM",
+  [3] = "Dual-port RAM",
+  [4] = "Flash",
+}
+
+-- Subservices of 0x03, chapter 6.
+N.subservices_initialization = {
+  [0x01] = "Set TrS (slave reaction time)",
+  [0x02] = "Set TzA (character interval)",
+  [0x03] = "Set Tmas (master control word cycle)",
+  [0x06] = "Assign multicast group",
+  [0x07] = "Set baud rate",
+  [0x08] = "Timed baud rate test",
+  [0xFF] = "Accept the set values",
+}
+
+-- Subservice and error byte of 0x03, chapter 6.3.
+N.errors_initialization = {
+  [0x0700] = "Baud rate not supported",
+  [0x0800] = "Baud rate not supported",
+  [0x0801] = "Test time too large for the internal timer",
+}
+
+-- Baud rate mask, fig. 3-10, 6-11 and 6-17.
+N.baud_masks = {
+  [0x00] = "9600",
+  [0x01] = "19200",
+  [0x02] = "38400",
+  [0x04] = "57600",
+  [0x08] = "115200",
+}
+
+-- Elements of a parameter, bits 3 to 5 of the parameter control, fig. 8-1.
+N.elements = {
+  [0] = "Channel not active",
+  [1] = "Ident number",
+  [2] = "Name",
+  [3] = "Attribute",
+  [4] = "Unit",
+  [5] = "Minimum",
+  [6] = "Maximum",
+  [7] = "Operating data",
+}
+
+-- Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x800C from IndraDrive.
+N.errors_parameter = {
+  [0x0000] = "No error",
+  [0x0001] = "Service channel not open",
+  [0x0009] = "Wrong access to element 0",
+  [0x00A0] = "Request not allowed",
+  [0x00B0] = "Element not allowed",
+  [0x1001] = "Ident number not available",
+  [0x1009] = "Wrong access to element 1",
+  [0x2001] = "Name not available",
+  [0x2002] = "Name transmitted too short",
+  [0x2003] = "Name transmitted too long",
+  [0x2004] = "Name cannot be changed",
+  [0x2005] = "Name is write-protected at present",
+  [0x3002] = "Attribute transmitted too short",
+  [0x3003] = "Attribute transmitted too long",
+  [0x3004] = "Attribute cannot be changed",
+  [0x3005] = "Attribute is write-protected at present",
+  [0x4001] = "Unit not available",
+  [0x4002] = "Unit transmitted too short",
+  [0x4003] = "Unit transmitted too long",
+  [0x4004] = "Unit cannot be changed",
+  [0x4005] = "Unit is write-protected at present",
+  [0x5001] = "Minimum not available",
+  [0x5002] = "Minimum transmitted too short",
+  [0x5003] = "Minimum transmitted too long",
+  [0x5004] = "Minimum cannot be changed",
+  [0x5005] = "Minimum is write-protected at present",
+  [0x6001] = "Maximum not available",
+  [0x6002] = "Maximum transmitted too short",
+  [0x6003] = "Maximum transmitted too long",
+  [0x6004] = "Maximum cannot be changed",
+  [0x6005] = "Maximum is write-protected at present",
+  [0x7002] = "Operating data transmitted too short",
+  [0x7003] = "Operating data transmitted too long",
+  [0x7004] = "Operating data cannot be changed",
+  [0x7005] = "Operating data are write-protected at present",
+  [0x7006] = "Operating data smaller than the minimum",
+  [0x7007] = "Operating data greater than the maximum",
+  [0x7008] = "Operating data not correct",
+  [0x700C] = "Operating data outside the range: below zero, or above the modulo value of a modulo axis",
+  [0x700D] = "The length of the operating data cannot be changed at present",
+  [0x700E] = "The length of the operating data cannot be changed",
+  [0x700F] = "List element not available, or the list offset is not the start of an element",
+  [0x8001] = "Service channel busy",
+  [0x800C] = "Parameter is occupied by a sequential transmission",
+}
+
+-- Error codes of a phase switch, fig. 8-49.
+N.errors_phase = {
+  [0x8004] = "Wrong phase requested over the serial protocol",
+  [0xD005] = "Phase switch still active",
+  [0xD006] = "Phase switch not allowed while a drive is enabled",
+  [0xD007] = "Phase switch not allowed while the master axis turns",
+}
+
+-- Phases with a mode, chapter 8.5.
+N.phases = {
+  [2] = "parameter mode",
+  [4] = "operating mode",
+}
+
+-- Data status of a command, bits 0 to 3, fig. 8-44.
+N.data_states = {
+  [0x0] = "not set",
+  [0x3] = "done",
+  [0x5] = "interrupted",
+  [0x7] = "in process",
+  [0xF] = "execution not possible",
+}
+
+-- end of what names.py has made
+
+do
+  local names, are_reserved = {}, {} -- of all 256 services: every telegram asks
+
+  for service = 0, 255 do
+    local text, range = range_text(service, N.services)
+
+    names[service] = range[1] == range[2] and text or strformat("%s 0x%02x", text, service)
+    are_reserved[service] = text == "Reserved service"
+  end
+
+  -- "Read parameter", or "ECODRIVE service 0x83" where only the range has a name.
+  function S.service_name(service)
+    return names[service]
+  end
+
+  -- In the edition of 2004; ECODRIVE03 reserves 0xE0 to 0xEF, too.
+  function S.service_is_reserved(service)
+    return are_reserved[service]
+  end
+end
+
+-- sertap-line: what is known of a line, record after record, in the first pass
+
+do
+  local WINDOW_NS = 1e9 -- over which the load is taken
+  local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
+
+  local lines = {} -- by interface
+
+  at_init(function() lines = {} end)
+
+  local function find_line(pinfo)
+    local key = S.interface(pinfo)
+    local line = lines[key]
+
+    if not line then
+      -- The spells of the last window are those from `head` to `last`; `busy` is the time of all of them, in ns.
+      line = {lost_in = 0, unframed_in = 0, spells = {}, head = 1, last = 0, busy = 0, begin = 0}
+      lines[key] = line
+    end
+    return line
+  end
+
+  -- What may hide a frame: the last loss of characters, and the last that may have been a frame; 0 where there is none.
+  function T.disturbance(record)
+    return record.known
+  end
+
+  local function note_disturbance(line, pinfo, record)
+    local is_gap = record.type == K.EVENT
+      and (record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST)
+
+    if is_gap or band(record.flags, K.LOST_BEFORE) ~= 0 then line.lost_in = pinfo.number end
+    if record.type == K.OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = pinfo.number end
+  end
+
+  local function note_spell(line, pinfo, record)
+    local character = T.character_ns(record)
+    local busy = character * record.count
+    local finish = S.packet_time(pinfo) + record.duration
+    local begin = finish - max(busy, record.duration + character)
+    local spells = line.spells
+
+    if busy == 0 then return end
+    if line.last == 0 then line.begin = begin end
+    line.last = line.last + 1
+    spells[line.last] = {begin, finish, busy}
+    line.busy = line.busy + busy
+    while spells[line.head][2] <= finish - WINDOW_NS do
+      line.busy = line.busy - spells[line.head][3]
+      spells[line.head] = nil
+      line.head = line.head + 1
+    end
+  end
+
+  function T.line_note(pinfo, record)
+    local line = find_line(pinfo)
+
+    record.known = line
+    if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, pinfo, record) end
+    if record.type ~= K.EVENT then note_spell(line, pinfo, record) end
+  end
+
+  -- How long the line was busy, of how much time, both in ns; nothing where that is not known. Of the oldest spell only
+  -- a part may lie in the window.
+  function T.load(record)
+    local line = record.known
+    local first, last = line.spells[line.head], line.spells[line.last]
+
+    if not first then return end
+    local busy, begin = line.busy, max(last[2] - WINDOW_NS, line.begin)
+    if first[1] < begin then
+      busy = busy - floor(first[3] * (begin - first[1]) / (first[2] - first[1]))
+    end
+    return busy, last[2] - begin
+  end
+
+  -- The double nearest to x that C's float can hold: the plugin keeps the load in one.
+  local function single(x)
+    local scaled = x * 536870913.0 -- 2^29 + 1
+
+    return scaled - (scaled - x)
+  end
+
+  -- What T.load() gave, in percent.
+  function T.percent(busy, span)
+    return single(min(max(single(single(busy) / single(span)), 0), 1) * 100)
+  end
+end
+
+-- packet-sertap: the serial tap's link layer: one record a packet, with value, interval and flags of every character
+
+do
+  local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
+  local FRAMING_SIS = 0
+  local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
+
+  K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
+  K.CHARACTERS_LOST, K.ADAPTER_LOST = 3, 4
+  K.SAME_READ, K.CHARACTER_ERROR, K.BREAK, K.LOST_BEFORE = 0x01, 0x02, 0x04, 0x08
+  K.UNLOCATED_ERROR, K.INTERVAL_UNKNOWN, K.INTERVAL_SATURATED = 0x10, 0x20, 0x40
+
+  local types = {[K.FRAME] = "Frame", [K.OTHER] = "Other characters", [K.EVENT] = "Event"}
+  local line_names = {[0] = "Shared bus", [1] = "First direction", [2] = "Second direction"}
+  local parities = {[0] = "None", [1] = "Even", [2] = "Odd", [3] = "Mark", [4] = "Space"}
+  local parity_letters = {[0] = "N", [1] = "E", [2] = "O", [3] = "M", [4] = "S"}
+  local stop_bits = {[2] = "1", [3] = "1.5", [4] = "2"}
+  local framings = {[FRAMING_SIS] = "SIS", [1] = "3964R", [255] = "Silence"}
+  local events = {
+    [0] = "None",
+    [1] = "Capture started",
+    [2] = "Line settings changed",
+    [K.CHARACTERS_LOST] = "Characters lost",
+    [K.ADAPTER_LOST] = "Adapter lost",
+    [5] = "Marker",
+    [6] = "Capture ended",
+  }
+
+  field("version", "Version", "sertap.version", ftypes.UINT8, base.DEC)
+  field("header_length", "Header length", "sertap.header_length", ftypes.UINT8, base.DEC)
+  field("type", "Type", "sertap.type", ftypes.UINT8, base.DEC, types)
+  field("line", "Line", "sertap.line", ftypes.UINT8, base.DEC, line_names)
+  field("baud", "Baud rate", "sertap.baud", ftypes.UINT32, base.DEC)
+  field("format", "Character format", "sertap.format", ftypes.STRING)
+  field("data_bits", "Data bits", "sertap.format.data_bits", ftypes.UINT8, base.DEC)
+  field("parity", "Parity", "sertap.format.parity", ftypes.UINT8, base.DEC, parities)
+  field("stop_bits", "Stop bits", "sertap.format.stop", ftypes.UINT8, base.DEC, stop_bits, 0, "In half bits")
+  field("framing", "Framing", "sertap.framing", ftypes.UINT8, base.DEC, framings, 0, "By which rule frames are cut")
+  field("uncertainty", "Uncertainty of the times", "sertap.uncertainty", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "How much earlier than recorded a character can have arrived")
+  field("count", "Count", "sertap.count", ftypes.UINT16, base.DEC, nil, 0, "Characters, or bytes of an event's text")
+  field("event", "Event", "sertap.event", ftypes.UINT16, base.DEC, events)
+  field("text", "Text", "sertap.text", ftypes.STRING)
+  field("data", "Characters", "sertap.data", ftypes.BYTES)
+  field("character", "Character", "sertap.character", ftypes.UINT8, base.HEX)
+  field("interval", "Interval", "sertap.interval", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "Since the character before it on this line, arrival to arrival")
+  field("interval_max", "Longest interval", "sertap.interval.max", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "Between two characters of this record")
+  field("flags", "Flags", "sertap.flags", ftypes.UINT8, base.HEX)
+  field("same_read", "Came in the same read as the one before", "sertap.same_read", ftypes.BOOLEAN, 8, nil, K.SAME_READ)
+  field("error_character", "Parity or framing error", "sertap.error.character", ftypes.BOOLEAN, 8, nil,
+    K.CHARACTER_ERROR)
+  field("error_break", "Break", "sertap.error.break", ftypes.BOOLEAN, 8, nil, K.BREAK)
+  field("error_lost", "Characters lost before it", "sertap.error.lost", ftypes.BOOLEAN, 8, nil, K.LOST_BEFORE)
+  field("error_unlocated", "Error somewhere in its read", "sertap.error.unlocated", ftypes.BOOLEAN, 8, nil,
+    K.UNLOCATED_ERROR)
+  field("interval_unknown", "Interval unknown (first on the line)", "sertap.interval.unknown", ftypes.BOOLEAN, 8, nil,
+    K.INTERVAL_UNKNOWN)
+  field("interval_saturated", "Interval longer than it can be stored", "sertap.interval.saturated", ftypes.BOOLEAN, 8,
+    nil, K.INTERVAL_SATURATED)
+
+  expert_field("version", "sertap.version.unknown", "MALFORMED", "ERROR", "Unknown version of the record")
+  expert_field("header_length", "sertap.header_length.short", "MALFORMED", "ERROR",
+    "The header is shorter than version 1 has it")
+  expert_field("count", "sertap.count.wrong", "MALFORMED", "ERROR", "The count does not fit")
+  expert_field("truncated", "sertap.truncated", "MALFORMED", "ERROR", "The record is cut")
+  expert_field("error_character", "sertap.error.character.expert", "CHECKSUM", "WARN",
+    "Parity or framing error on the line")
+  expert_field("error_break", "sertap.error.break.expert", "PROTOCOL", "WARN", "Break on the line")
+  expert_field("error_lost", "sertap.error.lost.expert", "SEQUENCE", "WARN",
+    "Characters were lost before the tap could read them")
+  expert_field("error_unlocated", "sertap.error.unlocated.expert", "CHECKSUM", "WARN",
+    "A line error, the adapter does not say at which character")
+  expert_field("event", "sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
+
+  -- What a flag is called at its character, and, for an error, what is said of the record that has it, with the number
+  -- of the first character that has it.
+  local flags = {
+    {flag = K.SAME_READ, field = FT.same_read, text = "same read"},
+    {flag = K.CHARACTER_ERROR, field = FT.error_character, text = "parity or framing error",
+      expert = ET.error_character, mark = "parity or framing error at character %d"},
+    {flag = K.BREAK, field = FT.error_break, text = "break", expert = ET.error_break, mark = "break at character %d"},
+    {flag = K.LOST_BEFORE, field = FT.error_lost, text = "characters lost before it", expert = ET.error_lost,
+      mark = "the tap lost characters before character %d"},
+    {flag = K.UNLOCATED_ERROR, field = FT.error_unlocated, text = "error somewhere in this read",
+      expert = ET.error_unlocated, mark = "line error, place unknown"},
+    {flag = K.INTERVAL_UNKNOWN, field = FT.interval_unknown, text = "interval unknown"},
+    {flag = K.INTERVAL_SATURATED, field = FT.interval_saturated, text = "interval longer than it can be stored"},
+  }
+
+  local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
+  local current -- the record that is being dissected
+  local handle -- of this dissector, once there is one
+
+  -- The record that this packet is; nil where it is none.
+  function T.record()
+    return current
+  end
+
+  -- The first of the record's characters, from 0, that `part`, cut out of its payload, has.
+  function T.index(record, part)
+    return part:offset() - record.raw_offset - record.data_offset
+  end
+
+  -- ns of one character, start and stop bits included; 0 where the rate is not known.
+  function T.character_ns(record)
+    local half_bits = 2 + 2 * record.data_bits + (record.parity ~= 0 and 2 or 0) + record.stop_half_bits
+
+    return record.baud ~= 0 and floor(half_bits * 500000000 / record.baud) or 0
+  end
+
+  -- ns since the character before; characters count from 0.
+  function T.interval_of(record, character)
+    return record.intervals[character + 1]
+  end
+
+  function T.flags_of(record, character)
+    return record.flags == 0 and 0 or byte(record.bytes, record.flags_offset + character + 1)
+  end
+
+  local function write_columns(pinfo, info)
+    local cols = pinfo.cols
+
+    cols.protocol = "SERTAP"
+    cols.info = info
+  end
+
+  -- "8E1" and its parts.
+  local function add_format(tree, tvb, record)
+    local parity, stop = parity_letters[record.parity] or "?", stop_bits[record.stop_half_bits] or "?"
+    local subtree = add(tree, FT.format, tvb, 8, 3, strformat("%d%s%s", record.data_bits, parity, stop))
+
+    add(subtree, FT.data_bits, tvb, 8, 1)
+    add(subtree, FT.parity, tvb, 9, 1)
+    add(subtree, FT.stop_bits, tvb, 10, 1)
+  end
+
+  -- Unknown has no value: a filter for bad times would find it.
+  local function add_uncertainty(tree, tvb, uncertainty)
+    if uncertainty then
+      add_value(tree, FT.uncertainty, tvb, 12, 4, nstime(uncertainty), strformat("%.3f ms", uncertainty / 1e6))
+    else
+      add_subtree(tree, tvb, 12, 4, "Uncertainty of the times: unknown")
+    end
+  end
+
+  local function show_header(tvb, tree, record)
+    add(tree, FT.type, tvb, 2, 1)
+    add(tree, FT.line, tvb, 3, 1)
+    local item = add(tree, FT.baud, tvb, 4, 4)
+    if record.baud == 0 then append_text(item, " (unknown)") end
+    add_format(tree, tvb, record)
+    add(tree, FT.framing, tvb, 11, 1)
+    add_uncertainty(tree, tvb, record.uncertainty)
+  end
+
+  -- Whether version and length of the header can be read; says why not. The second result tells whether that is because
+  -- the capture has cut the packet.
+  local function check_header(tvb, tree, root, bytes, there)
+    local version, size = byte(bytes, 1, 2)
+
+    if not version then
+      if there == 0 then add_expert(root, ET.truncated) end
+      return false, there > 0
+    end
+    local item = add(tree, FT.version, tvb, 0, 1) or root
+    if version ~= RECORD_VERSION then
+      add_expert(item, ET.version,
+        strformat("Record version %d is not known here, only %d", version, RECORD_VERSION))
+      return false
+    end
+    if there < RECORD_HEADER_SIZE then
+      add_expert(item, ET.truncated)
+      return false
+    end
+    if not size then return false, true end
+    item = add(tree, FT.header_length, tvb, 1, 1) or root
+    if size < RECORD_HEADER_SIZE or there < size then
+      add_expert(item, size < RECORD_HEADER_SIZE and ET.header_length or ET.truncated)
+      return false
+    end
+    return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
+  end
+
+  -- The record that is dissected: one table for all of them, as making new ones would cost more than all the rest.
+  local reused = {}
+
+  -- Reads a record whose header can be read. What is whole is decoded, also where something is missing.
+  local function read_record(tvb, bytes)
+    local record, _, size, kind, uncertainty, declared = reused
+    _, size, kind, record.line, record.baud, record.data_bits, record.parity, record.stop_half_bits, record.framing,
+      uncertainty, declared, record.event = Struct.unpack(">BBBBI4BBBBI4I2I2", bytes)
+    local captured = max(#bytes - size, 0)
+
+    record.bytes = bytes
+    record.raw_offset = tvb:offset()
+    record.type = kind
+    record.uncertainty = uncertainty ~= UNCERTAINTY_UNKNOWN and uncertainty or nil -- ns
+    record.declared = declared -- characters the record says it has
+    record.count = min(captured, declared) -- characters whose value is there
+    -- Characters whose interval and flags are there, too. The three arrays follow one another: what is missing at the
+    -- end is missing from the flags first.
+    record.timed = kind ~= K.EVENT and max(min(captured - declared * 5, declared), 0) or 0
+    record.data_offset = size -- of the values
+    record.times_offset = size + declared -- of the intervals, 4 bytes each, ns
+    record.flags_offset = size + declared * 5
+    record.known = nil -- in the first pass: what is known of the line
+    record.flags = 0 -- of all its characters, ORed
+    record.first_at = nil -- by flag: the first character that has it
+    record.intervals = nil -- ns
+    record.duration = 0 -- ns, from the first character to the last
+    record.interval_max = 0 -- ns, longest between two characters of this record
+    record.interval_max_at = 0 -- before this character; 0: there is none
+    return record
+  end
+
+  -- Compares the count with the bytes that are there.
+  local function check_count(item, record, there)
+    local declared, rest = record.declared, there - record.data_offset
+    local expected = declared * (record.type == K.EVENT and 1 or 6)
+
+    if rest < expected then
+      add_expert(item, ET.truncated, strformat("The record is cut: %d bytes of %d after its header", rest, expected))
+    elseif rest > expected then
+      add_expert(item, ET.count,
+        strformat("The count does not fit: %d bytes after its %d characters", rest - expected, declared))
+    end
+  end
+
+  local CHUNK = 64 -- so many intervals in one call: it has all of them on Lua's stack
+  local interval_formats = {}
+
+  for count = 0, CHUNK do
+    interval_formats[count] = ">" .. rep("I4", count)
+  end
+
+  local function read_intervals(bytes, offset, count)
+    if count == 0 then return {} end -- the record may end before them
+    local intervals = {Struct.unpack(interval_formats[min(count, CHUNK)], bytes, offset + 1)}
+
+    for done = CHUNK, count - 1, CHUNK do
+      local more = {Struct.unpack(interval_formats[min(count - done, CHUNK)], bytes, offset + 4 * done + 1)}
+
+      for i = 1, min(count - done, CHUNK) do
+        intervals[done + i] = more[i]
+      end
+    end
+    return intervals
+  end
+
+  -- The flags of all characters together, and which character was the first with each of them.
+  local function survey_flags(record)
+    local bytes, offset = record.bytes, record.flags_offset
+    local at = string.find(bytes, "[^\0]", offset + 1)
+
+    if at then record.first_at = {} end
+    while at and at <= offset + record.timed do
+      local flag = byte(bytes, at)
+
+      for bit_value = 0, 7 do
+        local one = lshift(1, bit_value)
+
+        if band(flag, one) ~= 0 and not record.first_at[one] then record.first_at[one] = at - offset - 1 end
+      end
+      record.flags = bit.bor(record.flags, flag)
+      at = string.find(bytes, "[^\0]", at + 1)
+    end
+  end
+
+  -- Longest interval and errors. The interval before the first character is not one of this record, and what happened
+  -- before a character that follows lost ones nobody knows.
+  local function survey_characters(record)
+    local timed = record.timed
+    local intervals = read_intervals(record.bytes, record.times_offset, timed)
+    local duration, longest, longest_at = 0, 0, 0
+
+    survey_flags(record)
+    local may_be_lost = band(record.flags, K.LOST_BEFORE) ~= 0
+    for i = 2, timed do
+      local interval = intervals[i]
+
+      duration = duration + interval
+      if interval > longest
+        and not (may_be_lost and band(T.flags_of(record, i - 1), K.LOST_BEFORE) ~= 0) then
+        longest, longest_at = interval, i - 1
+      end
+    end
+    record.intervals = intervals
+    record.duration, record.interval_max, record.interval_max_at = duration, longest, longest_at
+  end
+
+  local function interval_text(interval, flag)
+    return strformat("%s%.3f ms", band(flag, K.INTERVAL_SATURATED) ~= 0 and "more than " or "", interval / 1e6)
+  end
+
+  local function add_character(tree, tvb, record, index)
+    local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
+    local flags_at = record.flags_offset + index
+    local value, flag = byte(record.bytes, data_at + 1), T.flags_of(record, index)
+    local interval = record.intervals[index + 1]
+    local subtree = add(tree, FT.character, tvb, data_at, 1, value,
+      strformat("Character %d: 0x%02x", index + 1, value))
+
+    if band(flag, K.INTERVAL_UNKNOWN) == 0 then
+      local text = interval_text(interval, flag)
+
+      append_text(subtree, ", after " .. text)
+      add_value(subtree, FT.interval, tvb, time_at, 4, nstime(interval), text)
+    end
+    add(subtree, FT.flags, tvb, flags_at, 1)
+    for _, known in ipairs(flags) do
+      if band(flag, known.flag) ~= 0 then
+        append_text(subtree, ", " .. known.text)
+        add(subtree, known.field, tvb, flags_at, 1)
+      end
+    end
+  end
+
+  local function add_interval_max(tree, tvb, record)
+    local at, longest = record.interval_max_at, record.interval_max
+    local text = interval_text(longest, T.flags_of(record, at))
+    local item = add_value(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, nstime(longest),
+      strformat("%s, before character %d", text, at + 1))
+
+    set_generated(item)
+    if record.uncertainty then
+      append_text(item, strformat(" (times uncertain by %.3f ms)", record.uncertainty / 1e6))
+    end
+  end
+
+  -- Whether somebody sees the characters or filters for them. Most readings of a large file do neither, and a record
+  -- has five items a character.
+  local function are_characters_wanted(tree)
+    if tree:referenced(FT.character) or tree:referenced(FT.interval) or tree:referenced(FT.flags) then return true end
+    for _, known in ipairs(flags) do
+      if tree:referenced(known.field) then return true end
+    end
+    return false
+  end
+
+  local function add_characters(tree, tvb, record)
+    local length = record.flags_offset + record.timed - record.data_offset
+
+    if record.interval_max_at > 0 then add_interval_max(tree, tvb, record) end
+    if not are_characters_wanted(tree) then return end
+    local subtree = add_subtree(tree, tvb, record.data_offset, length,
+      strformat("%d character%s", record.timed, plural(record.timed)))
+    for index = 0, record.timed - 1 do
+      add_character(subtree, tvb, record, index)
+    end
+  end
+
+  -- One item and one mark a kind of error, however many characters have it.
+  local function report_errors(pinfo, item, record)
+    for _, known in ipairs(flags) do
+      if known.expert and band(record.flags, known.flag) ~= 0 then
+        local text = strformat(known.mark, record.first_at[known.flag] + 1)
+
+        add_expert(item, known.expert, text)
+        pinfo.cols.info:append("  [" .. text .. "]")
+      end
+    end
+  end
+
+  local escapes = {["\a"] = "\\a", ["\b"] = "\\b", ["\f"] = "\\f", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t",
+    ["\v"] = "\\v"}
+
+  -- What follows the byte `lead`, which begins no ASCII character, as far as it is UTF-8.
+  local function format_beyond_ascii(lead, rest)
+    local length = lead < "\192" and 0 or lead < "\224" and 1 or lead < "\240" and 2 or lead < "\248" and 3 or 0
+    local taken = sub(rest, 1, length)
+
+    return (length > 0 and #taken == length and lead .. taken or "\239\191\189")
+      .. rep("\239\191\189", #rest - #taken)
+  end
+
+  -- As tvb_format_text() does it: in quotes, it would read like a string of C.
+  local function format_text(text)
+    text = string.gsub(text, "%c", function(c)
+      return escapes[c] or strformat("\\%03o", byte(c))
+    end)
+    return (string.gsub(text, "([\128-\255])([\128-\191]*)", format_beyond_ascii))
+  end
+
+  local function dissect_event(tvb, pinfo, tree, root, record)
+    local name = events[record.event] or "Event of a later version"
+    local offset, count = record.data_offset, record.count
+    local text = name .. ": " .. format_text(sub(record.bytes, offset + 1, offset + count))
+    local item = add(tree, FT.event, tvb, 18, 2) or root
+
+    if tree then tree:add_packet_field(FT.text, tvb(offset, count), ENC_UTF_8) end
+    if record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST then
+      add_expert(item, ET.event, text)
+    end
+    write_columns(pinfo, text)
+  end
+
+  -- Whether a person would read this rather than decode it.
+  local function is_text(bytes)
+    local _, readable = string.gsub(bytes, "[\t-\r -~]", "")
+
+    return readable * 4 >= #bytes * 3
+  end
+
+  -- As hex and as text: a drive talks ASCII until SIS is selected.
+  local function dissect_other(tvb, pinfo, tree, record)
+    local offset, count = record.data_offset, record.count
+    local shown = sub(record.bytes, offset + 1, offset + min(count, 24))
+    local more = #shown < count and " ..." or ""
+    local info = strformat("%d other character%s", count, plural(count))
+
+    if count > 0 then
+      add(tree, FT.data, tvb, offset, count)
+      add(tree, FT.text, tvb, offset, count)
+      info = info .. "  " .. hex(shown) .. more
+      if is_text(shown) then info = info .. "  \"" .. format_text(shown) .. "\"" .. more end
+    end
+    write_columns(pinfo, info)
+  end
+
+  -- The columns are for a dissector that finds that this is not its frame. SIS writes both of them.
+  local function dissect_frame(tvb, pinfo, parent, record)
+    local count = record.count
+
+    if record.framing ~= FRAMING_SIS or count == 0 then
+      write_columns(pinfo, strformat("%d character%s", count, plural(count)))
+    end
+    if count > 0 then framing_table:try(record.framing, tvb(record.data_offset, count):tvb(), pinfo, parent) end
+  end
+
+  local function dissect_characters(tvb, pinfo, parent, tree, root, record)
+    if tree and record.timed > 0 then add_characters(tree, tvb, record) end
+    if record.type == K.FRAME then
+      current = record
+      dissect_frame(tvb, pinfo, parent, record)
+      current = nil
+    else
+      dissect_other(tvb, pinfo, tree, record)
+    end
+    if record.flags ~= 0 then report_errors(pinfo, root, record) end -- after the info column has its text
+  end
+
+  local function dissect_record(tvb, pinfo, parent, tree, root, record)
+    if tree then show_header(tvb, tree, record) end
+    check_count(add(tree, FT.count, tvb, 16, 2) or root, record, tvb:reported_len())
+    append_text(tree, ", " .. (types[record.type] or "type of a later version"))
+    if record.type ~= K.EVENT then survey_characters(record) end
+    if not pinfo.visited then T.line_note(pinfo, record) end
+    if record.type == K.EVENT then
+      dissect_event(tvb, pinfo, tree, root, record)
+    else
+      dissect_characters(tvb, pinfo, parent, tree, root, record)
+    end
+  end
+
+  function sertap.dissector(tvb, pinfo, parent)
+    local bytes, there = tvb:raw(), tvb:reported_len()
+    local tree = (#bytes > 0 or there == 0) and parent:referenced(handle) and parent:add(sertap, tvb()) or nil
+    local root = tree or parent
+    local can_be_read, is_cut = check_header(tvb, tree, root, bytes, there)
+
+    if can_be_read then
+      dissect_record(tvb, pinfo, parent, tree, root, read_record(tvb, bytes))
+    elseif is_cut then
+      write_columns(pinfo, "")
+      S.show_cut(tvb, pinfo, parent, "SERTAP")
+    else
+      write_columns(pinfo, "Record that cannot be read")
+    end
+  end
+
+  handle = sertap.dissector
+end
+
+-- sis-address: kinds of station addresses in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7)
+
+do
+  K.IF02, K.ECODRIVE03 = 0, 1
+
+  -- {last, kind}: an entry holds from after the one before it up to its last address.
+  local receivers = {
+    [K.IF02] = {
+      {126, K.STATION}, {127, K.NOT_ASSIGNED}, {128, K.POINT_TO_POINT}, {199, K.RESERVED}, {253, K.GROUP},
+      {254, K.LEVEL_BROADCAST}, {255, K.GLOBAL_BROADCAST},
+    },
+    [K.ECODRIVE03] = {{127, K.STATION}, {254, K.GROUP}, {255, K.GLOBAL_BROADCAST}},
+  }
+  local senders = {
+    [K.IF02] = {{126, K.STATION}, {127, K.SERVICE_MASTER}, {255, K.NO_SENDER}},
+    [K.ECODRIVE03] = {{127, K.STATION}, {255, K.NO_SENDER}},
+  }
+
+  -- The kind of every address, by edition.
+  local function spread(editions)
+    local kinds = {}
+
+    for edition, ranges in pairs(editions) do
+      local address = 0
+
+      kinds[edition] = {}
+      for _, range in ipairs(ranges) do
+        for each = address, range[1] do
+          kinds[edition][each] = range[2]
+        end
+        address = range[1] + 1
+      end
+    end
+    return kinds
+  end
+
+  local receiver_kinds, sender_kinds = spread(receivers), spread(senders)
+
+  preference("edition", Pref.enum("Edition of the telegram header", K.IF02,
+    "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", {
+      {"IF02", "IF02 (SIS definition of 2004, IndraDrive)", K.IF02},
+      {"ECODRIVE03", "ECODRIVE03 (FGP-01VRS)", K.ECODRIVE03},
+    }, false))
+
+  function S.receiver_kind(receiver)
+    return receiver_kinds[P.edition][receiver]
+  end
+
+  function S.sender_kind(sender)
+    return sender_kinds[P.edition][sender]
+  end
+
+  function S.kind_text(kind)
+    return N.address_kinds[kind]
+  end
+
+  -- Whether a command to this (last) address is answered at all: not by groups and broadcasts.
+  function S.is_answered(receiver)
+    return S.receiver_kind(receiver) < K.GROUP
+  end
+
+  local station_formats = {
+    [K.GROUP] = "group %d",
+    [K.LEVEL_BROADCAST] = "all on this level",
+    [K.GLOBAL_BROADCAST] = "all",
+    [K.POINT_TO_POINT] = "point-to-point",
+  }
+  local station_texts, numbers = {}, {} -- of every address: every telegram asks
+
+  for edition, kinds in pairs(receiver_kinds) do
+    station_texts[edition] = {}
+    for station, kind in pairs(kinds) do
+      station_texts[edition][station] = strformat(station_formats[kind] or "%d", station)
+      numbers[station] = strformat("%d", station)
+    end
+  end
+
+  -- "3", "group 201", "all": as it stands in the info column.
+  function S.station_text(station)
+    return station_texts[P.edition][station]
+  end
+
+  -- Talker and listener as addresses, unless a network below has set its own. Lua has no address type for them, so only
+  -- the columns get them. Those of a packet's first telegram count.
+  function S.set_addresses(pinfo, talker, listener)
+    local packet = S.packet()
+
+    if packet.count > 0 or pinfo.port_type ~= 0 then return end
+    packet.cols.src = numbers[talker]
+    packet.cols.dst = numbers[listener]
+  end
+end
+
+-- packet-sis: header and dispatch (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03": DOK-ECODR3-FGP-01VRS)
+
+do
+  K.START = 0x02
+  K.STATIC_LENGTH = 8 -- of the header; DatLW counts what comes after it
+  -- Telegram control (chapter 2.1).
+  K.CONTROL_SUBADDRESSES, K.CONTROL_NUMBER, K.CONTROL_REACTION = 0x07, 0x08, 0x10
+
+  local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR, CONTROL_STATUS = 0x20, 0x40, 0x80, 0xE0
+  local CHECKSUM_BAD, CHECKSUM_GOOD, CHECKSUM_UNVERIFIED = 0, 1, 2
+
+  local checksum_states = {[CHECKSUM_BAD] = "Bad", [CHECKSUM_GOOD] = "Good", [CHECKSUM_UNVERIFIED] = "Unverified"}
+  local command_reaction = {"Reaction telegram", "Command telegram"}
+  local present_absent = {"Present", "Not present"}
+
+  field("start", "Start character", "sis.start", ftypes.UINT8, base.HEX)
+  field("checksum", "Checksum", "sis.checksum", ftypes.UINT8, base.HEX, nil, 0,
+    "Makes the sum of all bytes 0 modulo 256")
+  field("checksum_status", "Checksum Status", "sis.checksum.status", ftypes.UINT8, base.NONE, checksum_states)
+  field("length", "Data length", "sis.length", ftypes.UINT8, base.DEC, nil, 0, "Bytes after the static header of 8")
+  field("length_repeat", "Data length repetition", "sis.length_repeat", ftypes.UINT8, base.DEC)
+  field("control", "Telegram control", "sis.control", ftypes.UINT8, base.HEX)
+  field("control_subaddresses", "Subaddresses", "sis.control.subaddresses", ftypes.UINT8, base.DEC, nil,
+    K.CONTROL_SUBADDRESSES)
+  field("control_number", "Telegram number", "sis.control.number", ftypes.BOOLEAN, 8, present_absent, K.CONTROL_NUMBER)
+  field("control_reaction", "Kind", "sis.control.reaction", ftypes.BOOLEAN, 8, command_reaction, K.CONTROL_REACTION)
+  field("control_reserved", "Reserved", "sis.control.reserved", ftypes.BOOLEAN, 8, nil, CONTROL_RESERVED)
+  field("control_warning", "System warning of the sender", "sis.control.warning", ftypes.BOOLEAN, 8, nil,
+    CONTROL_WARNING)
+  field("control_error", "System error of the sender", "sis.control.error", ftypes.BOOLEAN, 8, nil, CONTROL_ERROR)
+  field("control_status", "Status", "sis.control.status", ftypes.UINT8, base.DEC, N.control_status_ecodrive03,
+    CONTROL_STATUS)
+  field("service", "Service", "sis.service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
+  field("sender", "Sender address", "sis.sender", ftypes.UINT8, base.DEC)
+  field("receiver", "Receiver address", "sis.receiver", ftypes.UINT8, base.DEC)
+  field("subaddress", "Subaddress", "sis.subaddress", ftypes.UINT8, base.DEC)
+  field("number", "Telegram number", "sis.number", ftypes.UINT8, base.DEC)
+  field("talker", "Talker", "sis.talker", ftypes.UINT8, base.DEC, nil, 0,
+    "Who really sends: a reaction keeps the command's addresses")
+  field("listener", "Listener", "sis.listener", ftypes.UINT8, base.DEC, nil, 0, "For whom it really is")
+  field("station", "Station", "sis.station", ftypes.UINT8, base.DEC, nil, 0, "Talker or listener")
+
+  expert_field("start", "sis.start.missing", "MALFORMED", "ERROR", "No start character 0x02")
+  local WRONG_CHECKSUM = "Wrong checksum: a bus does not answer this telegram, "
+    .. "a point-to-point station answers with status 0xF4"
+
+  expert_field("checksum", "sis.checksum.bad", "CHECKSUM", "ERROR", WRONG_CHECKSUM)
+  expert_field("lengths_differ", "sis.length.differ", "MALFORMED", "ERROR",
+    "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2")
+  expert_field("too_short", "sis.length.short", "MALFORMED", "ERROR", "The telegram is cut")
+  expert_field("too_long", "sis.length.long", "PROTOCOL", "WARN", "Bytes follow the end of the telegram")
+  expert_field("header_too_long", "sis.length.header", "MALFORMED", "ERROR",
+    "Subaddresses and telegram number do not fit into the length")
+  expert_field("control_reserved", "sis.control.reserved.set", "PROTOCOL", "NOTE",
+    "Reserved bits of the telegram control are set (another edition? preference sis.edition)")
+  expert_field("control_status", "sis.control.status.set", "RESPONSE_CODE", "NOTE",
+    "The status in the telegram control is not 'no error'")
+  expert_field("control_error", "sis.control.status.error", "RESPONSE_CODE", "WARN",
+    "The status in the telegram control is an error")
+  expert_field("system_warning", "sis.control.warning.set", "RESPONSE_CODE", "NOTE",
+    "The sender signals a system warning")
+  expert_field("system_error", "sis.control.error.set", "RESPONSE_CODE", "WARN", "The sender signals a system error")
+  expert_field("service_reserved", "sis.service.reserved", "PROTOCOL", "NOTE", "Reserved service")
+  expert_field("sender_service", "sis.sender.service_master", "PROTOCOL", "NOTE",
+    "Address 127, for service and emergencies only: not to be used while other masters communicate")
+  expert_field("sender_invalid", "sis.sender.invalid", "PROTOCOL", "WARN", "A sender address is not above 127")
+  expert_field("receiver_reserved", "sis.receiver.reserved", "PROTOCOL", "WARN",
+    "Receiver address that is not assigned or reserved (another edition? preference sis.edition)")
+  expert_field("level_broadcast", "sis.receiver.level_broadcast", "PROTOCOL", "WARN",
+    "254 may only be the last address of the list")
+  expert_field("reaction_unexpected", "sis.reaction.unexpected", "PROTOCOL", "WARN",
+    "A group or broadcast is not answered")
+
+  local handle -- of this dissector, once there is one
+  local packet = {count = 0, cols = nil} -- what its telegrams share while a packet is dissected
+
+  -- Several telegrams may be in one packet: count of those whose exchange was looked for. The tables that sis-exchange
+  -- and others keep are by packet and by this count.
+  function S.packet()
+    return packet
+  end
+
+  -- A TCP segment may come in several calls: only Wireshark's own table of a packet knows that it is still the same.
+  function S.begin_packet(pinfo)
+    packet.cols = pinfo.cols
+    if pinfo.port_type ~= 0 then
+      local private = pinfo.private
+
+      if private.sis then return end
+      private.sis = "begun"
+    end
+    packet.count = 0
+  end
+
+  -- Something is wrong: an expert item, and a mark that people see in the info column.
+  local function mark(body, item, which, text)
+    add_expert(item or body.root, which)
+    body.marks = body.marks .. "  [" .. text .. "]"
+  end
+
+  -- How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ).
+  function S.declared_length(bytes, offset)
+    local length, length_repeat = byte(bytes, offset + 3, offset + 4)
+
+    return length_repeat and length == length_repeat and K.STATIC_LENGTH + length or 0
+  end
+
+  -- Sum of bytes modulo 256; 0 for a telegram with a good checksum.
+  function S.sum(bytes, offset, length)
+    local sum, last = 0, offset + length
+
+    for at = offset + 1, last, 8 do
+      local a, b, c, d, e, f, g, h = byte(bytes, at, min(at + 7, last))
+
+      sum = sum + a + (b or 0) + (c or 0) + (d or 0) + (e or 0) + (f or 0) + (g or 0) + (h or 0)
+    end
+    return sum % 256
+  end
+
+  -- A whole telegram with start character, equal lengths and a zero sum.
+  function S.is_good(bytes, offset)
+    local declared = S.declared_length(bytes, offset)
+
+    return declared > 0 and offset + declared <= #bytes and byte(bytes, offset + 1) == K.START
+      and S.sum(bytes, offset, declared) == 0
+  end
+
+  -- Verified only where the whole telegram is there and tells its length.
+  local function dissect_checksum(body)
+    local telegram, checksum = body.telegram, byte(body.bytes, 2)
+    local item = add(body.tree, F.checksum, body.tvb, 1, 1)
+    local state = CHECKSUM_UNVERIFIED
+
+    if telegram.sum == 0 then
+      state = CHECKSUM_GOOD
+    elseif telegram.sum then
+      state = CHECKSUM_BAD
+    end
+    set_generated(add_value(body.tree, F.checksum_status, body.tvb, 1, 0, state, checksum_states[state]))
+    if state == CHECKSUM_BAD then
+      local expected = strformat("should be 0x%02x", (checksum - telegram.sum) % 256)
+
+      append_text(item, " incorrect, " .. expected)
+      add_expert(item or body.root, E.checksum, WRONG_CHECKSUM .. " [" .. expected .. "]")
+      body.marks = body.marks .. "  [wrong checksum]"
+    else
+      append_text(item, state == CHECKSUM_GOOD and " [correct]" or " [unverified]")
+    end
+  end
+
+  local function dissect_lengths(body)
+    local there, declared = body.there, body.declared
+    local item = add(body.tree, F.length_repeat, body.tvb, 3, 1)
+
+    if declared == 0 then
+      mark(body, item, E.lengths_differ, "lengths differ")
+    elseif there < declared then
+      add_expert(item or body.root, E.too_short, strformat("The telegram is cut: %d of %d bytes", there, declared))
+      body.marks = body.marks .. strformat("  [cut: %d of %d bytes]", there, declared)
+    elseif there > declared then
+      add_expert(item or body.root, E.too_long,
+        strformat("%d bytes follow the end of the telegram", there - declared))
+      body.marks = body.marks .. strformat("  [%d bytes too many]", there - declared)
+    end
+  end
+
+  -- IF02: bit 5 reserved, 6 and 7 the system state of the sender.
+  local function dissect_control_if02(body, item)
+    local control = body.telegram.control
+
+    if band(control, CONTROL_RESERVED) ~= 0 then mark(body, item, E.control_reserved, "reserved bit") end
+    if band(control, CONTROL_WARNING) ~= 0 then mark(body, item, E.system_warning, "system warning") end
+    if band(control, CONTROL_ERROR) ~= 0 then mark(body, item, E.system_error, "system error") end
+  end
+
+  local ECODRIVE03_ERROR = 6
+
+  -- ECODRIVE03: bits 5 to 7 are the state of a reaction.
+  local function dissect_control_ecodrive03(body, item)
+    local status = rshift(body.telegram.control, 5)
+    local text = N.control_status_ecodrive03[status]
+
+    if status == 0 then return end
+    if not body.telegram.is_reaction then
+      mark(body, item, E.control_reserved, "reserved bits")
+      return
+    end
+    add_expert(item or body.root, status == ECODRIVE03_ERROR and E.control_error or E.control_status,
+      "Status in the telegram control: " .. text)
+    body.marks = body.marks .. strformat("  [control status %d: %s]", status, text)
+  end
+
+  local bits = {
+    [K.IF02] = {F.control_error, F.control_warning, F.control_reserved, F.control_reaction, F.control_number,
+      F.control_subaddresses},
+    [K.ECODRIVE03] = {F.control_status, F.control_reaction, F.control_number, F.control_subaddresses},
+  }
+
+  local function dissect_control(body)
+    local item
+
+    if body.tree then
+      item = add(body.tree, F.control, body.tvb, 4, 1)
+      for _, bit_field in ipairs(bits[P.edition]) do
+        add(item, bit_field, body.tvb, 4, 1)
+      end
+      append_text(item, body.telegram.is_reaction and " (reaction)" or " (command)")
+    end
+    if body.telegram.control >= CONTROL_RESERVED then
+      if P.edition == K.IF02 then dissect_control_if02(body, item) else dissect_control_ecodrive03(body, item) end
+    end
+  end
+
+  local function dissect_service(body)
+    local service = body.telegram.service
+    local item = add(body.tree, F.service, body.tvb, 5, 1)
+
+    if S.service_is_reserved(service) or (P.edition == K.ECODRIVE03 and service >= 0xE0) then
+      add_expert(item or body.root, E.service_reserved)
+    end
+  end
+
+  local function dissect_sender(body)
+    local sender = body.telegram.sender
+    local kind = S.sender_kind(sender)
+    local item = body.tree and add_value(body.tree, F.sender, body.tvb, 6, 1, sender,
+      strformat("%d (%s)", sender, S.kind_text(kind)))
+
+    if kind == K.SERVICE_MASTER then
+      mark(body, item, E.sender_service, "service address 127")
+    elseif kind == K.NO_SENDER then
+      mark(body, item, E.sender_invalid, "invalid sender address")
+    end
+  end
+
+  -- What is wrong with one address of the list.
+  local function check_receiver(body, item, receiver, kind, is_last)
+    if kind == K.NOT_ASSIGNED then mark(body, item, E.receiver_reserved, "address 127 is not assigned") end
+    if kind == K.RESERVED then mark(body, item, E.receiver_reserved, "reserved address") end
+    if kind == K.LEVEL_BROADCAST and not is_last then
+      mark(body, item, E.level_broadcast, "254 before the last address")
+    end
+    if is_last and body.telegram.is_reaction and not S.is_answered(receiver) then
+      mark(body, item, E.reaction_unexpected, "reaction to a group or broadcast")
+    end
+  end
+
+  -- One address of the list: the receiver itself, or a subaddress.
+  local function dissect_receiver(body, which, offset, is_last)
+    local receiver = byte(body.bytes, offset + 1)
+    local kind = S.receiver_kind(receiver)
+    local item
+
+    if body.tree then
+      local text = strformat("%d (%s)", receiver, S.kind_text(kind))
+
+      if which == F.subaddress then
+        item = add(body.tree, which, body.tvb, offset, 1, receiver,
+          strformat("Subaddress %d: %s", offset - K.STATIC_LENGTH + 1, text))
+      else
+        item = add_value(body.tree, which, body.tvb, offset, 1, receiver, text)
+      end
+    end
+    if kind ~= K.STATION then check_receiver(body, item, receiver, kind, is_last) end
+  end
+
+  -- Receiver, subaddresses and telegram number: the number comes directly after the last subaddress present.
+  local function dissect_addresses(body)
+    local telegram = body.telegram
+    local count, number_at = telegram.subaddress_count, K.STATIC_LENGTH + telegram.subaddress_count
+
+    dissect_sender(body)
+    dissect_receiver(body, F.receiver, 7, count == 0)
+    for offset = K.STATIC_LENGTH, min(number_at, body.end_) - 1 do
+      dissect_receiver(body, F.subaddress, offset, offset + 1 == number_at)
+    end
+    if number_at < telegram.body_offset and number_at < body.end_ then
+      add(body.tree, F.number, body.tvb, number_at, 1)
+    end
+    if body.declared > 0 and telegram.body_offset > body.declared then
+      mark(body, body.root, E.header_too_long, "header longer than telegram")
+    end
+    if body.tree then
+      set_generated(add(body.tree, F.talker, body.tvb, 0, 0, telegram.talker))
+      set_generated(add(body.tree, F.listener, body.tvb, 0, 0, telegram.listener))
+      set_generated(add(body.tree, F.station, body.tvb, 0, 0, telegram.talker)):set_hidden()
+      set_generated(add(body.tree, F.station, body.tvb, 0, 0, telegram.listener)):set_hidden()
+    end
+  end
+
+  -- The useful data before they are taken apart.
+  local function begin_body(body, record)
+    local telegram, exchange = body.telegram, record.exchange
+    local body_offset = telegram.body_offset
+
+    body.item = body.root
+    body.offset = min(body_offset, body.end_)
+    body.is_cut = body.end_ < body.declared or body.declared == 0 or body_offset > body.end_
+    body.is_short = false
+    body.is_reaction = telegram.is_reaction
+    body.service = telegram.service
+    body.status = 0
+    body.error = 0
+    body.is_explained = false
+    body.summary = S.service_name(telegram.service)
+    body.request = not telegram.is_reaction and {service = telegram.service} or nil
+    body.asked = exchange and exchange.request
+    body.record = telegram.is_good and record or nil
+  end
+
+  -- Takes the useful data apart, with what their exchange knows. Gives words for the packet list.
+  local function dissect_useful_data(body)
+    local telegram, pinfo = body.telegram, body.pinfo
+    local record = S.exchange_find(body.tvb, pinfo, telegram)
+    local exchange = record.exchange
+
+    begin_body(body, record)
+    S.timing_note(record, telegram, pinfo)
+    if telegram.is_good then S.exchange_show(record, telegram, body) end
+    S.dissect_body(body)
+    if exchange and not telegram.is_reaction then S.exchange_keep(exchange, body.request) end
+    S.timing_dissect(telegram, record, body)
+    return body.summary
+  end
+
+  local function dissect_trailer(body)
+    if body.end_ < #body.bytes then add(body.tree, F.raw, body.tvb, body.end_, #body.bytes - body.end_) end
+  end
+
+  -- Reads the static header, 8 bytes.
+  local function read_header(body)
+    local bytes, declared, telegram = body.bytes, body.declared, body.telegram
+    local start, _, _, _, control, service, sender, receiver = byte(bytes, 1, K.STATIC_LENGTH)
+    local subaddress_count = band(control, K.CONTROL_SUBADDRESSES)
+    local has_number = band(control, K.CONTROL_NUMBER) ~= 0
+    local is_reaction = band(control, K.CONTROL_REACTION) ~= 0
+    local body_offset = K.STATIC_LENGTH + subaddress_count + (has_number and 1 or 0)
+    local sum = declared > 0 and #bytes >= declared and S.sum(bytes, 0, declared) or nil
+    local is_good = start == K.START and sum == 0 and body_offset <= declared
+
+    telegram.bytes = bytes
+    telegram.declared = declared
+    telegram.sum = sum -- nil: not all of it is there
+    telegram.is_good = is_good
+    telegram.control = control
+    telegram.service = service
+    telegram.sender = sender
+    telegram.receiver = receiver
+    telegram.subaddress_count = subaddress_count
+    telegram.last_address = is_good and byte(bytes, K.STATIC_LENGTH + subaddress_count) or receiver
+    telegram.number = is_good and has_number and byte(bytes, body_offset) or 0
+    telegram.is_reaction = is_reaction
+    telegram.talker = is_reaction and receiver or sender
+    telegram.listener = is_reaction and sender or receiver
+    telegram.body_offset = body_offset
+    telegram.times = S.times(body.tvb, body.pinfo, declared ~= 0 and min(body.there, declared) or body.there)
+  end
+
+  -- "3" or, through routers, "3/2/8".
+  local function route_text(body)
+    local telegram = body.telegram
+    local text = S.station_text(telegram.receiver)
+
+    for offset = K.STATIC_LENGTH, min(K.STATIC_LENGTH + telegram.subaddress_count, body.end_) - 1 do
+      text = text .. "/" .. S.station_text(byte(body.bytes, offset + 1))
+    end
+    return text
+  end
+
+  -- Who speaks to whom; a reaction keeps the command's addresses.
+  local function stations_text(body)
+    local telegram = body.telegram
+
+    if telegram.is_reaction then return strformat("%s -> %d", route_text(body), telegram.sender) end
+    return strformat("%d -> %s", telegram.sender, route_text(body))
+  end
+
+  local function dissect_start(body)
+    local item = add(body.tree, F.start, body.tvb, 0, 1)
+
+    if byte(body.bytes, 1) ~= K.START then mark(body, item, E.start, "no start character") end
+  end
+
+  local HEAD_LENGTH = 160 -- characters: Wireshark cuts a line of the tree soon after
+
+  local function shortened(words)
+    local begins = {} -- of the characters of UTF-8
+
+    if #words <= HEAD_LENGTH then return words end
+    for at in string.gmatch(words, "()[^\128-\191]") do
+      begins[#begins + 1] = at
+    end
+    return #begins <= HEAD_LENGTH and words or sub(words, 1, begins[HEAD_LENGTH + 1] - 1) .. "..."
+  end
+
+  -- Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044".
+  local function dissect_whole_telegram(body)
+    if #body.bytes < K.STATIC_LENGTH then return "" end
+    read_header(body)
+    S.set_addresses(body.pinfo, body.telegram.talker, body.telegram.listener)
+    dissect_start(body)
+    dissect_checksum(body)
+    add(body.tree, F.length, body.tvb, 2, 1)
+    dissect_lengths(body)
+    dissect_control(body)
+    dissect_service(body)
+    dissect_addresses(body)
+    local words = dissect_useful_data(body)
+    dissect_trailer(body)
+
+    local stations, kind = stations_text(body), body.telegram.is_reaction and "Reaction" or "Command"
+    if body.tree then append_text(body.root, strformat(", %s, %s, %s", stations, kind, shortened(words))) end
+    return strformat("%s  %s  %s%s", stations, kind, words, body.marks)
+  end
+
+  -- Less than the 8 bytes that every telegram has.
+  local function dissect_stump(body)
+    local there = body.there
+
+    dissect_start(body)
+    if #body.bytes == there then
+      if there > 1 then add(body.tree, F.raw, body.tvb, 1, there - 1) end
+      add_expert(body.root, E.too_short,
+        strformat("The telegram is cut: %d byte%s, it has at least %d", there, plural(there), K.STATIC_LENGTH))
+    end
+    return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
+  end
+
+  -- No start character, and not the length of a telegram either: addresses read from it would be invented.
+  local function dissect_no_telegram(body)
+    if body.tree then append_text(body.root, ", not a telegram") end
+    add_expert(body.root, E.start)
+    if #body.bytes == body.there then add(body.tree, F.raw, body.tvb, 0, body.there) end
+    return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
+  end
+
+  -- The telegram that is dissected, and its useful data: one table each for all of them, as making new ones would cost
+  -- more than what is done with them.
+  local body = {telegram = {}}
+
+  -- One telegram; `tvb` begins with it and holds nothing of the next; `there` bytes of it were on the line. Gives the
+  -- words for the info column.
+  function S.dissect_telegram(tvb, pinfo, parent, there)
+    local bytes = tvb:raw()
+    local declared = S.declared_length(bytes, 0)
+    local tree = parent:referenced(handle) and parent:add(sis, tvb()) or nil
+
+    body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
+    body.tree, body.root = tree, tree or parent
+    body.there, body.declared = there, declared -- 0: its two lengths differ, or are not there
+    body.end_ = min(declared > 0 and declared or there, #bytes) -- of what belongs to the telegram and is there
+    body.marks = "" -- for the end of the info column: what is wrong
+    if byte(bytes, 1) ~= K.START and declared ~= there then return dissect_no_telegram(body) end
+    if there < K.STATIC_LENGTH then return dissect_stump(body) end
+    return dissect_whole_telegram(body)
+  end
+
+  -- Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
+  local function telegram_extent(bytes, offset, there)
+    local declared = S.declared_length(bytes, offset)
+
+    if declared > 0 and byte(bytes, offset + declared + 1) == K.START then return declared end
+    return there - offset
+  end
+
+  local function dissect_telegrams(tvb, pinfo, tree)
+    local bytes, there, offset = tvb:raw(), tvb:reported_len(), 0
+
+    S.begin_packet(pinfo)
+    local cols = packet.cols
+    cols.protocol = "SIS"
+    while offset < #bytes do
+      local extent = telegram_extent(bytes, offset, there)
+      local is_alone = offset == 0 and extent == there
+      local part = is_alone and tvb or tvb(offset, min(extent, #bytes - offset)):tvb()
+      local info = S.dissect_telegram(part, pinfo, tree, extent)
+
+      if offset == 0 then cols.info = info else cols.info:append(" | " .. info) end
+      offset = offset + extent
+    end
+    if #bytes < there then
+      if offset == 0 then cols.info = "" end
+      S.show_cut(tvb, pinfo, tree, "SIS")
+    end
+  end
+
+  -- TCP may split telegrams over segments and pack them into one: sis-transports.
+  function sis.dissector(tvb, pinfo, tree)
+    if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_tcp(tvb, pinfo, tree) end
+    dissect_telegrams(tvb, pinfo, tree)
+  end
+
+  handle = sis.dissector
+end
+
+-- sis-body: the useful data of one service, and what all of the services need (chapters 2.1 and 2.3)
+
+do
+  K.LAST_TRANSMISSION = 0x04 -- bit 2 of the parameter control, fig. 8-1
+
+  field("raw", "Not decoded", "sis.raw", ftypes.BYTES)
+  field("status", "Status", "sis.status", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.status)
+  field("device", "Device address", "sis.device", ftypes.UINT8, base.DEC, nil, 0,
+    "Of the device behind the station; its own address, or 0 for the control itself")
+  field("subservice", "Subservice", "sis.subservice", ftypes.UINT8, base.HEX)
+  field("error", "Error code", "sis.error", ftypes.UINT16, base.HEX, nil, 0,
+    "The full code, where a byte is sent together with its subservice")
+  field("baud_mask", "Baud rate mask", "sis.baud_mask", ftypes.UINT8, base.HEX)
+  field("data", "Data", "sis.data", ftypes.BYTES)
+  field("text", "Text", "sis.text", ftypes.STRING, nil, nil, 0, "Useful data of a product group that are plain ASCII")
+
+  expert_field("missing", "sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
+  expert_field("unexpected", "sis.body.unexpected", "PROTOCOL", "WARN", "More useful data than the service has")
+  expert_field("note", "sis.body.note", "PROTOCOL", "NOTE", "Useful data that the documents do not define")
+  expert_field("status", "sis.status.execution_error", "RESPONSE_CODE", "NOTE", "The status is an execution error")
+  expert_field("status_telegram", "sis.status.telegram_error", "RESPONSE_CODE", "WARN",
+    "The status is a telegram error")
+
+  preference("clc_as_sercos", Pref.bool("Decode services 0xC0 to 0xCF like 0x10 to 0x1F", false,
+    "The CLC's services are said to be close to the SERCOS services; their layout is not documented"))
+  preference("ecodrive_phases", Pref.bool("Decode services 0x82 and 0x8D like 0x12 and 0x1D", false,
+    "Reading and switching the phase of an ECODRIVE this way is not confirmed"))
+
+  -- By general service, what takes its body apart: the following blocks fill it.
+  S.bodies = {}
+
+  local general_services = {} -- every telegram asks several times
+
+  at_init(function() general_services = {} end)
+
+  local function find_general_service(service)
+    local low, group = service % 0x10, service - service % 0x10
+    local is_phase, is_parameter = low == 0x2 or low == 0xD, low <= 0x1 or low >= 0xE
+
+    if (group == 0x80 and (is_parameter or (is_phase and P.ecodrive_phases)))
+      or (group == 0x90 and (is_parameter or is_phase))
+      or (group == 0xC0 and (is_parameter or is_phase) and P.clc_as_sercos) then
+      return 0x10 + low
+    end
+    return service
+  end
+
+  -- 0x10 for 0x10, 0x80, 0x90: the general service that a service of a product group is like, else the service itself.
+  -- Product groups have services of their own in the layout of 0x1x (chapter 8); those of the CLC are only said to be
+  -- close to it, and nobody has seen the phase services of ECODRIVE.
+  function S.general_service(service)
+    local general = general_services[service]
+
+    if not general then
+      general = find_general_service(service)
+      general_services[service] = general
+    end
+    return general
+  end
+
+  -- Whether a reaction of this service begins with a status byte. The other product groups need not (chapter 2.1), and
+  -- their bodies are not documented.
+  local function has_status(service)
+    return service <= 0x1F or (service >= 0x80 and service <= 0x9F) or S.general_service(service) ~= service
+  end
+
+  -- Whether a body begins with the parameter control and the device address.
+  function S.has_control_byte(service)
+    local general = S.general_service(service)
+
+    return general == 0x10 or general == 0x11 or general == 0x1E or general == 0x1F
+  end
+
+  function S.left(body)
+    return body.end_ - body.offset
+  end
+
+  -- Words for the packet list.
+  function S.say(body, format, ...)
+    body.summary = body.summary .. strformat(format, ...)
+  end
+
+  -- What is wrong, for the packet list and as an expert item of what was taken last.
+  function S.mark(body, which, format, ...)
+    local text = strformat(format, ...)
+
+    add_expert(body.item or body.root, which, text)
+    body.marks = body.marks .. "  [" .. text .. "]"
+  end
+
+  -- Whether so many bytes are left for a field. Saying once that not is enough: after it nothing else can be there
+  -- either.
+  function S.needs(body, which, size)
+    if body.end_ - body.offset >= size and not body.is_short then return true end
+    if not body.is_cut and not body.is_short then
+      body.item = body.root
+      S.mark(body, E.missing, "%s missing", label[which])
+    end
+    body.is_short = true
+    return false
+  end
+
+  local function get_value(body, size)
+    local a, b, c, d = byte(body.bytes, body.offset + 1, body.offset + size)
+
+    return a + (b or 0) * 0x100 + (c or 0) * 0x10000 + (d or 0) * 0x1000000
+  end
+
+  -- Adds `size` bytes, little endian, as a field, and gives their value; body.item is set. Where they are not there:
+  -- says so once per body, and nil.
+  function S.take(body, which, size)
+    if not S.needs(body, which, size) then return nil end
+
+    local value, offset = get_value(body, size), body.offset
+    body.item = add_le(body.tree, which, body.tvb, offset, size)
+    body.offset = offset + size
+    return value
+  end
+
+  -- A code as "Text (0x12)", of `size` bytes.
+  local function add_code(body, which, size, value, text, digits)
+    body.item = body.tree and add_value(body.tree, which, body.tvb, body.offset, size, value,
+      strformat("%s (0x%0" .. digits .. "x)", text, value))
+    body.offset = body.offset + size
+  end
+
+  -- The same for a code whose text depends on the service. Gives value and text.
+  function S.take_code(body, which, size, texts)
+    if not S.needs(body, which, size) then return nil end
+
+    local value = get_value(body, size)
+    local text = texts[value] or "Not defined"
+    add_code(body, which, size, value, text, size * 2)
+    return value, text
+  end
+
+  -- The rest of the body as bytes; false where there is none.
+  function S.take_rest(body, which)
+    local left = body.end_ - body.offset
+
+    if left == 0 or body.is_short then return false end
+    body.item = add(body.tree, which, body.tvb, body.offset, left)
+    body.offset = body.end_
+    return true
+  end
+
+  -- Remembers the device that a command is for.
+  function S.request_device(body, device)
+    if body.request then
+      body.request.has_device = true
+      body.request.device = device
+    end
+  end
+
+  -- Device address and subservice, with which the bodies of 0x00, 0x02 and 0x03 begin. Gives the subservice.
+  function S.take_subservice(body, texts)
+    local device = S.take(body, F.device, 1)
+
+    if not device then return nil end
+    S.request_device(body, device)
+    local subservice, text = S.take_code(body, F.subservice, 1, texts)
+    if not subservice then return nil end
+    if texts[subservice] then
+      S.say(body, ": %s", text)
+    else
+      S.mark(body, E.note, "subservice 0x%02x is not defined", subservice)
+    end
+    if body.request then body.request.subservice = subservice end
+    return subservice
+  end
+
+  local function visible_character(c)
+    local code = byte(c)
+
+    return code < 0x20 and "\226\144" .. char(0x80 + code) or code == 0x7F and "\226\144\161" or "\239\191\189"
+  end
+
+  -- Characters as a person reads them, all of them: control characters as their pictures (U+2400 and following).
+  function S.text(bytes)
+    return (string.gsub(bytes, "[^ -~]", visible_character))
+  end
+
+  -- The rest of the body as text, and into the summary.
+  function S.take_text(body, which)
+    local offset, length = body.offset, body.end_ - body.offset
+
+    if not S.needs(body, which, 1) then return end
+    local text = S.text(sub(body.bytes, offset + 1, body.end_))
+    body.item = add(body.tree, which, body.tvb, offset, length, text)
+    S.say(body, ": \"%s\"", text)
+    body.offset = body.end_
+  end
+
+  local baud_bits = {}
+
+  for baud_bit in pairs(N.baud_masks) do
+    baud_bits[#baud_bits + 1] = baud_bit
+  end
+  table.sort(baud_bits)
+
+  -- The rates of a mask, and what of it is not defined.
+  local function baud_mask_text(mask, several)
+    local rates, unknown = {}, mask
+
+    for _, baud_bit in ipairs(baud_bits) do
+      local is_set = band(mask, baud_bit) ~= 0
+
+      if is_set then unknown = unknown - baud_bit end
+      if is_set or (baud_bit == 0 and (several or mask == 0)) then -- 9600 is always supported
+        rates[#rates + 1] = N.baud_masks[baud_bit]
+      end
+    end
+    if unknown ~= 0 then rates[#rates + 1] = strformat("0x%02x (not defined)", unknown) end
+    return concat(rates, ", ")
+  end
+
+  -- A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. Gives the rate
+  -- where it is one, else nil.
+  function S.take_baud_mask(body, several)
+    local mask = S.take(body, F.baud_mask, 1)
+
+    if not mask then return nil end
+    local text = baud_mask_text(mask, several)
+    append_text(body.item, " (" .. text .. ")")
+    S.say(body, ": %s", text)
+    if not several and band(mask, mask - 1) ~= 0 then S.mark(body, E.note, "more than one baud rate") end
+    return tonumber(N.baud_masks[mask])
+  end
+
+  local function mark_error(body, text, code)
+    S.mark(body, E.status, "error 0x%04x: %s", code, text)
+    body.is_explained = true
+    body.error = code
+  end
+
+  -- The error code of the service that stands in place of useful data: two bytes ...
+  function S.take_error(body, texts)
+    local code, text = S.take_code(body, F.error, 2, texts)
+
+    if code then mark_error(body, text, code) end
+  end
+
+  -- ... or one byte, which makes a code with the subservice.
+  function S.take_error_byte(body, subservice, texts)
+    if not S.needs(body, F.error, 1) then return end
+
+    local code = subservice * 0x100 + get_value(body, 1)
+    local text = texts[code] or "Not defined"
+    add_code(body, F.error, 1, code, text, 4)
+    mark_error(body, text, code)
+  end
+
+  -- A reaction without error; its useful data follow.
+  function S.is_ok(body)
+    return body.status == 0 and not body.is_short
+  end
+
+  -- After a status that is neither good nor the service's own error: takes what is there; false for those two.
+  function S.take_channel_error(body)
+    if body.status == 0x02 then
+      S.take_error(body, N.errors_channel)
+    elseif body.status > 0x02 and body.status < 0xF0 then
+      S.take_rest(body, F.raw) -- nobody says what it is
+    end
+    return body.status >= 0x02
+  end
+
+  local function is_phase_service(service)
+    local general = S.general_service(service)
+
+    return general == 0x12 or general == 0x1D
+  end
+
+  local function take_status(body)
+    if not S.needs(body, F.status, 1) then return end
+
+    local status = get_value(body, 1)
+    local text = is_phase_service(body.service) and range_text(status, N.status_phase) or range_text(status, N.status)
+    body.status = status
+    body.status_text = text
+    add_code(body, F.status, 1, status, text, 2)
+    if status ~= 0 then
+      add_expert(body.item or body.root, status < 0xF0 and E.status or E.status_telegram, "Status: " .. text)
+    end
+  end
+
+  -- Some product groups send ASCII records (chapter 2.1).
+  local function is_plain_text(body)
+    return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[\t-\r -~]+$") ~= nil
+  end
+
+  local function dissect_undocumented(body)
+    if body.is_reaction and has_status(body.service) and S.take_channel_error(body) then return end
+    S.take_rest(body, F.raw)
+  end
+
+  -- What no field has taken: a field that is not there as a whole, or more than the service has.
+  local function show_leftover(body)
+    local left = body.end_ - body.offset
+
+    if left == 0 then return end
+    body.item = add(body.tree, F.raw, body.tvb, body.offset, left)
+    if not body.is_short and not body.is_cut then
+      S.mark(body, E.unexpected, "%d byte%s more than this service has", left, plural(left))
+    end
+    body.offset = body.end_
+  end
+
+  -- Takes a whole body apart, status byte first; what is left over is marked.
+  function S.dissect_body(body)
+    local dissect = S.bodies[S.general_service(body.service)]
+
+    if not dissect and body.service >= 0x80 and is_plain_text(body) then
+      S.take_text(body, F.text) -- a record of a product group, without a status
+      return
+    end
+    if body.is_reaction and has_status(body.service) then take_status(body) end
+    -- After a telegram error not even the useful data header has to be there.
+    if not body.is_short and (body.status < 0xF0 or body.end_ > body.offset) then
+      (dissect or dissect_undocumented)(body)
+    end
+    if body.status ~= 0 and not body.is_explained then -- an error code says more
+      body.marks = body.marks .. "  [status: " .. body.status_text .. "]"
+    end
+    show_leftover(body)
+    S.sequence_watch(body)
+  end
+end
+
+-- sis-identification: service 0x00, node identification (chapter 3)
+
+do
+  local VERSION_LENGTH = 5 -- "nnVmm"
+
+  field("version", "SIS version", "sis.version", ftypes.STRING)
+  field("firmware", "Firmware (FWA) number", "sis.firmware", ftypes.STRING)
+  field("type_key", "Device type key", "sis.type_key", ftypes.STRING)
+
+  local function take_version(body)
+    local left = S.left(body)
+
+    if left ~= VERSION_LENGTH and not body.is_cut then
+      S.mark(body, left < VERSION_LENGTH and E.missing or E.unexpected, "a SIS version has %d characters",
+        VERSION_LENGTH)
+    end
+    S.take_text(body, F.version)
+  end
+
+  local data = {
+    [0x01] = take_version,
+    [0x02] = function(body) S.take_text(body, F.firmware) end,
+    [0x03] = function(body) S.take_text(body, F.type_key) end,
+    [0x04] = function(body) S.take_baud_mask(body, true) end,
+  }
+
+  local function take_raw(body)
+    S.take_rest(body, F.raw)
+  end
+
+  S.bodies[0x00] = function(body)
+    local subservice = S.take_subservice(body, N.subservices_identification)
+
+    if not subservice or not body.is_reaction then return end
+    if S.is_ok(body) then
+      (data[subservice] or take_raw)(body)
+    elseif not S.take_channel_error(body) then
+      take_raw(body) -- chapter 3 has no error codes
+    end
+  end
+end
+
+-- sis-cancel: service 0x01, cancel data transmission (chapter 4): address and service may be missing, each or both
+
+do
+  field("canceled_service", "Cancelled service", "sis.canceled_service", ftypes.UINT8, base.HEX + base.RANGE_STRING,
+    N.services)
+
+  local function take_ambiguous(body)
+    if body.request then
+      body.request.is_ambiguous = true
+      body.request.subservice = byte(body.bytes, body.offset + 1)
+    end
+    S.take_rest(body, F.raw)
+    S.mark(body, E.note, "device address or service, one byte does not tell")
+  end
+
+  local function take_device_and_service(body)
+    local device = S.take(body, F.device, 1)
+    local service = device and S.take(body, F.canceled_service, 1)
+
+    if not service then return end
+    S.request_device(body, device)
+    if body.request then
+      body.request.has_subservice = true
+      body.request.subservice = service
+    end
+    S.say(body, ", %s, device %d", S.service_name(service), device)
+  end
+
+  local function dissect_command(body)
+    local left = S.left(body)
+
+    if left == 0 then
+      S.say(body, ", all that is under way")
+    elseif left == 1 then
+      take_ambiguous(body)
+    else
+      take_device_and_service(body)
+    end
+  end
+
+  -- The address is repeated if the command had one; how long error data are nobody says.
+  local function dissect_reaction(body)
+    local had_device = body.asked and body.asked.has_device
+    local is_alone = S.left(body) == 1 and body.status == 0 -- there are error data after an error only
+    local is_before_code = S.left(body) == 3 and body.status == 0x02
+
+    if (had_device or is_alone or is_before_code) and not S.take(body, F.device, 1) then return end
+    if body.status == 0x02 and S.left(body) >= 2 then
+      S.take_channel_error(body)
+    elseif body.status ~= 0 and body.status < 0xF0 then
+      S.take_rest(body, F.raw)
+    end
+  end
+
+  S.bodies[0x01] = function(body)
+    if body.is_reaction then dissect_reaction(body) else dissect_command(body) end
+  end
+end
+
+-- sis-flash: service 0x02, flash operation (chapter 5)
+
+do
+  local READ_FLASH, FIND_HEADER, ERASE_FLASH, BUILD_CHECKSUM = 0x92, 0x93, 0x94, 0x97
+
+  field("address", "Memory address", "sis.address", ftypes.UINT32, base.HEX)
+  field("memory_length", "Length", "sis.memory_length", ftypes.UINT32, base.DEC, nil, 0, "In bytes")
+  field("target", "Target", "sis.shutdown_target", ftypes.UINT8, base.HEX, N.shutdown_targets)
+  field("device_type", "Device type", "sis.device_type", ftypes.UINT8, base.HEX, N.device_types)
+  field("crc", "CRC32", "sis.crc32", ftypes.UINT32, base.HEX)
+
+  local function take_address(body)
+    local address = S.take(body, F.address, 4)
+
+    if not address then return end
+    S.say(body, ", 0x%08x", address)
+    if body.request then
+      body.request.has_address = true
+      body.request.address = address
+    end
+  end
+
+  local function take_length(body, size)
+    local length = S.take(body, F.memory_length, size)
+
+    if length then S.say(body, ", %d byte%s", length, plural(length)) end
+  end
+
+  local function take_code(body, which, texts)
+    local value, text = S.take_code(body, which, 1, texts)
+
+    if not value then return end
+    S.say(body, ", %s", text)
+    if not texts[value] then S.mark(body, E.note, "0x%02x is not defined", value) end
+  end
+
+  local function take_data(body)
+    local length = S.left(body)
+
+    if not S.needs(body, F.data, 1) then return end
+    S.take_rest(body, F.data)
+    S.say(body, ", %d byte%s", length, plural(length))
+  end
+
+  local function take_length_byte(body) take_length(body, 1) end
+  local function take_length_word(body) take_length(body, 4) end
+  local function take_target(body) take_code(body, F.target, N.shutdown_targets) end
+  local function take_device_type(body) take_code(body, F.device_type, N.device_types) end
+
+  -- What stands after the subservice in a command.
+  local commands = {
+    [0x90] = {take_target, take_address},
+    [0x91] = {take_address},
+    [0x92] = {take_address, take_length_byte},
+    [0x93] = {},
+    [0x94] = {take_address, take_length_word},
+    [0x96] = {take_address, take_device_type, take_data},
+    [0x97] = {take_address, take_length_word},
+    [0x9F] = {},
+  }
+
+  -- Both numbers 0xFFFFFFFF: everything but loader and kernel.
+  local function take_erase_everything(body)
+    if S.left(body) < 8 or sub(body.bytes, body.offset + 1, body.offset + 8) ~= rep("\255", 8) then return false end
+    S.take(body, F.address, 4)
+    S.take(body, F.memory_length, 4)
+    S.say(body, ", all but loader and kernel")
+    return true
+  end
+
+  local function dissect_command(body, subservice)
+    local parts = commands[subservice]
+
+    if subservice == ERASE_FLASH and take_erase_everything(body) then return end
+    if not parts then
+      S.take_rest(body, F.raw)
+      return
+    end
+    for _, take_part in ipairs(parts) do
+      take_part(body)
+    end
+  end
+
+  local function dissect_data(body, subservice)
+    if subservice == READ_FLASH then
+      take_data(body)
+    elseif subservice == FIND_HEADER then
+      take_address(body)
+    elseif subservice == BUILD_CHECKSUM and S.left(body) >= 4 then -- IndraDrive; IF02 has no data here
+      S.say(body, ", 0x%08x", S.take(body, F.crc, 4))
+    elseif not N.subservices_flash[subservice] then
+      S.take_rest(body, F.raw)
+    end
+  end
+
+  S.bodies[0x02] = function(body)
+    local subservice = S.take_subservice(body, N.subservices_flash)
+
+    if not subservice then return end
+    if not body.is_reaction then
+      dissect_command(body, subservice)
+    elseif S.is_ok(body) then
+      dissect_data(body, subservice)
+    elseif not S.take_channel_error(body) then
+      S.take_error_byte(body, subservice, N.errors_flash)
+    end
+  end
+end
+
+-- sis-initialization: service 0x03, initialization of the SIS communication (chapter 6)
+
+do
+  -- Subservices (chapter 6.1).
+  K.SET_TRS, K.SET_TZA, K.SET_TMAS, K.SET_BAUD_RATE, K.TEST_BAUD, K.ACCEPT = 0x01, 0x02, 0x03, 0x07, 0x08, 0xFF
+
+  field("time", "Time", "sis.timing.ms", ftypes.UINT16, base.DEC, nil, 0, "In ms")
+  field("test_time", "Duration of the test", "sis.test_ms", ftypes.UINT16, base.DEC, nil, 0, "In ms")
+
+  local function take_time(body, which)
+    local ms = S.take(body, which, 2)
+
+    if not ms then return nil end
+    append_text(body.item, " ms")
+    S.say(body, ", %d ms", ms)
+    return ms
+  end
+
+  local function take_setting(body, request)
+    request.setting = take_time(body, F.time)
+    return request.setting ~= nil
+  end
+
+  local function take_baud_rate(body, request)
+    request.setting = S.take_baud_mask(body, false)
+    return request.setting ~= nil
+  end
+
+  local function take_baud_test(body, request)
+    request.test_ms = take_time(body, F.test_time)
+    return request.test_ms ~= nil and take_baud_rate(body, request)
+  end
+
+  -- By subservice, what takes its data, and tells whether all of what it asks for is there.
+  local settings = {
+    [K.SET_TRS] = take_setting,
+    [K.SET_TZA] = take_setting,
+    [K.SET_TMAS] = take_setting,
+    [K.SET_BAUD_RATE] = take_baud_rate,
+    [K.TEST_BAUD] = take_baud_test,
+    [K.ACCEPT] = function() return true end,
+  }
+
+  local function take_more(body)
+    if S.take_rest(body, F.raw) then
+      S.mark(body, E.note, "more data: further subservices? their layout is not defined")
+    end
+  end
+
+  local function dissect_command(body, subservice)
+    local take = settings[subservice]
+
+    if take then body.request.has_setting = take(body, body.request) else S.take_rest(body, F.raw) end
+    take_more(body)
+  end
+
+  S.bodies[0x03] = function(body)
+    local subservice = S.take_subservice(body, N.subservices_initialization)
+
+    if not subservice then return end
+    if not body.is_reaction then
+      dissect_command(body, subservice)
+    elseif S.is_ok(body) then
+      take_more(body)
+    elseif not S.take_channel_error(body) then
+      S.take_error_byte(body, subservice, N.errors_initialization)
+    end
+    S.bus_learn(body)
+  end
+end
+
+-- sis-list: service 0x04, execute a list of SIS services (chapter 7): each element is the telegram it stands for
+
+do
+  local LIST_SERVICE = 0x04
+
+  field("element_length", "Length", "sis.element_length", ftypes.UINT8, base.DEC, nil, 0,
+    "Service and body of this element")
+
+  expert_field("recursion", "sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not be in its own list")
+
+  local function add_request(list, request)
+    local last = list.last_request
+
+    if last then last.next = request else list.request.list = request end
+    list.last_request = request
+  end
+
+  -- The body of an element, `length` bytes after its service, as if it were alone in a telegram.
+  local function dissect_element_body(list, root, service, length, asked)
+    local element = {
+      telegram = list.telegram,
+      tvb = list.tvb,
+      bytes = list.bytes,
+      pinfo = list.pinfo,
+      tree = list.tree,
+      root = root or list.root,
+      item = root,
+      offset = list.offset,
+      end_ = list.offset + length,
+      is_cut = list.is_cut and list.offset + length == list.end_,
+      is_nested = true,
+      is_reaction = list.is_reaction,
+      service = service,
+      status = 0,
+      error = 0,
+      record = list.record,
+      summary = S.service_name(service),
+      marks = "",
+      asked = asked and asked.service == service and asked or nil,
+    }
+
+    if not list.is_reaction then
+      element.request = {service = service}
+      add_request(list, element.request)
+    end
+    S.dissect_body(element)
+    list.is_explained = list.is_explained or element.is_explained or element.status ~= 0
+    local text = element.summary .. element.marks
+    append_text(root, ": " .. text)
+    S.say(list, "; %s", text)
+  end
+
+  local function show_recursion(list, length)
+    S.mark(list, E.recursion, "a list in a list")
+    if length > 0 then add(list.tree, F.raw, list.tvb, list.offset, length) end
+  end
+
+  -- What an element stands for, `length` bytes after its service of which `there` are there.
+  local function dissect_element_service(list, number, root, length, there, asked)
+    local service = S.take(list, F.service, 1)
+
+    if not service then return end
+    if length > there and not list.is_cut then S.mark(list, E.missing, "element %d is cut", number) end
+    if service == LIST_SERVICE then
+      show_recursion(list, there)
+    else
+      dissect_element_body(list, root, service, there, asked)
+    end
+    list.offset = list.offset + there
+  end
+
+  -- Length, service, body.
+  local function dissect_element(list, number, asked)
+    local left, length = S.left(list), byte(list.bytes, list.offset + 1)
+    local size, outer = min(length + 1, left), list.tree
+    local root = add_subtree(outer, list.tvb, list.offset, size, strformat("Element %d", number))
+
+    list.tree = root
+    S.take(list, F.element_length, 1)
+    if length == 0 then
+      S.mark(list, E.unexpected, "element %d is empty", number)
+    else
+      dissect_element_service(list, number, root, length - 1, size - 2, asked)
+    end
+    list.tree = outer
+  end
+
+  S.bodies[LIST_SERVICE] = function(body)
+    local asked, number = body.asked and body.asked.list, 1
+
+    body.last_request = nil -- of its elements
+    if body.is_reaction and S.take_channel_error(body) then return end
+    while S.left(body) > 0 and not body.is_short do
+      dissect_element(body, number, asked)
+      asked = asked and asked.next
+      number = number + 1
+    end
+  end
+end
+
+-- sis-sercos: services 0x10, 0x11, 0x12, 0x1D, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters and
+-- phases (chapter 8)
+
+do
+  local CONTROL_RESERVED = 0xC3
+
+  local last_current = {"last", "current, more follows"}
+  local parameter_types = {
+    [0] = "Parameter of a drive",
+    [1] = "Control parameter, first kind (A)",
+    [2] = "Control parameter, second kind (C)",
+  }
+  local product_standard = {"P, product-specific", "S, standard"}
+
+  field("parameter_control", "Parameter control", "sis.parameter_control", ftypes.UINT8, base.HEX)
+  field("parameter_control_reserved", "Reserved", "sis.parameter_control.reserved", ftypes.UINT8, base.HEX, nil,
+    CONTROL_RESERVED)
+  field("element", "Element", "sis.element", ftypes.UINT8, base.DEC, N.elements, 0x38)
+  field("transmission", "Transmission", "sis.transmission", ftypes.BOOLEAN, 8, last_current, K.LAST_TRANSMISSION)
+  field("parameter", "Parameter", "sis.parameter", ftypes.STRING)
+  field("parameter_name", "Name", "sis.parameter.name", ftypes.STRING)
+  field("parameter_unit", "Unit", "sis.parameter.unit", ftypes.STRING)
+  field("parameter_minimum", "Minimum", "sis.parameter.minimum", ftypes.STRING)
+  field("parameter_maximum", "Maximum", "sis.parameter.maximum", ftypes.STRING)
+  field("parameter_type", "Type", "sis.parameter.type", ftypes.UINT8, base.DEC, parameter_types)
+  field("parameter_profile", "Kind", "sis.parameter.product_specific", ftypes.BOOLEAN, 16, product_standard, 0x8000)
+  field("parameter_set", "Parameter set", "sis.parameter.set", ftypes.UINT16, base.DEC, nil, 0x7000)
+  field("parameter_number", "Number", "sis.parameter.number", ftypes.UINT16, base.DEC, nil, 0x0FFF)
+  field("list_offset", "List offset", "sis.list_offset", ftypes.UINT16, base.DEC)
+  field("list_length", "List length", "sis.list_length", ftypes.UINT16, base.DEC)
+  field("data_status", "Data status", "sis.data_status", ftypes.UINT16, base.HEX)
+  field("data_status_set", "Command set", "sis.data_status.set", ftypes.BOOLEAN, 16, nil, 0x0001)
+  field("data_status_enabled", "Command enabled", "sis.data_status.enabled", ftypes.BOOLEAN, 16, nil, 0x0002)
+  field("data_status_not_executed", "Not yet executed", "sis.data_status.not_executed", ftypes.BOOLEAN, 16, nil,
+    0x0004)
+  field("data_status_impossible", "Execution not possible", "sis.data_status.impossible", ftypes.BOOLEAN, 16, nil,
+    0x0008)
+  field("data_status_invalid", "Operating data invalid", "sis.data_status.invalid", ftypes.BOOLEAN, 16, nil, 0x0100)
+  field("phase", "Phase", "sis.phase", ftypes.UINT8, base.DEC)
+  field("switch_in", "Phase switch in", "sis.phase.switch_in", ftypes.FRAMENUM)
+  field("switch_time", "Time of the phase switch", "sis.phase.switch_time", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "From its command to the poll that ended it")
+
+  -- A body of a parameter service while it is taken apart is an `access`: body, general (service, as a general one),
+  -- element, is_last, device, ident (nil: not known; in a reaction its command's), known.
+
+  local function is_segment(access)
+    return access.general == 0x11 or access.general == 0x1E
+  end
+
+  local function is_write(access)
+    return access.general == 0x1E or access.general == 0x1F
+  end
+
+  local function show_control(access)
+    local body = access.body
+
+    for _, bit_field in ipairs({F.parameter_control_reserved, F.element, F.transmission}) do
+      add(body.item, bit_field, body.tvb, body.offset - 1, 1)
+    end
+    append_text(body.item,
+      strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
+  end
+
+  local function take_control(access)
+    local body = access.body
+    local control = S.take(body, F.parameter_control, 1)
+
+    if not control then return false end
+    access.element = band(rshift(control, 3), 7)
+    access.is_last = band(control, K.LAST_TRANSMISSION) ~= 0
+    if body.tree then show_control(access) end
+    if band(control, CONTROL_RESERVED) ~= 0 then
+      S.mark(body, E.note, "reserved bits of the parameter control")
+    end
+    access.device = S.take(body, F.device, 1)
+    if not access.device then return false end
+    if body.request then body.request.element = access.element end
+    S.request_device(body, access.device)
+    return true
+  end
+
+  local function add_generated(tree, tvb, which, text, source)
+    if text then append_text(set_generated(add(tree, which, tvb, 0, 0, text)), " (" .. source .. ")") end
+  end
+
+  -- What is known of a parameter, and where from.
+  local function add_known(access, tree)
+    local known, tvb = access.known, access.body.tvb
+
+    if not tree then return end
+    add_generated(tree, tvb, F.parameter_name, known.name, known.name_from)
+    add_generated(tree, tvb, F.parameter_unit, known.unit, known.unit_from)
+    add_generated(tree, tvb, F.parameter_minimum, known.minimum, K.FROM_BUS)
+    add_generated(tree, tvb, F.parameter_maximum, known.maximum, K.FROM_BUS)
+  end
+
+  -- Which parameter, and which of its elements.
+  local function say_parameter(access)
+    local body, name = access.body, access.known.name
+
+    S.say(body, name and " %s (%s)" or " %s", access.ident.text, name)
+    if access.element == K.ELEMENT_IDENT and is_write(access) then
+      S.say(body, ", data status")
+    elseif access.element ~= K.ELEMENT_DATA then
+      S.say(body, ", %s", string.lower(N.elements[access.element]))
+    end
+  end
+
+  local function show_parameter(access)
+    local body = access.body
+    local offset, tvb = body.offset, body.tvb
+
+    body.item = add(body.tree, F.parameter, tvb, offset, 3, access.ident.text)
+    if access.known.name then append_text(body.item, " (" .. access.known.name .. ")") end
+    add(body.item, F.parameter_type, tvb, offset, 1)
+    for _, bit_field in ipairs({F.parameter_profile, F.parameter_set, F.parameter_number}) do
+      add_le(body.item, bit_field, tvb, offset + 1, 2)
+    end
+    add_known(access, body.item)
+  end
+
+  local function take_parameter(access)
+    local body = access.body
+
+    if not S.needs(body, F.parameter, 3) then return false end
+    local kind, low, high = byte(body.bytes, body.offset + 1, body.offset + 3)
+    access.ident = S.ident(kind, low + high * 0x100)
+    access.known = S.learned_known(body, access.ident, access.device)
+    body.item = nil
+    if body.tree then show_parameter(access) end
+    body.offset = body.offset + 3
+    say_parameter(access)
+    if body.request then
+      body.request.has_ident = true
+      body.request.ident = access.ident
+    end
+    return true
+  end
+
+  local function check_announced(body, announced)
+    local sent = S.left(body)
+
+    if not body.is_cut and sent > 0 and sent ~= announced then
+      S.mark(body, sent < announced and E.missing or E.unexpected, "%d byte%s announced, %d sent", announced,
+        plural(announced), sent)
+    end
+  end
+
+  -- Offset and length count words in ECODRIVE's services, bytes in all others. A reading may ask for any length; what
+  -- is written should be as long as it says.
+  local function take_segment(access)
+    local body = access.body
+    local is_words = body.service == 0x81 or body.service == 0x8E
+    local unit = is_words and "word" or "byte"
+    local offset = S.take(body, F.list_offset, 2)
+
+    if not offset then return false end
+    append_text(body.item, " " .. unit .. plural(offset))
+    local length = S.take(body, F.list_length, 2)
+    if not length then return false end
+    append_text(body.item, " " .. unit .. plural(length))
+    S.say(body, ", %d %s%s at offset %d", length, unit, plural(length), offset)
+    if is_write(access) then check_announced(body, length * (is_words and 2 or 1)) end
+    return true
+  end
+
+  -- The reaction does not name the parameter: its command did.
+  local function recall_parameter(access)
+    local body = access.body
+
+    if not body.asked or not body.asked.has_ident then return end
+    access.ident = body.asked.ident
+    access.known = S.learned_known(body, access.ident, access.device)
+    if body.tree then
+      local item = set_generated(add(body.tree, F.parameter, body.tvb, 0, 0, access.ident.text))
+
+      if access.known.name then append_text(item, " (" .. access.known.name .. ")") end
+      add_known(access, item)
+    end
+    say_parameter(access)
+  end
+
+  local SHOWN_BYTES = 8
+
+  -- The bytes themselves, where they are few.
+  local function bytes_text(bytes)
+    return #bytes <= SHOWN_BYTES and ": " .. hex(bytes) or ""
+  end
+
+  -- The data of an element: all of them, or a segment of a list.
+  local function show_data(access, tree, data)
+    local body, is_whole = access.body, not is_segment(access)
+    local text = S.add_element(tree, body.pinfo, data, access.element, access.ident, access.known, is_whole)
+
+    if is_write(access) and access.element == K.ELEMENT_IDENT then
+      return -- the request for the data status repeats its own number
+    end
+    if text then
+      S.say(body, " = %s", text)
+    else
+      S.say(body, ", %d byte%s%s", data.length, plural(data.length), bytes_text(data.bytes))
+    end
+    if access.ident and is_whole and body.is_reaction then
+      S.learn(body, access.ident, access.device, access.element, data, text)
+    end
+  end
+
+  local function show_piece(access, whole)
+    local body = access.body
+    local length = S.left(body)
+
+    S.take_rest(body, F.data)
+    S.say(body, ", %s of %d byte%s", access.is_last and "last piece" or "piece", length, plural(length))
+    if not whole then return end
+    length = whole.length
+    show_data(access, add_subtree(body.tree, whole.tvb, whole.offset, length,
+      strformat("Data of all pieces, %d byte%s", length, plural(length))), whole)
+  end
+
+  -- The data of this telegram, or of all pieces; nil where more of them follow.
+  local function find_data(access)
+    local body = access.body
+
+    if is_segment(access) or (not access.ident and access.is_last) then return S.data(body) end
+    return access.ident
+      and S.sequence_data(body, access.ident, access.element, access.device, access.is_last) or nil
+  end
+
+  local function take_data(access)
+    local body = access.body
+
+    if body.is_short or (S.left(body) == 0
+      and not S.is_sequence_open(body, access.ident, access.element, access.device)) then
+      return
+    end
+    local data = find_data(access)
+    if not is_segment(access) and (not data or S.is_piece(body)) then
+      show_piece(access, data)
+    else
+      show_data(access, body.tree, data)
+    end
+    body.offset = body.end_
+  end
+
+  local function take_data_status(body)
+    local status = S.take(body, F.data_status, 2)
+
+    if not status then return end
+    for _, bit_field in ipairs({F.data_status_invalid, F.data_status_impossible, F.data_status_not_executed,
+      F.data_status_enabled, F.data_status_set}) do
+      if body.item then add_le(body.item, bit_field, body.tvb, body.offset - 2, 2) end
+    end
+    local text = strformat("command %s%s", N.data_states[band(status, 0x0F)] or "not defined",
+      band(status, 0x0100) ~= 0 and ", operating data invalid" or "")
+    append_text(body.item, " (" .. text .. ")")
+    S.say(body, " = %s", text)
+  end
+
+  -- The upper digit of a code names the element, also where the code is not defined.
+  local function take_parameter_error(body)
+    S.take_error(body, N.errors_parameter)
+    local code = body.error
+    local digit = rshift(code, 12)
+    if digit >= 1 and digit < 8 and not N.errors_parameter[code] then
+      append_text(body.item, ", element: " .. N.elements[digit])
+    end
+  end
+
+  local function dissect_parameter_command(access)
+    local body = access.body
+
+    if not take_control(access) or not take_parameter(access) then return end
+    if is_segment(access) and not take_segment(access) then return end
+    if not is_write(access) then return end
+    if access.element ~= K.ELEMENT_DATA and access.element ~= K.ELEMENT_IDENT then
+      S.mark(body, E.note, "only operating data and ident number can be written")
+    end
+    if S.left(body) == 0 and access.element ~= K.ELEMENT_IDENT then S.needs(body, F.data, 1) end
+    take_data(access)
+  end
+
+  local function dissect_parameter_reaction(access)
+    local body = access.body
+
+    if not take_control(access) then return end
+    recall_parameter(access)
+    if body.status == 0x01 then
+      take_parameter_error(body)
+    elseif S.take_channel_error(body) then
+      return
+    elseif not is_write(access) then
+      take_data(access)
+    elseif access.element == K.ELEMENT_IDENT or (access.general == 0x1E and S.left(body) == 2) then
+      take_data_status(body)
+    end
+  end
+
+  local function dissect_parameter(body)
+    local access = {body = body, general = S.general_service(body.service)}
+
+    if body.is_reaction then dissect_parameter_reaction(access) else dissect_parameter_command(access) end
+  end
+
+  local function take_phase(body)
+    local phase = S.take(body, F.phase, 1)
+
+    if not phase then return nil end
+    local mode = N.phases[phase] and " (" .. N.phases[phase] .. ")" or ""
+    append_text(body.item, mode)
+    S.say(body, ": phase %d%s", phase, mode)
+    return phase
+  end
+
+  -- First pass: a switch begins when its command is acknowledged, and ends with the poll that reads its phase or an
+  -- error.
+  local function follow_switch(body, phase)
+    local record, exchange = body.record, body.record.exchange
+    local from = exchange.from
+    local is_switch = S.general_service(body.service) == 0x1D
+
+    if is_switch and body.status == 0 and body.asked then
+      from.phase_switch = {
+        command_in = exchange.command_in,
+        begin = exchange.command_end,
+        to = body.asked.phase or 0,
+      }
+    elseif not is_switch and from.phase_switch then
+      record.phase_switch = from.phase_switch
+      record.is_switch_end = body.status ~= 0 or phase == from.phase_switch.to
+      if record.is_switch_end then from.phase_switch = nil end
+    end
+  end
+
+  local function show_switch(body)
+    local record = body.record
+    local switch = record.phase_switch
+
+    if not switch then return end
+    append_text(set_generated(add(body.tree, F.switch_in, body.tvb, 0, 0, switch.command_in)),
+      strformat(" (to phase %d)", switch.to))
+    if not record.is_switch_end then
+      S.say(body, ", switching to phase %d", switch.to)
+      return
+    end
+    local taken = body.telegram.times.begin - switch.begin
+    local text = strformat("%.3f s", taken / 1e9)
+    set_generated(add_value(body.tree, F.switch_time, body.tvb, 0, 0, nstime(taken), text))
+    S.say(body, ", %s after %s", body.status == 0 and "reached" or "failed", text)
+  end
+
+  local function dissect_phase_reaction(body)
+    local is_accepted = S.general_service(body.service) == 0x1D and body.status == 0
+    local phase = 0
+
+    if body.status == 0x01 then
+      S.take_rest(body, F.raw) -- described nowhere
+      return
+    elseif body.status > 0x02 and S.take_channel_error(body) then
+      return
+    end
+    if is_accepted then S.say(body, ", accepted") end -- the documents differ whether the phase of now follows
+    if not (is_accepted and S.left(body) == 0) then
+      phase = take_phase(body)
+      if not phase then return end
+    end
+    if body.status == 0x02 then S.take_error(body, N.errors_phase) end
+    if body.is_nested or not body.record or not body.record.exchange then return end
+    if not body.pinfo.visited then follow_switch(body, phase) end
+    show_switch(body)
+  end
+
+  local function dissect_phase(body)
+    if body.is_reaction then
+      dissect_phase_reaction(body)
+    elseif S.general_service(body.service) == 0x1D then
+      local phase = take_phase(body)
+
+      if phase and body.request then body.request.phase = phase end
+    end
+  end
+
+  S.bodies[0x10], S.bodies[0x11] = dissect_parameter, dissect_parameter
+  S.bodies[0x1E], S.bodies[0x1F] = dissect_parameter, dissect_parameter
+  S.bodies[0x12], S.bodies[0x1D] = dissect_phase, dissect_phase
+end
+
+-- exchange (sis-exchange.c): what belongs together: command and reaction, repeats (chapter 2.4), and the same exchange
+-- on two levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every
+-- later one. Frame numbers that are 0 in C are nil here.
+
+do
+  field("stream", "Stream", "sis.stream", ftypes.UINT32, base.DEC, nil, nil, "One number for each pair of stations")
+  field("reaction_in", "Reaction in", "sis.reaction_in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+  field("command_in", "Command in", "sis.command_in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
+  field("reaction_time", "Reaction time", "sis.reaction_time", ftypes.RELATIVE_TIME, base.NONE, nil, nil,
+    "From the last character of the command to the first of the reaction; from packet to packet where the times of "
+      .. "the characters are not known")
+  field("repeat_of", "Repeat of", "sis.repeat_of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
+  field("gave_up", "Command before, not answered", "sis.unanswered_before", ftypes.FRAMENUM, base.NONE, nil, nil,
+    "The master's command before this one, where it went on without a reaction")
+  field("routed_from", "Routed from", "sis.routed_from", ftypes.FRAMENUM, base.NONE, nil, nil,
+    "The same telegram on the level it came from")
+
+  expert_field("unanswered", "sis.command.unanswered", "SEQUENCE", "NOTE", "No reaction before the next command")
+  expert_field("unasked", "sis.reaction.unasked", "SEQUENCE", "NOTE", "The command of this reaction is not known")
+  expert_field("answered_before", "sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
+  expert_field("repeated", "sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
+
+  local records -- by place in the packet, then by frame number
+  local lines, connections -- by number of the interface, and of TCP
+  local stream_count
+  local routes -- streams with a command with subaddresses that waits: as keys
+
+  at_init(function()
+    records, lines, connections, stream_count, routes = {}, {}, {}, 0, {}
+  end)
+
+  local function new_bus(is_connection)
+    return {
+      is_connection = is_connection,
+      damaged_count = 0, -- damaged telegrams, and what may have been one
+      damaged_in = 0, -- the last of them
+      lost_in = 0, -- the last loss of characters
+      last = {}, -- command of each master
+      streams = {},
+      learned = {},
+      told = S.told_new(),
+      cycles = {},
+    }
+  end
+
+  -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
+  local function line_number(pinfo)
+    local record, interface = T.record(), S.interface(pinfo)
+
+    return record and record.line == 2 and interface > 0 and interface - 1 or interface
+  end
+
+  -- First pass: the line or connection that a packet belongs to.
+  function S.exchange_bus(pinfo)
+    local is_connection = pinfo.port_type == K.PORT_TYPE_TCP
+    local known = is_connection and connections or lines
+    local key = is_connection and S.connection(pinfo) or line_number(pinfo)
+
+    known[key] = known[key] or new_bus(is_connection)
+    return known[key]
+  end
+
+  local function new_stream(bus)
+    local number = stream_count
+
+    stream_count = number + 1
+    local stream = {number = number, bus = bus}
+
+    stream.from = {[0] = {stream = stream, transfers = {}}, {stream = stream, transfers = {}}}
+    return stream
+  end
+
+  -- Two stations, with what lies between them: a drive behind a router is not the router.
+  local function find_stream(bus, telegram)
+    local sender, receiver = telegram.sender, telegram.receiver
+    local key = min(sender, receiver) * 256 + max(sender, receiver)
+
+    if telegram.subaddress_count > 0 then
+      key = char(min(sender, receiver), max(sender, receiver)) .. sub(telegram.bytes, 9, 8 + telegram.subaddress_count)
+    end
+    if not bus.streams[key] then
+      bus.streams[key] = new_stream(bus)
+    end
+    return bus.streams[key]
+  end
+
+  -- 0 or 1: in which of the two directions of its stream a telegram's command goes.
+  function S.direction(telegram)
+    return telegram.sender > telegram.receiver and 1 or 0
+  end
+
+  local function note_damaged(bus, number)
+    bus.damaged_in = number
+    bus.damaged_count = bus.damaged_count + 1
+  end
+
+  -- A telegram whose length was damaged is no telegram at all: the tap calls it other characters.
+  local function note_disturbance(bus, record)
+    local seen = T.disturbance(record)
+
+    bus.lost_in = max(bus.lost_in, seen.lost_in)
+    if seen.unframed_in > bus.damaged_in then
+      note_damaged(bus, seen.unframed_in)
+    end
+  end
+
+  -- The same bytes again, where the first had no good reaction; or with the same telegram number, whose reaction the
+  -- slave has kept. Another step of a long reading has the same bytes, too, but a reaction in between.
+  local function find_repeat(exchange, from, bytes, telegram)
+    local before = from.last
+
+    if not before or from.bytes ~= bytes then
+      return
+    end
+    exchange.is_reaction_kept = telegram.number > 0
+    exchange.is_kept_reaction_seen = exchange.is_reaction_kept and before.reaction_in ~= nil
+    if before.reaction_in and not exchange.is_reaction_kept then
+      return
+    end
+    exchange.repeat_of = before.repeat_of or before.command_in
+    exchange.transfer = before.transfer
+  end
+
+  -- Neither group nor broadcast: judged by whom it is for in the end.
+  local function needs_reaction(exchange)
+    return S.is_answered(byte(exchange.path, -1))
+  end
+
+  -- A router drops the first address and sends the rest on: is `bytes` what it made of `above`? Addresses of a telegram
+  -- are from the sender to the last subaddress: bytes 6 and following.
+  local function is_one_level_below(bytes, telegram, above)
+    local subaddresses = telegram.subaddress_count
+    local number = telegram.body_offset - K.STATIC_LENGTH - subaddresses
+    local control = byte(above, 5)
+
+    return #above == #bytes + 1
+      and band(control, 0x07) == subaddresses + 1
+      and byte(above, 6) == telegram.service
+      and (band(control, 0x08) ~= 0) == (number ~= 0)
+      and sub(above, 8) == sub(bytes, 7)
+  end
+
+  -- Of the commands that wait one level above, the oldest of which this is.
+  local function find_route(exchange, bytes, telegram)
+    local oldest
+
+    for stream in pairs(routes) do
+      for direction = 0, 1 do
+        local from = stream.from[direction]
+        local above = from.last
+
+        if above and not above.reaction_in and not above.forwarded
+          and not (oldest and oldest.command_in < above.command_in)
+          and is_one_level_below(bytes, telegram, from.bytes) then
+          oldest = above
+        end
+      end
+    end
+    if oldest then
+      exchange.routed_from = oldest.command_in
+      oldest.forwarded = exchange
+    end
+  end
+
+  -- A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
+  local function follow_command(exchange, before, telegram)
+    local from, is_needed = exchange.from, needs_reaction(before)
+
+    if is_needed and not before.reaction_in then
+      before.next_command_in = exchange.command_in
+      before.is_reaction_damaged = from.stream.bus.damaged_in > before.command_in
+      exchange.gave_up = before.command_in
+    end
+    if exchange.repeat_of then
+      exchange.wait = telegram.times.begin - from.last.command_end
+    elseif not is_needed then
+      exchange.wait = telegram.times.begin - before.command_end
+    end
+  end
+
+  local function begin_exchange(bus, pinfo, telegram)
+    local stream, times = find_stream(bus, telegram), telegram.times
+    local from = stream.from[S.direction(telegram)]
+    local bytes = sub(telegram.bytes, 1, telegram.declared)
+    local exchange = { -- with no more fields than most exchanges need: half of the memory
+      from = from,
+      path = sub(bytes, 8, 8 + telegram.subaddress_count), -- from the receiver to whom the command is for
+      command_in = pinfo.number,
+      command_end = times.end_,
+      command_end_earliest = times.end_earliest,
+      reaction_in = nil,
+      reaction_time = nil, -- nil, too, where both are in one packet
+      request = nil,
+    }
+    local before = bus.last[telegram.sender]
+
+    if needs_reaction(exchange) then
+      find_repeat(exchange, from, bytes, telegram)
+    end
+    if next(routes) then
+      find_route(exchange, bytes, telegram)
+    end
+    if before then
+      follow_command(exchange, before, telegram)
+    end
+    bus.last[telegram.sender] = exchange
+    from.bytes = bytes
+    from.last = exchange
+    if telegram.subaddress_count > 0 then
+      routes[stream] = true
+    end
+    return exchange
+  end
+
+  -- Parameter control (but its bit 2) and device address of a parameter service, as far as they are there.
+  local function is_same_access(command, telegram)
+    local body, reaction = telegram.body_offset, telegram.bytes -- in the reaction the status comes first
+
+    if not S.has_control_byte(telegram.service) or body + 2 > #command or body + 3 > telegram.declared then
+      return true
+    end
+    return band(bxor(byte(command, body + 1), byte(reaction, body + 2)), 0xFF - K.LAST_TRANSMISSION) == 0
+      and byte(command, body + 2) == byte(reaction, body + 3)
+  end
+
+  -- Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a device
+  -- swaps sender and receiver cannot be ruled out.
+  local function is_reaction_to(command, telegram)
+    local control, service, sender, receiver = byte(command, 5, 8)
+    local is_kept = sender == telegram.sender and receiver == telegram.receiver
+    local is_swapped = sender == telegram.receiver and receiver == telegram.sender
+    local layout = K.CONTROL_SUBADDRESSES + K.CONTROL_NUMBER
+    local body = telegram.body_offset
+
+    if service ~= telegram.service or band(bxor(control, telegram.control), layout) ~= 0 then
+      return false
+    end
+    if not (is_kept or is_swapped) or sub(command, 9, body) ~= sub(telegram.bytes, 9, body) then
+      return false
+    end
+    return is_same_access(command, telegram)
+  end
+
+  -- The master went on, and a damaged telegram came since: a reaction now is that one's, not this command's.
+  local function is_given_up(exchange)
+    return not exchange.reaction_in
+      and exchange.next_command_in
+      and exchange.from.stream.bus.damaged_in > exchange.next_command_in
+  end
+
+  local function answer(record, exchange, pinfo, telegram)
+    local stream = exchange.from.stream
+
+    record.exchange = exchange
+    if exchange.reaction_in then
+      record.reaction_before = exchange.reaction_in
+      return
+    end
+    exchange.reaction_in = pinfo.number
+    if stream.bus.is_connection then
+      exchange.next_command_in = nil -- there a master need not wait
+    end
+    routes[stream] = nil
+    if exchange.command_in ~= pinfo.number then
+      exchange.reaction_time = telegram.times.begin - exchange.command_end
+    end
+    if exchange.forwarded then
+      record.routed_from = exchange.forwarded.reaction_in
+    end
+  end
+
+  local function end_exchange(record, bus, pinfo, telegram)
+    local stream, kept = find_stream(bus, telegram), S.direction(telegram)
+
+    for i = 0, 1 do
+      local from = stream.from[i == 0 and kept or 1 - kept]
+
+      if from.last and not is_given_up(from.last) and is_reaction_to(from.bytes, telegram) then
+        answer(record, from.last, pinfo, telegram)
+        return
+      end
+    end
+  end
+
+  local function note_telegram(record, pinfo, telegram)
+    local bus, tap = S.exchange_bus(pinfo), T.record(pinfo)
+
+    if tap then
+      note_disturbance(bus, tap)
+    end
+    if not telegram.is_good then
+      note_damaged(bus, pinfo.number)
+    elseif telegram.is_reaction then
+      end_exchange(record, bus, pinfo, telegram)
+    else
+      record.exchange = begin_exchange(bus, pinfo, telegram)
+    end
+  end
+
+  -- Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then. Of a
+  -- damaged telegram, the reaction that a command waits for may have been this one. Never nil.
+  function S.exchange_find(_, pinfo, telegram)
+    local packet, number = S.packet(pinfo), pinfo.number
+    local place = packet.count + 1 -- several telegrams may be in one packet
+    local kind = telegram.service + (telegram.is_reaction and 0x100 or 0)
+
+    packet.count = place
+    records[place] = records[place] or {}
+    local record = records[place][number]
+
+    if record and record.kind == kind then return record end
+    -- A telegram that the first pass did not see: TCP put its segments together in another way.
+    if record or pinfo.visited then return {kind = kind} end
+    record = {
+      kind = kind, -- to know the telegram again
+      exchange = nil, -- of a damaged telegram, and of a reaction without a command
+      busy = nil,
+      span = nil,
+    }
+    records[place][number] = record
+    note_telegram(record, pinfo, telegram)
+    return record
+  end
+
+  -- Keeps what a command asks for, once.
+  function S.exchange_keep(exchange, request)
+    exchange.request = exchange.request or request
+  end
+
+  local function add_frame(tree, tvb, which, frame)
+    if frame then
+      set_generated(add(tree, which, tvb, 0, 0, frame))
+    end
+  end
+
+  local function show_command(exchange, body)
+    local tree, tvb, root = body.tree, body.tvb, body.root
+
+    add_frame(tree, tvb, F.reaction_in, exchange.reaction_in)
+    add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
+    add_frame(tree, tvb, F.gave_up, exchange.gave_up)
+    add_frame(tree, tvb, F.routed_from, exchange.routed_from)
+    if exchange.repeat_of then
+      add_expert(root, E.repeated, strformat("The command of frame %d again", exchange.repeat_of))
+      body.marks = body.marks .. "  [repeat]"
+    end
+    if exchange.next_command_in then
+      add_expert(root, E.unanswered, strformat("No reaction before the next command (frame %d)%s",
+        exchange.next_command_in, exchange.is_reaction_damaged and "; a damaged telegram came between" or ""))
+    end
+  end
+
+  local function show_reaction(record, body)
+    local exchange = record.exchange
+    local tree, tvb, root = body.tree, body.tvb, body.root
+
+    if not exchange then
+      add_expert(root, E.unasked)
+      return
+    end
+    add_frame(tree, tvb, F.command_in, exchange.command_in)
+    add_frame(tree, tvb, F.routed_from, record.routed_from)
+    if record.reaction_before then
+      add_expert(root, E.answered_before,
+        strformat("The command was answered before, in frame %d", record.reaction_before))
+    elseif exchange.reaction_time and tree then
+      set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(exchange.reaction_time),
+        strformat("%.3f ms", exchange.reaction_time / 1e6)))
+    end
+  end
+
+  -- Adds what is known of the exchange to the tree, and marks.
+  function S.exchange_show(record, telegram, body)
+    local exchange = record.exchange
+
+    if exchange then
+      set_generated(add(body.tree, F.stream, body.tvb, 0, 0, exchange.from.stream.number))
+    end
+    if telegram.is_reaction then
+      show_reaction(record, body)
+    elseif exchange then
+      show_command(exchange, body)
+    end
+  end
+end
+
+-- sequence (sis-sequence.c): sequential telegrams: data that do not fit into one are read or written in pieces
+-- (chapters 8.2 and 8.7). Bit 2 of the parameter control says whether more follow; nothing says that a piece is the
+-- first, or which one it is.
+
+do
+  field("pieces", "Pieces", "sis.sequence", ftypes.NONE)
+  field("piece", "Piece", "sis.sequence.piece", ftypes.FRAMENUM, base.NONE)
+  field("overlap", "Overlap", "sis.sequence.overlap", ftypes.BOOLEAN)
+  field("overlap_conflict", "Overlap with other data", "sis.sequence.overlap.conflict", ftypes.BOOLEAN)
+  field("multiple_tails", "Several last pieces", "sis.sequence.multiple_tails", ftypes.BOOLEAN)
+  field("too_long", "Piece too long", "sis.sequence.too_long", ftypes.BOOLEAN)
+  field("sequence_error", "Error while putting together", "sis.sequence.error", ftypes.FRAMENUM, base.NONE)
+  field("piece_count", "Number of pieces", "sis.sequence.count", ftypes.UINT32, base.DEC)
+  field("whole_in", "The whole is in", "sis.sequence.whole_in", ftypes.FRAMENUM, base.NONE)
+  field("whole_length", "Length of the whole", "sis.sequence.length", ftypes.UINT32, base.DEC, nil, nil, "In bytes")
+
+  expert_field("ended", "sis.sequence.ended", "SEQUENCE", "NOTE", "A transfer of sequential telegrams ended unfinished")
+  expert_field("piece_missing", "sis.sequence.piece_missing", "SEQUENCE", "NOTE",
+    "A piece of this transfer may be missing: a damaged telegram and a repeat came between")
+
+  local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and is to be repeated
+  local PARAMETER_OCCUPIED = 0x800C
+
+  local WHOLE = "Data of all pieces"
+
+  -- A transfer: {service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
+  -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: {frame, length}, whole_in,
+  -- bytes: of the whole}. A record keeps the one that it is a piece of.
+
+  -- Useful data, or what was put together from pieces: {tvb, offset, length, bytes}. A whole has its tvb where there is
+  -- a tree.
+  function S.data(body)
+    local left = S.left(body)
+
+    return {
+      tvb = body.tvb,
+      offset = body.offset,
+      length = left,
+      bytes = sub(body.bytes, body.offset + 1, body.offset + left),
+    }
+  end
+
+  local function transfers_of(exchange)
+    return exchange.from.transfers
+  end
+
+  local function is_same_transfer(a, b)
+    return a.service == b.service
+      and a.element == b.element
+      and a.ident == b.ident
+      and a.device == b.device
+  end
+
+  -- Its place among those under way; nil if it is not.
+  local function find_transfer(exchange, like)
+    for i, transfer in ipairs(transfers_of(exchange)) do
+      if is_same_transfer(transfer, like) then
+        return i, transfer
+      end
+    end
+  end
+
+  -- A step that was taken before: the same command again, or its reaction again.
+  local function is_taken_before(body)
+    local record, exchange = body.record, body.record.exchange
+
+    if body.is_reaction then return record.reaction_before ~= nil or exchange.is_kept_reaction_seen end
+    return exchange.repeat_of ~= nil
+  end
+
+  local function damaged_since(transfer, exchange)
+    return exchange.from.stream.bus.damaged_count - transfer.damaged_count
+  end
+
+  -- Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a command
+  -- that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends the reaction
+  -- again that it has kept.
+  local function is_piece_missing(body, transfer)
+    local exchange = body.record.exchange
+    local enough = body.is_reaction and exchange.repeat_of and 1 or 2
+
+    if exchange.from.stream.bus.lost_in > transfer.last_in then
+      return true
+    end
+    return not exchange.is_reaction_kept and damaged_since(transfer, exchange) >= enough
+  end
+
+  -- Adds the piece to those before it.
+  local function add_piece(transfer, frame, bytes, is_last)
+    local pieces = transfer.pieces
+
+    pieces[#pieces + 1] = {frame = frame, bytes = bytes}
+    if not is_last then
+      return
+    end
+    local all = {}
+
+    for i, piece in ipairs(pieces) do
+      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
+    end
+    transfer.bytes, transfer.whole_in = concat(all), frame
+  end
+
+  -- Whose piece these data are; decided once, in the order of the capture.
+  local function place_piece(body, like, is_last)
+    local record, frame = body.record, body.pinfo.number
+    local exchange = record.exchange
+    local place, transfer = find_transfer(exchange, like)
+
+    record.is_piece_repeated = is_taken_before(body)
+    if not transfer and (is_last or record.is_piece_repeated) then
+      record.transfer = record.is_piece_repeated and exchange.transfer or nil -- of one that is over
+      return
+    end
+    if not transfer then
+      transfer = like
+      transfer.begun_in, transfer.last_in, transfer.pieces = frame, frame, {}
+      transfer.damaged_count = exchange.from.stream.bus.damaged_count
+      place = #transfers_of(exchange) + 1
+      transfers_of(exchange)[place] = transfer
+    end
+    record.transfer, exchange.transfer = transfer, transfer
+    if not record.is_piece_repeated and is_piece_missing(body, transfer) then
+      transfer.is_broken = true
+    end
+    record.is_piece_missing = transfer.is_broken
+    if record.is_piece_repeated then
+      return
+    end
+    transfer.last_in = frame
+    transfer.damaged_count = exchange.from.stream.bus.damaged_count
+    if not transfer.is_broken then
+      add_piece(transfer, frame, S.data(body).bytes, is_last)
+    end
+    if is_last then
+      table.remove(transfers_of(exchange), place)
+    end
+  end
+
+  local function show_piece(tree, tvb, piece, offset)
+    local words
+
+    if piece.length == 0 then
+      words = strformat("Frame: %d (no data)", piece.frame)
+    else
+      words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
+        piece.length, plural(piece.length))
+    end
+    set_generated(add(tree, F.piece, tvb, offset, piece.length, piece.frame, words))
+  end
+
+  -- As Wireshark's own reassembly shows it.
+  local function show_pieces(body, data, pieces)
+    local numbers, offset = {}, 0
+
+    for i, piece in ipairs(pieces) do
+      numbers[i] = strformat("#%d(%d)", piece.frame, piece.length)
+    end
+    local tree = body.tree:add(F.pieces, data.tvb())
+
+    tree:set_text(strformat("%d %s (%d byte%s): %s", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
+      plural(data.length), concat(numbers, ", ")))
+    tree:set_generated()
+    for _, piece in ipairs(pieces) do
+      show_piece(tree, data.tvb, piece, offset)
+      offset = offset + piece.length
+    end
+    set_generated(add(tree, F.piece_count, data.tvb, 0, 0, #pieces))
+    set_generated(add(tree, F.whole_length, data.tvb, 0, 0, data.length))
+  end
+
+  local function put_together(body, is_last)
+    local record = body.record
+    local transfer = record.transfer
+
+    body.item = body.root
+    if record.is_piece_missing then
+      S.mark(body, E.piece_missing, "a piece may be missing")
+    end
+    if record.is_piece_missing or record.is_piece_repeated or not transfer.whole_in then
+      return nil
+    end
+    if not is_last then
+      set_generated(add(body.tree, F.whole_in, body.tvb, 0, 0, transfer.whole_in))
+      return nil
+    end
+    local data = {offset = 0, length = #transfer.bytes, bytes = transfer.bytes}
+
+    if body.tree then
+      data.tvb = ByteArray.new(data.bytes, true):tvb(WHOLE)
+      show_pieces(body, data, transfer.pieces)
+    end
+    return data
+  end
+
+  local function make_like(body, ident, element, device)
+    return {service = body.service, element = element, device = device, ident = ident}
+  end
+
+  local function is_outside(body)
+    return body.is_nested or not body.record or not body.record.exchange
+  end
+
+  -- Whether a transfer of this parameter is under way: then its last piece may be empty.
+  function S.is_sequence_open(body, ident, element, device)
+    if is_outside(body) or not ident then
+      return false
+    end
+    if body.pinfo.visited then
+      return body.record.transfer ~= nil
+    end
+    return find_transfer(body.record.exchange, make_like(body, ident, element, device)) ~= nil
+  end
+
+  -- The data of a telegram that reads or writes a parameter, from body.offset to its end. `is_last` as its parameter
+  -- control says. Adds what is known of the transfer. Gives the whole data where these are the last piece, nil where
+  -- they are another, and the data themselves where they are alone.
+  function S.sequence_data(body, ident, element, device, is_last)
+    local record = body.record
+
+    if is_outside(body) then
+      return is_last and S.data(body) or nil
+    end
+    local is_alone = is_last and not next(transfers_of(record.exchange)) and not is_taken_before(body) -- as most are
+
+    if not body.pinfo.visited and not is_alone then
+      place_piece(body, make_like(body, ident, element, device), is_last)
+    end
+    if record.transfer then
+      return put_together(body, is_last)
+    end
+    return S.data(body)
+  end
+
+  -- Whether these data are a piece.
+  function S.is_piece(body)
+    return body.record ~= nil and body.record.transfer ~= nil
+  end
+
+  local function end_with_note(record, place, reason)
+    local transfers = transfers_of(record.exchange)
+
+    record.transfer_ended = transfers[place].begun_in
+    record.transfer_reason = reason
+    table.remove(transfers, place)
+  end
+
+  -- Device and service may be missing; one byte alone may be either (chapter 4).
+  local function is_cancelled(cancel, transfer)
+    local is_device, is_service = transfer.device == cancel.device, transfer.service == cancel.subservice
+
+    if cancel.has_device and cancel.has_subservice then
+      return is_device and is_service
+    end
+    if cancel.is_ambiguous then
+      return transfer.device == cancel.subservice or is_service
+    end
+    return true
+  end
+
+  -- Those for which `is_over` is true.
+  local function end_transfers(record, reason, is_over)
+    local transfers, place = transfers_of(record.exchange), 1
+
+    while transfers[place] do
+      if is_over(transfers[place]) then
+        end_with_note(record, place, reason)
+      else
+        place = place + 1
+      end
+    end
+  end
+
+  local function watch_reaction(body)
+    local record, asked = body.record, body.asked
+    local status = body.status
+    local like = make_like(body, asked.ident, asked.element, asked.device or 0) -- without an ident like none
+    local place, transfer = find_transfer(record.exchange, like)
+    -- Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes again.
+    local is_to_be_repeated = status == 0x02
+      or body.error == SERVICE_CHANNEL_BUSY
+      or body.error == PARAMETER_OCCUPIED
+      or (status >= 0xF1 and status <= 0xF4)
+
+    if transfer and record.reaction_before and damaged_since(transfer, record.exchange) > 0 then
+      transfer.is_broken = true -- it answers a command that the tap alone saw damaged
+    end
+    if status == 0 then
+      -- A device has one transfer at a time: when another parameter was accessed with success, it has given up the
+      -- first.
+      end_transfers(record, "another access to the device came between", function(other)
+        return other.device == like.device and not is_same_transfer(other, like)
+      end)
+    elseif transfer and not is_to_be_repeated then
+      end_with_note(record, place, "refused")
+    end
+  end
+
+  local function watch(body)
+    if not body.is_reaction or not body.asked or #transfers_of(body.record.exchange) == 0 then
+      return
+    end
+    if body.service == 0x01 and body.status == 0 then
+      end_transfers(body.record, "cancelled", function(transfer)
+        return is_cancelled(body.asked, transfer)
+      end)
+    elseif S.has_control_byte(body.service) then
+      watch_reaction(body)
+    end
+  end
+
+  -- A good telegram that may end a transfer: cancelled, refused, or overtaken by another parameter of the same device.
+  function S.sequence_watch(body)
+    local record = body.record
+
+    if is_outside(body) then
+      return
+    end
+    if not body.pinfo.visited then
+      watch(body)
+    end
+    if record.transfer_ended then
+      body.item = body.root
+      S.mark(body, E.ended, "transfer since frame %d ended unfinished: %s", record.transfer_ended,
+        record.transfer_reason)
+    end
+  end
+end
+
+-- parameters (sis-parameters.c): how parameters are written, and what the built-in table says of them. What the bus
+-- says of them is learned below. Lua has no tables that the user edits.
+
+-- Elements of a parameter, bits 3 to 5 of the parameter control (fig. 8-1).
+K.ELEMENT_CHANNEL = 0
+K.ELEMENT_IDENT = 1
+K.ELEMENT_NAME = 2
+K.ELEMENT_ATTRIBUTE = 3
+K.ELEMENT_UNIT = 4
+K.ELEMENT_MINIMUM = 5
+K.ELEMENT_MAXIMUM = 6
+K.ELEMENT_DATA = 7
+
+-- Where a name, a unit or an attribute is from, as people read it.
+K.FROM_BUS = "learned from the bus"
+K.BUILT_IN = "built in"
+
+do
+  local BIT_15 = 0x8000
+  local SET_SIZE = 0x1000 -- the number word has a number of 12 bits, and a parameter set of 3
+  local MAX_SET = 7
+
+  local letters = {[0] = "S", "A", "C"} -- by type, with bit 15 clear
+
+  local types = {S = 0, P = 0, A = 1, C = 2}
+
+  -- Kind, number in set 0, name, and the unit where it is said; from the SIS definition and SYNAX' interface manual.
+  local built_in = {
+    {"S", 44, "Velocity data scaling type"},
+    {"S", 103, "Modulo value"},
+    {"P", 12, "C300 Command set absolute measuring"},
+    {"P", 40, "Scaling of velocities, analog output channel 1"},
+    {"P", 72, "Cam shaft profile"},
+    {"A", 4, "Additive position command value", "deg"},
+    {"A", 56, "Set-up position 0"},
+    {"A", 60, "Fine adjustment"},
+    {"C", 1, "Switch-on delay time", "ms"},
+    {"C", 29, "Jogging time constant"},
+    {"C", 33, "Host communication, control word"},
+    {"C", 46, "General diagnostic flag"},
+    {"C", 57, "Error number of the serial interface"},
+    {"C", 58, "Configuration list of data block 101"},
+    {"C", 65, "Configuration list of data block 108"},
+    {"C", 66, "Master axis, position feedback value"},
+    {"C", 124, "Timeout of the service channel"},
+    {"C", 125, "Fieldbus address"},
+    {"C", 127, "Fieldbus/Ethernet 1, configuration list of the process input data"},
+    {"C", 129, "Fieldbus control bits"},
+    {"C", 157, "Data blocks, ident numbers of the configurable S and P parameters"},
+    {"C", 193, "PPC, standard gateway"},
+    {"C", 194, "PPC, UDP ports"},
+  }
+
+  -- "S-0-0044", "P-2-0012", "A-0-0004", "C-0-0066", "type3-0-0066".
+  local function ident_text(kind, word)
+    local letter = kind == 0 and word >= BIT_15 and "P" or letters[kind] or "type" .. strformat("%d", kind)
+
+    return strformat("%s-%d-%04d", letter, band(rshift(word, 12), MAX_SET), word % SET_SIZE)
+  end
+
+  local idents -- by key: the same ident is the same table
+
+  at_init(function() idents = {} end)
+
+  -- Of a type byte and a number word (fig. 8-3).
+  local function ident_key(kind, word)
+    return kind * 0x10000 + word
+  end
+
+  -- An ident: {type, number, key, text: as it is written}.
+  function S.ident(kind, word)
+    local key = ident_key(kind, word)
+
+    idents[key] = idents[key] or {type = kind, number = word, key = key, text = ident_text(kind, word)}
+    return idents[key]
+  end
+
+  local by_key = {}
+
+  for _, row in ipairs(built_in) do
+    local kind, number, name, unit = unpack(row)
+
+    by_key[ident_key(types[kind], kind == "P" and BIT_15 + number or number)] = {
+      name = name,
+      name_from = K.BUILT_IN,
+      unit = unit,
+      unit_from = unit and K.BUILT_IN,
+    }
+  end
+
+  local nothing = {}
+
+  -- What the built-in table says.
+  function S.known_from_tables(ident)
+    return by_key[ident.key] or nothing
+  end
+end
+
+-- learned (sis-learned.c): what the bus itself has said of its parameters. It is learned in the first pass; every
+-- command keeps what was known when it was sent, so that all passes show the same.
+
+do
+  -- What is known of a parameter: {name, unit, attribute, minimum, maximum}, nil where unknown, each with where it is
+  -- from as name_from and so on. Never changed once made: later knowledge makes a new one.
+
+  local DEVICE = 0x1000000 -- above the key of an ident
+
+  -- What the bus has said of a parameter of a device behind a station, which may be behind routers.
+  local function look_up(body, ident, device)
+    local exchange = body.record and body.record.exchange
+    local of_station = exchange and exchange.from.stream.bus.learned[exchange.path]
+
+    return of_station and of_station[device * DEVICE + ident.key]
+  end
+
+  -- What is known of a parameter of a device at this telegram: from the bus, else built in.
+  function S.learned_known(body, ident, device)
+    local learned
+
+    if body.asked then
+      learned = body.asked.known
+    else
+      learned = look_up(body, ident, device)
+    end
+    if body.request then body.request.known = learned end
+    return learned or S.known_from_tables(ident)
+  end
+
+  -- What an element says, by element: the field of what is known, and its value, nil where that is none.
+  local readers = {
+    [K.ELEMENT_NAME] = function(data)
+      local name = S.element_text(data)
+
+      return "name", name ~= "" and name or nil -- no name at all; an empty unit says that there is none
+    end,
+    [K.ELEMENT_UNIT] = function(data)
+      return "unit", S.element_text(data)
+    end,
+    [K.ELEMENT_ATTRIBUTE] = function(data)
+      return "attribute", data.length == 4 and S.little_endian(data.bytes, 1, 4) or nil
+    end,
+    [K.ELEMENT_MINIMUM] = function(_, shown)
+      return "minimum", shown
+    end,
+    [K.ELEMENT_MAXIMUM] = function(_, shown)
+      return "maximum", shown
+    end,
+  }
+
+  -- A good reaction with an element, all of it, and the text that it was shown with (nil: none).
+  function S.learn(body, ident, device, element, data, shown)
+    local exchange, read = body.record and body.record.exchange, readers[element]
+
+    if body.pinfo.visited or not exchange or not read then return end
+    local before = look_up(body, ident, device) or S.known_from_tables(ident)
+    local what, value = read(data, shown)
+    local source = what .. "_from"
+
+    if value == nil or (before[what] == value and before[source] == K.FROM_BUS) then return end
+    local learned, known = exchange.from.stream.bus.learned, {}
+
+    for name, old in pairs(before) do
+      known[name] = old
+    end
+    known[what], known[source] = value, K.FROM_BUS
+    learned[exchange.path] = learned[exchange.path] or {}
+    learned[exchange.path][device * DEVICE + ident.key] = known
+  end
+end
+
+-- values (sis-values.c): the elements of a parameter: attribute bit by bit, values scaled and with their unit, lists
+-- element by element. SIS says nothing of all this; it is SERCOS, IEC 61491.
+
+do
+  local ATTRIBUTE_SIZE = 4
+  local LIST_HEADER = 4 -- actual and maximum length, two bytes each
+
+  local lengths = {
+    [0] = "Not defined",
+    "2 bytes",
+    "4 bytes",
+    "8 bytes",
+    "List of single bytes",
+    "List of 2-byte elements",
+    "List of 4-byte elements",
+    "List of 8-byte elements",
+  }
+  local sizes = {[0] = 0, 2, 4, 8, 1, 2, 4, 8} -- by the same code
+
+  local formats = {
+    [0] = "Binary",
+    "Unsigned decimal",
+    "Signed decimal",
+    "Hexadecimal",
+    "Text",
+    "Ident number",
+    "Floating point",
+    "Not defined",
+  }
+  local BINARY, UNSIGNED, SIGNED, HEXADECIMAL, TEXT, IDENT, FLOATING = 0, 1, 2, 3, 4, 5, 6
+
+  local requests = {[0] = "clear", [1] = "interrupt", [3] = "set and enable"}
+
+  field("value", "Value", "sis.value", ftypes.STRING, nil, nil, 0, "Scaled, with its unit where that is known")
+  field("element_name", "Name", "sis.element.name", ftypes.STRING)
+  field("element_unit", "Unit", "sis.element.unit", ftypes.STRING)
+  field("attribute", "Attribute", "sis.attribute", ftypes.UINT32, base.HEX)
+  field("attribute_factor", "Conversion factor", "sis.attribute.factor", ftypes.UINT32, base.DEC, nil, 0x0000FFFF)
+  field("attribute_length", "Length", "sis.attribute.length", ftypes.UINT32, base.DEC, lengths, 0x00070000)
+  field("attribute_command", "Procedure command", "sis.attribute.command", ftypes.BOOLEAN, 32, nil, 0x00080000)
+  field("attribute_format", "Format", "sis.attribute.format", ftypes.UINT32, base.DEC, formats, 0x00700000)
+  field("attribute_decimals", "Decimal places", "sis.attribute.decimals", ftypes.UINT32, base.DEC, nil, 0x0F000000)
+  field("protected_2", "Write-protected in phase 2", "sis.attribute.protected_2", ftypes.BOOLEAN, 32, nil, 0x10000000)
+  field("protected_3", "Write-protected in phase 3", "sis.attribute.protected_3", ftypes.BOOLEAN, 32, nil, 0x20000000)
+  field("protected_4", "Write-protected in phase 4", "sis.attribute.protected_4", ftypes.BOOLEAN, 32, nil, 0x40000000)
+  field("list_actual", "Actual length of the list", "sis.list.actual", ftypes.UINT16, base.DEC, nil, 0, "In bytes")
+  field("list_maximum", "Maximum length of the list", "sis.list.maximum", ftypes.UINT16, base.DEC, nil, 0, "In bytes")
+
+  -- `size` bits of a number from bit `first` on; `bit` of Lua is signed.
+  local function bits(number, first, size)
+    return floor(number / 2 ^ first) % 2 ^ size
+  end
+
+  -- How the elements of some data are read, made from an attribute; nil for the length codes that are not defined. The
+  -- unit is nil where it is none or unknown.
+  local function read_layout(known)
+    local attribute = known.attribute
+    local code = attribute and bits(attribute, 16, 3)
+
+    if not code or sizes[code] == 0 then return nil end
+    return {
+      size = sizes[code], -- of one value: 1, 2, 4 or 8 bytes
+      is_list = code >= 4,
+      is_command = bits(attribute, 19, 1) == 1,
+      format = bits(attribute, 20, 3),
+      decimals = bits(attribute, 24, 4),
+      factor = max(bits(attribute, 0, 16), 1),
+      unit = known.unit,
+    }
+  end
+
+  -- `size` bytes from the one at `at`, which counts from 1: up to 4, as a double has no more than 53 bits.
+  function S.little_endian(bytes, at, size)
+    local value = 0
+
+    for i = at + size - 1, at, -1 do
+      value = value * 256 + byte(bytes, i)
+    end
+    return value
+  end
+
+  -- With a point in every locale: people filter for it.
+  local function double_text(digits, value)
+    return (string.gsub(strformat("%." .. digits .. "g", value), ",", "."))
+  end
+
+  -- Digits of a whole number with a point before the last ones.
+  local function point_text(digits, decimals)
+    digits = rep("0", decimals + 1 - #digits) .. digits
+    return decimals == 0 and digits or sub(digits, 1, -decimals - 1) .. "." .. sub(digits, -decimals)
+  end
+
+  -- Fixed point: exact, as the decimal places say. `magnitude` is a number, or an UInt64 for 8 bytes.
+  local function decimal_text(magnitude, sign, layout)
+    local factor, decimals = layout.factor, layout.decimals
+
+    if layout.size < 8 then
+      return sign .. point_text(strformat("%.0f", magnitude * factor), decimals)
+    end
+    if magnitude <= UInt64.max() / UInt64.new(factor) then
+      return sign .. point_text(tostring(magnitude * UInt64.new(factor)), decimals)
+    end
+    return sign .. double_text(17, magnitude:tonumber() * factor / 10 ^ decimals)
+  end
+
+  -- A whole number of 8 bytes, and what makes 0 together with it.
+  local function get_uint64(bytes, at)
+    return UInt64.new(S.little_endian(bytes, at, 4), S.little_endian(bytes, at + 4, 4))
+  end
+
+  local function negate_uint64(bytes, at)
+    local low, high = S.little_endian(bytes, at, 4), S.little_endian(bytes, at + 4, 4)
+
+    return UInt64.new((2 ^ 32 - low) % 2 ^ 32, (2 ^ 32 - high - (low == 0 and 0 or 1)) % 2 ^ 32)
+  end
+
+  local function unsigned_text(bytes, at, layout)
+    local size = layout.size
+
+    return decimal_text(size == 8 and get_uint64(bytes, at) or S.little_endian(bytes, at, size), "", layout)
+  end
+
+  local function signed_text(bytes, at, layout)
+    local size = layout.size
+
+    if byte(bytes, at + size - 1) < 0x80 then return unsigned_text(bytes, at, layout) end
+    if size == 8 then return decimal_text(negate_uint64(bytes, at), "-", layout) end
+    return decimal_text(2 ^ (8 * size) - S.little_endian(bytes, at, size), "-", layout)
+  end
+
+  local function float_text(bytes, at, layout)
+    if layout.size == 8 then return double_text(15, (Struct.unpack("<d", bytes, at))) end
+    return double_text(7, (Struct.unpack("<f", bytes, at)))
+  end
+
+  local function nibble_text(nibble)
+    return strformat("%d%d%d%d", bits(nibble, 3, 1), bits(nibble, 2, 1), bits(nibble, 1, 1), nibble % 2)
+  end
+
+  local function binary_text(bytes, at, layout)
+    local nibbles = {}
+
+    for i = at + layout.size - 1, at, -1 do
+      local value = byte(bytes, i)
+
+      nibbles[#nibbles + 1] = nibble_text(rshift(value, 4))
+      nibbles[#nibbles + 1] = nibble_text(value % 16)
+    end
+    return "0b" .. concat(nibbles, " ")
+  end
+
+  local function hexadecimal_text(bytes, at, layout)
+    local digits = {}
+
+    for i = at + layout.size - 1, at, -1 do
+      digits[#digits + 1] = strformat("%02X", byte(bytes, i))
+    end
+    return "0x" .. concat(digits)
+  end
+
+  -- By format: how a number is written, and how many bytes that needs; without its unit.
+  local writers = {
+    [BINARY] = {write = binary_text, least = 1, most = 8},
+    [UNSIGNED] = {write = unsigned_text, least = 1, most = 8},
+    [SIGNED] = {write = signed_text, least = 1, most = 8},
+    [IDENT] = {
+      write = function(bytes, at)
+        return S.ident(0, S.little_endian(bytes, at, 2)).text
+      end,
+      least = 2,
+      most = 2,
+    },
+    [FLOATING] = {write = float_text, least = 4, most = 8},
+  }
+
+  local function number_text(bytes, at, layout)
+    local writer = writers[layout.format]
+
+    if writer and layout.size >= writer.least and layout.size <= writer.most then
+      return writer.write(bytes, at, layout)
+    end
+    return hexadecimal_text(bytes, at, layout)
+  end
+
+  -- Of the value at `at`, which counts from 1.
+  local function value_text(bytes, at, layout)
+    local number, format, unit = number_text(bytes, at, layout), layout.format, layout.unit
+    local request = layout.is_command and requests[S.little_endian(bytes, at, min(layout.size, 4))]
+
+    if request then return number .. " (" .. request .. ")" end
+    if not unit or unit == "" or format == BINARY or format == IDENT or format == HEXADECIMAL then return number end
+    return number .. " " .. unit
+  end
+
+  -- The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries them.
+  local function list_header_size(data)
+    if data.length < LIST_HEADER then return 0 end
+    local actual, maximum = S.little_endian(data.bytes, 1, 2), S.little_endian(data.bytes, 3, 2)
+
+    return actual + LIST_HEADER == data.length and actual <= maximum and LIST_HEADER or 0
+  end
+
+  -- A name or a unit, without the two length words that a list may begin with.
+  function S.element_text(data)
+    return S.text(sub(data.bytes, list_header_size(data) + 1))
+  end
+
+  -- Gives the size of the length words, 0 if there are none.
+  local function add_list_header(tree, data, is_whole)
+    local size = is_whole and list_header_size(data) or 0
+
+    if size > 0 then
+      add_le(tree, F.list_actual, data.tvb, data.offset, 2)
+      add_le(tree, F.list_maximum, data.tvb, data.offset + 2, 2)
+    end
+    return size
+  end
+
+  local function add_text(tree, which, data, is_whole)
+    local header = add_list_header(tree, data, is_whole)
+    local text = S.text(sub(data.bytes, header + 1))
+
+    add(tree, which, data.tvb, data.offset + header, data.length - header, text)
+    return '"' .. text .. '"'
+  end
+
+  -- From the highest bit to the lowest; what is said of those that are set, or of all where there are words, stands
+  -- beside the attribute, too.
+  local attribute_bits = {
+    {field = F.protected_4, first = 30, words = {[1] = "Write-protected in phase 4"}},
+    {field = F.protected_3, first = 29, words = {[1] = "Write-protected in phase 3"}},
+    {field = F.protected_2, first = 28, words = {[1] = "Write-protected in phase 2"}},
+    {field = F.attribute_decimals},
+    {field = F.attribute_format, first = 20, size = 3, name = "Format: ", words = formats},
+    {field = F.attribute_command, first = 19, words = {[1] = "Procedure command"}},
+    {field = F.attribute_length, first = 16, size = 3, name = "Length: ", words = lengths},
+    {field = F.attribute_factor},
+  }
+
+  local function show_attribute(tree, data, attribute)
+    local item = add_le(tree, F.attribute, data.tvb, data.offset, ATTRIBUTE_SIZE)
+
+    for _, part in ipairs(attribute_bits) do
+      local word = part.words and part.words[bits(attribute, part.first, part.size or 1)]
+
+      add_le(item, part.field, data.tvb, data.offset, ATTRIBUTE_SIZE)
+      if word then append_text(item, ", " .. (part.name or "") .. word) end
+    end
+  end
+
+  local function add_attribute(tree, data)
+    if data.length ~= ATTRIBUTE_SIZE then return nil end
+    local attribute = S.little_endian(data.bytes, 1, ATTRIBUTE_SIZE)
+
+    if tree then show_attribute(tree, data, attribute) end
+    return strformat("0x%08x", attribute)
+  end
+
+  local SHOWN_IN_LIST = 4
+  local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark gives up at ten times that
+
+  -- All elements of a list. Which one of its list the first of a segment is cannot be told.
+  local function show_list(tree, data, offset, layout, is_whole)
+    local size, length = layout.size, data.length - offset
+    local count, rest = floor(length / size), length % size
+    local subtree = add_subtree(tree, data.tvb, data.offset + offset, length,
+      strformat("%d element%s", count, plural(count)))
+
+    for i = 0, min(count, SHOWN_IN_TREE) - 1 do
+      local at = offset + i * size
+      local value = value_text(data.bytes, at + 1, layout)
+
+      add(subtree, F.value, data.tvb, data.offset + at, size, value,
+        is_whole and strformat("Element %d: %s", i + 1, value) or nil)
+    end
+    if rest > 0 then add(subtree, F.raw, data.tvb, data.offset + data.length - rest, rest) end
+  end
+
+  -- All elements into the tree, the first few into the text.
+  local function add_list(tree, data, layout, is_whole)
+    local offset = add_list_header(tree, data, is_whole)
+    local count, values = floor((data.length - offset) / layout.size), {}
+
+    if tree and tree:referenced(F.value) then show_list(tree, data, offset, layout, is_whole) end
+    for i = 1, min(count, SHOWN_IN_LIST) do
+      values[i] = value_text(data.bytes, offset + (i - 1) * layout.size + 1, layout)
+    end
+    if count > SHOWN_IN_LIST then values[#values + 1] = strformat("... (%d elements)", count) end
+    return count > 0 and concat(values, ", ") or "empty"
+  end
+
+  -- Operating data, minimum or maximum; those of a list are as long as one of its elements.
+  local function add_value_of(tree, data, element, known, is_whole)
+    local layout = known and read_layout(known)
+
+    if not layout then return nil end
+    if element ~= K.ELEMENT_DATA and data.length == layout.size then layout.is_list = false end
+    if layout.is_list and layout.format == TEXT then return add_text(tree, F.value, data, is_whole) end
+    if layout.is_list then return add_list(tree, data, layout, is_whole) end
+    if data.length ~= layout.size then return nil end
+    local text = value_text(data.bytes, 1, layout)
+
+    add(tree, F.value, data.tvb, data.offset, data.length, text)
+    return text
+  end
+
+  -- The number word alone does not tell the kind of a control parameter.
+  local function add_ident(tree, data, asked)
+    if data.length ~= 2 or not asked then return nil end
+    local text = S.ident(asked.type, S.little_endian(data.bytes, 1, 2)).text
+
+    add(tree, F.value, data.tvb, data.offset, data.length, text)
+    return text
+  end
+
+  -- Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short text for
+  -- the packet list ("12.5000 rpm", "\"Velocity command value\""), nil where there is nothing better than bytes.
+  -- `is_whole` is false for a segment of a list; `ident` nil where the command is not known.
+  function S.add_element(tree, _, data, element, ident, known, is_whole)
+    if data.length == 0 then return nil end
+    add(tree, F.data, data.tvb, data.offset, data.length)
+    if element == K.ELEMENT_IDENT then return add_ident(tree, data, ident) end
+    if element == K.ELEMENT_NAME then return add_text(tree, F.element_name, data, is_whole) end
+    if element == K.ELEMENT_ATTRIBUTE then return add_attribute(tree, data) end
+    if element == K.ELEMENT_UNIT then return add_text(tree, F.element_unit, data, is_whole) end
+    if element >= K.ELEMENT_MINIMUM then return add_value_of(tree, data, element, known, is_whole) end
+  end
+end
+
+-- times (sis-times.c): when characters came, and how exactly that is known.
+--
+-- A character has the time of the read that delivered it, the latest at which it can have come; it came no earlier than
+-- the record's uncertainty before that. Characters of one read follow one another by at least a character time, so the
+-- i-th of k came at least (k - i) character times before the read, and if the read is longer than its uncertainty, the
+-- uncertainty was too small.
+
+K.TIME_OK, K.TIME_EXCEEDED, K.TIME_UNRESOLVED = 0, 1, 2
+K.ANY_TIME = math.huge -- the most, where there is no bound
+
+do
+  local interval_of, flags_of = T.interval_of, T.flags_of
+
+  -- The shortest time of a character; a little short: a transmitter may be that much faster than its rate says.
+  local function shortest_character(record)
+    return floor(T.character_ns(record) * 98 / 100)
+  end
+
+  -- How many characters of the telegram came in the read that begins with `character`.
+  local function read_size(times, character)
+    local record, finish, after = times.record, times.first + times.count, character + 1
+
+    if band(record.flags, K.SAME_READ) == 0 then return 1 end
+    while after < finish and band(flags_of(record, after), K.SAME_READ) ~= 0 do
+      after = after + 1
+    end
+    return after - character
+  end
+
+  -- A read of some of the telegram's characters: how long before it its first one can have come (uncertainty), and how
+  -- much of that its others need, from the first character to the last, at least; ns.
+  local function read_at(times, character)
+    local record, size = times.record, read_size(times, character)
+    local others = size > 1 and (size - 1) * shortest_character(record) or 0
+
+    return {size = size, uncertainty = max(record.uncertainty or K.ANY_TIME, others), others = others}
+  end
+
+  local function bound_begin(times)
+    local read = read_at(times, times.first)
+
+    times.begin_earliest = times.begin - read.uncertainty
+    times.begin_latest = times.begin - read.others
+  end
+
+  local function bound_end(times)
+    local last = times.first + times.count - 1
+
+    while last > times.first and band(flags_of(times.record, last), K.SAME_READ) ~= 0 do
+      last = last - 1
+    end
+    local read = read_at(times, last)
+
+    times.end_earliest = times.end_ - read.uncertainty + read.others
+  end
+
+  -- From the time of character `first` to that of `last`.
+  local function duration(record, first, last)
+    local ns = 0
+
+    for i = first + 1, last do
+      ns = ns + interval_of(record, i)
+    end
+    return ns
+  end
+
+  -- The times of the telegram that `tvb` begins with, in ns; record is nil where only the time of its packet is known:
+  -- {record, first, count: of the record's characters, begin, end_: as recorded, begin_earliest, begin_latest,
+  -- end_earliest: nil where they are not known}.
+  function S.times(tvb, pinfo, length)
+    local record, begin = T.record(pinfo), S.packet_time(pinfo)
+    local first = record and T.index(record, tvb)
+
+    if not record or length == 0 or first < 0 or first + length > record.timed then
+      return {begin = begin, end_ = begin}
+    end
+    begin = begin + duration(record, 0, first)
+    local end_ = begin + (length == record.timed and record.duration or duration(record, first, first + length - 1))
+    local uncertainty = record.uncertainty
+    local times = { -- as they are where every character came in a read of its own
+      record = record,
+      first = first,
+      count = length,
+      begin = begin,
+      end_ = end_,
+      begin_earliest = uncertainty and begin - uncertainty,
+      begin_latest = uncertainty and begin,
+      end_earliest = uncertainty and end_ - uncertainty,
+    }
+
+    if uncertainty and band(record.flags, K.SAME_READ) ~= 0 then
+      bound_begin(times)
+      bound_end(times)
+    end
+    return times
+  end
+
+  local NOT_MEASURED = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED + K.LOST_BEFORE
+  local UNKNOWN_OR_LOST = K.INTERVAL_UNKNOWN + K.LOST_BEFORE
+  local UNKNOWN_OR_SATURATED = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED
+
+  -- Between the last character of one read and the first of the next.
+  local function span_before(times, before, read, character)
+    local flags, interval = flags_of(times.record, character), interval_of(times.record, character)
+    local least = interval - read.uncertainty
+    local most = interval - read.others + before.uncertainty - before.others
+
+    if not times.record.uncertainty then return {least = 0, most = K.ANY_TIME} end
+    if band(flags, UNKNOWN_OR_LOST) ~= 0 then least = 0 end
+    if band(flags, UNKNOWN_OR_SATURATED) ~= 0 then most = K.ANY_TIME end
+    return {least = max(least, 0), most = most}
+  end
+
+  -- Between any two characters of one read: bounded by what the others leave of its uncertainty, and of the time since
+  -- the read before.
+  local function span_inside(times, before, read, character)
+    local shortest = shortest_character(times.record)
+    local most = read.uncertainty - read.others + shortest
+
+    if not times.record.uncertainty then
+      most = K.ANY_TIME
+    elseif before then
+      most = min(most, span_before(times, before, read, character).most)
+    end
+    return {least = shortest, most = max(most, shortest)}
+  end
+
+  -- A start character and two equal lengths: there a receiver begins anew after too long a pause, if the character
+  -- comes directly after it (chapter 10.5).
+  local function looks_like_start(times, at)
+    local record = times.record
+    local start, _, length, length_repeat = byte(record.bytes, record.data_offset + times.first + at,
+      record.data_offset + times.first + at + 3)
+
+    return start == K.START and at + 3 <= times.count and length == length_repeat
+  end
+
+  -- By how much an interval counts.
+  local function weight(interval, is_exceeded)
+    if is_exceeded then return interval.span.least end
+    return interval.span.most ~= K.ANY_TIME and interval.span.most or interval.recorded
+  end
+
+  local function consider(longest, times, interval, limit)
+    local flags, verdict = flags_of(times.record, times.first + interval.at - 1), S.judge(interval.span, limit)
+    local is_exceeded, was_exceeded = verdict == K.TIME_EXCEEDED, longest.verdict == K.TIME_EXCEEDED
+
+    if is_exceeded and not longest.restart_at and looks_like_start(times, interval.at) then
+      longest.restart_at = interval.at
+    end
+    if longest.verdict == K.TIME_OK or is_exceeded then longest.verdict = verdict end
+    if band(flags, UNKNOWN_OR_LOST) ~= 0 then
+      if verdict == K.TIME_UNRESOLVED then longest.unknown_at = longest.unknown_at or interval.at end
+      return
+    end
+    interval.is_saturated = band(flags, K.INTERVAL_SATURATED) ~= 0
+    interval.weight = weight(interval, is_exceeded)
+    if not longest.interval or (is_exceeded and not was_exceeded)
+      or (is_exceeded == was_exceeded and interval.weight > longest.interval.weight) then
+      longest.interval = interval
+    end
+  end
+
+  -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one. With the
+  -- verdict over all of them, the first character after too long a pause where a telegram seems to begin (restart_at),
+  -- and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at: number of the
+  -- character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both its
+  -- characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there is
+  -- none.
+  function S.longest(times, limit)
+    local longest = {verdict = K.TIME_OK}
+    local before
+    local character, finish = times.first, times.first + times.count
+
+    while character < finish do
+      local read, at = read_at(times, character), character - times.first + 1
+
+      if before then
+        consider(longest, times, {
+          at = at,
+          recorded = interval_of(times.record, character),
+          is_exact = read.size == 1 and before.size == 1,
+          span = span_before(times, before, read, character),
+        }, limit)
+      end
+      if read.size > 1 then
+        consider(longest, times, {at = at + 1, recorded = 0, span = span_inside(times, before, read, character)}, limit)
+      end
+      before = read
+      character = character + read.size
+    end
+    return longest.interval and longest
+  end
+
+  -- Whether all intervals are within the limit, whatever the uncertainty: quicker than to look at each of them.
+  function S.are_within(times, limit)
+    local record = times.record
+
+    return record.uncertainty
+      and band(record.flags, NOT_MEASURED) == 0
+      and max(record.interval_max, shortest_character(record)) + record.uncertainty <= limit
+  end
+
+  -- From the end of one telegram to the beginning of another.
+  function S.span_between(end_earliest, end_, after)
+    return {least = after.begin_earliest - end_, most = after.begin_latest - end_earliest}
+  end
+
+  -- exceeded, ok or unresolved (see plugin/README.md); the limit in ns.
+  function S.judge(span, limit)
+    if span.least > limit then return K.TIME_EXCEEDED end
+    return span.most <= limit and K.TIME_OK or K.TIME_UNRESOLVED
+  end
+end
+
+-- bus (sis-bus.c): what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
+-- with the slave's good reaction, or at once where nobody answers; subservice 0xFF makes valid what was told.
+
+-- In place of a station's address: what is valid for all.
+K.ALL_STATIONS = 255
+
+-- Kinds of settings.
+K.TRS, K.TZA, K.TMAS, K.BAUD = 1, 2, 3, 4
+
+do
+  -- Subservices (chapter 6.1).
+  local TEST_BAUD, ACCEPT = 0x08, 0xFF
+
+  local kinds = {[0x01] = K.TRS, [0x02] = K.TZA, [0x03] = K.TMAS, [0x07] = K.BAUD} -- what the others set
+
+  -- A setting: {value: ms or Bd, set_in: the command, accepted_in: nil where it was not yet}. Settings are by kind, and
+  -- never changed once made.
+
+  -- What a bus has told: nothing yet.
+  function S.told_new()
+    return {
+      stations = {}, -- by address, {told, valid}: settings; valid as far as they were accepted for this station
+      tests = {}, -- by address: {rate: a setting, finish: ns}: a timed test of a baud rate
+      known = {}, -- S.bus_settings() of each station, nil where it is to be made
+      is_anything_told = false,
+    }
+  end
+
+  local function copy(settings)
+    local made = {}
+
+    for kind, setting in pairs(settings) do
+      made[kind] = setting
+    end
+    return made
+  end
+
+  -- A station that is told something for the first time has so far what is valid for all.
+  local function find_station(told, address)
+    local all = told.stations[K.ALL_STATIONS]
+
+    if not told.stations[address] then
+      told.stations[address] = {told = {}, valid = copy(all and all.valid or {})}
+    end
+    return told.stations[address]
+  end
+
+  local function set_in(setting)
+    return setting and setting.set_in or 0
+  end
+
+  -- Makes valid for a station what it or all were told, if that is newer. A new rate ends a test.
+  local function accept(told, number, frame)
+    local station, all = told.stations[number], told.stations[K.ALL_STATIONS]
+
+    for kind = K.TRS, K.BAUD do
+      local setting = station.told[kind]
+
+      if set_in(all.told[kind]) > set_in(setting) then setting = all.told[kind] end
+      if set_in(setting) > set_in(station.valid[kind]) then
+        station.valid[kind] = {value = setting.value, set_in = setting.set_in, accepted_in = frame}
+        if kind == K.BAUD then told.tests[number] = nil end
+      end
+    end
+  end
+
+  local function accept_of(told, address, frame)
+    find_station(told, K.ALL_STATIONS)
+    for number in pairs(told.stations) do
+      if address == K.ALL_STATIONS or address == number then accept(told, number, frame) end
+    end
+  end
+
+  -- `now`: when the telegram ended with which this counts.
+  local function learn(told, address, request, command, frame, now)
+    local setting, station = {value = request.setting, set_in = command}, find_station(told, address)
+    local kind = kinds[request.subservice]
+
+    told.is_anything_told = true
+    told.known = {}
+    if request.subservice == ACCEPT then accept_of(told, address, frame) end
+    if request.subservice == TEST_BAUD then
+      told.tests[address] = {rate = setting, finish = now + request.test_ms * 1000000}
+    end
+    if kind then station.told[kind] = setting end
+  end
+
+  local function is_broadcast(kind)
+    return kind == K.LEVEL_BROADCAST or kind == K.GLOBAL_BROADCAST
+  end
+
+  -- Whether this telegram is what makes a setting count: the good reaction of a station of this line, or a command to
+  -- all. Told through a router it is not for a station of this line.
+  local function is_told(body, request, is_for_all)
+    if not request or not request.has_setting or body.telegram.subaddress_count > 0 then return false end
+    if not body.is_reaction then return is_for_all end
+    return not is_for_all and body.status == 0 and not body.record.reaction_before
+  end
+
+  -- First pass: a command or reaction of service 0x03 whose body has been taken apart. A slave reacts to 0xFF with the
+  -- new values already.
+  function S.bus_learn(body)
+    local telegram, exchange = body.telegram, body.record and body.record.exchange
+    local request = body.asked
+    local is_for_all = is_broadcast(S.receiver_kind(telegram.receiver))
+
+    if not body.is_reaction then request = body.request end
+    if body.pinfo.visited or not exchange or not is_told(body, request, is_for_all) then return end
+    local told = exchange.from.stream.bus.told
+    local address = is_for_all and K.ALL_STATIONS or byte(exchange.path)
+
+    learn(told, address, request, exchange.command_in, body.pinfo.number, telegram.times.end_)
+    if body.is_reaction and request.subservice == ACCEPT then
+      body.record.settings = S.bus_settings(told, address, telegram.times.begin)
+    end
+  end
+
+  local function make_settings(told, address)
+    local station = told.stations[address] or told.stations[K.ALL_STATIONS]
+    local test = told.tests[address] or told.tests[K.ALL_STATIONS]
+    local settings = copy(station and station.valid or {})
+
+    if test then settings[K.BAUD] = test.rate end
+    return settings
+  end
+
+  local function end_test(told, address, now)
+    local test = told.tests[address]
+
+    if test and now > test.finish then
+      told.tests[address] = nil
+      told.known = {}
+    end
+  end
+
+  -- First pass: what is valid for a station, or for all, now (ns); nil where nothing was told.
+  function S.bus_settings(told, address, now)
+    if not told.is_anything_told then return nil end
+    end_test(told, address, now)
+    end_test(told, K.ALL_STATIONS, now)
+    told.known[address] = told.known[address] or make_settings(told, address)
+    return told.known[address]
+  end
+end
+
+-- timing (sis-timing.c): verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
+-- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is
+-- there one where only packets have times.
+
+do
+  local MS = 1000000 -- in ns
+  local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal takes its link for lost (chapter 10.1)
+
+  local verdicts = {
+    [K.TIME_OK] = "ok",
+    [K.TIME_EXCEEDED] = "exceeded",
+    [K.TIME_UNRESOLVED] = "unresolved: the times are not exact enough",
+  }
+
+  field("silence_before", "Silence before", "sis.silence_before", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "Since the character before it on this line, arrival to arrival")
+  field("tza_interval_max", "Longest interval", "sis.tza.interval_max", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "Between two characters of the telegram, arrival to arrival; "
+      .. "where they came in one read, the most it can have been")
+  field("tza_position", "Longest interval before character", "sis.tza.position", ftypes.UINT16, base.DEC, nil, 0,
+    "Its number in the telegram, from 1")
+  field("tza_limit", "TzA (longest interval allowed)", "sis.tza.limit", ftypes.RELATIVE_TIME)
+  field("tza_set_in", "TzA set in", "sis.tza.set_in", ftypes.FRAMENUM, base.NONE)
+  field("tza_verdict", "Verdict on TzA", "sis.tza.verdict", ftypes.UINT8, base.DEC, verdicts)
+  field("trs_limit", "TrS (longest reaction time allowed)", "sis.trs.limit", ftypes.RELATIVE_TIME)
+  field("trs_set_in", "TrS set in", "sis.trs.set_in", ftypes.FRAMENUM, base.NONE)
+  field("trs_verdict", "Verdict on TrS", "sis.trs.verdict", ftypes.UINT8, base.DEC, verdicts)
+  field("twm_wait", "Wait of the master (TwM)", "sis.twm.wait", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "Since the end of its command before: of the one that is repeated, or of a broadcast")
+  field("tmas_cycle", "Master control word cycle", "sis.tmas.cycle", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "Between two writings of S-0-0134 to the same device, begin to begin")
+  field("tmas_limit", "Tmas (longest cycle allowed)", "sis.tmas.limit", ftypes.RELATIVE_TIME, nil, nil, 0,
+    "While the machine moves")
+  field("tmas_set_in", "Tmas set in", "sis.tmas.set_in", ftypes.FRAMENUM, base.NONE)
+  field("tmas_verdict", "Verdict on Tmas", "sis.tmas.verdict", ftypes.UINT8, base.DEC, verdicts)
+  field("bus_baud", "Baud rate of the bus", "sis.bus.baud", ftypes.UINT32, base.DEC, nil, 0, "As the bus was told")
+  field("bus_baud_set_in", "Baud rate set in", "sis.bus.baud.set_in", ftypes.FRAMENUM, base.NONE)
+  field("bus_load", "Bus load", "sis.bus.load", ftypes.DOUBLE, nil, nil, 0,
+    "Percent of the last second in which there were characters on the line")
+
+  expert_field("tza_exceeded", "sis.tza.exceeded", "PROTOCOL", "WARN", "TzA exceeded")
+  expert_field("tza_unresolved", "sis.tza.unresolved", "PROTOCOL", "NOTE", "TzA perhaps exceeded")
+  expert_field("trs_exceeded", "sis.trs.exceeded", "PROTOCOL", "WARN", "TrS exceeded")
+  expert_field("trs_unresolved", "sis.trs.unresolved", "PROTOCOL", "NOTE", "TrS perhaps exceeded")
+  expert_field("twm_early", "sis.twm.early", "SEQUENCE", "NOTE", "Repeated before TrS was over")
+  expert_field("tmas_exceeded", "sis.tmas.exceeded", "PROTOCOL", "WARN", "Tmas exceeded")
+  expert_field("tmas_unresolved", "sis.tmas.unresolved", "PROTOCOL", "NOTE", "Tmas perhaps exceeded")
+  expert_field("baud_differs", "sis.bus.baud.differs", "PROTOCOL", "NOTE",
+    "The tap listens at another baud rate than the bus was told")
+
+  -- 0: what the bus has told.
+  preference("tza_ms", Pref.uint("TzA in ms", 0,
+    "Longest interval allowed between two characters of a telegram; 0: as the bus was told"))
+  preference("trs_ms", Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told"))
+
+  -- The three limits, and how they are shown.
+  local tza = {name = "TzA", limit = F.tza_limit, set_in = F.tza_set_in, verdict = F.tza_verdict,
+    exceeded = E.tza_exceeded, unresolved = E.tza_unresolved}
+  local trs = {name = "TrS", limit = F.trs_limit, set_in = F.trs_set_in, verdict = F.trs_verdict,
+    exceeded = E.trs_exceeded, unresolved = E.trs_unresolved}
+  local tmas = {name = "Tmas", limit = F.tmas_limit, set_in = F.tmas_set_in, verdict = F.tmas_verdict,
+    exceeded = E.tmas_exceeded, unresolved = E.tmas_unresolved}
+
+  -- More digits where three would make it look like a whole number of ms, as limits are.
+  local function ms_text(ns)
+    local is_close = fmod(ns, MS) ~= 0 and fmod(ns + 500, MS) < 1000
+
+    return strformat(is_close and "%.6f ms" or "%.3f ms", ns / MS)
+  end
+
+  local function span_text(span)
+    if span.most == K.ANY_TIME then
+      return span.least > 0 and "at least " .. ms_text(span.least) or "not known"
+    end
+    return strformat("between %s and %s", ms_text(max(span.least, 0)), ms_text(span.most))
+  end
+
+  -- A telegram whose timing is looked at (t): {telegram, record, body, tree, root: of `tree`; in ns silence (nil: not
+  -- known), tza and trs: limits (0: not known, so there is no verdict), longest (nil: not known, or nobody asks), wait:
+  -- TwM (negative: none)}.
+
+  local function add_time(t, which, ns, text)
+    local item = t.tree and add_value(t.tree, which, t.body.tvb, 0, 0, nstime(ns), text)
+
+    return set_generated(item)
+  end
+
+  local function add_uint(t, which, value, text)
+    local item = add(t.tree, which, t.body.tvb, 0, 0, value)
+
+    append_text(item, text or "")
+    return set_generated(item)
+  end
+
+  local function setting(t, kind)
+    return t.record.settings and t.record.settings[kind]
+  end
+
+  -- In ns; 0: there is none.
+  local function limit_of(t, kind, preference_ms)
+    local told = setting(t, kind)
+
+    if preference_ms ~= 0 then return preference_ms * MS end
+    return told and told.value * MS or 0
+  end
+
+  -- Limit and verdict, with the words for an expert item.
+  local function show_verdict(t, judgement, told, limit, verdict, words)
+    local limit_text = strformat("%d ms", limit / MS)
+
+    add_time(t, judgement.limit, limit, limit_text)
+    if told then add_uint(t, judgement.set_in, told.set_in) end
+    local item = add_uint(t, judgement.verdict, verdict)
+
+    if verdict == K.TIME_OK then return end
+    local is_exceeded = verdict == K.TIME_EXCEEDED
+
+    add_expert(item or t.root, is_exceeded and judgement.exceeded or judgement.unresolved,
+      strformat("%s = %s %s: %s", judgement.name, limit_text, is_exceeded and "exceeded" or "perhaps exceeded", words))
+    if is_exceeded then
+      t.body.marks = t.body.marks .. strformat("  [%s exceeded]", judgement.name)
+    end
+  end
+
+  local header = {"Start", "Checksum", "Data length", "Data length repetition", "Telegram control", "Service",
+    "Sender address", "Receiver address"}
+
+  -- The field that the n-th character of a telegram belongs to, from 1.
+  local function position_text(t, n)
+    local telegram = t.telegram
+    local subaddress = n - K.STATIC_LENGTH
+
+    if header[n] then return header[n] end
+    if subaddress <= telegram.subaddress_count then return strformat("Subaddress %d", subaddress) end
+    if n <= telegram.body_offset then return "Telegram number" end
+    return strformat("Useful data, byte %d", n - telegram.body_offset)
+  end
+
+  -- What makes a verdict unresolved beside the longest interval, or what a receiver does after so long a pause (chapter
+  -- 10.5).
+  local function verdict_words(longest)
+    if longest.verdict == K.TIME_UNRESOLVED and longest.unknown_at then
+      return strformat("; how long it was before character %d is not known", longest.unknown_at)
+    end
+    if longest.verdict ~= K.TIME_EXCEEDED then return "" end
+    if longest.restart_at then
+      return strformat("; character %d looks like the start of a telegram: a receiver begins anew there",
+        longest.restart_at)
+    end
+    return "; a receiver goes on"
+  end
+
+  -- "12.000 ms (idle 10.854 ms": the part without the character itself.
+  local function idle_text(t, ns)
+    local idle = ns - T.character_ns(t.telegram.times.record)
+
+    return strformat("%s (idle %s", ms_text(ns), ms_text(max(idle, 0)))
+  end
+
+  local function interval_text(t, interval)
+    local uncertainty = t.telegram.times.record.uncertainty
+
+    if interval.is_saturated then return "at least " .. ms_text(interval.recorded) end
+    if not interval.is_exact then return span_text(interval.span) end
+    if not uncertainty then return idle_text(t, interval.recorded) .. ", uncertainty unknown)" end
+    return strformat("%s, uncertain by %s)", idle_text(t, interval.recorded), ms_text(uncertainty))
+  end
+
+  -- The longest interval, where it is, and what TzA says to it.
+  local function show_tza(t)
+    local longest = t.longest
+    local interval = longest.interval
+    local text, position = interval_text(t, interval), position_text(t, interval.at)
+
+    if interval.is_exact or interval.is_saturated then
+      add_time(t, F.tza_interval_max, interval.recorded, text)
+    elseif interval.span.most ~= K.ANY_TIME then
+      add_time(t, F.tza_interval_max, interval.span.most, text)
+    end
+    add_uint(t, F.tza_position, interval.at, " (" .. position .. ")")
+    if t.tza ~= 0 then
+      show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.tza, longest.verdict,
+        strformat("%s before character %d (%s)%s", text, interval.at, position, verdict_words(longest)))
+    end
+  end
+
+  -- The reaction time of a slave on this line; behind a router it holds times of other lines.
+  local function show_trs(t)
+    local exchange, times = t.record.exchange, t.telegram.times
+    local span, words = {least = 0, most = K.ANY_TIME}, function() return "how exact the times are is not known" end
+
+    if times.begin_earliest and exchange.command_end_earliest then
+      span, words = S.span_between(exchange.command_end_earliest, exchange.command_end, times), span_text
+    end
+    local verdict = S.judge(span, t.trs)
+
+    if t.tree or verdict ~= K.TIME_OK then
+      show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict, words(span))
+    end
+  end
+
+  -- How long the master waited before it repeated, or after a broadcast. Nobody is told TwM, but a slave may take TrS
+  -- to answer.
+  local function show_twm(t)
+    local wait, slave = t.wait, limit_of(t, K.TRS, P.trs_ms)
+    local item = add_time(t, F.twm_wait, wait, ms_text(wait))
+
+    if t.record.exchange.repeat_of and slave > 0 and wait < slave then
+      add_expert(item or t.root, E.twm_early,
+        strformat("Repeated after %s, while the slave may take %d ms (TrS)", ms_text(wait), slave / MS))
+    end
+  end
+
+  local function show_tmas(t)
+    local cycle, longest = t.record.cycle, t.telegram.times.record and limit_of(t, K.TMAS, 0) or 0
+
+    add_time(t, F.tmas_cycle, cycle.ns, ms_text(cycle.ns))
+    if longest > 0 then
+      show_verdict(t, tmas, setting(t, K.TMAS), longest, S.judge(cycle.span, longest),
+        strformat("%s since the master control word before (frame %d); a slave stops a movement", ms_text(cycle.ns),
+          cycle.frame))
+    end
+  end
+
+  local function show_baud(t, rate)
+    local tap = t.telegram.times.record
+    local item = add_uint(t, F.bus_baud, rate.value, rate.accepted_in and " Bd" or " Bd (timed test)")
+
+    add_uint(t, F.bus_baud_set_in, rate.set_in)
+    if tap and tap.baud ~= 0 and tap.baud ~= rate.value then
+      add_expert(item or t.root, E.baud_differs,
+        strformat("The bus was told %d Bd, the tap listens at %d Bd", rate.value, tap.baud))
+    end
+  end
+
+  local function show_bus(t)
+    local rate, record = setting(t, K.BAUD), t.record
+
+    if rate then show_baud(t, rate) end
+    if record.busy and t.tree then
+      local load = T.percent(record.busy, record.span)
+
+      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, strformat("%.1f %%", load)))
+    end
+  end
+
+  local function show_silence(t)
+    local silence = t.silence
+    local item = t.tree and add_time(t, F.silence_before, silence, idle_text(t, silence) .. ")")
+
+    if silence > OPERATOR_TERMINAL_SILENCE then
+      append_text(item, ", more than the 200 ms after which an operator terminal gives up")
+    end
+  end
+
+  local SILENCE_UNKNOWN = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED + K.LOST_BEFORE + K.SAME_READ
+
+  -- Before the telegram's first character, since the one before it on the line; nil where it is not known.
+  local function silence_before(times)
+    local record = times.record
+
+    if record and band(T.flags_of(record, times.first), SILENCE_UNKNOWN) == 0 then
+      return T.interval_of(record, times.first)
+    end
+  end
+
+  -- Looking at every interval costs time: only where somebody sees it, or it may exceed a limit.
+  local function is_longest_wanted(t)
+    local tree, times = t.body.tree, t.telegram.times
+
+    if not times.record then return false end
+    if t.tza > 0 then return tree or not S.are_within(times, t.tza) end
+    return tree and (tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_position))
+  end
+
+  local function find_timing(t)
+    local telegram, record = t.telegram, t.record
+    local exchange = record.exchange
+    local is_answer = telegram.is_good and telegram.is_reaction and exchange and exchange.reaction_time
+      and not record.reaction_before
+
+    t.silence = silence_before(telegram.times)
+    t.tza = limit_of(t, K.TZA, P.tza_ms)
+    if is_longest_wanted(t) then t.longest = S.longest(telegram.times, t.tza) end
+    t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
+      and limit_of(t, K.TRS, P.trs_ms) or 0
+    t.wait = exchange and not telegram.is_reaction and exchange.wait or -1
+  end
+
+  local function is_anything_known(t)
+    return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.record.busy
+  end
+
+  local function show(t)
+    local body = t.body
+
+    t.tree = set_generated(add_subtree(body.tree, body.tvb, 0, 0, "Timing"))
+    t.root = t.tree or body.root
+    if t.silence then show_silence(t) end
+    if t.longest then show_tza(t) end
+    if t.trs > 0 then show_trs(t) end
+    if t.wait >= 0 then show_twm(t) end
+    if t.record.cycle then show_tmas(t) end
+    show_bus(t)
+  end
+
+  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not say which telegram
+  -- brings it.
+  local function find_control_word(request)
+    local ident = request.ident
+
+    if ident and ident.type == 0 and ident.number == 134 and request.element == K.ELEMENT_DATA
+      and S.general_service(request.service) == 0x1F then
+      return request
+    end
+    local element = request.list
+
+    while element do
+      if find_control_word(element) then return element end
+      element = element.next
+    end
+  end
+
+  -- Two master control words to the same drive: the frame of the one before, and the time from begin to begin.
+  local function make_cycle(last, times)
+    local before = last.times
+    local span = {least = 0, most = K.ANY_TIME}
+
+    if times.begin_earliest and before.begin_earliest then
+      span.least = times.begin_earliest - before.begin_latest
+      span.most = times.begin_latest - before.begin_earliest
+    end
+    return {frame = last.frame, ns = times.begin - before.begin, span = span}
+  end
+
+  local function note_cycle(record, telegram, body)
+    local exchange = record.exchange
+    local request = exchange and body.request and find_control_word(body.request)
+
+    if not request then return end
+    local cycles, times = exchange.from.stream.bus.cycles, telegram.times
+    local key = exchange.from.stream.number * 256 + (request.device or 0)
+
+    if cycles[key] then record.cycle = make_cycle(cycles[key], times) end
+    cycles[key] = {frame = body.pinfo.number, times = times}
+  end
+
+  -- First pass: what is valid for a telegram that has just come. A swapped reaction's slave is in its command.
+  function S.timing_note(record, telegram, pinfo)
+    if pinfo.visited then return end
+    local exchange = record.exchange
+    local bus = exchange and exchange.from.stream.bus or S.exchange_bus(pinfo)
+    local address = exchange and byte(exchange.path) or telegram.receiver
+
+    if not telegram.is_good or not S.is_answered(address) then address = K.ALL_STATIONS end
+    record.settings = S.bus_settings(bus.told, address, telegram.times.begin)
+    if telegram.times.record then record.busy, record.span = T.load(telegram.times.record) end
+  end
+
+  -- Adds what is known of a telegram's timing to its tree, and marks. `body` has been taken apart.
+  function S.timing_dissect(telegram, record, body)
+    if not body.pinfo.visited then note_cycle(record, telegram, body) end
+    if not body.tree and not record.settings and P.tza_ms == 0 and P.trs_ms == 0 then return end -- nothing to be seen
+    local t = {telegram = telegram, record = record, body = body}
+
+    find_timing(t)
+    if (body.tree or t.tza > 0 or t.trs > 0 or record.cycle) and is_anything_known(t) then show(t) end
+  end
+end
+
+-- sis-transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
+
+do
+  local SIP_PORT = 35021 -- S/IP, another protocol of the same drives
+  local DLT_USER_OFF = -1
+
+  local choices = {{"off", "Off", DLT_USER_OFF}}
+
+  for number = 0, 15 do
+    choices[number + 2] = {strformat("user%d", number), strformat("USER%d (%d)", number, 147 + number), number}
+  end
+  preference("dlt_user", Pref.enum("Decode a user link type as SIS", DLT_USER_OFF,
+    "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set",
+    choices, false))
+  preference("tcp_heuristic", Pref.bool("Recognize SIS on any TCP port", true,
+    "Where a segment starts with a whole telegram: equal lengths, right checksum"))
+
+  -- Whether a telegram may begin at this start character, as far as the bytes that are there can tell.
+  local function may_begin(bytes, offset)
+    local there = #bytes - offset
+
+    return there < 4 or S.declared_length(bytes, offset) > there or S.is_good(bytes, offset)
+  end
+
+  -- For dissect_tcp_pdus(): the length of the telegram at offset; where there is none (a segment was lost, the capture
+  -- began in the middle) that of what goes before the next one; 0 if more bytes are needed to tell.
+  local function telegram_length(tvb, pinfo, offset)
+    local bytes, rest = tvb:raw(), tvb:reported_len() - offset
+    local next_start = offset
+
+    if byte(bytes, offset + 1) == K.START then
+      local declared = S.declared_length(bytes, offset)
+
+      if declared > 0 then return declared end
+      if #bytes - offset < 4 then return pinfo.can_desegment > 0 and 0 or rest end
+    end
+    repeat
+      next_start = string.find(bytes, char(K.START), next_start + 2, true)
+      next_start = next_start and next_start - 1
+    until not next_start or may_begin(bytes, next_start)
+    return next_start and next_start - offset or rest
+  end
+
+  -- Something may be in the info column: another telegram of this packet, or TCP's words, which end with a space.
+  local function separator(info)
+    local last = sub(tostring(info), -1)
+
+    return (last == "" or last == " ") and "" or " | "
+  end
+
+  -- The columns are ours only where a telegram ends: of a segment with just a part of one TCP says what it is. The
+  -- fence keeps what the telegrams before this one wrote.
+  local function dissect_pdu(tvb, pinfo, tree)
+    local cols = pinfo.cols
+
+    cols.protocol = "SIS"
+    cols.info:clear()
+    local words = S.dissect_telegram(tvb, pinfo, tree, tvb:reported_len())
+    cols.info:append(separator(cols.info) .. words)
+    if tvb:len() < tvb:reported_len() then S.show_cut(tvb, pinfo, tree, "SIS") end
+    cols.info:fence()
+    return tvb:len()
+  end
+
+  -- Telegrams split over segments and packed into them. Where the capture has cut a segment between two telegrams,
+  -- TCP throws: an error without a message.
+  local function dissect_segment(tvb, pinfo, tree)
+    S.begin_packet(pinfo)
+    local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1, telegram_length, dissect_pdu)
+    if message then error(message, 0) end
+    if not is_done then S.show_cut(tvb, pinfo, tree, "SIS") end
+  end
+
+  -- USIP and others start with 0x02, too: only a whole telegram with equal lengths and a zero checksum counts, and what
+  -- follows it has to be another one.
+  local function is_sis(bytes)
+    local declared = S.declared_length(bytes, 0)
+
+    return S.is_good(bytes, 0) and (declared == #bytes or byte(bytes, declared + 1) == K.START)
+  end
+
+  local recognized_in = {} -- by connection: the first packet of SIS
+
+  at_init(function() recognized_in = {} end)
+
+  local function dissect_tcp_heuristic(tvb, pinfo, tree)
+    if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(tvb:raw()) then
+      return false
+    end
+    local connection = S.connection(pinfo)
+
+    recognized_in[connection] = recognized_in[connection] or pinfo.number
+    pinfo.conversation = sis
+    dissect_segment(tvb, pinfo, tree)
+    return true
+  end
+
+  -- What came before the packet in which SIS was recognized was something else, in the second pass, too: then 0.
+  function S.dissect_tcp(tvb, pinfo, tree)
+    local first = recognized_in[S.connection(pinfo)]
+
+    if first and pinfo.number < first then return 0 end
+    dissect_segment(tvb, pinfo, tree)
+    return tvb:len()
+  end
+
+  -- An entry of "wtap_encap" silently goes before the user's own DLT_USER table: so none before it is asked for, and
+  -- the link type is handed back to that table afterwards. At each file, and not when preferences are applied.
+  local taken = DLT_USER_OFF
+
+  local function apply_dlt_user()
+    local encapsulations = DissectorTable.get("wtap_encap")
+
+    if P.dlt_user == taken then return end
+    if taken ~= DLT_USER_OFF then
+      encapsulations:remove(wtap.USER0 + taken, sis)
+      encapsulations:add(wtap.USER0 + taken, Dissector.get("user_dlt"))
+    end
+    if P.dlt_user ~= DLT_USER_OFF then encapsulations:add(wtap.USER0 + P.dlt_user, sis) end
+    taken = P.dlt_user
+  end
+
+  at_init(apply_dlt_user)
+
+  local function all_of(declared)
+    local list = {}
+
+    for _, each in pairs(declared) do
+      list[#list + 1] = each
+    end
+    return list
+  end
+
+  sertap.fields, sertap.experts = all_of(FT), all_of(ET)
+  sis.fields, sis.experts = all_of(F), all_of(E)
+
+  DissectorTable.get("sertap.framing"):add(0, sis)
+  DissectorTable.get("tcp.port"):add_for_decode_as(sis)
+  DissectorTable.get("rtacser.data"):add_for_decode_as(sis)
+  sis:register_heuristic("tcp", dissect_tcp_heuristic)
+end

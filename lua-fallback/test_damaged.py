@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Of bad input, sis.lua says what the C plugin says, and never "Lua Error"."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import bad_input
+import mutate
+import parity
+from make import HERE, Scenario
+from sistap import pcapng
+from sistap.tshark import Tshark
+
+SEED = 1
+
+
+@pytest.mark.parametrize("reaction", [False, True], ids=["commands", "reactions"])
+def test_useful_data(reaction: bool, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """Of every service and every example, too short and too long."""
+    capture = tmp_path / "bad.pcapng"
+    bad_input.write(capture, bad_input.with_all_bodies(reaction))
+    parity.check(plugin, script, capture)
+
+
+def test_lengths(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """Telegrams that the capture has cut, and lengths that differ."""
+    capture = tmp_path / "bad.pcapng"
+    packets = [packet for example in bad_input.examples() for packet in bad_input.snapped(example)]
+    differing = [data for example in bad_input.examples() for data in bad_input.with_other_repetition(example)]
+    bad_input.write(capture, [*packets, *differing])
+    parity.check(plugin, script, capture)
+
+
+def test_every_beginning_of_every_record(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    records = [item.record(None) for item in Scenario(HERE / "records.txt").items]
+    beginnings = [pcapng.upper_pdu("sertap", record[:end]) for record in records for end in range(len(record))]
+    interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "cut")
+    blocks = [pcapng.section_header("", ""), pcapng.interface_description(interface)]
+    blocks += [pcapng.enhanced_packet(0, number, packet) for number, packet in enumerate(beginnings)]
+    capture = tmp_path / "cut.pcapng"
+    capture.write_bytes(b"".join(blocks))
+    parity.check(plugin, script, capture)
+
+
+@pytest.mark.parametrize(
+    ("link_type", "options"),
+    [(link_type, options) for link_type, ways in mutate.OPTIONS.items() for options in ways],
+    ids=lambda value: "_".join(value) or "none" if isinstance(value, list) else None,
+)
+def test_mutants(link_type: int, options: list[str], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """Some thousand packets with bytes changed, added and missing."""
+    packets = [packet for path in sorted(HERE.glob("*.pcapng")) for packet in mutate.packets(path)]
+    originals = [data for link, data in packets if link == link_type]
+    capture = tmp_path / "mutants.pcapng"
+    capture.write_bytes(mutate.round_capture(SEED, link_type, originals))
+    parity.check(plugin, script, capture, *options)

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a file has told is forgotten with the file."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+from make import HERE
+from mutate import packets
+from parity import SCRIPT
+from sistap import pcapng
+from sistap.tshark import Tshark
+
+SESSIONS = 8
+BYTES_ANYHOW = 4096  # of tables that Lua keeps at the size that they had
+
+# Tells the memory of Lua each time Wireshark forgets a file; the last of all scripts, as its name begins with z.
+PROBE = """
+local probe = Proto("probe", "Memory of Lua")
+function probe.init()
+    collectgarbage()
+    io.stderr:write(string.format("memory %d\\n", collectgarbage("count") * 1024))
+end
+"""
+
+
+def repeated(name: str, folder: Path) -> tuple[Path, int]:
+    """Make a capture that has the packets of another so many times; give it and how many the other has."""
+    originals = [data for _, data in packets(HERE / f"{name}.pcapng")]
+    interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, name)
+    blocks = [pcapng.section_header("", ""), pcapng.interface_description(interface)]
+    blocks += [
+        pcapng.enhanced_packet(0, number * 50_000_000, data)
+        for session in range(SESSIONS)
+        for number, data in enumerate(originals)
+    ]
+    capture = folder / f"{name}.pcapng"
+    capture.write_bytes(b"".join(blocks))
+    return capture, len(originals)
+
+
+def sessions(tshark: Tshark, name: str, folder: Path) -> tuple[list[list[str]], list[int]]:
+    """Give the packet list of every session, and the bytes that Lua has at the beginning of each."""
+    capture, count = repeated(name, folder)
+    with capture.open("rb") as stdin:
+        done = tshark.run(["-i", "-", "-M", str(count), "-T", "fields", "-e", "_ws.col.Info"], stdin=stdin)
+    assert done.returncode == 0, done.stderr
+    lines = [line for line in done.stdout.splitlines() if line != "resetting session."]
+    assert len(lines) == SESSIONS * count
+    lists = [lines[first : first + count] for first in range(0, len(lines), count)]
+    return lists, [int(size) for size in re.findall(r"^memory (\d+)$", done.stderr, re.MULTILINE)]
+
+
+def test_nothing_is_left(tmp_path: Path) -> None:
+    folder = tmp_path / "plugins"
+    folder.mkdir()
+    shutil.copy(SCRIPT, folder)
+    (folder / "z.lua").write_text(PROBE)
+    with Tshark(plugins=folder) as tshark:
+        for name in ("exchanges", "sequences", "parameters", "timing-limits"):
+            lists, sizes = sessions(tshark, name, tmp_path)
+            assert all(session == lists[0] for session in lists), name
+            half = len(sizes) // 2
+            assert half >= SESSIONS // 2
+            assert max(sizes[half:]) < max(sizes[:half]) + BYTES_ANYHOW, (name, sizes)
