@@ -6,12 +6,12 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable
-from contextlib import ExitStack
-from typing import Any
+from contextlib import ExitStack, closing
+from typing import Any, NamedTuple
 
 from sistap import ports, priority
 from sistap.bpf import Filter, FilterError
-from sistap.console import Console
+from sistap.console import Audience, Console
 from sistap.counters import Counters
 from sistap.line import LineSettings
 from sistap.lines import lines
@@ -20,6 +20,7 @@ from sistap.pcapng import Interface
 from sistap.rates import RATES
 from sistap.reader import Reader, open_reader
 from sistap.record import Record, Type
+from sistap.remote import Remote
 from sistap.scan import FORMATS
 from sistap.session import Capture, Conditions, Sink, Stop
 from sistap.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
@@ -240,27 +241,57 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
 
-@priority.real_time()
 def run(args: argparse.Namespace) -> int:
     """Capture as told; give the exit code. May raise PortError."""
     stop = Stop()
     console = Console()
     try:
-        settings = _settings(args)
-        limits = _limits(args)
-        only = Filter(args.filter) if args.filter else None
-        _check_ports(args)
-        output = Output(args.file or STANDARD_OUTPUT, limits, lambda: stop.requested, console.say)
+        plan = checked(args)
+        output = Output(args.file or STANDARD_OUTPUT, _limits(args), lambda: stop.requested, console.say)
     except (Refused, FilterError, OutputRefused) as error:
-        console.say(str(error))
+        console.alarm(str(error))
         return 2
+    with closing(output):
+        return record(args, plan, output, stop, console)
+
+
+class Plan(NamedTuple):
+    """What options come to."""
+
+    settings: LineSettings  # to begin with
+    only: Filter | None
+
+
+def checked(args: argparse.Namespace) -> Plan:
+    """Check the options that do not concern the output; may raise Refused or FilterError."""
+    settings = _settings(args)
+    _check_ports(args)
+    return Plan(settings, Filter(args.filter) if args.filter else None)
+
+
+@priority.real_time()
+def record(  # noqa: PLR0913 - it puts the parts together
+    args: argparse.Namespace, plan: Plan, output: Output, stop: Stop, console: Audience, remote: Remote | None = None
+) -> int:
+    """Capture into `output`, perhaps controlled by `remote`; give the exit code. May raise PortError."""
     with ExitStack() as opened:
-        opened.callback(output.close)
         readers: list[Reader] = []
         for line, port in zip(BOTH_LINES if len(args.ports) > 1 else ONE_LINE, args.ports, strict=True):
-            readers.append(open_reader(port, settings, line))
+            readers.append(open_reader(port, plan.settings, line))
             opened.callback(readers[-1].close)
-        code, counters = _capture(args, readers, output, only, stop, console)
+        counters = Counters()
+        capture = Capture(
+            readers,
+            _sink(args, readers, output, counters),
+            output,
+            counters,
+            console,
+            _conditions(args, plan.only),
+            quiet=args.quiet,
+            progress=bool(args.file) and not args.quiet and console.shows_progress,
+            remote=remote,
+        )
+        code = capture.run(stop)
     if args.file:
         console.say(_summary(counters, output))
     elif not args.quiet:
@@ -317,20 +348,16 @@ def _check_ports(args: argparse.Namespace) -> None:
         raise Refused(f"{last} is the same port again: the second -i is the port of the other direction")
 
 
-def _capture(  # noqa: PLR0913 - it puts the parts together
-    args: argparse.Namespace, readers: list[Reader], output: Output, only: Filter | None, stop: Stop, console: Console
-) -> tuple[int, Counters]:
-    """Capture until it ends; give the exit code and what was seen."""
-    counters = Counters()
-    sink: Sink = LineSink(output)
-    if args.file:
-        sink = PcapngWriter(output, {reader.line: _interface(args, reader) for reader in readers}, counters)
+def _sink(args: argparse.Namespace, readers: list[Reader], output: Output, counters: Counters) -> Sink:
+    if not args.file:
+        return LineSink(output)
+    return PcapngWriter(output, {reader.line: _interface(args, reader) for reader in readers}, counters)
+
+
+def _conditions(args: argparse.Namespace, only: Filter | None) -> Conditions:
     formats = () if args.baud else (args.format,) if args.format else FORMATS
     duration_s = dict(args.autostop).get("duration")
-    conditions = Conditions(args.silence_ms, only, args.count, duration_s, formats, args.follow_baud)
-    progress = bool(args.file) and not args.quiet and console.shows_progress
-    capture = Capture(readers, sink, output, counters, console, conditions, quiet=args.quiet, progress=progress)
-    return capture.run(stop), counters
+    return Conditions(args.silence_ms, only, args.count, duration_s, formats, args.follow_baud)
 
 
 def _interface(args: argparse.Namespace, reader: Reader) -> Interface:

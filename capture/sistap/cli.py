@@ -18,8 +18,11 @@ COMMANDS = {
     "ports": ("sistap.ports", "list the serial ports of this machine"),
     "capture": ("sistap.capture", "record a line into a pcapng file, or show it as text"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
+    "install": ("sistap.install.command", "put the dissector, the interfaces and the profile where Wireshark looks"),
+    "uninstall": ("sistap.install.uninstall", "remove what install has put there"),
     "doctor": ("sistap.doctor", "say whether a capture would work, and what is missing"),
     "selftest": ("sistap.selftest", "measure how exactly this machine tells when a character came"),
+    "extcap": ("sistap.extcap.command", "be an interface of Wireshark, which calls this itself"),
     "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
 }
 

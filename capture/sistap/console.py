@@ -7,11 +7,29 @@ import contextlib
 import os
 import select
 import sys
+from typing import Protocol
 
 from sistap.output import PIECE, never_waiting
 
 _ERASE = "\r\x1b[K"
 _WAIT_MS = 100  # for a terminal to take a line; then the line is dropped
+
+
+class Audience(Protocol):
+    """Whoever is told how a capture goes: a person at a terminal, or a program that shows it in windows of its own."""
+
+    @property
+    def shows_progress(self) -> bool:
+        """Whether progress() shows anything."""
+
+    def say(self, text: str) -> None:
+        """Tell one line."""
+
+    def alarm(self, text: str) -> None:
+        """Tell, in one line, why the capture or a part of it has ended."""
+
+    def progress(self, text: str) -> None:
+        """Show a line in place of the one before."""
 
 
 class Console:
@@ -36,6 +54,10 @@ class Console:
         """Print one line."""
         self._print((_ERASE if self._progress else "") + f"sistap: {text}\n", _WAIT_MS)
         self._progress = False
+
+    def alarm(self, text: str) -> None:
+        """Print it as any line."""
+        self.say(text)
 
     def progress(self, text: str) -> None:
         """Show a line in place of the one before, cut to the width of the terminal."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -17,7 +16,7 @@ from sistap.bpf import Filter, FilterError
 from sistap.line import LineSettings
 from sistap.reader import PortError, open_reader
 from sistap.session import Stop
-from sistap.tshark import Tshark, TsharkError
+from sistap.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 
 DESCRIPTION = """\
 Say in a line each what a capture needs and whether it is there; with -i, of this port, too.
@@ -43,7 +42,6 @@ exit status:
 """
 
 PROC = Path("/proc")
-OLDEST_WIRESHARK = (4, 0)
 
 # Programs that open every new serial port to see what is there, and how to keep them away.
 _GRABBERS = {
@@ -201,25 +199,24 @@ def _wireshark() -> Iterator[Point]:
 
 
 def _version(text: str) -> Point:
-    match = re.search(r"(\d+)\.(\d+)\S*\d", text)
-    if not match:
+    found = version(text)
+    if not found:
         return Point("bad", "tshark", "it does not say its version: install tshark 4.0 or later")
-    if (int(match[1]), int(match[2])) < OLDEST_WIRESHARK:
-        return Point("bad", "tshark", f"{match[0]} is too old: install 4.0 or later")
+    if (found.major, found.minor) < OLDEST_WIRESHARK:
+        return Point("bad", "tshark", f"{found.text} is too old: install 4.0 or later")
     if not shutil.which("wireshark"):
-        return Point("poor", "tshark", f"{match[0]}, no Wireshark beside it: `apt-get install wireshark`")
-    return Point("good", "tshark", f"{match[0]}, Wireshark beside it")
+        return Point("poor", "tshark", f"{found.text}, no Wireshark beside it: `apt-get install wireshark`")
+    return Point("good", "tshark", f"{found.text}, Wireshark beside it")
 
 
 def _plugin(listed: str, complaints: str) -> Point:
-    """Judge by what `tshark -G plugins` prints: name, version, kind and file of each."""
-    rows = [[column.strip() for column in line.split("\t")] for line in listed.splitlines()]
-    found = [f"{row[0]} {row[1]}".strip() for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
+    """Judge by what `tshark -G plugins` prints."""
+    found = [f"{plugin.name} {plugin.version}".strip() for plugin in loaded(listed)]
     as_root = f"; {_AS_ROOT}" if hasattr(os, "geteuid") and os.geteuid() == 0 else ""
     if found:
         return Point("good", "plugin", ", ".join(found) + as_root)
     why = next((f" ({line})" for line in complaints.splitlines() if "sis" in line), "")
-    text = f"neither sis.so nor sis.lua is loaded{why}: build it for this Wireshark and install it (plugin/README.md)"
+    text = f"neither sis.so nor sis.lua is loaded{why}: `sistap install` puts it where this Wireshark looks"
     return Point("bad", "plugin", text + as_root)
 
 

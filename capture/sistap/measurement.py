@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import priority
+from sistap import priority, state
 from sistap.line import UNCERTAINTY_UNKNOWN
 
 MACHINE = "machine"  # the place of a result that holds for every port
@@ -43,10 +43,8 @@ def conditions(**more: str) -> Conditions:
 
 
 def file() -> Path:
-    """Say where the results are (XDG base directories). RuntimeError if this user has no home."""
-    state = os.environ.get("XDG_STATE_HOME", "")
-    folder = Path(state) if Path(state).is_absolute() else Path.home() / ".local/state"
-    return folder / "sistap" / "selftest.json"
+    """Say where the results are. RuntimeError if this user has no home."""
+    return state.folder() / "selftest.json"
 
 
 def load() -> tuple[list[Result], str]:

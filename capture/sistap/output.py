@@ -29,11 +29,16 @@ STANDARD_OUTPUT = "-"
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
 PIECE = getattr(select, "PIPE_BUF", 512)  # bytes that a pipe takes without waiting once poll says that it takes any
 _WAIT_MS = 100  # so long, at most, does a stop take
+_WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
 _PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
 
 
 class OutputError(Exception):
     """Nothing more can be written; str() is the one line to show."""
+
+
+class ReaderGone(OutputError):
+    """Nobody reads the pipe any more."""
 
 
 class OutputRefused(Exception):
@@ -128,13 +133,13 @@ class Output:
                     raise OutputError(f"{self} is not being read; the last records are missing in it")
         except OSError as error:
             file.cut(len(block) - len(rest))
-            raise OutputError(self._reason(error)) from error
+            raise self._failure(error) from error
         file.size += len(block)
 
     def check(self) -> None:
-        """Tell while there is nothing to write whether a pipe still has a reader; OutputError if not."""
+        """Tell while there is nothing to write whether a pipe still has a reader; ReaderGone if not."""
         if self._file.deserted:
-            raise OutputError(self._reason(BrokenPipeError(errno.EPIPE, "")))
+            raise self._failure(BrokenPipeError(errno.EPIPE, ""))
 
     def open_next(self) -> bool:
         """Open the next of several files while this one can still be written; if that fails this one is the last."""
@@ -183,10 +188,10 @@ class Output:
     def _open(self, number: int = 1) -> _File:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
 
-    def _reason(self, error: OSError) -> str:
+    def _failure(self, error: OSError) -> OutputError:
         if error.errno == errno.EPIPE:
-            return f"the reader of {self} is gone; the capture has ended"
-        return f"{self}: {error.strerror}; everything before it is saved"
+            return ReaderGone(f"the reader of {self} is gone; the capture has ended")
+        return OutputError(f"{self}: {error.strerror}; everything before it is saved")
 
 
 class _File:
@@ -267,8 +272,10 @@ def _open(path: str) -> tuple[int, bool]:
         if sys.platform == "win32":
             msvcrt.setmode(1, os.O_BINARY)
         return never_waiting(1), False
-    flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    flags = os.O_WRONLY | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    if path.startswith(_WINDOWS_PIPES):
+        return os.open(path, flags), False
     try:
-        return os.open(path, flags | os.O_EXCL, 0o666), True
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666), True
     except FileExistsError:
-        return os.open(path, flags, 0o666), False
+        return os.open(path, flags | os.O_CREAT, 0o666), False

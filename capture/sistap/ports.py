@@ -14,6 +14,8 @@ SYSFS = Path("/sys")
 _UART_NONE = "0"
 _UARTS = {"1": "8250", "2": "16450", "3": "16550", "4": "16550A", "8": "16750", "9": "16850"}
 
+_NOT_KNOWN = "n/a"  # pyserial's word for it
+
 # Unix98 pseudo terminals (Linux: Documentation/admin-guide/devices.txt).
 _PTY_SLAVE_MAJORS = range(136, 144)
 
@@ -130,7 +132,7 @@ def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
         if _line(sysfs / "class/tty" / Path(info.device).name / "type") == _UART_NONE:
             continue  # a ttyS without hardware
         behind = adapter(info.device, sysfs)
-        if not behind.name:  # not on Linux: what pyserial knows
+        if not behind.name and info.description != _NOT_KNOWN:  # not on Linux: what pyserial knows
             behind = behind._replace(name=info.description)
         ports.append((info.device, behind))
     return ports

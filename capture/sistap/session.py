@@ -9,22 +9,25 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import FrameType
 from typing import Protocol
 
 import sistap
 from sistap.bpf import Filter
 from sistap.clock import CLOCK
-from sistap.console import Console
+from sistap.console import Audience
 from sistap.counters import Counters
 from sistap.framer import Framer, SilenceFramer, SisFramer
 from sistap.hints import Hints
 from sistap.line import LineSettings, Read
 from sistap.order import Order
-from sistap.output import Output, OutputError
+from sistap.output import Output, OutputError, ReaderGone
+from sistap.rates import RATES
 from sistap.reader import PortError, PortLost, Reader, together
 from sistap.record import Event, Framing, Record, Type, event
+from sistap.remote import Marker, Remote
+from sistap.scan import FORMATS
 from sistap.steering import Steering, Step
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
@@ -47,8 +50,12 @@ class Stop:
         if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
             signal.signal(signal.SIGHUP, self._handle)
 
-    def _handle(self, number: int, frame: FrameType | None) -> None:
+    def request(self) -> None:
+        """End it."""
         self.requested = True
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        self.request()
         if not self.running:
             raise KeyboardInterrupt
 
@@ -110,20 +117,22 @@ class Capture:
         sink: Sink,
         output: Output,
         counters: Counters,
-        console: Console,
+        console: Audience,
         conditions: Conditions = EVERYTHING,
         *,
         quiet: bool = False,
         progress: bool = False,
+        remote: Remote | None = None,
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
-        """`quiet`: do not say that it runs; `progress`: show the counters every second."""
+        """`quiet`: do not say that it runs; `progress`: show the counters every second; `remote`: who controls it."""
         self._sink = sink
         self._output = output
         self._counters = counters
         self._conditions = conditions
         self._quiet = quiet
         self._progress = progress
+        self._remote = remote
         self._clock_ns = clock_ns
         self._console = console
         self._readers = list(readers)  # whose ports are not lost
@@ -145,7 +154,9 @@ class Capture:
         try:
             self._run(stop)
         except OutputError as error:
-            self._console.say(str(error))
+            if self._remote and isinstance(error, ReaderGone):
+                return 0
+            self._console.alarm(str(error))
             return 1
         finally:
             gc.enable()
@@ -203,6 +214,8 @@ class Capture:
                 self._look((now - started) / 1e9)
             if self._steering:
                 self._steer(self._steering)
+            if self._remote:
+                self._serve(self._remote)
         if stop.requested:
             for _ in self._readers:
                 with suppress(PortLost):  # at the same time, by the same Ctrl-C
@@ -223,7 +236,7 @@ class Capture:
         self._finish(line for line in self._lines.values() if line.reader is reader)
         self._emit([self._event(lost.line, Event.ADAPTER_LOST, str(lost))])
         goes_on = "; the other line goes on" if self._readers else ""
-        self._console.say(f"{self._which(lost.line)}{lost}{goes_on}")
+        self._console.alarm(f"{self._which(lost.line)}{lost}{goes_on}")
 
     def _finish(self, lines: Iterable[_Line]) -> None:
         for line in lines:
@@ -246,6 +259,28 @@ class Capture:
                 self._change(step)
             else:
                 self._settle(f"{step.settings}: {step.why}")
+
+    def _serve(self, remote: Remote) -> None:
+        """Do what was asked for from outside."""
+        for request in remote.requests():
+            if not self._readers:  # lost while the rate was changed
+                return
+            if isinstance(request, Marker):
+                self._emit([self._event(self._readers[0].line, Event.MARKER, request.text)])
+            else:
+                self._set_rate(request.baud)
+
+    def _set_rate(self, baud: int | None) -> None:
+        """Go on at a rate, or look for it."""
+        formats = () if baud else self._conditions.formats or FORMATS
+        self._conditions = replace(self._conditions, formats=formats)
+        settings = self._readers[0].settings._replace(baud=baud or RATES[0])
+        if formats:
+            settings = LineSettings.parse(settings.baud, formats[0])
+        self._steering = self._steering_of(settings)
+        self._change(Step(settings, "set by hand" if baud else "looking for the rate"))
+        for reader in self._readers:
+            self._lines[reader.line].hints = Hints(reader.settings, self._lines[reader.line].framer.framing)
 
     def _settle(self, text: str) -> None:
         """Note that the settings of now are right."""
@@ -351,6 +386,8 @@ class Capture:
             self._console.say(doubt)
         if self._progress:
             self._console.progress(str(self._counters))
+        if self._remote and self._readers:
+            self._remote.show(self._counters, self._readers[0].settings)
 
     def _event(self, number: int, code: Event, text: str) -> Record:
         return event(self._wall_ns(), number, self._lines[number].framer.settings, code, text)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -17,34 +18,71 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 if TYPE_CHECKING:
     import resource  # not on Windows
 
 NOBODY = 65534
+OLDEST_WIRESHARK = (4, 0)
 _FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
+
+# Where installers put Wireshark without adding it to PATH.
+_FOLDERS = {
+    "darwin": "/Applications/Wireshark.app/Contents/MacOS",
+    "win32": os.path.join(os.environ.get("PROGRAMFILES", r"C:\Program Files"), "Wireshark"),  # noqa: PTH118
+}
 
 
 class TsharkError(Exception):
     """tshark is missing or failed; the text is the one line to show."""
 
 
+class Version(NamedTuple):
+    """Which Wireshark this is."""
+
+    text: str  # "4.0.17"
+    major: int
+    minor: int
+
+
+def version(text: str) -> Version | None:
+    """Find the version in what `--version` prints, if it is there."""
+    match = re.search(r"(\d+)\.(\d+)\S*\d", text)
+    return Version(match[0], int(match[1]), int(match[2])) if match else None
+
+
+class Loaded(NamedTuple):
+    """A plugin that Wireshark has loaded."""
+
+    name: str  # "sis.so"
+    version: str
+    file: str
+
+
+def loaded(text: str) -> list[Loaded]:
+    """Find sis.so and sis.lua in what `-G plugins` prints: name, version, kind and file of each."""
+    rows = [[column.strip() for column in line.split("\t")] for line in text.splitlines()]
+    return [Loaded(row[0], row[1], row[-1]) for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
+
+
 class Tshark:
     """A place to run tshark in; as root with a copy of the plugins that nobody can read. Use it in a `with`."""
 
-    def __init__(self, program: str = "tshark", plugins: Path | None = None) -> None:
-        """Prepare to run `program`, tshark or a sister of it, with the plugins of a folder or those that
-        WIRESHARK_PLUGIN_DIR names. TsharkError if it is not installed.
+    def __init__(self, program: str = "tshark", *, plugins: Path | None = None, drop_rights: bool = True) -> None:
+        """Prepare to run `program`, tshark or a sister of it. TsharkError if it is not installed.
+
+        It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Root stays root without
+        `drop_rights`: then folders are root's own, and personal plugins are not loaded.
         """
-        path = shutil.which(program)
+        path = shutil.which(program) or shutil.which(program, path=_FOLDERS.get(sys.platform, ""))
         if path is None:
             raise TsharkError(f"{program} is not on PATH; Debian and Ubuntu: apt-get install {program}")
         self._path = path
         self._environment = dict(os.environ)
         if plugins is not None:
             self._environment["WIRESHARK_PLUGIN_DIR"] = str(plugins)
-        self._is_root = hasattr(os, "geteuid") and os.geteuid() == 0
+        self._is_root = drop_rights and hasattr(os, "geteuid") and os.geteuid() == 0
         self._folder = Path(tempfile.mkdtemp(prefix="sistap-")) if self._is_root else None
         if self._folder is not None:
             self._prepare(self._folder)

@@ -706,8 +706,8 @@ def test_simulated_time_waits_for_a_tap_that_asks_for_it() -> None:
     """So what a tap changes when it has heard a telegram counts from the next telegram on."""
     played = list(bus(LINE, 1, 1))
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
-        connection = connect(name)
-        connection.sendall(wire.pack_time(0))
+        connection = connect(name, None)
+        connection.sendall(wire.pack_time(0) + wire.pack_settings(LINE))  # with the settings the bus begins
         decoder, count, pieces = wire.Decoder(), 0, [b""]
         times: list[int] = []
         while data := connection.recv(65536):

@@ -157,7 +157,7 @@ def test_no_self_test(capsys: pytest.CaptureFixture[str], state: Path) -> None:
         ),
         ("version", "TShark (Wireshark) 3.6.2 (Git)\n", "tshark", "3.6.2 is too old: install 4.0 or later"),
         ("version", "", "tshark", "install tshark 4.0 or later"),
-        ("plugins", "", "plugin", "neither sis.so nor sis.lua is loaded: build it for this Wireshark"),
+        ("plugins", "", "plugin", "neither sis.so nor sis.lua is loaded: `sistap install` puts it"),
         ("plugins", "sis-sanitized.so\t0.1.0\tdissector\t/x\nbasis.so\t1\tdissector\t/y\n", "plugin", "neither sis.so"),
     ],
 )

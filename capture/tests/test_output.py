@@ -289,3 +289,10 @@ def test_if_the_next_file_cannot_be_opened_this_one_is_the_last(
     (file,) = tmp_path.iterdir()
     assert file.read_bytes() == b"12"
     assert output.summary == str(file)
+
+
+def test_a_pipe_of_windows_is_opened_but_never_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OutputRefused, match="No such file"):
+        Output(r"\\.\pipe\capture")
+    assert not list(tmp_path.iterdir())

@@ -118,7 +118,8 @@ def test_no_ports(monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.C
     assert out.startswith("no serial port found: ")
 
 
-def test_where_there_is_no_sysfs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    info = SimpleNamespace(device="COM3", description="USB Serial Port (COM3)")
+@pytest.mark.parametrize(("described", "name"), [("USB Serial Port (COM3)", "USB Serial Port (COM3)"), ("n/a", "")])
+def test_where_there_is_no_sysfs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, described: str, name: str) -> None:
+    info = SimpleNamespace(device="COM3", description=described)
     monkeypatch.setattr(list_ports, "comports", lambda: [info])
-    assert ports.found(tmp_path) == [("COM3", ports.Adapter("USB Serial Port (COM3)"))]
+    assert ports.found(tmp_path) == [("COM3", ports.Adapter(name))]

@@ -923,7 +923,7 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
 def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
     settings = LineSettings(19200, 7, "O", 4)
-    assert wire.Decoder().feed(connection.recv(100)) == [settings, wire.Time(0)]
+    assert wire.Decoder().feed(connection.recv(100)) == [wire.Time(0), settings]
     assert source.read(0) is None
     sent = [
         Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000, settings),

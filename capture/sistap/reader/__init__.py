@@ -12,21 +12,23 @@ import sys
 from sistap.line import LineSettings
 from sistap.reader.contract import PortError, PortLost, Reader
 from sistap.reader.several import Source, together
-from sistap.reader.url import UrlReader
-from sistap.reader.virtual import WireReader
-
-if sys.platform != "win32":
-    from sistap.reader.device import PosixReader
 
 __all__ = ["PortError", "PortLost", "Reader", "Source", "open_reader", "together"]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
     """Open a device, a pyserial URL or a virtual bus ("bus://HOST:PORT", "bus:///SOCKET"). May raise PortError."""
+    # Each imported where it is needed: a program that only lists ports is to start at once.
     if port.startswith("bus://"):
+        from sistap.reader.virtual import WireReader
+
         return WireReader(port, settings, line)
     if settings.baud <= 0:
         raise PortError(f"{port} needs a rate: say it with --baud")
     if "://" in port or sys.platform == "win32":
+        from sistap.reader.url import UrlReader
+
         return UrlReader(port, settings, line)
+    from sistap.reader.device import PosixReader
+
     return PosixReader(port, settings, line)

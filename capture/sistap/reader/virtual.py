@@ -22,15 +22,15 @@ class WireReader:
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Connect and say the line settings. May raise PortError."""
         self.name = port
-        self.adapter = f"virtual bus at {port}"
+        self.adapter = "virtual bus"
         self.timing = "times and their uncertainty are those the virtual bus says"
         self.notes: tuple[str, ...] = ()
         self.settings = settings
         self.line = line
         try:
             self._socket = _connect(port)
-            # The time: simulated time is to wait for this reader.
-            self._socket.sendall(wire.pack_settings(settings) + wire.pack_time(0))
+            # First the time (simulated time is to wait for this reader): with the settings the bus begins.
+            self._socket.sendall(wire.pack_time(0) + wire.pack_settings(settings))
         except OSError as error:
             raise PortError(connection_trouble(port, error)) from error
         self._decoder = wire.Decoder()

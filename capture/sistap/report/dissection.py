@@ -59,7 +59,7 @@ INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 
 _NECESSARY = "sis.start"
 _NO_DISSECTOR = (
-    "tshark has no dissector for SIS: install the plugin as plugin/README.md says, or name its folder in "
+    "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
     "WIRESHARK_PLUGIN_DIR"
 )
 _JOINT = "\x1f"  # between several values of a field: in no text

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap extcap`: what Wireshark asks, and what it is answered."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from collections.abc import Callable
+
+import sistap
+from sistap.console import Console
+from sistap.extcap import dialog, interfaces
+from sistap.extcap.sentences import sentence
+from sistap.extcap.toolbar import Toolbar, controls
+from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
+
+DESCRIPTION = """\
+Be an interface of Wireshark: every serial port of this machine, and a bus in software to try it with. Wireshark runs
+this command itself, through a launcher in its extcap folder, with the options below; those of a capture are the fields
+of its dialog.
+"""
+
+EPILOG = """\
+Without --capture, a capture filter is only checked: nothing is printed if it is right.
+
+examples, of what Wireshark asks:
+  sistap extcap --extcap-interfaces
+  sistap extcap --extcap-config --extcap-interface sistap-ttyS0
+  sistap extcap --extcap-capture-filter 'link[5] == 0x1f'
+
+exit status:
+  0  done; also when Wireshark ended the capture
+  1  failed while running (port lost): what came before is in Wireshark
+  2  wrong usage, filter or option
+  3  the port cannot be opened
+"""
+
+_USAGE = 2
+
+Answer = Callable[[argparse.Namespace], int]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.set_defaults(answer=_check_filter)
+    asked = parser.add_argument_group("what is asked").add_mutually_exclusive_group()
+    for option, (answer, text) in _ANSWERS.items():
+        asked.add_argument(option, dest="answer", action="store_const", const=answer, help=text)
+    about = parser.add_argument_group("about what").add_argument
+    about("--extcap-version", metavar="VERSION", help="that of Wireshark")
+    about("--extcap-interface", default="", metavar="NAME", help="an interface, as it was listed")
+    about("--extcap-reload-option", metavar="OPTION", help="with --extcap-config, only the choices of this option")
+    about("--extcap-capture-filter", metavar="FILTER", help="as `sistap capture -f`")
+    about("--fifo", metavar="PIPE", help="where the capture goes")
+    about("--extcap-control-in", metavar="PIPE", help="what is set in the toolbar")
+    about("--extcap-control-out", metavar="PIPE", help="what the toolbar is to show")
+    fields = parser.add_argument_group("the dialog")
+    for field in dialog.OPTIONS:
+        if field.type == "boolflag":
+            fields.add_argument(field.call, action="store_true", help=field.tooltip)
+        else:
+            fields.add_argument(field.call, default="", metavar="VALUE", help=field.tooltip)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Answer; give the exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")  # what Wireshark expects, also on Windows
+    answer: Answer = args.answer
+    return answer(args)
+
+
+def _interfaces(_: argparse.Namespace) -> int:
+    print(sentence("extcap", version=sistap.__version__, display="SIS tap"))
+    print(*interfaces.found(), *controls(), sep="\n")
+    return 0
+
+
+def _dlts(_: argparse.Namespace) -> int:
+    print(sentence("dlt", number=LINKTYPE_WIRESHARK_UPPER_PDU, name="WIRESHARK_UPPER_PDU", display="SIS tap"))
+    return 0
+
+
+def _config(args: argparse.Namespace) -> int:
+    name, option = args.extcap_interface, args.extcap_reload_option
+    print(*(dialog.choices(name, option) if option else dialog.config(name)), sep="\n")
+    return 0
+
+
+def _check_filter(args: argparse.Namespace) -> int:
+    from sistap.bpf import Filter, FilterError
+
+    if args.extcap_capture_filter is None:
+        Console().say("nothing is asked: Wireshark calls this; `sistap capture` captures, `sistap ports` lists ports")
+        return _USAGE
+    try:
+        Filter(args.extcap_capture_filter)
+    except FilterError as error:
+        print(str(error).partition("\n")[0])  # Wireshark takes any text as what is wrong, and 0 as an answer
+    return 0
+
+
+def _capture(args: argparse.Namespace) -> int:
+    if not args.fifo or not args.extcap_interface:
+        Console().say("--capture needs --extcap-interface and --fifo, as Wireshark says them")
+        return _USAGE
+    with Toolbar(args.extcap_control_in, args.extcap_control_out) as toolbar:
+        from sistap.extcap import capturing  # now that Wireshark does not wait for the toolbar any more
+
+        return capturing.run(args, toolbar)
+
+
+_ANSWERS: dict[str, tuple[Answer, str]] = {
+    "--extcap-interfaces": (_interfaces, "which interfaces are there, and what has their toolbar?"),
+    "--extcap-dlts": (_dlts, "which link type has the interface?"),
+    "--extcap-config": (_config, "which fields has its dialog?"),
+    "--capture": (_capture, "capture"),
+}

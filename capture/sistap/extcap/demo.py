@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The demo bus: a virtual bus played in this process, for as long as it lives."""
+
+from __future__ import annotations
+
+import threading
+
+from sistap.bus.command import bus
+from sistap.bus.playing import NO_FAULTS, Faults
+from sistap.bus.serve import Pace, serve
+from sistap.bus.taps import Taps
+from sistap.line import LineSettings
+
+_SEED = 1
+_A_CHARACTER = 1  # at a time, as they come on a line
+
+
+def start(faults: str) -> str:
+    """Let a bus wait for its listener; give what `sistap capture -i` opens. ValueError: `faults` are none."""
+    telegrams = bus(LineSettings(), _SEED, faults=Faults.parse(faults) if faults else NO_FAULTS)
+    wire = Taps(Pace(), "127.0.0.1:0", _SEED, _A_CHARACTER)
+
+    def play() -> None:
+        wire.wait_for_listener()
+        serve(wire, telegrams, None)
+
+    threading.Thread(target=play, daemon=True).start()
+    return wire.name

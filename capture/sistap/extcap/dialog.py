@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The options of an interface: how Wireshark's dialog shows them, and what they are for `sistap capture`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from sistap.extcap import interfaces
+from sistap.extcap.interfaces import DEMO
+from sistap.extcap.sentences import sentence
+from sistap.rates import RATES
+from sistap.scan import FORMATS
+
+AUTO = "auto"
+SELFTEST = "selftest"
+
+Choice = tuple[str, str]  # a value, and how it is shown
+
+
+class Option(NamedTuple):
+    """One field of the dialog, and one option of the command."""
+
+    call: str
+    type: str  # as Wireshark names it
+    display: str
+    tooltip: str
+    group: str  # of fields that are shown together, on a page if there are several
+    for_demo: bool | None = None  # whether it is only for the demo bus, or only for ports; None: for both
+    choices: Callable[[str], Sequence[Choice]] | None = None  # for an interface; the first is the default
+    reload: bool = False  # with a button that asks for the choices again
+    placeholder: str = ""
+    validation: str = ""
+
+    @property
+    def key(self) -> str:
+        """The name of its value."""
+        return self.call.removeprefix("--").replace("-", "_")
+
+
+def _rates(_: str) -> Sequence[Choice]:
+    return [*((str(rate), f"{rate} Bd") for rate in RATES), (AUTO, "Look for it")]
+
+
+def _formats(_: str) -> Sequence[Choice]:
+    return [("", f"{FORMATS[0]}, or looked for with the rate"), *((text, text) for text in FORMATS)]
+
+
+def _other_ports(name: str) -> Sequence[Choice]:
+    others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, DEMO)]
+    return [("", "None: a bus"), *others]
+
+
+def _uncertainties(_: str) -> Sequence[Choice]:
+    return [("", "As the last self-test found, or measured for 0.2 s"), (SELFTEST, "By a self-test now: 5 s")]
+
+
+LINE, TIMES, BUS = "Line", "Times", "Bus"
+
+OPTIONS = (
+    Option("--baud", "selector", "Rate", "Rate of the line; after power-on SIS has 9600 Bd", LINE, choices=_rates),
+    Option(
+        "--other-baud",
+        "string",
+        "Another rate",
+        "Rate of the line in Bd, in place of the one above",
+        LINE,
+        placeholder="none",
+        validation="^[1-9][0-9]*$",
+    ),
+    Option("--format", "selector", "Format", "Data bits, parity, stop bits: SIS says 8E1", LINE, choices=_formats),
+    Option(
+        "--follow-baud",
+        "boolflag",
+        "Go with the bus when it is told another rate",
+        "As service 0x03 says it, also for the time of a timed test",
+        LINE,
+    ),
+    Option(
+        "--second-port",
+        "selector",
+        "Port of the other direction",
+        "RS422 and RS232 have a line for each direction: tap both, each with a port of its own",
+        LINE,
+        for_demo=False,
+        choices=_other_ports,
+        reload=True,
+    ),
+    Option(
+        "--uncertainty",
+        "selector",
+        "Uncertainty",
+        "How late this machine may see a character; the result of a self-test is kept for later captures",
+        TIMES,
+        for_demo=False,
+        choices=_uncertainties,
+    ),
+    Option(
+        "--faults",
+        "string",
+        "Faults",
+        "Probabilities: parity, break, loss and pause of a character, checksum of a telegram",
+        BUS,
+        for_demo=True,
+        placeholder="none; for example checksum=0.02,pause=0.001",
+        validation="^[a-z]+=[0-9.]+(,[a-z]+=[0-9.]+)*$",
+    ),
+)
+
+
+def config(name: str) -> list[str]:
+    """Describe the dialog of an interface."""
+    lines = []
+    for number, option in _options_of(name):
+        lines.append(
+            sentence(
+                "arg",
+                number=number,
+                call=option.call,
+                type=option.type,
+                display=option.display,
+                tooltip=option.tooltip,
+                group=option.group,
+                reload="true" if option.reload else None,
+                placeholder=option.placeholder,
+                validation=option.validation,
+            )
+        )
+        lines += _values(name, number, option)
+    return lines
+
+
+def choices(name: str, called: str) -> list[str]:
+    """Give the choices of an option again; `called` as Wireshark says it, with or without its hyphens."""
+    return [
+        line
+        for number, option in _options_of(name)
+        if option.call.removeprefix("--") == called.removeprefix("--")
+        for line in _values(name, number, option)
+    ]
+
+
+def capture_options(values: argparse.Namespace) -> list[str]:
+    """Say the values of the dialog to `sistap capture`, but for the ports."""
+    options = ["--baud", values.other_baud or values.baud or str(RATES[0])]
+    if values.format:
+        options += ["--format", values.format]
+    if values.follow_baud:
+        options.append("--follow-baud")
+    return options
+
+
+def _options_of(name: str) -> list[tuple[int, Option]]:
+    """Give the options of an interface with their numbers; those are shown in their order."""
+    return [item for item in enumerate(OPTIONS) if item[1].for_demo in (None, name == DEMO)]
+
+
+def _values(name: str, number: int, option: Option) -> list[str]:
+    if option.choices is None:
+        return []
+    first, *others = option.choices(name)
+    lines = [sentence("value", arg=number, value=first[0], display=first[1], default="true")]
+    return lines + [sentence("value", arg=number, value=value, display=display) for value, display in others]

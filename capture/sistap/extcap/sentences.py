@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The lines in which an extcap answers Wireshark: `kind {key=value}{key=value}`."""
+
+from __future__ import annotations
+
+_NOT_IN_A_VALUE = str.maketrans("{}\r\n", "()  ")  # Wireshark knows no way to quote them
+
+
+def sentence(kind: str, **values: object) -> str:
+    """Make a line; what is None or empty is left out, but for an empty `value`."""
+    said = {key: str(value) for key, value in values.items() if value is not None and (value != "" or key == "value")}
+    return f"{kind} " + "".join(f"{{{key}={text}}}" for key, text in said.items())
+
+
+def plain(text: str) -> str:
+    """Make a text that can stand in a sentence out of one that somebody else chose."""
+    return text.translate(_NOT_IN_A_VALUE)

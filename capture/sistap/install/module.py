@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""For which Wireshark a plugin was built. The file is read, not loaded: what is loaded runs."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+
+class ModuleError(Exception):
+    """The file is no plugin that can be read; the text is the one line to show."""
+
+
+class _Layout(NamedTuple):
+    """Where things are in an ELF file, and in an entry of its tables (names as in the ELF specification)."""
+
+    tables: str  # e_phoff, e_shoff
+    counts: int  # where e_phentsize, e_phnum, e_shentsize, e_shnum are
+    segment: str  # p_type, p_offset, p_vaddr, p_filesz
+    section: str  # sh_type, sh_offset, sh_size, sh_link
+    symbol: str  # st_name, st_value
+
+
+_LAYOUTS = {  # by EI_CLASS, 32 and 64 bits
+    1: _Layout("28xII", 42, "IIIxxxxI", "4xI8xIII", "II8x"),
+    2: _Layout("32xQQ", 54, "I4xQQ8xQ", "4xI16xQQI", "I4xQ8x"),
+}
+_BYTE_ORDERS = {1: "<", 2: ">"}  # by EI_DATA
+_LOADED_SEGMENT = 1  # PT_LOAD
+_DYNAMIC_SYMBOLS = 11  # SHT_DYNSYM
+
+
+def wanted_version(file: Path) -> tuple[int, int]:
+    """Read the major and minor version of the Wireshark that a plugin asks for. ModuleError; OSError."""
+    data = file.read_bytes()
+    if data[:4] != b"\x7fELF":
+        raise ModuleError(f"{file} is no module of this kind of system (ELF)")
+    try:
+        return _integer(data, b"plugin_want_major"), _integer(data, b"plugin_want_minor")
+    except (struct.error, KeyError, IndexError, ValueError, OverflowError):
+        raise ModuleError(f"{file} is no plugin of Wireshark, or damaged") from None
+
+
+def _integer(data: bytes, symbol: bytes) -> int:
+    layout, order = _LAYOUTS[data[4]], _BYTE_ORDERS[data[5]]
+    programs, sections = struct.unpack_from(order + layout.tables, data)
+    program_size, program_count, section_size, section_count = struct.unpack_from(order + "4H", data, layout.counts)
+    headers = [
+        struct.unpack_from(order + layout.section, data, sections + index * section_size)
+        for index in range(section_count)
+    ]
+    address = next(value for name, value in _symbols(data, headers, order + layout.symbol) if name == symbol)
+    for index in range(program_count):
+        kind, offset, start, size = struct.unpack_from(order + layout.segment, data, programs + index * program_size)
+        if kind == _LOADED_SEGMENT and start <= address < start + size:
+            value: int = struct.unpack_from(order + "i", data, offset + address - start)[0]
+            return value
+    raise ValueError
+
+
+def _symbols(data: bytes, headers: list[tuple[int, ...]], form: str) -> Iterator[tuple[bytes, int]]:
+    for kind, offset, size, link in headers:
+        if kind == _DYNAMIC_SYMBOLS:
+            names = headers[link][1]
+            for name, address in struct.iter_unpack(form, data[offset : offset + size]):
+                yield data[names + name : data.index(b"\0", names + name)], address
+    raise ValueError

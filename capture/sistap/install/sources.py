@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What there is to install, in a checkout or in an installed package."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import sistap
+from sistap.install import module
+from sistap.tshark import Version
+
+PACKAGE = Path(sistap.__file__).resolve().parent
+PROFILE = "SIS"
+
+_BUILDS = ("build/plugin/sis.so", "build/*/plugin/sis.so")  # cmake -B build, -B build/plugin
+_BUILD = (
+    "`cmake -S . -B build/plugin && cmake --build build/plugin` in a checkout builds it for the Wireshark whose "
+    "headers are installed"
+)
+
+
+class SourceError(Exception):
+    """What should be installed is not there; the text is the one line to show."""
+
+
+class Dissector(NamedTuple):
+    """The module or the script that is to be installed."""
+
+    file: Path
+    is_module: bool
+    notes: list[str]  # modules that were passed over, and why
+
+
+def lua() -> Path:
+    """Find sis.lua. SourceError."""
+    for file in (PACKAGE / "sis.lua", _checkout() / "lua-fallback/sis.lua"):
+        if file.is_file():
+            return file
+    raise SourceError(f"sis.lua is missing beside {PACKAGE}: install sistap again, or run it from a whole checkout")
+
+
+def profile() -> list[Path]:
+    """List the files of the profile. SourceError."""
+    files = sorted((PACKAGE / "profile" / PROFILE).glob("*"))
+    if not files:
+        raise SourceError(f"the profile is missing in {PACKAGE}: install sistap again")
+    return files
+
+
+def dissector(named: Path | None, wireshark: Version) -> Dissector:
+    """Choose the module named by the user, else one built here, if it fits this Wireshark; else sis.lua.
+
+    SourceError and OSError if there is none at all; module.ModuleError if what is named is no plugin.
+    """
+    notes = []
+    for file in [named] if named else _built():
+        try:
+            wanted = module.wanted_version(file)
+        except module.ModuleError as error:
+            if named:
+                raise
+            notes.append(str(error))
+            continue
+        if wanted == (wireshark.major, wireshark.minor):
+            return Dissector(file, True, notes)
+        notes.append(f"{file} was built for Wireshark {wanted[0]}.{wanted[1]}, this is {wireshark.text}: {_BUILD}")
+    return Dissector(lua(), False, notes)
+
+
+def _built() -> Iterator[Path]:
+    """Give what cmake has built in this checkout, newest first."""
+    found = [file for pattern in _BUILDS for file in _checkout().glob(pattern)]
+    return iter(sorted(found, key=lambda file: file.stat().st_mtime, reverse=True))
+
+
+def _checkout() -> Path:
+    """Say where the checkout begins, if this is one."""
+    return PACKAGE.parents[1]

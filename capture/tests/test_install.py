@@ -1,0 +1,381 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap install` and `uninstall`: which dissector, what is said, and, with the real Wireshark, that it all works."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import sistap
+from sistap import cli
+from sistap.install import command, sources
+from sistap.tshark import NOBODY, TsharkError
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+VERSION = "TShark (Wireshark) 4.0.17 (Git v4.0.17 packaged as 4.0.17-0+deb12u3).\n"
+
+
+class FakeTshark:
+    """A Wireshark 4.0 whose folders are in `root`; it loads what lies in its plugin folders."""
+
+    root = Path()
+    version = VERSION
+    complaint = ""
+
+    def __init__(self, *, drop_rights: bool = True) -> None: ...
+
+    def __enter__(self) -> "FakeTshark":
+        return self
+
+    def __exit__(self, *error: object) -> None: ...
+
+    def output(self, *arguments: str) -> str:
+        if arguments == ("--version",):
+            return self.version
+        assert arguments == ("-G", "folders")
+        return "".join(
+            f"{kind} {name}:\t{self.root}/{kind}/{below}\n"
+            for kind in ("Personal", "Global")
+            for name, below in {
+                "Plugins": "plugins/4.0",
+                "Lua Plugins": "plugins",
+                "Extcap path": "extcap",
+                "configuration": "wireshark",
+            }.items()
+        )
+
+    def run(self, arguments: list[str]) -> "subprocess.CompletedProcess[str]":
+        assert arguments == ["-G", "plugins"]
+        found = [] if self.complaint else [*self.root.rglob("sis.so"), *self.root.rglob("sis.lua")]
+        listed = "".join(f"{file.name}\t0.1.0\tdissector\t{file}\n" for file in found)
+        return subprocess.CompletedProcess(arguments, 0, listed, self.complaint)
+
+
+@pytest.fixture(autouse=True)
+def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """The folders of a Wireshark; there is no plugin here, and the user is nobody special."""
+    FakeTshark.root = tmp_path / "wireshark"
+    checkout = tmp_path / "checkout"
+    (checkout / "capture/sistap").mkdir(parents=True)
+    (checkout / "lua-fallback").mkdir()
+    (checkout / "lua-fallback/sis.lua").write_text("-- the script\n")
+    shutil.copytree(sources.PACKAGE / "profile", checkout / "capture/sistap/profile")
+    monkeypatch.setattr(sources, "PACKAGE", checkout / "capture/sistap")
+    monkeypatch.setattr(command, "Tshark", FakeTshark)
+    monkeypatch.setattr(FakeTshark, "version", VERSION)
+    become(monkeypatch, 1000)
+    return FakeTshark.root
+
+
+def become(monkeypatch: pytest.MonkeyPatch, user: int) -> None:
+    monkeypatch.setattr(os, "geteuid", lambda: user)
+
+
+def build(folder: Path, minor: int) -> Path:
+    """Make a plugin that asks for Wireshark 4.`minor`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    source = f"const int plugin_want_major = 4; const int plugin_want_minor = {minor};\n"
+    compiler = ["gcc", "-shared", "-nostdlib", "-x", "c", "-", "-o", str(folder / "sis.so")]
+    subprocess.run(compiler, input=source, text=True, check=True)
+    return folder / "sis.so"
+
+
+def builds() -> Path:
+    return sources.PACKAGE.parents[1] / "build"
+
+
+Said = tuple[int, str, str]
+
+
+@pytest.fixture
+def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Said]:
+    """Runs sistap; gives exit code, stdout and stderr."""
+
+    def run(*arguments: str) -> Said:
+        code = cli.main(arguments)
+        return code, *capfd.readouterr()
+
+    return run
+
+
+Run = Callable[..., Said]
+PROFILE = {f"wireshark/profiles/SIS/{file.name}" for file in sources.profile()}
+
+
+def files(folder: Path) -> set[str]:
+    return {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
+
+
+def test_without_a_build_the_script(root: Path, run: Run) -> None:
+    code, out, err = run("install")
+    assert (code, err) == (0, "")
+    assert files(root / "Personal") == {"plugins/sis.lua", "extcap/sistap"} | PROFILE
+    assert files(root) == {f"Personal/{name}" for name in files(root / "Personal")}
+    assert out.startswith("Wireshark 4.0.17, for this user\n")
+    assert out.endswith("Wireshark loads sis.lua 0.1.0; start it with `wireshark -C SIS`\n")
+    assert all(f"put      {root}/Personal/{name}\n" in out for name in files(root / "Personal"))
+
+
+def test_the_launcher_names_interpreter_and_package(root: Path, run: Run) -> None:
+    run("install")
+    launcher = root / "Personal/extcap/sistap"
+    assert launcher.stat().st_mode & 0o111 == 0o111
+    assert sys.executable in launcher.read_text()
+    assert str(sources.PACKAGE.parent) in launcher.read_text()
+
+
+def test_windows_gets_a_batch_file(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command, "WINDOWS", True)
+    assert run("install")[0] == 0
+    assert b"\r\n" in (root / "Personal/extcap/sistap.bat").read_bytes()
+    assert not (root / "Personal/extcap/sistap").exists()
+
+
+def test_the_newest_build_that_fits(root: Path, run: Run) -> None:
+    old, new = build(builds() / "one/plugin", 0), build(builds() / "two/plugin", 0)
+    with new.open("ab") as file:
+        file.write(b"newer")
+    os.utime(old, (1, 1))
+    code, out, err = run("install")
+    assert (code, err) == (0, "")
+    assert (root / "Personal/plugins/4.0/epan/sis.so").read_bytes() == new.read_bytes()
+    assert not (root / "Personal/plugins/sis.lua").exists()
+    assert "Wireshark loads sis.so" in out
+
+
+def test_a_build_for_another_wireshark_is_refused_with_the_cure(root: Path, run: Run) -> None:
+    other = build(builds() / "plugin/plugin", 4)
+    code, _, err = run("install")
+    assert code == 0
+    assert err.startswith(f"sistap: {other} was built for Wireshark 4.4, this is 4.0.17: `cmake -S . -B build/plugin")
+    assert err.endswith("; sis.lua takes its place\n")
+    assert err.count("\n") == 1
+    assert "Personal/plugins/sis.lua" in files(root)
+    assert not list(root.rglob("sis.so"))
+
+
+def test_a_named_plugin_goes_before_builds(root: Path, run: Run, tmp_path: Path) -> None:
+    build(builds() / "plugin/plugin", 0)
+    named = build(tmp_path / "elsewhere", 0)
+    with named.open("ab") as file:
+        file.write(b"this one")
+    named = named.rename(named.with_name("sis-4.0.so"))
+    assert run("install", "--plugin", str(named))[0] == 0
+    assert (root / "Personal/plugins/4.0/epan/sis.so").read_bytes() == named.read_bytes()
+
+
+def test_a_named_plugin_for_another_wireshark(root: Path, run: Run, tmp_path: Path) -> None:
+    named = build(tmp_path / "elsewhere", 6)
+    code, _, err = run("install", "--plugin", str(named))
+    assert code == 0
+    assert "was built for Wireshark 4.6, this is 4.0.17" in err
+    assert "Personal/plugins/sis.lua" in files(root)
+
+
+def test_what_is_no_plugin_is_wrong_usage(root: Path, run: Run, tmp_path: Path) -> None:
+    (tmp_path / "text.so").write_text("hello")
+    code, _, err = run("install", "--plugin", str(tmp_path / "text.so"))
+    assert (code, err.count("\n")) == (2, 1)
+    assert not root.exists()
+    with pytest.raises(SystemExit, match="2"):
+        run("install", "--plugin", str(tmp_path / "missing.so"))
+
+
+def test_the_plugin_takes_the_place_of_the_script_and_back(root: Path, run: Run) -> None:
+    run("install")
+    build(builds() / "plugin/plugin", 0)
+    _, out, _ = run("install")
+    assert f"removed  {root}/Personal/plugins/sis.lua\n" in out
+    assert "Personal/plugins/4.0/epan/sis.so" in files(root)
+    shutil.rmtree(builds())
+    _, out, _ = run("install")
+    assert f"removed  {root}/Personal/plugins/4.0/epan/sis.so\n" in out
+    assert "Personal/plugins/sis.lua" in files(root)
+    assert not (root / "Personal/plugins/4.0").exists()
+
+
+def test_again_changes_nothing(root: Path, run: Run) -> None:
+    run("install")
+    before = {file: file.stat().st_mtime_ns for file in root.rglob("*")}
+    code, out, err = run("install")
+    assert (code, err) == (0, "")
+    assert all(line.startswith("same ") for line in out.splitlines()[1:-1])
+    assert {file: file.stat().st_mtime_ns for file in root.rglob("*")} == before
+
+
+def test_uninstall_leaves_nothing(root: Path, run: Run, tmp_path: Path) -> None:
+    before = files(tmp_path)
+    run("install")
+    installed = files(root)
+    code, out, err = run("uninstall")
+    assert (code, err) == (0, "")
+    assert all(f"removed  {root}/{name}\n" in out for name in installed)
+    assert files(tmp_path) == before
+    assert not root.exists()
+    assert run("uninstall") == (0, "nothing to remove: nothing was installed for this user\n", "")
+
+
+def test_uninstall_goes_on_after_what_cannot_be_removed(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    run("install")
+    launcher = root / "Personal/extcap/sistap"
+    unlink = Path.unlink
+
+    def refuse(self: Path, missing_ok: bool = False) -> None:
+        if self == launcher:
+            raise PermissionError(13, "Permission denied", str(self))
+        unlink(self, missing_ok)
+
+    with monkeypatch.context() as refusing:
+        refusing.setattr(Path, "unlink", refuse)
+        code, _, err = run("uninstall")
+    assert (code, err) == (1, f"sistap: [Errno 13] Permission denied: '{launcher}'\n")
+    assert files(root) == {"Personal/extcap/sistap"}
+    assert run("uninstall")[0] == 0
+    assert not root.exists()
+
+
+def test_root_installs_for_all(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As root, Wireshark skips personal plugins without a word."""
+    become(monkeypatch, 0)
+    code, out, _ = run("install")
+    assert code == 0
+    assert out.startswith("Wireshark 4.0.17, for all users: run as root, it skips what is in personal folders\n")
+    assert files(root) == {f"Global/{name}" for name in {"plugins/sis.lua", "extcap/sistap"} | PROFILE}
+    become(monkeypatch, 1000)
+    assert run("uninstall")[1].startswith("nothing to remove")
+    become(monkeypatch, 0)
+    assert run("uninstall")[0] == 0
+    assert not root.exists()
+
+
+def test_root_hears_that_others_cannot_enter(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    become(monkeypatch, 0)
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(sources.PACKAGE.parents[1], folder, dirs_exist_ok=True)
+        monkeypatch.setattr(sources, "PACKAGE", Path(folder, "capture/sistap"))
+        Path(folder).chmod(0o755)
+        assert run("install")[2] == ""
+        Path(folder).chmod(0o700)
+        code, _, err = run("install")
+    assert code == 0
+    assert err.startswith(f"sistap: other users get no serial ports in Wireshark, as they may not enter {folder}: ")
+
+
+def test_what_all_users_have_is_not_put_a_second_time(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    become(monkeypatch, 0)
+    run("install")
+    become(monkeypatch, 1000)
+    code, out, _ = run("install")
+    assert code == 0
+    assert not (root / "Personal").exists()
+    assert f"same     {root}/Global/extcap/sistap: all users have it\n" in out
+    assert f"kept     {root}/Global/plugins/sis.lua: Wireshark loads it, " in out
+
+
+def test_an_old_wireshark(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FakeTshark, "version", "TShark (Wireshark) 3.6.2 (Git)\n")
+    assert run("install") == (1, "", "sistap: Wireshark 3.6.2 is too old: install 4.0 or later\n")
+    assert not root.exists()
+
+
+def test_no_wireshark(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(*, drop_rights: bool) -> None:
+        raise TsharkError("tshark is not on PATH")
+
+    monkeypatch.setattr(command, "Tshark", missing)
+    assert run("install") == (1, "", "sistap: tshark is not on PATH\n")
+
+
+def test_what_cannot_be_written_is_one_line_and_what_was_put_is_remembered(root: Path, run: Run) -> None:
+    (root / "Personal").mkdir(parents=True)
+    (root / "Personal/wireshark").touch()  # a file where a folder has to be
+    code, _, err = run("install")
+    assert (code, err.count("\n")) == (1, 1)
+    assert str(root / "Personal/wireshark") in err
+    assert run("uninstall")[0] == 0
+    assert files(root) == {"Personal/wireshark"}
+
+
+def test_wireshark_that_does_not_load_it(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FakeTshark, "complaint", "some\nsis.lua:7: no\n")
+    code, _, err = run("install")
+    assert (code, err) == (1, "sistap: Wireshark does not load the dissector: sis.lua:7: no\n")
+
+
+def test_a_package_without_the_script(run: Run) -> None:
+    sources.lua().unlink()
+    code, _, err = run("install")
+    assert (code, err.count("\n")) == (1, 1)
+    assert "sis.lua is missing" in err
+
+
+def test_a_module_that_cannot_be_read_is_no_reason_to_stop(root: Path, run: Run) -> None:
+    (builds() / "plugin").mkdir(parents=True)
+    (builds() / "plugin/sis.so").write_bytes(b"\x7fELF half a file")
+    code, _, err = run("install")
+    assert (code, err.count("\n")) == (0, 1)
+    assert "Personal/plugins/sis.lua" in files(root)
+
+
+# From here on the real Wireshark, run by an ordinary user with an empty home.
+
+
+@pytest.fixture
+def home() -> Iterator[Path]:
+    """A home, and in it a copy of sistap, that an ordinary user may enter; no plugin is built there."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder)
+        path.chmod(0o755)
+        package = Path(sistap.__file__).parent
+        shutil.copytree(package, path / "checkout/capture/sistap", ignore=shutil.ignore_patterns("__pycache__"))
+        (path / "checkout/lua-fallback").mkdir()
+        shutil.copy(REPOSITORY / "lua-fallback/sis.lua", path / "checkout/lua-fallback")
+        (path / "home").mkdir()
+        if os.getuid() == 0:
+            os.chown(path / "home", NOBODY, NOBODY)
+        yield path
+
+
+def as_user(home: Path, *arguments: str | Path) -> str:
+    """Run a command in that home; give its stdout. It must end well, and say nothing else."""
+    nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
+    environment = {"PATH": os.environ["PATH"], "HOME": str(home / "home"), "PYTHONDONTWRITEBYTECODE": "1"}
+    folder = home / "checkout/capture"
+    done: subprocess.CompletedProcess[str] = subprocess.run(  # type: ignore[call-overload]
+        arguments, check=False, capture_output=True, text=True, cwd=folder, env=environment, **nobody
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def in_wireshark(home: Path) -> list[str]:
+    """Give the columns of figure 6-14, sets 9600 Bd, as the profile has them."""
+    capture = home / "capture.pcapng"
+    shutil.copy(REPOSITORY / "test-captures/specification.pcapng", capture)
+    row = as_user(home, "tshark", "-C", "SIS", "-r", capture, "-Y", "frame.number == 7", "-T", "tabs")
+    return [column.strip() for column in row.rstrip("\n").split("\t")]
+
+
+# The interpreter below the virtual environment: everybody may run it.
+SISTAP = (Path(sys.base_prefix) / "bin/python3", "-m", "sistap")
+
+
+@pytest.mark.parametrize("kind", ["sis.lua", "sis.so"])
+def test_from_a_read_only_checkout_into_wireshark_and_out_again(home: Path, kind: str) -> None:
+    arguments: tuple[str | Path, ...] = ()
+    if kind == "sis.so":
+        module = next(Path(os.environ["WIRESHARK_PLUGIN_DIR"]).rglob("sis.so"))
+        arguments = ("--plugin", shutil.copy(module, home))
+    said = as_user(home, *SISTAP, "install", *arguments)
+    assert f"\nWireshark loads {kind}" in said
+    row = in_wireshark(home)
+    assert row[3:5] == ["16", "3"]
+    assert row[-1] == "16 -> 3  Command  Initialization of the SIS communication: Set baud rate: 9600"
+    as_user(home, *SISTAP, "uninstall")
+    assert not [file for file in (home / "home").rglob("*") if file.is_file()]
+    assert not (home / "home/.local/lib").exists()

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The profile SIS: Wireshark takes every line of it, each colour means what it says, and everybody can read them."""
+
+import csv
+import itertools
+import math
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import sistap
+from sistap.tshark import Tshark
+
+PROFILE = Path(sistap.__file__).parent / "profile" / "SIS"
+CAPTURES = Path(__file__).resolve().parents[2] / "test-captures"
+
+Run = Callable[..., str]
+Colour = tuple[float, float, float]
+
+
+def lines(name: str) -> list[str]:
+    return [line for line in (PROFILE / name).read_text().splitlines() if line and not line.startswith("#")]
+
+
+def rows(name: str) -> list[list[str]]:
+    return list(csv.reader(lines(name)))
+
+
+RULES = [line.split("@")[1:] for line in lines("colorfilters")]
+MACROS = dict(rows("dfilter_macros"))
+FILTERS = sorted(
+    {rule[1] for rule in RULES}
+    | {button[2] for button in rows("dfilter_buttons")}
+    | {row[2] for row in rows("io_graphs")}
+)
+
+
+@pytest.fixture(scope="module")
+def tshark() -> Iterator[Run]:
+    """Runs tshark with the profile, on a capture; what it says on stderr is a failure."""
+    with tempfile.TemporaryDirectory() as folder, Tshark() as program:
+        Path(folder).chmod(0o755)  # as root, tshark runs as nobody
+        shutil.copytree(PROFILE, Path(folder, "wireshark", "profiles", "SIS"))
+
+        def run(capture: str, *arguments: str) -> str:
+            command = ["-C", "SIS", "-r", str(CAPTURES / f"{capture}.pcapng"), *arguments]
+            done = program.run(command, extra_environment={"XDG_CONFIG_HOME": folder})
+            assert (done.returncode, done.stderr) == (0, "")
+            return done.stdout
+
+        yield run
+
+
+@pytest.mark.parametrize("text", FILTERS)
+def test_wireshark_takes_the_filter(tshark: Run, text: str) -> None:
+    tshark("specification", "-c", "1", "-Y", text)
+
+
+@pytest.mark.parametrize(
+    ("text", "frames"),
+    [
+        ("${sis_between:16;3}", "1 2 3 4 5 6 10 11 12"),
+        ("${sis_between:4;16}", "7 8 9"),
+        ('${sis_access:3;"S-0-0044"}', ""),
+        ("${sis_slower:0.149}", "6"),
+        ("${sis_pause:0.0119}", "5"),
+    ],
+)
+def test_macros(tshark: Run, text: str, frames: str) -> None:
+    assert (
+        tshark("statistics", "-Y", f"{text} && frame.number <= 12", "-T", "fields", "-e", "frame.number").split()
+        == frames.split()
+    )
+
+
+def test_macros_are_the_same_for_later_wiresharks() -> None:
+    assert [f'"{name}" {text}' for name, text in MACROS.items()] == lines("dmacros")
+
+
+def test_graphs_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
+    fields = {(row[5].partition("(")[0], row[6]) for row in rows("io_graphs") if row[6]}
+    assert fields
+    for function, field in fields:
+        assert f"{function}({field})" in tshark("statistics", "-q", "-z", f"io,stat,0,{function}({field}){field}")
+
+
+def test_columns(tshark: Run) -> None:
+    titles = re.findall(r'^\t"([^"]+)", "', (PROFILE / "preferences").read_text(), re.MULTILINE)
+    packet = tshark("parameters", "-T", "tabs", "-Y", "frame.number == 6").rstrip("\n").split("\t")
+    assert dict(zip(titles, [value.strip() for value in packet], strict=True)) == {
+        "No.": "6",
+        "Time": "0.198333312",
+        "Silence before": "0.025000000",
+        "Talker": "3",
+        "Listener": "16",
+        "Parameter": "S-0-0047",
+        "Value and unit": "-12.3450",
+        "Status": "0x00",
+        "Longest interval": "0.001145833",
+        "Reaction time": "0.025000000",
+        "Telegram": "3 -> 16  Reaction  Read parameter S-0-0047 = -12.3450",
+    }
+
+
+# What statistics.txt, records.txt and timing-reactions.txt say of these frames.
+@pytest.mark.parametrize(
+    ("capture", "options", "frame", "rule"),
+    [
+        ("statistics", (), 1, "SIS: command"),
+        ("statistics", (), 2, "SIS: reaction"),
+        ("statistics", (), 5, "SIS: TzA exceeded"),
+        ("statistics", (), 7, "SIS: unanswered or repeated"),
+        ("statistics", (), 8, "SIS: unanswered or repeated"),
+        ("statistics", (), 9, "SIS: error status"),
+        ("statistics", (), 10, "SIS: damaged telegram"),
+        ("statistics", (), 11, "SIS: line error"),
+        ("statistics", (), 13, "SIS: line error"),
+        ("timing-reactions", ("-o", "sis.trs_ms:50"), 6, "SIS: reaction"),
+        ("timing-reactions", ("-o", "sis.trs_ms:50"), 8, "SIS: TrS or Tmas exceeded"),
+        ("timing-cycle", (), 11, "SIS: TrS or Tmas exceeded"),
+        ("records", (), 1, "Serial tap: event"),
+        ("records", (), 2, "Serial tap: other characters"),
+    ],
+)
+def test_colours(tshark: Run, capture: str, options: tuple[str, ...], frame: int, rule: str) -> None:
+    shown = ("-2", "--color", "-T", "fields", "-e", "frame.coloring_rule.name")
+    assert tshark(capture, *options, "-Y", f"frame.number == {frame}", *shown).strip() == rule
+
+
+def linear(text: str) -> Colour:
+    """Of a colour as colorfilters has it, 16 bits a channel, the light of each channel (sRGB, IEC 61966-2-1)."""
+    red, green, blue = (int(part) / 65535 for part in text.strip("[]").split(","))
+
+    def light(value: float) -> float:
+        return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+    return light(red), light(green), light(blue)
+
+
+def luminance(colour: Colour) -> float:
+    return 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2]
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule[0])
+def test_text_can_be_read_on_its_background(rule: list[str]) -> None:
+    """The contrast that WCAG 2 asks for small text; both colours are fixed, so it is the same in a dark theme."""
+    background, text = (luminance(linear(colour)) for colour in rule[2].rstrip("]").split("]["))
+    assert (max(background, text) + 0.05) / (min(background, text) + 0.05) >= 4.5
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule[0])
+def test_no_background_dazzles_in_a_dark_theme(rule: list[str]) -> None:
+    assert 0.1 <= luminance(linear(rule[2].split("][")[0])) <= 0.8
+
+
+# How somebody sees light who lacks one kind of cone (Machado, Oliveira, Fernandes 2009, severity 1), a row a channel.
+SIGHT = {
+    "all": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "no red": ((0.152286, 1.052583, -0.204868), (0.114503, 0.786281, 0.099216), (-0.003882, -0.048116, 1.051998)),
+    "no green": ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881)),
+    "no blue": ((1.255528, -0.076749, -0.178779), (-0.078411, 0.930809, 0.147602), (0.004733, 0.691367, 0.303900)),
+}
+
+
+def seen(colour: Colour, cones: tuple[tuple[float, ...], ...]) -> Colour:
+    """Give the colour in CIE L*a*b*, where distance is difference as the eye has it."""
+    red, green, blue = (
+        min(max(sum(part * light for part, light in zip(row, colour, strict=True)), 0), 1) for row in cones
+    )
+    x = (0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.9505
+    y = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    z = (0.0193 * red + 0.1192 * green + 0.9505 * blue) / 1.089
+
+    def root(value: float) -> float:
+        return value ** (1 / 3) if value > 0.008856 else 7.787 * value + 16 / 116
+
+    return 116 * root(y) - 16, 500 * (root(x) - root(y)), 200 * (root(y) - root(z))
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+def test_everybody_tells_the_colours_apart(sight: str) -> None:
+    """2.3 is just noticeable side by side; the two rules of limits that are exceeded share a colour."""
+    backgrounds = {rule[2].split("][")[0]: rule[0] for rule in RULES}
+    looks = {name: seen(linear(colour), SIGHT[sight]) for colour, name in backgrounds.items()}
+    near = {
+        (one, other): round(math.dist(looks[one], looks[other]), 1)
+        for one, other in itertools.combinations(looks, 2)
+        if math.dist(looks[one], looks[other]) < 10
+    }
+    assert not near
