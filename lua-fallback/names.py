@@ -12,7 +12,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 SCRIPT = HERE / "sis.lua"
 NAMES = HERE.parent / "plugin" / "sis-names.c"
-BEGIN = "-- names: made by names.py from plugin/sis-names.c; edit there\n"
+BEGIN = "--- names: made by names.py from plugin/sis-names.c; edit there\n"
 END = "-- end of what names.py has made\n"
 
 COMMENT = re.compile(r"/\*(.*?)\*/\n", re.DOTALL)

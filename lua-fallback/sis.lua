@@ -2,10 +2,11 @@
 -- The SIS telegram and the serial tap's record in Lua: one file for Wireshark 4.0 and later, no compiler. Put it into
 -- the personal plugin folder (Help > About Wireshark > Folders).
 --
--- It shows what the C plugin in plugin/ shows, and is written like it: a block a file, in the same order, with the same
--- names. Where a block says nothing, the comments of its C file hold. README.md lists what Lua cannot do.
+-- It shows what the C plugin in plugin/ shows, and is written like it: a block a file, with the same names; each begins
+-- with a line "--- name:". Where a block says nothing, the comments of its C file hold. README.md lists what Lua cannot
+-- do.
 
--- head: guards, aliases, and what all blocks use
+--- head: guards, aliases, and what all blocks use
 
 if tonumber(string.match(get_version(), "^%d+")) < 4 then
   error("sis.lua needs Wireshark 4.0 or later, this is " .. get_version(), 0)
@@ -203,7 +204,7 @@ end
 
 -- Each block stands in do ... end: Lua allows 200 locals at a time.
 
--- names: made by names.py from plugin/sis-names.c; edit there
+--- names: made by names.py from plugin/sis-names.c; edit there
 
 -- What kinds of addresses there are; this order counts.
 K.STATION = 0
@@ -501,7 +502,7 @@ do
   end
 end
 
--- sertap-line: what is known of a line, record after record, in the first pass
+--- sertap-line: what is known of a line, record after record, in the first pass
 
 do
   local WINDOW_NS = 1e9 -- over which the load is taken
@@ -590,7 +591,7 @@ do
   end
 end
 
--- packet-sertap: the serial tap's link layer: one record a packet, with value, interval and flags of every character
+--- packet-sertap: the serial tap's link layer: one record a packet, with value, interval and flags of every character
 
 do
   local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
@@ -1065,7 +1066,7 @@ do
   handle = sertap.dissector
 end
 
--- sis-address: kinds of station addresses in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7)
+--- sis-address: kinds of station addresses in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7)
 
 do
   K.IF02, K.ECODRIVE03 = 0, 1
@@ -1158,7 +1159,7 @@ do
   end
 end
 
--- packet-sis: header and dispatch (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03": DOK-ECODR3-FGP-01VRS)
+--- packet-sis: header and dispatch (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03": DOK-ECODR3-FGP-01VRS)
 
 do
   K.START = 0x02
@@ -1653,7 +1654,7 @@ do
   handle = sis.dissector
 end
 
--- sis-body: the useful data of one service, and what all of the services need (chapters 2.1 and 2.3)
+--- sis-body: the useful data of one service, and what all of the services need (chapters 2.1 and 2.3)
 
 do
   K.LAST_TRANSMISSION = 0x04 -- bit 2 of the parameter control, fig. 8-1
@@ -1982,7 +1983,7 @@ do
   end
 end
 
--- sis-identification: service 0x00, node identification (chapter 3)
+--- sis-identification: service 0x00, node identification (chapter 3)
 
 do
   local VERSION_LENGTH = 5 -- "nnVmm"
@@ -2024,7 +2025,7 @@ do
   end
 end
 
--- sis-cancel: service 0x01, cancel data transmission (chapter 4): address and service may be missing, each or both
+--- sis-cancel: service 0x01, cancel data transmission (chapter 4): address and service may be missing, each or both
 
 do
   field("canceled_service", "Cancelled service", "sis.canceled_service", ftypes.UINT8, base.HEX + base.RANGE_STRING,
@@ -2083,7 +2084,7 @@ do
   end
 end
 
--- sis-flash: service 0x02, flash operation (chapter 5)
+--- sis-flash: service 0x02, flash operation (chapter 5)
 
 do
   local READ_FLASH, FIND_HEADER, ERASE_FLASH, BUILD_CHECKSUM = 0x92, 0x93, 0x94, 0x97
@@ -2192,7 +2193,7 @@ do
   end
 end
 
--- sis-initialization: service 0x03, initialization of the SIS communication (chapter 6)
+--- sis-initialization: service 0x03, initialization of the SIS communication (chapter 6)
 
 do
   -- Subservices (chapter 6.1).
@@ -2263,7 +2264,7 @@ do
   end
 end
 
--- sis-list: service 0x04, execute a list of SIS services (chapter 7): each element is the telegram it stands for
+--- sis-list: service 0x04, execute a list of SIS services (chapter 7): each element is the telegram it stands for
 
 do
   local LIST_SERVICE = 0x04
@@ -2363,7 +2364,7 @@ do
   end
 end
 
--- sis-sercos: services 0x10, 0x11, 0x12, 0x1D, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters and
+--- sis-sercos: services 0x10, 0x11, 0x12, 0x1D, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters and
 -- phases (chapter 8)
 
 do
@@ -2750,7 +2751,7 @@ do
   S.bodies[0x12], S.bodies[0x1D] = dissect_phase, dissect_phase
 end
 
--- exchange (sis-exchange.c): what belongs together: command and reaction, repeats (chapter 2.4), and the same exchange
+--- sis-exchange: what belongs together: command and reaction, repeats (chapter 2.4), and the same exchange
 -- on two levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every
 -- later one. Frame numbers that are 0 in C are nil here.
 
@@ -3136,7 +3137,7 @@ do
   end
 end
 
--- sequence (sis-sequence.c): sequential telegrams: data that do not fit into one are read or written in pieces
+--- sis-sequence: sequential telegrams: data that do not fit into one are read or written in pieces
 -- (chapters 8.2 and 8.7). Bit 2 of the parameter control says whether more follow; nothing says that a piece is the
 -- first, or which one it is.
 
@@ -3465,7 +3466,7 @@ do
   end
 end
 
--- parameters (sis-parameters.c): how parameters are written, and what the built-in table says of them. What the bus
+--- sis-parameters: how parameters are written, and what the built-in table says of them. What the bus
 -- says of them is learned below. Lua has no tables that the user edits.
 
 -- Elements of a parameter, bits 3 to 5 of the parameter control (fig. 8-1).
@@ -3563,7 +3564,7 @@ do
   end
 end
 
--- learned (sis-learned.c): what the bus itself has said of its parameters. It is learned in the first pass; every
+--- sis-learned: what the bus itself has said of its parameters. It is learned in the first pass; every
 -- command keeps what was known when it was sent, so that all passes show the same.
 
 do
@@ -3635,7 +3636,7 @@ do
   end
 end
 
--- values (sis-values.c): the elements of a parameter: attribute bit by bit, values scaled and with their unit, lists
+--- sis-values: the elements of a parameter: attribute bit by bit, values scaled and with their unit, lists
 -- element by element. SIS says nothing of all this; it is SERCOS, IEC 61491.
 
 do
@@ -3964,7 +3965,7 @@ do
   end
 end
 
--- times (sis-times.c): when characters came, and how exactly that is known.
+--- sis-times: when characters came, and how exactly that is known.
 --
 -- A character has the time of the read that delivered it, the latest at which it can have come; it came no earlier than
 -- the record's uncertainty before that. Characters of one read follow one another by at least a character time, so the
@@ -4179,7 +4180,7 @@ do
   end
 end
 
--- bus (sis-bus.c): what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
+--- sis-bus: what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
 -- with the slave's good reaction, or at once where nobody answers; subservice 0xFF makes valid what was told.
 
 -- In place of a station's address: what is valid for all.
@@ -4324,7 +4325,7 @@ do
   end
 end
 
--- timing (sis-timing.c): verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
+--- sis-timing: verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
 -- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is
 -- there one where only packets have times.
 
@@ -4694,7 +4695,7 @@ do
   end
 end
 
--- sis-transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
+--- sis-transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives
