@@ -259,7 +259,7 @@ def test_a_reader_that_leaves_ends_it_without_a_word(demo: Wireshark) -> None:
         ("sistap-ttyNONE", [], 3, "/dev/ttyNONE does not exist"),
         ("sistap-demo", ["--extcap-capture-filter", "link[5] ="], 2, "filter 'link[5] ='"),
         ("sistap-demo", ["--faults", "pause=often"], 2, "'pause=often'"),
-        ("sistap-demo", ["--other-baud", "0"], 2, "'0' is not a number"),
+        ("sistap-demo", ["--other-baud", "0"], 2, "'0' is neither auto nor a rate"),
         ("sistap-demo", ["--format", "9Z9"], 2, "format '9Z9'"),
     ],
 )
