@@ -245,7 +245,8 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
     exchange->stream = stream;
     exchange->direction = direction;
     exchange->station = telegram->last_address;
-    tvb_memcpy(tvb, exchange->path, 7, 1 + telegram->subaddress_count);
+    exchange->path_length = 1 + telegram->subaddress_count;
+    tvb_memcpy(tvb, exchange->path, 7, exchange->path_length);
     exchange->command_in = pinfo->num;
     exchange->command_end = telegram->times.end;
     exchange->command_duration = (uint32_t)MIN(telegram->times.end - telegram->times.begin, UINT32_MAX);

@@ -30,9 +30,10 @@ typedef struct sis_exchange {
     struct sis_stream *stream;
     unsigned direction; /* in its stream */
     uint32_t command_in;
-    uint32_t reaction_in;      /* 0: none */
-    uint32_t next_command_in;  /* the master went on without a reaction; 0: no */
-    uint8_t path[8];           /* from the receiver through subaddresses to whom the command is for, then 0 */
+    uint32_t reaction_in;     /* 0: none */
+    uint32_t next_command_in; /* the master went on without a reaction; 0: no */
+    uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for */
+    uint8_t path_length;
     uint8_t station;           /* whom the command is for in the end */
     uint32_t repeat_of;        /* the first of the same commands */
     uint32_t routed_from;      /* the command one level above */

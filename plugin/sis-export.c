@@ -25,12 +25,13 @@ static int tap = -1;
 static const char *
 station_text(const sis_body_t *body)
 {
-    const uint8_t *path = body->record->exchange->path;
+    const sis_exchange_t *exchange = body->record->exchange;
+    const uint8_t *path = exchange->path;
     uint32_t interface = compat_interface(body->pinfo);
     wmem_strbuf_t *text = wmem_strbuf_new(body->pinfo->pool, "");
 
     wmem_strbuf_append_printf(text, "%u", path[0]);
-    for (unsigned i = 1; i < sizeof body->record->exchange->path && path[i] != 0; i++)
+    for (unsigned i = 1; i < exchange->path_length; i++)
         wmem_strbuf_append_printf(text, "-%u", path[i]);
     if (interface > 0)
         wmem_strbuf_append_printf(text, " on interface %u", interface);

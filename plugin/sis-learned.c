@@ -10,6 +10,7 @@
 /* A parameter of a device behind a station, which may be behind routers. */
 typedef struct {
     uint8_t path[8];
+    uint8_t path_length; /* 3 is not 3/0 */
     uint8_t device;
     uint8_t type;
     uint16_t number;
@@ -36,9 +37,14 @@ sis_learned_new(void)
 static learned_key_t
 make_key(const sis_exchange_t *exchange, sis_ident_t ident, uint8_t device)
 {
-    learned_key_t key = {.device = device, .type = ident.type, .number = ident.number};
+    learned_key_t key;
 
+    memset(&key, 0, sizeof key); /* what lies between the members is hashed, too */
     memcpy(key.path, exchange->path, sizeof key.path);
+    key.path_length = exchange->path_length;
+    key.device = device;
+    key.type = ident.type;
+    key.number = ident.number;
     return key;
 }
 

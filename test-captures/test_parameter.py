@@ -202,6 +202,11 @@ PARAMETERS: Table = {
     61: "parameter=S-0-0047",
     62: "parameter=S-0-0047; parameter.name=8",
     63: "parameter=S-0-0047; parameter.name=8",
+    # Router 4 itself is not station 0 behind it
+    64: "parameter=S-0-0047",
+    65: "parameter=S-0-0047; element.name=4",
+    66: "parameter=S-0-0047",
+    67: "parameter=S-0-0047",
 }
 
 USER_TABLE: Table = {
