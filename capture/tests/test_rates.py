@@ -155,7 +155,7 @@ def read_back(file: Path) -> list[Record]:
 
 
 def test_a_silent_line_is_searched_and_fills_no_file(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
-    reader = FakeReader(*[None] * 2000)  # 200 s
+    reader = FakeReader(*[None] * 2060)  # 206 s: the last change is due after 198, the next one after 210
     assert run(reader, "-w", str(tmp_path / "x"), "--baud", "auto") == 0
     (started,) = read_back(tmp_path / "x")
     assert "9600 Bd 8E1; looking for the rate; " in started.data.decode()
