@@ -7,8 +7,6 @@
 #include <epan/stat_tap_ui.h>
 #include <epan/tap.h>
 
-#include "packet-sertap.h"
-#include "sis-address.h"
 #include "sis-exchange.h"
 #include "sis-quantiles.h"
 

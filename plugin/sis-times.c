@@ -7,7 +7,7 @@
  * longer than its uncertainty, the uncertainty was too small.
  */
 
-#include "sis-times.h"
+#include "packet-sis.h"
 
 /* Character times are taken a little short: a transmitter may be that much faster than its rate says. */
 #define SHORTEST_CHARACTER(ns) ((ns)*98 / 100)
@@ -148,8 +148,8 @@ looks_like_start(const sis_times_t *times, unsigned at)
     tvbuff_t *tvb = times->record->tvb;
     unsigned offset = times->record->data_offset + times->first + at - 1;
 
-    return compat_get_uint8(tvb, offset) == 0x02 && at + 3 <= times->count &&
-           compat_get_uint8(tvb, offset + 2) == compat_get_uint8(tvb, offset + 3);
+    return compat_get_uint8(tvb, offset) == SIS_START && at + 3 <= times->count &&
+           sis_declared_length(tvb, offset) > 0;
 }
 
 /* By how much an interval counts. */

@@ -214,7 +214,8 @@ EXCHANGES_SWAPPED: Table = {
 }
 
 
-# Two interfaces, the directions of one bus: silence is that of a line, all else of the bus
+# Two interfaces, the directions of one bus: silence is that of a line, all else of the bus. Between two telegrams of a
+# line there are two silences of 25 ms and, less one, the characters (1.145833 ms) of the telegram of the other line
 DUPLEX: Table = {
     1: "reaction_in=2",
     2: "command_in=1; reaction_time=0.025000000",

@@ -116,7 +116,9 @@ def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
 
 
 def test_load_of_two_lines_is_their_mean(tshark: Tshark) -> None:
-    """duplex.txt: 31 characters on one line, 32 on the other; the table says how busy a line was, not both."""
+    """duplex.txt: 30 characters on one line, 32 on the other, five silences of 25 ms and a pause of 12 ms."""
     rows = table(tshark.output("-q", "-z", "sis,bus", "-r", str(CAPTURE.with_name("duplex.pcapng"))))
-    load, stations = float(rows["All"][2]), [float(rows[name][2]) for name in ("3", "16")]
-    assert load == pytest.approx(sum(stations) / 2, abs=0.06)
+    ms = 1.145833
+    length = 62 * ms + 5 * (25 - ms) + (12 - ms)
+    for station, characters in {"16": 30, "3": 32, "All": 31}.items():
+        assert float(rows[station][2]) == pytest.approx(100 * characters * ms / length, abs=0.06)

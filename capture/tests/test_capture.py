@@ -77,14 +77,6 @@ def reads(*pieces: bytes, line: int = 0, flag: int = 0) -> list[Read]:
     ]
 
 
-@pytest.fixture(autouse=True)
-def _signals() -> Iterator[None]:
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-    yield
-    for number, handler in handlers:
-        signal.signal(number, handler)
-
-
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     """Run the command on a reader of our own."""

@@ -7,7 +7,6 @@ import fcntl
 import os
 import pty
 import shutil
-import signal
 import subprocess
 import sys
 import termios
@@ -49,14 +48,6 @@ class FakeTshark:
     def run(self, arguments: list[str]) -> subprocess.CompletedProcess[str]:
         assert arguments == ["-G", "plugins"]
         return subprocess.CompletedProcess(arguments, 0, self.plugins, self.complaints)
-
-
-@pytest.fixture(autouse=True)
-def _signals() -> Iterator[None]:
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-    yield
-    for number, handler in handlers:
-        signal.signal(number, handler)
 
 
 @pytest.fixture(autouse=True)

@@ -25,14 +25,6 @@ MS = 1_000_000
 PATIENCE_S = 30  # only reached when a test fails
 
 
-@pytest.fixture(autouse=True)
-def _signals() -> Iterator[None]:
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-    yield
-    for number, handler in handlers:
-        signal.signal(number, handler)
-
-
 @pytest.fixture
 def no_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(random, "uniform", lambda least, most: 0.00001)

@@ -251,7 +251,10 @@ def window(shown: Window) -> Drawing | None:
         axes.set_xlabel(f"ms after {shown.start_s:.6f} s")
         keys = {"command": "command", "reaction": "reaction", "other": "other characters", "bad": "exceeded or wrong"}
         handles = [Patch(color=COLOURS[role], label=name) for role, name in keys.items()]
-        figure.legend(handles=handles, loc="outside upper right", ncols=len(keys), fontsize=9, handlelength=1.2)
+        # Above the axes, in words that matplotlib 3.6 (Debian 12) has.
+        axes.legend(
+            handles=handles, loc="lower right", bbox_to_anchor=(1, 1), ncols=len(keys), fontsize=9, handlelength=1.2
+        )
 
     return Drawing(shown.title, _WIDE_IN, 1.3 + 0.6 * len(lanes), draw)
 
