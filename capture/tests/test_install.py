@@ -307,6 +307,14 @@ def test_wireshark_that_does_not_load_it(run: Run, monkeypatch: pytest.MonkeyPat
     assert (code, err) == (1, "sistap: Wireshark does not load the dissector: sis.lua:7: no\n")
 
 
+def test_an_environment_that_names_another_folder(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FakeTshark, "complaint", "some\n")
+    monkeypatch.setenv("WIRESHARK_PLUGIN_DIR", "/elsewhere")
+    code, _, err = run("install")
+    assert code == 1
+    assert err.endswith("WIRESHARK_PLUGIN_DIR is set, so it looks in /elsewhere alone; unset it\n")
+
+
 def test_a_package_without_the_script(run: Run) -> None:
     sources.lua().unlink()
     code, _, err = run("install")

@@ -176,13 +176,20 @@ def _warn_of_others_rights(console: Console) -> None:
         )
 
 
+def _silent_reason() -> str:
+    """Say why Wireshark may load nothing from its folders without a word."""
+    if folder := os.environ.get("WIRESHARK_PLUGIN_DIR"):
+        return f"WIRESHARK_PLUGIN_DIR is set, so it looks in {folder} alone; unset it"
+    return "it does not say why"
+
+
 def _check(console: Console) -> int:
     """Ask Wireshark, as an ordinary user, whether it loads the dissector."""
     with Tshark() as tshark:
         done = tshark.run(["-G", "plugins"])
     found = loaded(done.stdout)
     if not found:
-        why = next((line for line in done.stderr.splitlines() if "sis" in line), "it does not say why")
+        why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())
         console.say(f"Wireshark does not load the dissector: {why}")
         return _FAILED
     print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + "; start it with `wireshark -C SIS`")
