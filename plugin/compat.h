@@ -47,6 +47,21 @@ typedef gboolean compat_uat_bool;
 #define COMPAT_STATS_MENU_SEPARATOR           "/"
 #endif
 
+/* From 4.2 on, conversation filters have data of their own, and Follow asks how many streams there are. */
+#if WIRESHARK_AT_LEAST(4, 2)
+#define COMPAT_CONVERSATION_DATA , void *data _U_
+#define compat_register_conversation_filter(protocol, name, is_valid, build)                                 \
+    register_conversation_filter(protocol, name, is_valid, build, NULL)
+#define compat_register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet, count)   \
+    register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet, count, NULL)
+#else
+#define COMPAT_CONVERSATION_DATA
+#define compat_register_conversation_filter(protocol, name, is_valid, build)                                 \
+    register_conversation_filter(protocol, name, is_valid, build)
+#define compat_register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet, count)   \
+    ((void)(count), register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet))
+#endif
+
 /* dissector_try_uint_new() is deprecated from 4.6 on. */
 #if WIRESHARK_AT_LEAST(4, 6)
 #define compat_try_uint(table, key, tvb, pinfo, tree, data)                                                  \

@@ -372,6 +372,7 @@ read_header(tvbuff_t *tvb, packet_info *pinfo)
     sis_telegram_t *telegram = wmem_new0(pinfo->pool, sis_telegram_t);
     unsigned there = tvb_reported_length(tvb);
 
+    telegram->tvb = tvb;
     telegram->length = there;
     telegram->control = compat_get_uint8(tvb, 4);
     telegram->service = compat_get_uint8(tvb, 5);
@@ -645,6 +646,7 @@ sis_register_protocol(void)
     sis_tap = register_tap("sis");
     sis_statistics_register();
     sis_tables_register();
+    sis_follow_register();
 }
 
 static void

@@ -33,6 +33,7 @@ typedef struct {
 /* One telegram; the tap "sis" gets it. */
 typedef struct sis_telegram {
     const struct sis_telegram *before; /* in the same packet; NULL: none */
+    tvbuff_t *tvb;                     /* begins with it */
     unsigned length;                   /* bytes that are there */
     unsigned declared;                 /* bytes it says it has; 0: it does not say */
     bool is_good;                      /* start character, equal lengths, all of it, checksum */
@@ -84,5 +85,6 @@ void sis_transports_register_preferences(module_t *module);
 void sis_transports_handoff(void);
 void sis_statistics_register(void);
 void sis_tables_register(void);
+void sis_follow_register(void);
 
 #endif

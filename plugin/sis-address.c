@@ -43,6 +43,7 @@ static const struct {
 int sis_edition = SIS_EDITION_IF02;
 
 static int station_type = -1;
+static const char *numbers[256]; /* as text */
 
 /* Every table ends at 255, so this does too. */
 static sis_address_kind_t
@@ -116,6 +117,19 @@ address_length(void)
     return 1;
 }
 
+/* Follow's window shows nothing else of an address. */
+static const char *
+number_of(const address *addr)
+{
+    return numbers[*(const uint8_t *)addr->data];
+}
+
+static int
+name_length(void)
+{
+    return ADDRESS_TEXT_SIZE;
+}
+
 /* What "Apply as Filter" on the column makes. */
 static const char *
 address_filter(const address *addr _U_, compat_bool is_source)
@@ -145,7 +159,9 @@ sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener)
 void
 sis_address_register(void)
 {
+    for (unsigned i = 0; i < array_length(numbers); i++)
+        numbers[i] = wmem_strdup_printf(wmem_epan_scope(), "%u", i);
     station_type =
         address_type_dissector_register("AT_SIS", "SIS station", address_to_text, address_text_length, NULL,
-                                        address_filter, address_length, NULL, NULL);
+                                        address_filter, address_length, number_of, name_length);
 }

@@ -109,6 +109,12 @@ find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
     return stream;
 }
 
+uint32_t
+sis_stream_count(void)
+{
+    return wmem_map_size(streams);
+}
+
 unsigned
 sis_direction(const sis_telegram_t *telegram)
 {
@@ -149,7 +155,7 @@ static void
 find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
             const sis_telegram_t *telegram)
 {
-    const sis_exchange_t *before = stream->from[direction].last;
+    sis_exchange_t *before = stream->from[direction].last;
     unsigned length = telegram->declared;
 
     if (before == NULL || stream->from[direction].length != length ||
@@ -159,7 +165,8 @@ find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direc
     exchange->is_kept_reaction_seen = exchange->is_reaction_kept && before->reaction_in != 0;
     if (before->reaction_in != 0 && !exchange->is_reaction_kept)
         return;
-    exchange->repeat_of = before->repeat_of != 0 ? before->repeat_of : before->command_in;
+    exchange->first = before->first != NULL ? before->first : before;
+    before->again = exchange;
     exchange->transfer = before->transfer;
 }
 
@@ -211,7 +218,7 @@ find_route(sis_exchange_t *exchange, tvbuff_t *tvb, const sis_telegram_t *telegr
     wmem_map_foreach(routes, compare_route, &below);
     if (below.above == NULL)
         return;
-    exchange->routed_from = below.above->command_in;
+    exchange->above = below.above;
     below.above->forwarded = exchange;
 }
 
@@ -228,7 +235,7 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
         exchange->gave_up = before->command_in;
         exchange->gave_up_station = before->path[0];
     }
-    if (exchange->repeat_of != 0)
+    if (exchange->first != NULL)
         exchange->wait = telegram->times.begin - same->command_end;
     else if (!before->needs_reaction)
         exchange->wait = telegram->times.begin - before->command_end;
@@ -406,11 +413,14 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
              proto_item *root, wmem_strbuf_t *marks)
 {
     add_frame(tree, tvb, hf_reaction_in, exchange->reaction_in);
-    add_frame(tree, tvb, hf_repeat_of, exchange->repeat_of);
+    if (exchange->first != NULL)
+        add_frame(tree, tvb, hf_repeat_of, exchange->first->command_in);
     add_frame(tree, tvb, hf_gave_up, exchange->gave_up);
-    add_frame(tree, tvb, hf_routed_from, exchange->routed_from);
-    if (exchange->repeat_of != 0) {
-        expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again", exchange->repeat_of);
+    if (exchange->above != NULL)
+        add_frame(tree, tvb, hf_routed_from, exchange->above->command_in);
+    if (exchange->first != NULL) {
+        expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again",
+                               exchange->first->command_in);
         wmem_strbuf_append(marks, "  [repeat]");
     }
     if (exchange->next_command_in != 0)

@@ -35,8 +35,6 @@ typedef struct sis_exchange {
     uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for */
     uint8_t path_length;
     uint8_t station;           /* whom the command is for in the end */
-    uint32_t repeat_of;        /* the first of the same commands */
-    uint32_t routed_from;      /* the command one level above */
     uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
     uint8_t gave_up_station;   /* whom that was for */
     int64_t command_end;       /* when its last character came, ns since 1970 */
@@ -51,7 +49,10 @@ typedef struct sis_exchange {
                               then */
     bool is_kept_reaction_seen;
     uint32_t transfer;              /* of sequential telegrams, this is a step of it */
-    struct sis_exchange *forwarded; /* the same exchange one level below */
+    struct sis_exchange *first;     /* of the same commands, which this repeats; NULL: none */
+    struct sis_exchange *again;     /* the next repeat; NULL: none */
+    struct sis_exchange *above;     /* the same exchange one level above; NULL: none */
+    struct sis_exchange *forwarded; /* and one level below */
     sis_request_t *request;
 } sis_exchange_t;
 
@@ -103,6 +104,9 @@ void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *p
 
 /* 0 or 1: in which of the two directions of its stream a telegram's command goes. */
 unsigned sis_direction(const sis_telegram_t *telegram);
+
+/* How many pairs of stations have talked; their numbers, sis.stream, begin at 0. */
+uint32_t sis_stream_count(void);
 
 void sis_exchange_register(void);
 

@@ -112,7 +112,7 @@ is_taken_before(const sis_record_t *record)
 
     if (record->is_reaction)
         return record->reaction_before != 0 || exchange->is_kept_reaction_seen;
-    return exchange->repeat_of != 0;
+    return exchange->first != NULL;
 }
 
 static unsigned
@@ -128,7 +128,7 @@ static bool
 is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
 {
     const sis_exchange_t *exchange = record->exchange;
-    unsigned enough = record->is_reaction && exchange->repeat_of != 0 ? 1 : 2;
+    unsigned enough = record->is_reaction && exchange->first != NULL ? 1 : 2;
 
     if (exchange->stream->bus->lost_in > transfer->last_in)
         return true;

@@ -357,7 +357,7 @@ count_talker(stat_tap_table *table, const sis_telegram_t *telegram)
 static void
 count_asked(stat_tap_table *table, const sis_exchange_t *exchange)
 {
-    if (exchange->repeat_of != 0) {
+    if (exchange->first != NULL) {
         count(table, 0, BUS_REPEATS, 1);
         count(table, find_row(table, exchange->path[0], bus_columns), BUS_REPEATS, 1);
     }

@@ -263,7 +263,7 @@ show_twm(const timing_t *t)
     int64_t wait = t->timing->wait, slave = limit(t, SIS_TRS, trs_ms);
     proto_item *item = add_time(t, hf_twm_wait, wait, ms_text(t, wait));
 
-    if (t->record->exchange->repeat_of != 0 && slave > 0 && wait < slave)
+    if (t->record->exchange->first != NULL && slave > 0 && wait < slave)
         expert_add_info_format(t->pinfo, item, &ei_twm_early,
                                "Repeated after %s, while the slave may take %u ms (TrS)", ms_text(t, wait),
                                (unsigned)(slave / MS));
