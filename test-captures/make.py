@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes the captures of this folder from the text files beside them, and their expected dissections.
+"""Makes the captures of this folder and of its course from the text files beside them, and their expected dissections.
 
     python3 make.py                 write every NAME.pcapng from its NAME.txt
     python3 make.py --expected      also write NAME.expected from what tshark says now: read the difference, line by
@@ -331,8 +331,8 @@ LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
 
 
 def scenarios() -> list[Path]:
-    """All NAME.txt of this folder, in order."""
-    return sorted(HERE.glob("*.txt"))
+    """All NAME.txt of this folder and of the course, in order."""
+    return [*sorted(HERE.glob("*.txt")), *sorted((HERE / "course").glob("*.txt"))]
 
 
 def main() -> None:

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads what a lesson of the course claims, so that a test can hold it against the capture.
+
+A lesson claims four things, in forms that a person reads, too:
+
+    | filter | packets |            a display filter and the packets that it leaves, or `none`
+    | packet | field | value |      what a field of a packet is, as `tshark -T fields` writes it, or `there`
+        $ tshark ARGUMENTS          a command, and under it all that it prints
+        02 D9 00 ...                bytes that are somewhere in the capture, one after the other
+
+Further columns of a table are for the reader. There are no other tables and no other indented blocks in a lesson.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable, Iterator
+from itertools import groupby
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Filter(NamedTuple):
+    """A display filter, and the packets that it leaves."""
+
+    line: int
+    expression: str
+    packets: list[int]
+
+
+class Value(NamedTuple):
+    """A field of a packet, and what it is; `there` for one that has no value of its own."""
+
+    line: int
+    packet: int
+    field: str
+    value: str
+
+
+class Command(NamedTuple):
+    """Arguments of tshark, and what it prints, without spaces at the ends of lines."""
+
+    line: int
+    arguments: list[str]
+    output: list[str]
+
+
+class Bytes(NamedTuple):
+    """Characters that were on the line one after the other."""
+
+    line: int
+    data: bytes
+
+
+Claim = Filter | Value | Command | Bytes
+
+Row = Callable[[int, list[str]], Claim]
+
+HEX = re.compile(r"(?:[0-9A-F]{2} )*[0-9A-F]{2}")
+PROMPT = "$ "
+OPENS = "wireshark -C SIS "  # what the reader types to begin with
+
+
+def _filter(line: int, cells: list[str]) -> Filter:
+    expression = cells[0].strip("`").replace(r"\|", "|")  # a bar ends a cell of Markdown, unless it is escaped
+    packets = [] if cells[1] == "none" else [int(number) for number in cells[1].split(",")]
+    return Filter(line, expression, packets)
+
+
+def _value(line: int, cells: list[str]) -> Value:
+    return Value(line, int(cells[0]), cells[1].strip("`"), cells[2].strip("`"))
+
+
+TABLES: dict[tuple[str, ...], Row] = {("filter", "packets"): _filter, ("packet", "field", "value"): _value}
+
+
+def claims(path: Path) -> list[Claim]:
+    """Give all claims of a lesson. ValueError names the line that is none of what a lesson may have."""
+    return list(_claims(path.read_text().splitlines(), path.name))
+
+
+def _claims(lines: list[str], name: str) -> Iterator[Claim]:
+    for kind, numbered in groupby(enumerate(lines, 1), lambda entry: _kind(entry[1])):
+        block = list(numbered)
+        try:
+            if kind == "table":
+                yield from _table(block)
+            elif kind == "indented":
+                yield from _indented(block)
+        except (ValueError, KeyError, IndexError) as error:
+            raise ValueError(f"{name}:{block[0][0]}: {error!r}") from error
+
+
+def _kind(line: str) -> str:
+    if line.startswith("|"):
+        return "table"
+    return "indented" if line.startswith("    ") else "text"
+
+
+def _table(block: list[tuple[int, str]]) -> Iterator[Claim]:
+    rows = [(line, [cell.strip() for cell in re.split(r"(?<!\\)\|", text)[1:-1]]) for line, text in block]
+    header = rows[0][1]
+    (read,) = (read for columns, read in TABLES.items() if tuple(header[: len(columns)]) == columns)
+    for line, cells in rows[2:]:
+        yield read(line, cells)
+
+
+def _indented(block: list[tuple[int, str]]) -> Iterator[Claim]:
+    line, first = block[0][0], block[0][1][4:]
+    if first.startswith(PROMPT):
+        program, *arguments = shlex.split(first.removeprefix(PROMPT))
+        if program != "tshark":
+            raise ValueError("a command is one of tshark")
+        yield Command(line, arguments, [text[4:].rstrip() for _, text in block[1:]])
+    elif not first.startswith(OPENS):
+        for number, text in block:
+            if not HEX.fullmatch(text.strip()):
+                raise ValueError(f"neither a command nor bytes: {text.strip()}")
+            yield Bytes(number, bytes.fromhex(text))
