@@ -171,7 +171,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="seed of the first round (default 1)")
     arguments = parser.parse_args()
     by_link: dict[int, list[bytes]] = {}
-    for capture in sorted(HERE.glob("*.pcapng")):
+    for capture in sorted(HERE.rglob("*.pcapng")):
         for link_type, data in packets(capture):
             by_link.setdefault(link_type, []).append(data)
     end = time.monotonic() + arguments.seconds

@@ -1,0 +1,299 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Makes the telegram on one page, course/sheet.svg, from the tables of plugin/sis-names.c.
+
+    python3 sheet.py          write sheet.svg
+    python3 sheet.py --pdf    and sheet.pdf from it (needs rsvg-convert, and the font Liberation Sans)
+
+The texts of codes are those of the tables. Which of them stand here, and what is no table, is said below.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from drawing import PALE, WHITE, Column, Page
+
+HERE = Path(__file__).parent
+SOURCE = HERE.parent / "plugin" / "sis-names.c"
+SVG = HERE / "course" / "sheet.svg"
+
+PRODUCTS = re.compile(r" \((ECODRIVE|SYNAX)\)$")
+
+SIZE = 2.75  # of most of the text, in mm
+CHARACTER = 2.2  # how long a character is in the timing diagram
+
+# Chapter 2.2. Above the line the bytes that are always there.
+HEADER = (
+    ("1", "Start", "02"),
+    ("2", "Checksum", "sum of all bytes is 00"),
+    ("3", "Length", "bytes after the 8th"),
+    ("4", "Length", "the same again"),
+    ("5", "Control", "bits: see below"),
+    ("6", "Service", "see below"),
+    ("7", "Sender", "the master's address"),
+    ("8", "Receiver", "the slave's address"),
+)
+ANNOUNCED = (
+    ("", "Subaddresses", "as many as control bits 0-2 say"),
+    ("", "Telegram no.", "if control bit 3 is set"),
+    ("", "Useful data", "reaction: status byte first"),
+)
+EXAMPLE = (
+    "02 D9 00 00 00 12 10 03: station 16 asks station 3 for its phase.    "
+    "02 C3 02 02 10 12 10 03 00 02: station 3 answers 16, status 00, phase 2."
+)
+
+CONTROL = (
+    ("0-2", "number of subaddresses, 0 to 7"),
+    ("3", "a telegram number follows them"),
+    ("4", "0 command, 1 reaction"),
+    ("5", "reserved"),
+    ("6", "the sender has a system warning"),
+    ("7", "the sender has a system error"),
+)
+
+# Fig. 2-9; decimal. The kinds are those of the table.
+ADDRESSES = (
+    ("0-126", "STATION"),
+    ("127", "SERVICE_MASTER"),
+    ("128", "POINT_TO_POINT"),
+    ("129-199", "RESERVED"),
+    ("200-253", "GROUP"),
+    ("254", "LEVEL_BROADCAST"),
+    ("255", "GLOBAL_BROADCAST"),
+)
+
+# Chapter 8.1 and 9.8 of IEC 61491, as far as it is used on SIS.
+PARAMETER = (
+    ("Control", "bit 2: 1 last, 0 more follows. 3C operating data, last; 38 more follows"),
+    ("Type", "0 S or P, 1 A, 2 C"),
+    ("Number", "bits 0-11 number, 12-14 set, 15: 1 = P"),
+)
+ATTRIBUTE = (
+    ("0-15", "factor"),
+    ("16-18", "length: 1, 2, 3 = 2, 4, 8 bytes; 4-7 list of 1, 2, 4, 8 bytes each"),
+    ("19", "procedure command"),
+    ("20-22", "0 binary, 1 unsigned, 2 signed, 3 hexadecimal, 4 text, 5 ident number, 6 float"),
+    ("24-27", "decimal places"),
+    ("28-30", "write-protected in phase 2, 3, 4"),
+)
+
+# Those that somebody who sets up a machine meets; the others follow the rule that stands beside them.
+PARAMETER_ERRORS = (0x0001, 0x1001, 0x7002, 0x7003, 0x7004, 0x7005, 0x7006, 0x7007, 0x7008, 0x8001, 0x800C)
+FLASH_ERRORS = (0x9004, 0x9102, 0x940A, 0x96E0, 0x96E1, 0x9701, 0x9702)
+
+TIMES = (
+    "TzA: longest interval inside a telegram. A longer one does not end the telegram.",
+    "TrS: time in which the reaction is expected, from the last character of the command.",
+    "TwM: wait of the master before it repeats, and after a command to many.",
+    "Tmas: longest time between two master control words while the machine moves.",
+    "TzA, TrS, Tmas and the rate are set by service 03, valid after its FF, without default values.",
+)
+
+
+class Entry(NamedTuple):
+    """One line of a table: the first and last code it is for, as written, and its text."""
+
+    first: str
+    last: str
+    text: str
+
+
+def table(name: str) -> list[Entry]:
+    """Read a table of sis-names.c. KeyError if there is none of that name."""
+    found = re.search(rf"_string sis_{name}\[\] = \{{(.*?)\}};", SOURCE.read_text(), re.DOTALL)
+    if found is None:
+        raise KeyError(name)
+    rows = re.findall(r'\{(\w+)(?:, (\w+))?, "([^"]*)"\}', found[1])
+    return [Entry(first, last or first, text) for first, last, text in rows]
+
+
+def code(entry: Entry) -> str:
+    """Write a code as people do: without 0x, a range with a stroke."""
+    first, last = (word.removeprefix("0x") for word in (entry.first, entry.last))
+    return first if first == last else f"{first}-{last}"
+
+
+def rows(name: str, *wanted: int) -> list[tuple[str, str]]:
+    """Give the rows of a table, or those with the wanted codes."""
+    return [(code(entry), entry.text) for entry in table(name) if not wanted or int(entry.first, 16) in wanted]
+
+
+def services() -> list[tuple[str, str]]:
+    """Give single services, those of the products beside the general ones that they are like, and then ranges."""
+    singles = [entry for entry in table("services") if entry.first == entry.last]
+    like: dict[str, list[str]] = {}
+    for entry in singles:
+        like.setdefault(PRODUCTS.sub("", entry.text), []).append(code(entry))
+    ranges = [entry for entry in table("services") if entry.first != entry.last and int(entry.first, 16) >= 0xA0]
+    return [
+        *((" ".join(codes), text) for text, codes in like.items()),
+        *((code(entry), entry.text) for entry in ranges),
+    ]
+
+
+def statuses() -> list[tuple[str, str]]:
+    """Give those that say more than that they are not specified."""
+    return [(code(entry), entry.text) for entry in table("status") if "not specified" not in entry.text]
+
+
+def addresses() -> list[tuple[str, str]]:
+    """Give kinds of addresses with what they are."""
+    kinds = {entry.first.removeprefix("SIS_"): entry.text for entry in table("address_kinds")}
+    return [(numbers, kinds[kind]) for numbers, kind in ADDRESSES]
+
+
+def joined(name: str) -> str:
+    """Give a short table in one line."""
+    return ", ".join(f"{code(entry)} {entry.text}" for entry in table(name))
+
+
+def header(page: Page, x: float, y: float) -> None:
+    """Draw the bytes of a telegram from the left to the right."""
+    wide, high = 25.5, 14.5
+    for number, (byte, name, meaning) in enumerate(HEADER + ANNOUNCED):
+        left = x + wide * number
+        page.box(left, y, wide, high, PALE if byte else WHITE)
+        page.text(left + 1, y + 4, " ".join((byte, name)).strip(), 3.0, font_weight="bold")
+        for place, line in enumerate(_two_lines(meaning)):
+            page.text(left + 1, y + 8.5 + 3.4 * place, line, SIZE)
+
+
+def _two_lines(text: str) -> list[str]:
+    words = text.split()
+    cuts = [(" ".join(words[:cut]), " ".join(words[cut:])) for cut in range(1, len(words) + 1)]
+    return list(min(cuts, key=lambda lines: max(map(len, lines))))
+
+
+def columns(page: Page, top: float, bottom: float) -> None:
+    """Write the tables."""
+    wide, gap = 67.25, 4.0
+    first, second, third, fourth = (
+        Column(page, 8 + (wide + gap) * place, (top, bottom), wide, SIZE) for place in range(4)
+    )
+    first.heading("Telegram control (byte 5)")
+    first.rows(CONTROL, 9)
+    first.heading("Addresses (decimal)")
+    first.rows(addresses(), 14)
+    first.words("A reaction keeps the addresses of its command. No reaction to 200 and above.")
+    first.heading("Status, first byte of a reaction")
+    first.rows(statuses(), 9)
+    first.words("F0 and above: telegram error, no code follows. 12 and 1D: status 02, phase, code.")
+
+    second.heading("Services (byte 6)")
+    second.rows(services(), 19)
+    second.heading("Phases, baud rate masks")
+    second.words(joined("phases"))
+    second.words(joined("baud_masks"))
+    second.heading("Transmission channel (status 02)")
+    second.rows(rows("errors_channel"), 11)
+    second.heading("Error codes of flash (status 01)")
+    second.rows(rows("errors_flash", *FLASH_ERRORS), 11)
+    second.words("Subservice and error byte make the code.")
+
+    third.heading("Subservices of 00: identification")
+    third.rows(rows("subservices_identification"), 9)
+    third.heading("Subservices of 02: flash")
+    third.rows(rows("subservices_flash"), 9)
+    third.heading("Subservices of 03: initialization")
+    third.rows(rows("subservices_initialization"), 9)
+    third.heading("Parameter: control, device, type, number")
+    third.rows(PARAMETER, 15)
+    third.words("Element, bits 3-5 of control: " + joined("elements"))
+
+    fourth.heading("Attribute of a parameter (4 bytes)")
+    fourth.rows(ATTRIBUTE, 11)
+    fourth.heading("Data status of a command")
+    fourth.words(", ".join(f"{int(entry.first, 16):X} {entry.text}" for entry in table("data_states")))
+    fourth.heading("Error codes of parameters (status 01)")
+    fourth.rows(rows("errors_parameter", *PARAMETER_ERRORS), 11)
+    fourth.words(
+        "First digit: element. Last: 1 not available, 2 too short, 3 too long, 4 cannot be changed, "
+        "5 write-protected at present"
+    )
+    fourth.heading("Error codes of phases (status 02)")
+    fourth.rows(rows("errors_phase"), 11)
+
+
+def telegram(page: Page, x: float, y: float, words: str, places: Sequence[int]) -> list[float]:
+    """Draw the characters of a telegram at so many character times; tell where each begins and the last one ends."""
+    edges = [x + CHARACTER * place for place in places]
+    for edge in edges:
+        page.box(edge, y, CHARACTER, 3.6, PALE)
+    page.text(x, y + 7, words, SIZE)
+    return [*edges, edges[-1] + CHARACTER]
+
+
+def timing(page: Page, x: float, y: float) -> None:
+    """Draw what the times are, on one line of the bus, and say it."""
+    page.text(x, y + 2, "Timing", 3.0, font_weight="bold")
+    base = y + 9
+    page.line(x, base + 3.6, x + 148, base + 3.6)
+    command = telegram(page, x + 14, base, "command", [0, 1, 2, 3, 7, 8, 9, 10])
+    reaction = telegram(page, command[-1] + 17, base, "reaction", range(6))
+    again = telegram(page, reaction[-1] + 13, base, "command", range(5))
+    repeat = telegram(page, again[-1] + 25, base, "the same", range(5))
+    # A character has arrived when it is over.
+    spans = (
+        (x + 1, command[0], "silence"),
+        (command[3] + CHARACTER, command[4] + CHARACTER, "TzA"),
+        (command[-1], reaction[1], "TrS"),
+        (again[-1], repeat[0], "no reaction: TwM"),
+    )
+    for begin, end, words in spans:
+        page.span(begin, end, base - 1.5, words, SIZE)
+    page.text(x, base + 12, "A telegram begins after a silence longer than TzA. A slave never speaks first.", SIZE)
+    page.text(x, base + 15.5, "Character: 11 bits (8E1), 1.146 ms at 9600 Bd, 0.0955 ms at 115200 Bd.", SIZE)
+    for number, words in enumerate(TIMES):
+        page.text(x + 155, y + 5.5 + 4 * number, words, SIZE)
+
+
+def sheet() -> str:
+    """Make the whole page."""
+    page = Page(297, 210, "The SIS telegram on one page")
+    page.text(8, 12, "The SIS telegram", 6, font_weight="bold")
+    page.text(
+        289,
+        12,
+        "Codes are hexadecimal. Two bytes and more: low byte first. 8 data bits, even parity, 1 stop bit. "
+        "Edition IF02 of the SIS definition.",
+        SIZE,
+        text_anchor="end",
+    )
+    header(page, 8, 15)
+    page.text(8, 34, EXAMPLE, SIZE)
+    columns(page, 34.5, 180)
+    timing(page, 8, 182.5)
+    return page.svg()
+
+
+def digest(svg: str) -> str:
+    """Give the last line of the PDF: which SVG it was made from. Readers of PDF pass it over."""
+    return f"% sheet.svg {hashlib.sha256(svg.encode()).hexdigest()}\n"
+
+
+def main() -> None:
+    """Write the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--pdf", action="store_true", help="also write sheet.pdf")
+    arguments = parser.parse_args()
+    SVG.write_text(sheet())
+    if arguments.pdf:
+        command = ["rsvg-convert", "--format=pdf", str(SVG)]
+        try:
+            pdf = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
+        except (OSError, subprocess.CalledProcessError) as error:
+            sys.exit(f"sheet.py: {error}; rsvg-convert is in the package librsvg2-bin")
+        SVG.with_suffix(".pdf").write_bytes(pdf + digest(SVG.read_text()).encode())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The page for the wall is what the tables make it, and what hangs there is what is checked in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+import sheet
+from drawing import Column, Page, width, wrapped
+
+
+def texts(svg: str) -> list[str]:
+    return [element.text or "" for element in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")]
+
+
+def test_checked_in_page_is_current() -> None:
+    assert sheet.SVG.read_text() == sheet.sheet(), "python3 sheet.py --pdf"
+
+
+def test_pdf_is_made_from_it() -> None:
+    pdf = sheet.SVG.with_suffix(".pdf").read_bytes()
+    assert pdf.startswith(b"%PDF-")
+    assert pdf.endswith(sheet.digest(sheet.SVG.read_text()).encode()), "python3 sheet.py --pdf"
+
+
+# Of the facts about the protocol, not of the tables: a code, and a word of what stands beside it.
+@pytest.mark.parametrize(
+    ("code", "word"),
+    [
+        ("03", "Initialization"),
+        ("10 80 90", "Read parameter"),
+        ("12 92", "Read phase"),
+        ("F4", "Wrong checksum"),
+        ("F8", "Invalid sequential telegram"),
+        ("7007", "greater than the maximum"),
+        ("800B", "cancelled"),
+        ("D007", "master axis"),
+        ("9701", "Additive checksum"),
+        ("FF", "Accept"),
+        ("254", "one hierarchy level"),
+    ],
+)
+def test_code_stands_beside_its_text(code: str, word: str) -> None:
+    found = texts(sheet.sheet())
+    places = [place for place, text in enumerate(found) if text == code]
+    assert any(word in " ".join(found[place + 1 : place + 3]) for place in places)
+
+
+def test_a_changed_text_changes_the_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """In the one source, the tables of the plugin."""
+    source = tmp_path / "sis-names.c"
+    source.write_text(sheet.SOURCE.read_text().replace("Erase flash", "Wipe flash"))
+    monkeypatch.setattr(sheet, "SOURCE", source)
+    assert "Wipe flash" in texts(sheet.sheet())
+
+
+def test_lines_are_no_wider_than_their_room() -> None:
+    lines = wrapped("0 binary, 1 unsigned, 2 signed, 3 hexadecimal, 4 text, 5 ident number", 2.6, 40)
+    assert all(width(line, 2.6) <= 40 for line in lines)
+    assert not any(line[-1].isdigit() for line in lines), "a number stays with its word"
+
+
+def test_nothing_leaves_the_page_or_its_column() -> None:
+    page = Page(100, 50, "small")
+    with pytest.raises(ValueError, match="outside"):
+        page.text(90, 20, "too far to the right", 3)
+    column = Column(page, 5, (5, 20), 40, 3)
+    with pytest.raises(ValueError, match="too short"):
+        column.rows([("00", "text")] * 9, 10)
