@@ -24,6 +24,7 @@ COMMANDS = {
     "selftest": ("sistap.selftest", "measure how exactly this machine tells when a character came"),
     "extcap": ("sistap.extcap.command", "be an interface of Wireshark, which calls this itself"),
     "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
+    "replay": ("sistap.replay", "play a capture again, with its own timing"),
 }
 
 DESCRIPTION = """\

@@ -18,6 +18,7 @@ LEVEL_BROADCAST = 254  # all on this line; in ECODRIVE03 a group
 CONTROL_SUBADDRESSES = 0x07
 CONTROL_NUMBER = 0x08
 CONTROL_REACTION = 0x10
+CONTROL_SYSTEM = 0xE0  # warnings and errors of the sender; in ECODRIVE03 the status of a reaction
 
 
 class Header(NamedTuple):
@@ -58,6 +59,16 @@ def checksum_good(telegram: bytes) -> bool:
     return sum(telegram) & 0xFF == 0
 
 
+def is_whole(telegram: bytes) -> bool:
+    """Tell whether these bytes are one telegram, with equal and right lengths and a good checksum."""
+    return (
+        len(telegram) >= STATIC_LENGTH
+        and telegram[0] == START
+        and telegram[2] == telegram[3] == len(telegram) - STATIC_LENGTH
+        and checksum_good(telegram)
+    )
+
+
 def parse(telegram: bytes) -> Header:
     """Take a complete telegram apart; short ones yield empty subaddresses, number and body, never an error.
 
@@ -80,11 +91,15 @@ def build(  # noqa: PLR0913 - these are the header's fields
     body: bytes = b"",
     *,
     reaction: bool = False,
+    system: int = 0,
     subaddresses: bytes = b"",
     number: int | None = None,
 ) -> bytes:
-    """Make a complete telegram with right lengths and checksum. ValueError if the body is too long."""
-    control = len(subaddresses) | (CONTROL_REACTION if reaction else 0)
+    """Make a complete telegram with right lengths and checksum. ValueError if the body is too long.
+
+    `system` are the bits of CONTROL_SYSTEM.
+    """
+    control = len(subaddresses) | (CONTROL_REACTION if reaction else 0) | system
     variable = subaddresses
     if number is not None:
         control |= CONTROL_NUMBER

@@ -22,26 +22,13 @@ from hypothesis import strategies as st
 
 from sistap import wire
 from sistap.bus.command import bus
-from sistap.bus.drive import Drive, drive_parameters
 from sistap.bus.hearing import hear
-from sistap.bus.master import Times, commands, read_parameter
-from sistap.bus.parameters import (
-    PARAMETER_MODE_ONLY,
-    READ_ONLY,
-    AccessError,
-    Element,
-    Format,
-    Length,
-    Parameter,
-    attribute,
-    ident,
-    text,
-)
+from sistap.bus.master import commands, read_parameter
 from sistap.bus.playing import NO_FAULTS, Character, Faults, Played, reads, uncertainty
 from sistap.bus.pseudo_terminal import PseudoTerminal
-from sistap.bus.routing import Router
 from sistap.bus.serve import Pace
 from sistap.bus.taps import Taps
+from sistap.bus.times import Times
 from sistap.line import Flag, LineSettings, Read
 from sistap.telegram import build, checksum_good, parse
 
@@ -55,15 +42,6 @@ MANY_FAULTS_TEXT = "parity=0.02,break=0.02,loss=0.02,checksum=0.1,pause=0.02"
 
 def octets(figure: str) -> bytes:
     return bytes.fromhex(figure)
-
-
-def drive(address: int = 3, *more: Parameter) -> Drive:
-    return Drive(address, "CLC-D02,3M-FW", "FWA", [*drive_parameters(), *more])
-
-
-def body_of(reaction: bytes | None) -> bytes:
-    assert reaction is not None
-    return parse(reaction).body
 
 
 # -- What is said ---------------------------------------------------------------------------------------------------
@@ -135,16 +113,6 @@ def test_a_slow_line_gets_times_it_can_keep() -> None:
     assert Times.for_line(slow) == (1470, 147, 14700)
 
 
-def test_identification() -> None:
-    assert drive().react(octets("02 E3 02 02 00 00 10 03 03 01")) == octets(
-        "02 AF 08 08 10 00 10 03 00 03 01 30 31 56 30 31"  # fig. 3-4: 01V01
-    )
-    # fig. 3-8: the device type key
-    key = body_of(drive().react(build(0x00, 16, 3, b"\x03\x03")))
-    assert key == octets("00 03 03 43 4C 43 2D 44 30 32 2C 33 4D 2D 46 57")
-    assert body_of(drive().react(build(0x00, 16, 3, b"\x03\x04"))) == octets("00 03 04 0F")  # all masks ORed
-
-
 def test_both_drives_are_identified() -> None:
     identified = {
         (header.receiver, header.body[1]) for header in map(parse, telegrams()) if header[1] == 0 and header[0] == 0
@@ -178,190 +146,6 @@ def test_values_change_from_cycle_to_cycle() -> None:
     written = [parse(telegram) for telegram in telegrams(cycles=4) if telegram[4:8] == octets("08 1F 10 03")]
     assert [header.number for header in written] == [1, 2, 3, 4]
     assert len({header.body for header in written}) == 4
-
-
-# -- A drive --------------------------------------------------------------------------------------------------------
-
-
-def test_parameters_are_named_as_in_the_documents() -> None:
-    assert ident("S-0-0044") == octets("00 2C 00")
-    assert ident("P-0-0012") == octets("00 0C 80")  # fig. 8-42
-    assert ident("P-2-0012") == octets("00 0C A0")  # parameter set 2 in bits 12 to 14
-    assert ident("A-0-0004") == octets("01 04 00")
-    assert ident("C-0-0066") == octets("02 42 00")
-    for wrong in ("S-0-44", "X-0-0001", "S-8-0001", "S-0-4096"):
-        with pytest.raises(ValueError, match="is not a parameter"):
-            ident(wrong)
-
-
-def test_a_command_and_its_data_status() -> None:
-    """Fig. 8-42 and 8-43: the ident number of P-0-0012 is written, the data status comes back."""
-    absolute = Parameter("P-0-0012", "C300", attribute(Length.TWO_BYTES, Format.BINARY, command=True), b"\0\0")
-    slave = drive(1, absolute)
-    request = build(0x1F, 16, 1, octets("0C 01 00 0C 80 0C 80"))
-    assert body_of(slave.react(request)) == octets("00 0C 01 00 00")
-    slave.react(build(0x1F, 16, 1, octets("3C 01 00 0C 80 03 00")))
-    assert body_of(slave.react(request)) == octets("00 0C 01 03 00")
-    without_data = build(0x1F, 16, 1, octets("0C 01 00 0C 80"))
-    assert body_of(slave.react(without_data)) == octets("00 0C 01 03 00")
-
-
-@pytest.mark.parametrize(
-    ("element", "data", "code"),
-    [
-        (Element.CHANNEL, b"", 0x0009),
-        (Element.NAME, b"x", 0x2004),
-        (Element.ATTRIBUTE, b"x", 0x3004),
-        (Element.UNIT, b"x", 0x4004),
-        (Element.MINIMUM, b"x", 0x5004),
-        (Element.MAXIMUM, b"x", 0x6004),
-        (Element.DATA, b"\0\0\0", 0x7002),
-        (Element.DATA, b"\0\0\0\0\0", 0x7003),
-        (Element.DATA, (-101).to_bytes(4, "little", signed=True), 0x7006),
-        (Element.DATA, (101).to_bytes(4, "little"), 0x7007),
-    ],
-)
-def test_wrong_writes_get_the_codes_of_fig_8_48(element: Element, data: bytes, code: int) -> None:
-    low, high = (-100).to_bytes(4, "little", signed=True), (100).to_bytes(4, "little")
-    scaled = attribute(Length.FOUR_BYTES, Format.SIGNED)
-    parameter = Parameter("S-0-0036", "Velocity", scaled, bytes(4), "rpm", low, high)
-    slave = Drive(3, "", "", [parameter])
-    body = bytes([element << 3 | 4, 3, 0, 36, 0]) + data
-    assert body_of(slave.react(build(0x1F, 16, 3, body))) == bytes([1, body[0], 3]) + code.to_bytes(2, "little")
-    assert parameter.data == bytes(4)
-
-
-def test_write_protection() -> None:
-    def write(protection: int, phase: int) -> None:
-        bits = attribute(Length.TWO_BYTES, Format.UNSIGNED, 0, protection)
-        Parameter("S-0-0001", "", bits, b"\0\0").write(Element.DATA, b"\1\0", phase)
-
-    with pytest.raises(AccessError) as never:
-        write(READ_ONLY, 2)
-    assert never.value.code == 0x7004
-    with pytest.raises(AccessError) as not_now:
-        write(PARAMETER_MODE_ONLY, 4)
-    assert not_now.value.code == 0x7005
-    write(PARAMETER_MODE_ONLY, 2)
-
-
-def test_missing_elements_are_said_to_be_missing() -> None:
-    bare = Parameter("S-0-0001", "x", attribute(Length.TWO_BYTES, Format.UNSIGNED), b"\0\0")
-    for element, code in ((Element.UNIT, 0x4001), (Element.MINIMUM, 0x5001), (Element.MAXIMUM, 0x6001), (0, 0x0009)):
-        with pytest.raises(AccessError) as missing:
-            bare.read(Element(element))
-        assert missing.value.code == code
-
-
-def test_attribute_bits() -> None:
-    # factor 1; four bytes: 2 << 16; signed: 2 << 20; four decimals: 4 << 24; protected in phases 2 to 4: bits 28 to 30
-    assert attribute(Length.FOUR_BYTES, Format.SIGNED, 4, READ_ONLY) == (0x74220001).to_bytes(4, "little")
-    assert attribute(Length.LIST_OF_BYTES, Format.TEXT) == (0x00440001).to_bytes(4, "little")
-    assert attribute(Length.TWO_BYTES, Format.BINARY, command=True) == (0x00090001).to_bytes(4, "little")
-    assert text("rpm") == octets("03 00 03 00 72 70 6D")
-
-
-def test_telegram_errors_have_the_useful_data_header_and_no_data() -> None:
-    slave = drive()
-    assert body_of(slave.react(build(0x05, 16, 3, b"\x03\x01"))) == octets("F0")  # service without a definition
-    assert body_of(slave.react(build(0x00, 16, 3, b"\x03\x09"))) == octets("FB 03 09")
-    assert body_of(slave.react(build(0x03, 16, 3, b"\x03\x06\x01"))) == octets("FB 03 06")
-    assert body_of(slave.react(build(0x03, 16, 3, b"\x03\x01\x32"))) == octets("FA 03 01")
-    assert body_of(slave.react(build(0x10, 16, 3, b"\x3c"))) == octets("FA 3C")
-    routed = build(0x12, 16, 3, subaddresses=b"\x02\x08")
-    assert body_of(slave.react(routed)) == octets("F9")
-
-
-def test_a_baud_rate_without_a_mask_is_refused() -> None:
-    # 0x0700 (fig. 6-13): subservice 07 and error byte 00
-    assert body_of(drive().react(build(0x03, 16, 3, b"\x03\x07\x03"))) == octets("01 03 07 00")
-
-
-def test_who_is_not_answered() -> None:
-    slave = drive()
-    command = build(0x12, 16, 3)
-    assert slave.react(command) is not None
-    assert slave.react(build(0x12, 16, 4)) is None  # somebody else
-    assert slave.react(build(0x12, 16, 255)) is None
-    assert slave.react(build(0x12, 16, 3, b"\x00\x04", reaction=True)) is None  # its own reaction
-    for place in range(1, len(command)):  # damaged: on RS485 no answer
-        damaged = bytearray(command)
-        damaged[place] ^= 0x40
-        assert slave.react(bytes(damaged)) is None
-    assert slave.react(command[:5]) is None
-    # 02 D9 00 00 00 12 10 03 with other lengths: 01 and FF add up to the same
-    assert slave.react(octets("02 D9 01 FF 00 12 10 03")) is None
-
-
-def test_a_broadcast_is_obeyed() -> None:
-    slave = drive()
-    velocity = ident("S-0-0036")
-    assert slave.react(build(0x1F, 16, 255, octets("3C 00 00 24 00 E8 03 00 00"))) is None
-    assert slave.parameters[velocity].data == octets("E8 03 00 00")
-
-
-def test_the_same_telegram_number_again_is_answered_but_not_obeyed() -> None:
-    slave = drive()
-    status = slave.parameters[ident("S-0-0099")]
-    numbered = build(0x1F, 16, 3, octets("3C 03 00 63 00 03 00"), number=7)
-    first = slave.react(numbered)
-    status.data = b"\0\0"
-    assert slave.react(numbered) == first
-    assert status.data == b"\0\0"
-    # One more in the number, one less in the data: the eight bytes of the static header are the same.
-    slave.react(build(0x1F, 16, 3, octets("3C 03 00 63 00 02 00"), number=8))
-    assert status.data == b"\2\0"
-    status.data = b"\0\0"
-    zero = build(0x1F, 16, 3, octets("3C 03 00 63 00 03 00"), number=0)
-    slave.react(zero)
-    assert status.data == b"\3\0"
-
-
-# -- Routing --------------------------------------------------------------------------------------------------------
-
-
-class EndStation:
-    """Station 8 of fig. 2-12 and 2-13, whose bodies are dummies."""
-
-    address = 8
-
-    def __init__(self) -> None:
-        self.heard: list[bytes] = []
-
-    def react(self, command: bytes) -> bytes | None:
-        self.heard.append(command)
-        return octets("02 E9 03 03 10 03 02 08 00 01 F1")
-
-
-class Passing:
-    """Notes what passes a station."""
-
-    def __init__(self, station: Router) -> None:
-        self.address = station.address
-        self.heard: list[bytes] = []
-        self.said: list[bytes | None] = []
-        self._station = station
-
-    def react(self, command: bytes) -> bytes | None:
-        self.heard.append(command)
-        self.said.append(self._station.react(command))
-        return self.said[-1]
-
-
-def test_routing_as_in_fig_2_10_to_2_15() -> None:
-    end = EndStation()
-    middle = Passing(Router(drive(2), [end]))
-    answer = Router(drive(3), [middle]).react(octets("02 E1 05 05 02 03 10 03 02 08 F0 01 00"))
-    assert middle.heard == [octets("02 F4 04 04 01 03 03 02 08 F0 01 00")]
-    assert end.heard == [octets("02 FA 03 03 00 03 02 08 F0 01 00")]
-    assert middle.said == [octets("02 E3 04 04 11 03 03 02 08 00 01 F1")]
-    assert answer == octets("02 D0 05 05 12 03 10 03 02 08 00 01 F1")
-
-
-def test_nobody_below_answers() -> None:
-    router = Router(drive(3), [])
-    assert router.react(build(0x12, 16, 3, subaddresses=b"\x05")) is None
-    assert body_of(router.react(build(0x12, 16, 3))) == octets("00 04")  # but itself it does
 
 
 # -- When it is said ------------------------------------------------------------------------------------------------
@@ -885,8 +669,8 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
         (["--baud", "0"], "for example 9600"),
         (["--cycles", "-1"], "0 plays until stopped"),
         (["--reads", "0", "--listen", "127.0.0.1:0"], "from 1"),
-        (["--fast"], "need --listen"),
-        (["--reads", "5"], "need --listen"),
+        (["--fast"], "needs --listen"),
+        (["--reads", "5"], "needs --listen"),
         (["--faults", "parity=0.1"], "use --listen"),
         (["--faults", "rain=0.1"], "NAME one of parity, break, loss, checksum, pause"),
         (["--rates", "9600,4800"], "'4800' is not one of 9600, 19200, 38400, 57600, 115200"),

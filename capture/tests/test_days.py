@@ -15,12 +15,14 @@ from pathlib import Path
 import pytest
 from pcapng import FileScanner
 from pcapng.blocks import InterfaceStatistics
-from test_bus import TIMEOUT_S, drive
+from test_bus import TIMEOUT_S
 from test_end_to_end import packets
+from test_stations import drive
 
 from sistap import session
-from sistap.bus.master import Rate, read_parameter
+from sistap.bus.master import read_parameter
 from sistap.bus.playing import NO_FAULTS, Played, Player, reads
+from sistap.bus.script import Rate
 from sistap.bus.serve import Pace
 from sistap.bus.taps import Taps
 from sistap.clock import Clock
@@ -48,11 +50,10 @@ DRIFT_PPM = 80  # a poor quartz: 6.9 s a day
 
 def day() -> Iterator[Played]:
     """A master that reads a value every ten seconds."""
-    player, station = Player(LINE, NO_FAULTS, 1), drive(3)
+    player = Player(LINE, NO_FAULTS, 1, [drive(3)])
     for _ in range(EXCHANGES):
         player.change(Rate(LINE.baud, EVERY_S * 1000))
-        command = read_parameter(3, "S-0-0040")
-        yield from player.exchange(command, station.react(command))
+        yield from player.exchange(read_parameter(3, "S-0-0040"))
 
 
 def play(path: str) -> None:

@@ -161,7 +161,7 @@ def test_fields_are_checked_as_they_are_filled_in(
 def test_ports_and_the_demo_bus_have_fields_of_their_own(capsys: pytest.CaptureFixture[str]) -> None:
     port, demo = set(fields(capsys, "sistap-ttyS0")), set(fields(capsys, "sistap-demo"))
     assert port - demo == {"--second-port", "--uncertainty"}
-    assert demo - port == {"--faults"}
+    assert demo - port == {"--scenario", "--faults"}
 
 
 @pytest.mark.usefixtures("plugged")

@@ -4,109 +4,170 @@
 from __future__ import annotations
 
 import argparse
-import signal
+import math
+import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import FrameType
 
-from sistap.bus.drive import Drive, Station, drive_parameters
-from sistap.bus.master import DRIVES, ROUTE, commands
-from sistap.bus.playing import NO_FAULTS, Faults, Played, Player, play
-from sistap.bus.routing import Router
-from sistap.bus.serve import Log, Pace, Wire, serve
+from sistap.bus import scenario, wires
+from sistap.bus.playing import NO_FAULTS, Faults, Played
+from sistap.bus.scenario import DEFAULT, Playing, Scenario, character_format, load
+from sistap.bus.serve import Log, Pace, Wire
+from sistap.bus.wires import DONE, USAGE, Refusal, stoppable
 from sistap.line import LineSettings
+from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
 from sistap.rates import RATES
 
-_DONE, _FAILED, _USAGE, _PORT = 0, 1, 2, 3
+DESCRIPTION = """\
+Play a SIS bus: masters that ask, stations that answer, and what goes wrong between them, as a scenario says. It begins
+when somebody listens. Nothing is sent on a real port unless --transmit allows it.
+"""
 
+EPILOG = """\
+A SCENARIO is a built-in one (--list names them) or a FILE.toml; the README beside the built-in ones (in
+sistap/bus/scenarios) says how one is written. One that has stations but no master waits for a real master; one that
+has a master but no stations talks to real ones, at a port only. The same seed plays the same bytes.
 
-class _Stopped(Exception):
-    """SIGINT or SIGTERM came."""
+examples:
+  sistap bus                                       a master and two drives, at a pseudo terminal
+  sistap bus --list                                what else there is
+  sistap bus late-reaction -w late.pcapng          straight into a capture file, at once
+  sistap bus noise --listen 127.0.0.1:5000         for `sistap capture -i bus://127.0.0.1:5000`
+  sistap bus drives                                drives that wait for your master
+  sistap bus mine.toml --port /dev/ttyUSB0 --transmit
+                                                   your script against drives on a real line
+
+exit status:
+  0  done; also when stopped by Ctrl-C or SIGTERM
+  1  failed while running (port lost, disk full): what came before is saved
+  2  wrong usage, a SCENARIO that cannot be read, or a FILE that cannot be written
+  3  the port cannot be opened
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of `sistap bus`."""
-    parser.description = "Play a SIS bus, a master (16) and two drives (3 and 4), when somebody starts to listen."
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--pty", action="store_true", help="at a pseudo terminal; its name is printed (default)")
-    where.add_argument("--listen", metavar="HOST:PORT|PATH", help="at a socket, for `sistap capture -i bus://...`")
-    parser.add_argument("--baud", type=int, default=9600, help="rate of the line (default 9600)")
-    parser.add_argument("--format", default="8E1", help="character format (default 8E1)")
-    parser.add_argument(
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add("scenario", nargs="?", default=DEFAULT, metavar="SCENARIO", help=f"built-in, or FILE.toml (default {DEFAULT})")
+    add("--list", action="store_true", help="list the built-in scenarios")
+    where = wires.add_arguments(parser)
+    where.add_argument("-w", dest="file", metavar="FILE", help="into a capture file, at once; - is standard output")
+    add("--reads", type=int, default=1, metavar="N", help="up to so many characters a read (with --listen or -w)")
+    add("--baud", type=int, help="rate of the line (default: the scenario's, usually 9600)")
+    add("--format", help="character format (default: the scenario's, usually 8E1)")
+    add(
         "--rates",
         metavar="RATE,...",
-        help="after each loop the master tests the next of these rates with a drive, then tells it to all of them; "
-        "9600, 19200, 38400, 57600 or 115200",
+        help="after each loop the demo's master tests the next of these rates with a drive, then tells it to all of "
+        "them; 9600, 19200, 38400, 57600 or 115200",
     )
-    parser.add_argument("--seed", type=int, default=1, help="same seed, same bus (default 1)")
-    parser.add_argument(
-        "--cycles", type=int, default=0, help="play the loop so often, then end (default: until stopped)"
-    )
-    parser.add_argument("--fast", action="store_true", help="do not wait for real time (with --listen)")
-    parser.add_argument(
-        "--reads", type=int, default=1, help="up to so many characters a read (with --listen; default 1)"
-    )
-    parser.add_argument(
+    add("--seed", type=int, default=1, help="same seed, same bus (default 1)")
+    add("--cycles", type=int, default=0, help="play a loop so often, then end (default: until stopped; with -w once)")
+    add("--duration", type=float, metavar="SECONDS", help="end after so much time of the bus")
+    add(
         "--faults",
         metavar="NAME=P,...",
-        help="probabilities: parity, break, loss and pause of a character, checksum of a telegram",
+        help="disturb what a tap hears; probabilities: parity, break, loss and pause of a character, checksum of a "
+        "telegram",
     )
-    parser.add_argument("--log", type=Path, metavar="FILE", help="write a line for each telegram: time, bytes, faults")
+    add("--log", type=Path, metavar="FILE", help="write a line for each telegram: time, bytes, faults")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play the bus until its end or a signal; gives the exit code."""
+    """Play the bus until its end or a signal; gives the exit code. May raise PortError or PortLost."""
+    if args.list:
+        return _list()
     try:
-        settings, faults, rates = _checked(args)
-    except ValueError as error:
-        return _fail(_USAGE, str(error))
-    try:
-        log = Log(args.log) if args.log else None
-    except OSError as error:
-        return _fail(_USAGE, f"cannot write the log {args.log}: {error.strerror}; name another file with --log")
-    with _stoppable():
+        played, settings, how = _checked(args)
+        log = _log(args.log)
         try:
-            return _serve(args, settings, bus(settings, args.seed, args.cycles, faults, rates), log)
-        except _Stopped:
-            return _DONE
+            with stoppable():
+                _play(args, played, settings, how, log)
         finally:
             if log:
                 log.close()
+    except Refusal as refusal:
+        print(f"sistap bus: {refusal}", file=sys.stderr)
+        return refusal.code
+    return DONE
 
 
 def bus(
     settings: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults = NO_FAULTS, rates: Sequence[int] = ()
 ) -> Iterator[Played]:
-    """Make the whole bus: everything that is sent on it, in order."""
-    far_away = Drive(ROUTE[-1], "DKC01.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", drive_parameters(), seed)
-    between = Router(Drive(ROUTE[0], "CLC-D02.3M-FW", "FWA-CLC*DP-SY*-06VRS-MS", []), [far_away])
-    stations: list[Station] = [
-        Drive(address, "DKC02.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", drive_parameters(), seed) for address in DRIVES
-    ]
-    stations[0] = Router(stations[0], [between])
-    return play(Player(settings, faults, seed), commands(settings, seed, cycles, rates), stations)
+    """Make the demo: everything that is sent on its bus, in order."""
+    return load(DEFAULT).play(settings, Playing(seed, cycles, faults, rates))
 
 
-def _checked(args: argparse.Namespace) -> tuple[LineSettings, Faults, list[int]]:
-    """Check the options; ValueError says what is wrong and what to do."""
-    if args.baud <= 0:
+def _list() -> int:
+    names = scenario.names()
+    width = max(map(len, names))
+    for name in names:
+        print(f"{name:{width}}  {load(name).title}")
+    return DONE
+
+
+def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]:
+    """Read the scenario and check the options. Refusal says what is wrong and what to do."""
+    try:
+        played = load(args.scenario)
+        settings = _settings(args, played.settings)
+        faults = Faults.parse(args.faults) if args.faults else NO_FAULTS
+        _check_numbers(args)
+        wires.check(args)
+        if (faults.parity or faults.break_) and not (args.listen or args.file):
+            raise ValueError("a pseudo terminal cannot carry parity errors and breaks: use --listen")
+        _check_place(args, played)
+        cycles = args.cycles or (1 if args.file and args.duration is None else 0)
+        end_ns = math.inf if args.duration is None else args.duration * 1e9
+        return played, settings, Playing(args.seed, cycles, faults, _rates(args), end_ns)
+    except ValueError as error:
+        raise Refusal(USAGE, str(error)) from error
+    except OSError as error:
+        cure = "`sistap bus --list` names what is built in"
+        raise Refusal(USAGE, f"cannot read {args.scenario}: {error.strerror}; {cure}") from error
+
+
+def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:
+    if args.baud is not None and args.baud <= 0:
         raise ValueError(f"--baud {args.baud} is no rate (for example 9600)")
-    settings = LineSettings.parse(args.baud, args.format)
-    if settings.data_bits != 8:
-        raise ValueError(f"--format {args.format}: SIS needs 8 data bits (for example 8E1)")
+    try:
+        return character_format(args.baud or usual.baud, args.format or usual.format)
+    except ValueError as error:
+        raise ValueError(f"--format {args.format}: {error}") from None
+
+
+def _check_numbers(args: argparse.Namespace) -> None:
     if args.cycles < 0:
         raise ValueError(f"--cycles {args.cycles} is negative; 0 plays until stopped")
-    if not 1 <= args.reads <= 0xFFFF:
-        raise ValueError(f"--reads {args.reads} is not a number of characters from 1 to 65535")
-    faults = Faults.parse(args.faults) if args.faults else NO_FAULTS
-    if not args.listen:
-        if args.fast or args.reads > 1:
-            raise ValueError("--fast and --reads need --listen: a pseudo terminal knows only real time")
-        if faults.parity or faults.break_:
-            raise ValueError("a pseudo terminal cannot carry parity errors and breaks: use --listen")
-    return settings, faults, _rates(args)
+    if not 1 <= args.reads <= wires.ALL:
+        raise ValueError(f"--reads {args.reads} is not a number of characters from 1 to {wires.ALL}")
+    if args.reads > 1 and not (args.listen or args.file):
+        raise ValueError("--reads needs --listen or -w: a pseudo terminal and a port take one after the other")
+    if args.duration is not None and not args.duration > 0:
+        raise ValueError(f"--duration {args.duration:g} is no time in seconds (for example 60)")
+
+
+def _check_place(args: argparse.Namespace, played: Scenario) -> None:
+    """Refuse a scenario that cannot be played where it is to be played."""
+    name = args.scenario
+    if not played.station_tables and not args.port:
+        raise ValueError(f"{name} has no stations, it talks to real ones: add --port PORT --transmit")
+    if not played.masters and (args.listen or args.file):
+        raise ValueError(f"{name} has no master, it waits for a real one: leave out --listen and -w, or use --port")
+    if not played.masters and (args.log or args.duration is not None):
+        raise ValueError(
+            f"{name} has no master, it answers a real one until it is stopped: leave out --log, --duration"
+        )
+    if not played.is_complete and args.faults:
+        raise ValueError("--faults disturbs what a tap hears, but a real line is not disturbed: leave it out")
+    if args.rates and name != DEFAULT:
+        raise ValueError(f"--rates is for the scenario {DEFAULT}: leave it out")
+    if args.file == STANDARD_OUTPUT and os.isatty(1):
+        raise ValueError("a terminal cannot show a pcapng file: add | wireshark -k -i - or name a file with -w")
 
 
 def _rates(args: argparse.Namespace) -> list[int]:
@@ -117,57 +178,49 @@ def _rates(args: argparse.Namespace) -> list[int]:
     return [int(name) for name in names]
 
 
-def _serve(args: argparse.Namespace, settings: LineSettings, telegrams: Iterable[Played], log: Log | None) -> int:
-    pace = Pace(simulated=args.fast)
+def _log(path: Path | None) -> Log | None:
     try:
-        wire = _wire(args, settings, pace)
-    except ValueError as error:
-        return _fail(_USAGE, f"--listen {error}")
+        return Log(path) if path else None
     except OSError as error:
-        cure = "choose another port (0: any free one) or PATH" if args.listen else "close some terminals"
-        return _fail(_PORT, f"cannot listen at {args.listen or 'a pseudo terminal'}: {error.strerror or error}; {cure}")
+        text = f"cannot write the log {path}: {error.strerror}; name another file with --log"
+        raise Refusal(USAGE, text) from error
+
+
+def _play(args: argparse.Namespace, played: Scenario, settings: LineSettings, how: Playing, log: Log | None) -> None:
+    """Play it where it is to be played. May raise Refusal, PortError or PortLost."""
+    if not played.station_tables:
+        from sistap.bus.talking import talk
+
+        talk(args.port, settings, played, how, log)
+    elif not played.masters:
+        _answer(args, settings, played)
+    else:
+        pace = Pace(simulated=args.fast or bool(args.file))
+        wire = _recording(args, settings) if args.file else wires.opened(args, settings, pace, args.seed, args.reads)
+        wires.play(wire, pace, played.play(settings, how), log, f"{settings.baud} {settings.format}, seed {args.seed}")
+
+
+def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario) -> None:
+    """Answer a real master until a signal comes."""
+    from sistap.bus.answering import serve as answer
+
+    port = wires.port(args, settings, args.seed)
     try:
-        print(wire.name, flush=True)
-        wire.wait_for_listener()
-        if log:
-            log.begin(f"{settings.baud} {settings.format}, seed {args.seed}, time 0 is {pace.wall_ns()} ns since 1970")
-        serve(wire, telegrams, log)
+        print(port.name, flush=True)
+        answer(port, played.stations(args.seed))
     except OSError as error:
-        saved = "; the log has what was played before" if log else ""
-        return _fail(_FAILED, f"the bus stopped: {error.strerror or error}{saved}")
+        raise Refusal(wires.FAILED, f"the bus stopped: {error.strerror or error}") from error
     finally:
-        wire.close()
-    return _DONE
+        port.close()
 
 
-def _wire(args: argparse.Namespace, settings: LineSettings, pace: Pace) -> Wire:
-    # Imported here: Windows has no pseudo terminals, and a pty needs no sockets.
-    if args.listen:
-        from sistap.bus.taps import Taps
+def _recording(args: argparse.Namespace, settings: LineSettings) -> Wire:
+    from sistap.bus.recording import Recording
 
-        return Taps(pace, args.listen, args.seed, args.reads)
     try:
-        from sistap.bus.pseudo_terminal import PseudoTerminal
-    except ImportError:
-        raise OSError(0, "this system has none") from None
-    return PseudoTerminal(pace, settings.baud, args.seed)
-
-
-@contextmanager
-def _stoppable() -> Iterator[None]:
-    """Let SIGINT and SIGTERM end the bus, even where a script started it in the background with SIGINT ignored."""
-
-    def stop(signum: int, frame: FrameType | None) -> None:
-        raise _Stopped
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _fail(code: int, text: str) -> int:
-    print(f"sistap bus: {text}", file=sys.stderr)
-    return code
+        text = f"scenario {args.scenario}, seed {args.seed}"
+        return Recording(Output(args.file), settings, text, args.seed, args.reads)
+    except OutputRefused as error:
+        raise Refusal(USAGE, str(error)) from error
+    except OutputError as error:
+        raise Refusal(wires.FAILED, str(error)) from error

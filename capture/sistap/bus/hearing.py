@@ -8,7 +8,16 @@ from __future__ import annotations
 
 import random
 
+from sistap.bus.playing import Character
 from sistap.line import Flag, LineSettings
+
+
+def received(character: Character, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, int]:
+    """Give value and flags of a character of the bus, as a tap receives it; a fault of the line is one for any tap."""
+    if tap[:3] == line[:3]:  # a receiver looks at no more than one stop bit
+        return character.value, character.flags
+    value, flags = hear(character.value, line, tap, noise)
+    return value, character.flags | flags
 
 
 def hear(value: int, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, Flag]:

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The master's script: which commands it sends, in which order. When they are sent is the business of `playing`."""
+"""The script of the demo's master: which commands it sends, in which order."""
 
 from __future__ import annotations
 
 import itertools
 import random
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 from sistap.bus.parameters import Element, control, ident, number
+from sistap.bus.script import Rate, Script
+from sistap.bus.times import Times
 from sistap.line import LineSettings
 from sistap.rates import BAUD_MASKS
 from sistap.telegram import BROADCAST, build
@@ -27,29 +28,8 @@ _VELOCITY_STEP = 400_000  # 0.0001 rpm
 _VELOCITY_LIMIT = 29_000_000
 
 
-class Times(NamedTuple):
-    """What the master tells the drives with service 0x03, in ms."""
-
-    trs: int  # slave reaction time
-    tza: int  # character interval
-    tmas: int  # cycle of the master control word
-
-    @classmethod
-    def for_line(cls, settings: LineSettings) -> Times:
-        """Choose times that the line can keep: TzA 5 ms, or four characters of a slow line."""
-        tza = max(5, -(-4 * settings.character_ns // 1_000_000))
-        return cls(10 * tza, tza, 100 * tza)
-
-
-class Rate(NamedTuple):
-    """From here on the bus has this rate; the master is silent until `after_ms` after it had the one before."""
-
-    baud: int
-    after_ms: int = 0
-
-
-def commands(settings: LineSettings, seed: int, cycles: int, rates: Sequence[int] = ()) -> Iterator[bytes | Rate]:
-    """Give the command telegrams: the start-up, then the loop `cycles` times, 0: without end.
+def commands(settings: LineSettings, seed: int, cycles: int, rates: Sequence[int] = ()) -> Script:
+    """Play the demo: the start-up, then the loop `cycles` times, 0: without end.
 
     After each loop the bus goes on to the next of `rates` (of RATES), in turn.
     """

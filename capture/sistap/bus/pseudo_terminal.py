@@ -36,7 +36,7 @@ class PseudoTerminal:
         self._master, slave = os.openpty()
         self.name = os.ttyname(slave)
         tty.setraw(slave)
-        _set_speed(slave, baud)
+        set_speed(slave, baud)
         os.close(slave)  # from now on POLLHUP tells that nobody has it open
         os.set_blocking(self._master, False)
         self._poll = select.poll()
@@ -74,7 +74,7 @@ class PseudoTerminal:
 
     def _hear(self, value: int, line: LineSettings) -> int:
         """What a listener with another rate makes of a character; its parity nobody can see."""
-        rate = _speed(self._master)
+        rate = speed(self._master)
         if rate is None or rate == line.baud:
             return value
         return hear(value, line, line._replace(baud=rate), self._noise)[0]
@@ -98,7 +98,7 @@ class PseudoTerminal:
         os.close(slave)
 
 
-def _set_speed(slave: int, baud: int) -> None:
+def set_speed(slave: int, baud: int) -> None:
     """Set the rate where the terminal knows it: to the pty it is nothing but a note."""
     speed = getattr(termios, f"B{baud}", None)
     if speed is not None:
@@ -107,6 +107,6 @@ def _set_speed(slave: int, baud: int) -> None:
         termios.tcsetattr(slave, termios.TCSANOW, attributes)
 
 
-def _speed(terminal: int) -> int | None:
+def speed(terminal: int) -> int | None:
     """Give the rate that whoever has it open has set; None if it is none of RATES."""
     return _RATES.get(termios.tcgetattr(terminal)[4])

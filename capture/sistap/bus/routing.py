@@ -3,46 +3,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
-from sistap.bus.drive import Station
-from sistap.telegram import build, parse
+from sistap.bus.initialization import Initialization
+from sistap.bus.slave import Slave, damage
+from sistap.bus.station import Station
+from sistap.telegram import BROADCAST, CONTROL_SYSTEM, Header, build, parse
 
 
 class Router:
     """A station that answers for itself and passes on what has subaddresses."""
 
-    def __init__(self, station: Station, behind: Iterable[Station]) -> None:
+    def __init__(self, station: Slave, behind: Sequence[Station]) -> None:
         """Put a level with the stations `behind` below `station`."""
         self.address = station.address
         self._station = station
-        self._behind = {lower.address: lower for lower in behind}
+        self._behind = behind
 
-    def react(self, command: bytes) -> bytes | None:
+    @property
+    def initialization(self) -> Initialization:
+        """What the station was told of the line above."""
+        return self._station.initialization
+
+    def react(self, command: bytes, now_ns: int) -> bytes | None:
         """Give the station's own reaction, or that from below; None also if nobody below answers."""
+        if damage(command) is not None:
+            return self._station.react(command, now_ns)
         header = parse(command)
-        if header.reaction or header.receiver != self.address or not header.subaddresses:
-            return self._station.react(command)
-        lower = self._behind.get(header.subaddresses[0])
-        if lower is None:
-            return None
-        passed_on = build(
-            header.service,
-            self.address,
-            header.subaddresses[0],
-            header.body,
-            subaddresses=header.subaddresses[1:],
-            number=header.number,
-        )
-        answer = lower.react(passed_on)
+        if not header.reaction and header.receiver == BROADCAST:
+            self._pass_on(header, BROADCAST, header.subaddresses, now_ns)  # global: to all levels
+        if header.reaction or not self._station.is_meant(header.receiver) or not header.subaddresses:
+            return self._station.react(command, now_ns)
+        answer = self._pass_on(header, header.subaddresses[0], header.subaddresses[1:], now_ns)
         if answer is None:
             return None
+        below = parse(answer)
         return build(
             header.service,
             header.sender,
-            self.address,
-            parse(answer).body,
+            header.receiver,
+            below.body,
             reaction=True,
+            system=below.control & CONTROL_SYSTEM,
             subaddresses=header.subaddresses,
             number=header.number,
         )
+
+    def _pass_on(self, header: Header, receiver: int, subaddresses: bytes, now_ns: int) -> bytes | None:
+        """Let all stations of the level below hear the command; gives the reaction of the one that it is for."""
+        passed_on = build(
+            header.service, self.address, receiver, header.body, subaddresses=subaddresses, number=header.number
+        )
+        reactions = [station.react(passed_on, now_ns) for station in self._behind]
+        return next((reaction for reaction in reactions if reaction), None)

@@ -15,13 +15,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sistap import wire
-from sistap.bus.hearing import hear
+from sistap.bus.hearing import received
 from sistap.bus.playing import Character, Played, reads, uncertainty
 from sistap.bus.serve import Pace
 from sistap.line import LineSettings, Read
 
 _LEAVE_S = 2.0  # how long a tap may take to notice that the bus has ended
-_LINE = 0  # one shared bus
 _TICK_NS = 1_000_000_000  # so often, at least, does a tap hear of simulated time
 
 
@@ -66,15 +65,15 @@ class Tap:
                 return False
         return True
 
-    def send(self, read: Sequence[Character], line: LineSettings, wall_ns: int) -> bool:
-        """Send one read of a line, heard with the tap's own settings; False if it has left."""
+    def send(self, read: Sequence[Character], played: Played, wall_ns: int) -> bool:
+        """Send one read of what was played, heard with the tap's own settings; False if it has left."""
         if self.settings is None:
             return True
-        heard = [self._hear(character, line, self.settings) for character in read]
+        heard = [received(character, played.settings, self.settings, self._noise) for character in read]
         values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
-        message = Read(_LINE, wall_ns, values, flags, uncertainty(read))
+        uncertainty_ns = max(uncertainty(read), played.uncertainty_ns)
         try:
-            self.connection.sendall(wire.pack_read(message))
+            self.connection.sendall(wire.pack_read(Read(played.line, wall_ns, values, flags, uncertainty_ns)))
         except OSError:
             return False
         return True
@@ -87,13 +86,6 @@ class Tap:
             while self.connection.recv(4096):
                 pass
         self.connection.close()
-
-    def _hear(self, character: Character, line: LineSettings, tap: LineSettings) -> tuple[int, int]:
-        """Value and flags; a fault of the line is one with any settings."""
-        if tap[:3] == line[:3]:  # a receiver looks at no more than one stop bit
-            return character.value, character.flags
-        value, flags = hear(character.value, line, tap, self._noise)
-        return value, character.flags | flags
 
 
 class Taps:
@@ -143,7 +135,7 @@ class Taps:
             if not self._pace.simulated:
                 self._attend(0)
             wall_ns = self._pace.wall_ns(time_ns)
-            self._keep([tap for tap in self._taps if tap.send(read, line, wall_ns)])
+            self._keep([tap for tap in self._taps if tap.send(read, played, wall_ns)])
             self._now = time_ns
         return []
 

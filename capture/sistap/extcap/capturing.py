@@ -61,7 +61,8 @@ def _options(args: argparse.Namespace) -> argparse.Namespace:
     """Give the options of `sistap capture`; ValueError says what is wrong with those of the dialog."""
     parser = _Parser(allow_abbrev=False)
     capture.add_arguments(parser)
-    ports = ["-i", demo.start(args.faults) if args.extcap_interface == DEMO else port_of(args.extcap_interface)]
+    demo_bus = args.extcap_interface == DEMO
+    ports = ["-i", demo.start(args.faults, args.scenario) if demo_bus else port_of(args.extcap_interface)]
     if args.second_port:
         ports += ["-i", port_of(args.second_port)]
     if args.extcap_capture_filter:

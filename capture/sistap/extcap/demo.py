@@ -5,19 +5,20 @@ from __future__ import annotations
 
 import threading
 
-from sistap.bus.command import bus
 from sistap.bus.playing import NO_FAULTS, Faults
+from sistap.bus.scenario import DEFAULT, Playing, load
 from sistap.bus.serve import Pace, serve
 from sistap.bus.taps import Taps
-from sistap.line import LineSettings
 
 _SEED = 1
 _A_CHARACTER = 1  # at a time, as they come on a line
 
 
-def start(faults: str) -> str:
-    """Let a bus wait for its listener; give what `sistap capture -i` opens. ValueError: `faults` are none."""
-    telegrams = bus(LineSettings(), _SEED, faults=Faults.parse(faults) if faults else NO_FAULTS)
+def start(faults: str, scenario: str) -> str:
+    """Let a bus wait for its listener; give what `sistap capture -i` opens. ValueError: an option is wrong."""
+    played = load(scenario or DEFAULT)
+    how = Playing(_SEED, tap_faults=Faults.parse(faults) if faults else NO_FAULTS)
+    telegrams = played.play(played.settings, how)
     wire = Taps(Pace(), "127.0.0.1:0", _SEED, _A_CHARACTER)
 
     def play() -> None:

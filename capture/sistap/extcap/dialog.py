@@ -56,6 +56,14 @@ def _uncertainties(_: str) -> Sequence[Choice]:
     return [("", "As the last self-test found, or measured for 0.2 s"), (SELFTEST, "By a self-test now: 5 s")]
 
 
+def _scenarios(_: str) -> Sequence[Choice]:
+    from sistap.bus import scenario  # only when the dialog is shown
+
+    titles = {name: played.title for name in scenario.names() if (played := scenario.load(name)).is_complete}
+    names = sorted(titles, key=lambda name: name != scenario.DEFAULT)
+    return [(name, f"{name}: {titles[name]}") for name in names]
+
+
 LINE, TIMES, BUS = "Line", "Times", "Bus"
 
 OPTIONS = (
@@ -95,6 +103,15 @@ OPTIONS = (
         TIMES,
         for_demo=False,
         choices=_uncertainties,
+    ),
+    Option(
+        "--scenario",
+        "selector",
+        "Scenario",
+        "Who is on the bus, what is said, and what goes wrong: as sistap bus --list",
+        BUS,
+        for_demo=True,
+        choices=_scenarios,
     ),
     Option(
         "--faults",

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Service 0x03: the times and the rate of a station's line, set and accepted (IF02 chapter 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+from sistap.bus.service import Failed, Subservice, by_subservice
+from sistap.rates import RATES, rate_of
+
+_MS = 1_000_000
+_LONGEST_TEST_MS = 0x7FFF  # a timer of 16 bits that counts half milliseconds
+
+# Error bytes of 0x07 and 0x08 (chapter 6.3).
+_NOT_SUPPORTED = b"\x00"
+_TEST_TOO_LONG = b"\x01"
+
+
+class Timing(NamedTuple):
+    """What holds for a station's line. The times are in ms; None: nobody has said, and there are no defaults."""
+
+    baud: int = RATES[0]
+    trs: int | None = None  # slave reaction time
+    tza: int | None = None  # character interval
+    tmas: int | None = None  # cycle of the master control word
+
+
+class _Test(NamedTuple):
+    baud: int
+    begin_ns: int
+    end_ns: int
+
+    def holds(self, now_ns: int) -> bool:
+        """At its very beginning not yet: the reaction to the command still comes at the rate before."""
+        return self.begin_ns < now_ns < self.end_ns
+
+
+class Initialization:
+    """What a station was told of its line."""
+
+    def __init__(self, rates: Collection[int] = RATES) -> None:
+        """Switch it on; `rates` are those that it can be told to have."""
+        self._rates = rates
+        self.power_on()
+        self.service = by_subservice(
+            {
+                0x01: Subservice(2, lambda data, now_ns: self._set("trs", data)),
+                0x02: Subservice(2, lambda data, now_ns: self._set("tza", data)),
+                0x03: Subservice(2, lambda data, now_ns: self._set("tmas", data)),
+                0x07: Subservice(1, self._set_rate),
+                0x08: Subservice(3, self._test_rate),
+                0xFF: Subservice(0, self._accept),
+            }
+        )
+
+    def power_on(self, baud: int = RATES[0]) -> None:
+        """Forget what it was told; `baud` is the rate that it begins with (9600 unless it keeps another)."""
+        self.accepted = Timing(baud)
+        self._told: dict[str, int] = {}
+        self._test: _Test | None = None
+
+    def timing(self, now_ns: int) -> Timing:
+        """Give what holds now, with the rate of a test while it lasts."""
+        if self._test and self._test.holds(now_ns):
+            return self.accepted._replace(baud=self._test.baud)
+        return self.accepted
+
+    def test_ends_ns(self, now_ns: int) -> int | None:
+        """Give when the running test of a rate ends; None without one."""
+        return self._test.end_ns if self._test and now_ns < self._test.end_ns else None
+
+    def _set(self, name: str, data: bytes) -> bytes:
+        self._told[name] = int.from_bytes(data[:2], "little")
+        return b""
+
+    def _set_rate(self, data: bytes, now_ns: int) -> bytes:
+        self._told["baud"] = self._rate(data[0])
+        return b""
+
+    def _test_rate(self, data: bytes, now_ns: int) -> bytes:
+        duration_ms, baud = int.from_bytes(data[:2], "little"), self._rate(data[2])
+        if duration_ms > _LONGEST_TEST_MS:
+            raise Failed(_TEST_TOO_LONG)
+        self._test = _Test(baud, now_ns, now_ns + duration_ms * _MS)
+        return b""
+
+    def _accept(self, data: bytes, now_ns: int) -> bytes:
+        self.accepted = self.accepted._replace(**self._told)
+        self._told = {}
+        self._test = None
+        return b""
+
+    def _rate(self, mask: int) -> int:
+        baud = rate_of(mask)
+        if baud is None or baud not in self._rates:
+            raise Failed(_NOT_SUPPORTED)
+        return baud

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a service of a station is: command body in, reaction body out (IF02 chapter 2.3)."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+
+class Status(enum.IntEnum):
+    """The status byte, as far as stations give it by themselves (fig. 2-18; from 0xF9 on: IndraDrive)."""
+
+    OK = 0x00
+    EXECUTION_ERROR = 0x01
+    CHANNEL_ERROR = 0x02
+    PHASE_ERROR = 0x02  # the same byte in the reactions of the phase services
+    INVALID_SERVICE = 0xF0
+    INVALID_TELEGRAM = 0xF1
+    WRONG_LENGTH = 0xF2
+    WRONG_CHECKSUM = 0xF4
+    INVALID_SEQUENCE = 0xF8
+    SUBADDRESSES = 0xF9
+    DATA_MISSING = 0xFA
+    INVALID_SUBSERVICE = 0xFB
+    INVALID_ADDRESS = 0xFC
+
+
+class ChannelError(enum.IntEnum):
+    """The code after status 2 (fig. 2-19)."""
+
+    BUSY = 0x8001
+    FAULT = 0x8002
+    CANCELLED = 0x800B
+    STILL_ACTIVE = 0x800C
+
+
+class Refused(Exception):
+    """Nothing was executed: the reaction has the status and the useful data header, but no useful data."""
+
+    def __init__(self, status: int) -> None:
+        """Say why."""
+        super().__init__(f"status 0x{status:02X}")
+        self.status = status
+
+
+class Failed(Exception):
+    """The execution failed: the reaction has an error code in the place of useful data."""
+
+    def __init__(self, code: bytes, status: int = Status.EXECUTION_ERROR) -> None:
+        """Say why; `code` goes behind the useful data header."""
+        super().__init__(f"status 0x{status:02X}, {code.hex()}")
+        self.code = code
+        self.status = status
+
+    @classmethod
+    def in_channel(cls, error: ChannelError) -> Failed:
+        """Make that of the internal transmission channel."""
+        return cls(error.to_bytes(2, "little"), Status.CHANNEL_ERROR)
+
+
+class Request(NamedTuple):
+    """A command as a service gets it; `body` is what follows header, subaddresses and telegram number."""
+
+    service: int
+    sender: int
+    body: bytes
+    now_ns: int
+
+
+class Service(NamedTuple):
+    """How a command is executed.
+
+    `execute` gives the reaction's body after the status; it may raise Refused and Failed.
+    """
+
+    repeated: int  # bytes of the useful data header that a reaction repeats
+    least: int  # bytes of body that a command must have
+    execute: Callable[[Request], bytes]
+
+
+class Subservice(NamedTuple):
+    """How a subservice of 0x00, 0x02 or 0x03 is executed: its data and the time in, the reaction's data out."""
+
+    least: int  # bytes of data that a command must have
+    execute: Callable[[bytes, int], bytes]
+
+
+def by_subservice(subservices: Mapping[int, Subservice]) -> Service:
+    """Make a service whose body is an address, a subservice and its data; the address is repeated, whatever it is.
+
+    Fig. 6-14 and 7-1 address neither the station nor a device in it, and get a good answer.
+    """
+
+    def execute(request: Request) -> bytes:
+        header, data = request.body[:2], request.body[2:]
+        subservice = subservices.get(header[1])
+        if subservice is None:
+            raise Refused(Status.INVALID_SUBSERVICE)
+        if len(data) < subservice.least:
+            raise Refused(Status.DATA_MISSING)
+        return header + subservice.execute(data, request.now_ns)
+
+    return Service(2, 2, execute)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Service 0x04: execute a list of SIS services (IF02 chapter 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from sistap.bus.service import Failed, Refused, Request, Service, Status
+
+SERVICE = 0x04
+_LONGEST = 247  # bytes of the reaction that fit with any header, but for the overall status
+
+
+def service_list(execute: Callable[[Request], bytes]) -> Service:
+    """Make the service; `execute` gives the whole body of the reaction to one of the list."""
+
+    def run(request: Request) -> bytes:
+        answers, good = b"", True
+        for service, body in _items(request.body):
+            answer = _answer(execute, request._replace(service=service, body=body))
+            good = good and answer[0] == Status.OK
+            item = bytes([1 + len(answer), service]) + answer
+            if len(answers) + len(item) > _LONGEST:  # no document says what then; what fits, and not good
+                good = False
+                break
+            answers += item
+        if not good:
+            raise Failed(answers)
+        return answers
+
+    return Service(0, 1, run)
+
+
+def _answer(execute: Callable[[Request], bytes], request: Request) -> bytes:
+    """A list in a list is not allowed."""
+    return bytes([Status.INVALID_SERVICE]) if request.service == SERVICE else execute(request)
+
+
+def _items(body: bytes) -> Iterator[tuple[int, bytes]]:
+    """Give service and body of each; Refused where a length does not fit."""
+    place = 0
+    while place < len(body):
+        end = place + 1 + body[place]
+        if body[place] == 0 or end > len(body):
+            raise Refused(Status.DATA_MISSING)
+        yield body[place + 1], body[place + 2 : end]
+        place = end

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads a table of a scenario key by key; what is wrong is one line that names the table, the key and the cure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from sistap.bus.parameters import ident
+
+T = TypeVar("T")
+Reading = Callable[[Any], T]  # a value as TOML has it -> what it means; ValueError says what it has to be
+
+
+class Table:
+    """A table and what is known of its keys: those that were asked for."""
+
+    def __init__(self, values: object, where: str) -> None:
+        """`where` names the table for people. ValueError if it is none."""
+        if not isinstance(values, Mapping):
+            raise ValueError(f"{where} is no table: write {{ key = value }}")
+        self.where = where
+        self._values = values
+        self._known: list[str] = []
+
+    def __contains__(self, key: str) -> bool:
+        """Tell whether the key is there."""
+        return key in self._values
+
+    def take(self, key: str, reading: Reading[T], default: T) -> T:
+        """Give what a key says, `default` where it is missing. ValueError if the value cannot be read."""
+        self._known.append(key)
+        return self._read(key, reading) if key in self._values else default
+
+    def need(self, key: str, reading: Reading[T]) -> T:
+        """Give what a key says. ValueError if it is missing or cannot be read."""
+        self._known.append(key)
+        if key not in self._values:
+            raise ValueError(f"{self.where}: {key} is missing")
+        return self._read(key, reading)
+
+    def one_of(self, keys: Sequence[str]) -> str:
+        """Give the one of these keys that is there. ValueError if none or several are."""
+        found = [key for key in keys if key in self._values]
+        self._known += found
+        if len(found) != 1:
+            what = f"{found[0]} and {found[1]} do not go together" if found else "none of the keys it needs is there"
+            raise ValueError(f"{self.where}: {what}; give one of {', '.join(keys)}")
+        return found[0]
+
+    def end(self) -> None:
+        """Refuse keys that nobody asked for."""
+        for key in self._values:
+            if key not in self._known:
+                raise ValueError(f"{self.where}: unknown key {key}; there are {', '.join(dict.fromkeys(self._known))}")
+
+    def _read(self, key: str, reading: Reading[T]) -> T:
+        value = self._values[key]
+        try:
+            return reading(value)
+        except ValueError as error:
+            raise ValueError(f"{self.where}: {key} = {_shown(value)}: {error}") from None
+
+
+def _shown(value: object) -> str:
+    text = f'"{value}"' if isinstance(value, str) else str(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def whole(least: int, most: int) -> Reading[int]:
+    """Read a whole number in these limits."""
+
+    def read(value: object) -> int:
+        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+            raise ValueError(f"use a whole number from {least} to {most}")
+        return value
+
+    return read
+
+
+BYTE, WORD, LONG = whole(0, 0xFF), whole(0, 0xFFFF), whole(0, 0xFFFFFFFF)
+STATION = whole(0, 126)
+
+
+def number(least: float, most: float) -> Reading[float]:
+    """Read a number in these limits."""
+
+    def read(value: object) -> float:
+        if not isinstance(value, int | float) or isinstance(value, bool) or not least <= value <= most:
+            raise ValueError(f"use a number from {least:g} to {most:g}")
+        return float(value)
+
+    return read
+
+
+def milliseconds(value: object) -> int:
+    """Read a time in ms, give it in ns."""
+    return int(number(0, 86_400_000)(value) * 1_000_000)
+
+
+def seconds(value: object) -> int:
+    """Read a time in s, give it in ns."""
+    return int(number(0, 86_400)(value) * 1_000_000_000)
+
+
+def choice(meanings: Mapping[str, T]) -> Reading[T]:
+    """Read one of some words."""
+
+    def read(value: object) -> T:
+        if not isinstance(value, str) or value not in meanings:
+            raise ValueError(f"use one of {', '.join(meanings)}")
+        return meanings[value]
+
+    return read
+
+
+def text(value: object) -> str:
+    """Read a text."""
+    if not isinstance(value, str):
+        raise ValueError('use a text in quotes, "..."')
+    return value
+
+
+def characters(value: object) -> bytes:
+    """Read a text of characters that have one byte each."""
+    try:
+        return text(value).encode("latin-1")
+    except UnicodeEncodeError:
+        raise ValueError("use characters of one byte (Latin-1)") from None
+
+
+def octets(value: object) -> bytes:
+    """Read bytes in hexadecimal, with or without spaces."""
+    try:
+        return bytes.fromhex(text(value))
+    except ValueError:
+        raise ValueError('use bytes in hexadecimal, "02 1F ..."') from None
+
+
+def parameter(value: object) -> bytes:
+    """Read a parameter's name, give type and number."""
+    return ident(text(value))
+
+
+def several(reading: Reading[T]) -> Reading[list[T]]:
+    """Read a value, or a list of such values."""
+
+    def read(value: object) -> list[T]:
+        return [reading(item) for item in (value if isinstance(value, list) else [value])]
+
+    return read
+
+
+def tables(where: str) -> Reading[list[Table]]:
+    """Read a list of tables; each is named by its place."""
+
+    def read(value: object) -> list[Table]:
+        if not isinstance(value, list):
+            raise ValueError("use a list of tables, [{ ... }, { ... }]")
+        return [Table(item, f"{where} {place}") for place, item in enumerate(value, start=1)]
+
+    return read
+
+
+NO_TABLES: list[Table] = []

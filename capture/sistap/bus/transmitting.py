@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A real port that is written to. Only what --transmit allows opens one."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import suppress
+
+from sistap import ports
+from sistap.line import LineSettings
+from sistap.reader import PortError, PortLost
+from sistap.reader.opening import closed_serial
+from sistap.reader.trouble import device_trouble, url_trouble
+
+if sys.platform == "win32":
+    _TROUBLE: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, OverflowError)
+else:
+    import termios
+
+    _TROUBLE = (OSError, ValueError, KeyError, OverflowError, termios.error)
+
+_WRITE_S = 2.0  # so long, at most, may a port take nothing
+
+
+class TransmittingPort:
+    """A device or URL that pyserial opens, RTS and DTR down."""
+
+    def __init__(self, name: str, settings: LineSettings) -> None:
+        """Open it. May raise PortError."""
+        self.name = name
+        self._pseudo_terminal = ports.adapter(name).pseudo_terminal
+        self.settings = settings
+        try:
+            # Linux strips the parity from a pty, and refuses it the second time.
+            self._device = closed_serial(name, settings._replace(parity="N") if self._pseudo_terminal else settings)
+            self._device.write_timeout = _WRITE_S
+            self._device.open()
+        except _TROUBLE as error:
+            trouble = url_trouble if "://" in name else device_trouble
+            raise PortError(trouble(name, settings, error)) from error
+
+    def write(self, data: bytes) -> None:
+        """Send; come back when the system has it. May raise PortLost."""
+        try:
+            self._device.write(data)
+        except _TROUBLE as error:
+            raise self._lost(error) from error
+
+    def drain(self) -> None:
+        """Come back when all was sent. May raise PortLost."""
+        try:
+            self._device.flush()
+        except _TROUBLE as error:
+            raise self._lost(error) from error
+
+    def read(self, timeout_s: float) -> bytes:
+        """Give what arrived, nothing if nothing did in that time. May raise PortLost."""
+        try:
+            self._device.timeout = timeout_s
+            data: bytes = self._device.read(1)
+            if data and (waiting := self._device.in_waiting):
+                data += self._device.read(waiting)
+        except _TROUBLE as error:
+            raise self._lost(error) from error
+        return data
+
+    def change(self, settings: LineSettings) -> None:
+        """Go on at another rate, when all before was sent. PortError if the port cannot; PortLost."""
+        self.drain()
+        try:
+            self._device.baudrate = settings.baud
+        except _TROUBLE as error:
+            raise PortError(device_trouble(self.name, settings, error)) from error
+        self.settings = settings
+
+    def close(self) -> None:
+        """Let it go, after what is still to be sent."""
+        with suppress(PortLost):
+            self.drain()
+        self._device.close()
+
+    def _lost(self, error: Exception) -> PortLost:
+        return PortLost(f"{self.name} is gone or takes nothing ({error}): connect it and start again")

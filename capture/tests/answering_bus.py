@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Stations that answer at a pseudo terminal, in real time or so many times as fast; prints the terminal's name.
+
+python3 answering_bus.py SPEED BAUD
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from sistap.bus.answering import BusTime, serve
+from sistap.bus.pty_port import PseudoTerminalPort
+from sistap.bus.stations import make
+from sistap.line import LineSettings
+
+STATIONS = [
+    {"address": 3, "behind": [{"address": 2, "kind": "synax", "behind": [{"address": 8}]}]},
+    {"address": 4},
+]
+
+
+class FastTime(BusTime):
+    """Time that goes faster than a clock."""
+
+    def __init__(self, speed: int) -> None:
+        super().__init__()
+        self._speed = speed
+
+    def now_ns(self) -> int:
+        return super().now_ns() * self._speed
+
+    def until_s(self, time_ns: int) -> float:
+        return super().until_s(time_ns) / self._speed
+
+
+class FastPort(PseudoTerminalPort):
+    """A terminal without a rate."""
+
+    def write(self, data: bytes) -> None:
+        os.write(self._ours, data)
+
+
+def main() -> None:
+    """Serve until somebody ends the process."""
+    speed, settings = int(sys.argv[1]), LineSettings(baud=int(sys.argv[2]))
+    port = PseudoTerminalPort(settings, 1) if speed == 1 else FastPort(settings, 1)
+    print(port.name, flush=True)
+    serve(port, make(STATIONS, 1), FastTime(speed))
+
+
+if __name__ == "__main__":
+    main()
