@@ -17,9 +17,9 @@ from client import READ, READ_PHASE, SWITCH_PHASE, WRITE, Client, NoReaction, pa
 
 BUS = Path(__file__).with_name("answering_bus.py")
 EXCHANGES = 10_000
-SPEED = 10  # times real time
-TZA_MS = 2
-TRS_MS = 50
+SPEED = 5  # times real time
+TZA_MS = 1
+TRS_MS = 20
 TWM_S = 2  # nobody waits for it, unless this machine is so slow that a command runs into the broadcast before it
 
 S_VELOCITY, S_SCALING, S_GAIN, S_RESET, S_MISSING = 36, 44, 100, 99, 999
@@ -158,7 +158,9 @@ class Master:
     def do_phase(self, model: Model) -> None:
         target = 6 - model.phase
         assert self.ask(model, SWITCH_PHASE, bytes([target])) == b"\x00"
-        assert self.ask(model, SWITCH_PHASE, bytes([target])) == bytes([2, model.phase]) + word(0xD005)
+        again = self.ask(model, SWITCH_PHASE, bytes([target]))
+        # Still active, or, on a slow machine, over.
+        assert again == b"\x00" or (again[0], again[2:]) == (2, word(0xD005))
         while (answer := self.ask(model, READ_PHASE, b"")) != bytes([0, target]):
             assert answer in (bytes([0, model.phase]), b"\x00\x03")
         model.phase = target
@@ -196,10 +198,10 @@ class Master:
         assert self.ask(model, self.random.choice([0x05, 0x20, 0xA0, 0xF0]), self.random.randbytes(5)) == b"\xf0"
 
 
-def set_times(client: Client) -> None:
+def set_times(client: Client, trs_ms: int, tza_ms: int) -> None:
     """TrS, TzA, Tmas; accepted by all."""
     for drive in DRIVES:
-        for subservice, ms in ((1, TRS_MS), (2, TZA_MS), (3, 1000)):
+        for subservice, ms in ((1, trs_ms), (2, tza_ms), (3, 1000)):
             assert client.ask(0x03, drive, bytes([drive, subservice]) + word(ms)) == bytes([0, drive, subservice])
     client.tell(0x03, 255, b"\x00\xff")
 
@@ -208,7 +210,7 @@ def test_ten_thousand_exchanges_without_a_wrong_answer() -> None:
     with running(SPEED, 115200) as name:
         client = Client(name, TZA_MS / 1000 / SPEED, TRS_MS / 1000 / SPEED, TWM_S, repeats=2)
         client.set_rate(termios.B115200)
-        set_times(client)
+        set_times(client, TRS_MS, TZA_MS)
         master = Master(client, 1)
         weights = {"cam": 0.2, "read_cam": 0.2, "phase": 0.1, "broadcast": 0.3}
         actions = {name.removeprefix("do_"): getattr(master, name) for name in dir(master) if name.startswith("do_")}
@@ -222,9 +224,9 @@ def test_ten_thousand_exchanges_without_a_wrong_answer() -> None:
 def test_a_rate_is_tested_told_and_heard_by_nobody_who_is_not_told() -> None:
     """In real time; fig. 6-20 and 6-24. With another rate characters are others, and no telegrams."""
     with running(1, 9600) as name:
-        client = Client(name, 0.02, TRS_MS / 1000, 0.5, repeats=0)
+        client = Client(name, 0.02, 0.05, 0.5, repeats=0)
         client.set_rate(termios.B9600)
-        set_times(client)
+        set_times(client, 50, 5)
         assert client.ask(0x03, 3, b"\x03\x08" + word(1500) + b"\x08") == b"\x00\x03\x08"
         client.set_rate(termios.B115200)
         begun = time.monotonic()
