@@ -18,6 +18,8 @@ COMMANDS = {
     "ports": ("sistap.ports", "list the serial ports of this machine"),
     "capture": ("sistap.capture", "record a line into a pcapng file, or show it as text"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
+    "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
+    "log": ("sistap.log", "write a capture as such a log, explained"),
     "install": ("sistap.install.command", "put the dissector, the interfaces and the profile where Wireshark looks"),
     "uninstall": ("sistap.install.uninstall", "remove what install has put there"),
     "doctor": ("sistap.doctor", "say whether a capture would work, and what is missing"),

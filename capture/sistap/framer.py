@@ -190,8 +190,14 @@ class SisFramer(Framer):
         """Give, too, what is decided and has waited for so long: other traffic may never pause."""
         records = super().idle(idle_ns)
         if self._data and self._times[-1] - self._times[1] + idle_ns >= self.silence_ns:
-            self._emit_others(records, self._certain)
-            self._forget_done()
+            records += self.settle()
+        return records
+
+    def settle(self) -> list[Record]:
+        """Give what is certainly no part of a telegram, without collecting more of it."""
+        records: list[Record] = []
+        self._emit_others(records, self._certain)
+        self._forget_done()
         return records
 
     def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 NOBODY = 65534
 OLDEST_WIRESHARK = (4, 0)
+NO_DISSECTOR = (
+    "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
+    "WIRESHARK_PLUGIN_DIR"
+)
 _FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
 
 # Where installers put Wireshark without adding it to PATH.
@@ -50,6 +54,11 @@ def version(text: str) -> Version | None:
     """Find the version in what `--version` prints, if it is there."""
     match = re.search(r"(\d+)\.(\d+)\S*\d", text)
     return Version(match[0], int(match[1]), int(match[2])) if match else None
+
+
+def unknown_fields(said: str) -> set[str]:
+    """Find the fields that tshark refuses because it does not know them, in what it says."""
+    return set(re.findall(r"^\s+(\S+)$", said, re.MULTILINE)) if "fields aren't valid" in said else set()
 
 
 class Loaded(NamedTuple):
@@ -172,6 +181,11 @@ class Tshark:
                 errors.seek(0)
                 said = errors.read().decode(errors="replace").strip()
                 raise TsharkError(said or f"{Path(self._path).name} ended with exit code {process.returncode}")
+
+    def start(self, arguments: Sequence[str], errors: BinaryIO) -> subprocess.Popen[bytes]:
+        """Start tshark with pipes to its stdin and from its stdout; what it says on stderr goes to `errors`."""
+        settings = self._settings(arguments) | {"stdin": subprocess.PIPE}
+        return subprocess.Popen([self._path, *arguments], stdout=subprocess.PIPE, stderr=errors, **settings)
 
     def usage(self, arguments: Sequence[str]) -> resource.struct_rusage:
         """Run tshark with its output thrown away; give what it used. TsharkError if it failed."""

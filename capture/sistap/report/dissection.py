@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.line import Flag
-from sistap.tshark import Tshark, TsharkError
+from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
 
 # Those that the installed dissector does not know are left out, and named in the report.
 FIELDS = (
@@ -58,10 +58,6 @@ FIELDS = (
 INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 
 _NECESSARY = "sis.start"
-_NO_DISSECTOR = (
-    "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
-    "WIRESHARK_PLUGIN_DIR"
-)
 _JOINT = "\x1f"  # between several values of a field: in no text
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
@@ -161,7 +157,7 @@ class Dissection:
         except _UnknownFields as unknown:
             self._unknown |= unknown.names
             if _NECESSARY in self._unknown:
-                raise TsharkError(_NO_DISSECTOR) from None
+                raise TsharkError(NO_DISSECTOR) from None
             yield from self._packets(wanted, only)
 
     def _packets(self, wanted: Sequence[str], only: str) -> Iterator[Packet]:
@@ -179,16 +175,24 @@ class Dissection:
 
     def _judge(self, error: TsharkError, came: bool) -> None:
         """Tell a capture that is damaged from one that is none, and from a field that is not known."""
-        text = str(error)
-        if "fields aren't valid" in text:
-            raise _UnknownFields(set(re.findall(r"^\s+(\S+)$", text, re.MULTILINE))) from None
-        if "isn't a capture file" in text:
-            raise NotACapture(f"{self._capture} is not a capture that tshark can read") from None
-        # As root tshark reads a copy, whose name means nothing to anybody.
-        last = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
-        if not came and not any(words in text for words in ("cut short", "damaged")):
-            raise TsharkError(f"tshark: {last}") from None
-        self.warning = last
+        if unknown := unknown_fields(str(error)):
+            raise _UnknownFields(unknown) from None
+        self.warning = damage(self._capture, error, came)
+
+
+def damage(capture: Path, error: TsharkError, came: bool) -> str:
+    """Say in a line how a capture is damaged at whose end tshark failed; `came`: it said something before.
+
+    NotACapture if it is none, TsharkError if tshark failed for another reason.
+    """
+    text = str(error)
+    if "isn't a capture file" in text:
+        raise NotACapture(f"{capture} is not a capture that tshark can read") from None
+    # As root tshark reads a copy, whose name means nothing to anybody.
+    last = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
+    if not came and not any(words in text for words in ("cut short", "damaged")):
+        raise TsharkError(f"tshark: {last}") from None
+    return last
 
 
 class _UnknownFields(Exception):

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Logs of other programs, explained: lines, bytes (`reading`), telegrams (`cutting`), tshark, and text or a page."""

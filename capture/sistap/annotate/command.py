@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap annotate`: the command line."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import tempfile
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+from sistap.annotate import annotating, sources
+from sistap.annotate.annotating import Passage
+from sistap.annotate.explaining import Running, WholeCapture
+from sistap.annotate.meanings import Meanings
+from sistap.annotate.page import PageWeaver
+from sistap.annotate.pattern import PatternReader
+from sistap.annotate.reading import AnyReader, Reader
+from sistap.annotate.sources import SourceError
+from sistap.annotate.troubles import Troubles
+from sistap.annotate.weaving import TextWeaver, Weaver
+from sistap.annotate.writing import Incomplete, NotOpened, opened
+from sistap.console import Console
+from sistap.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.session import Stop
+from sistap.tshark import Tshark, TsharkError
+
+_DONE, _FAILED, _USAGE = 0, 1, 2
+
+DESCRIPTION = """\
+Explain a log. Any text with the bytes of SIS telegrams in it becomes the same text with a line under each telegram that
+says what it is. Wireshark's dissector explains, through tshark, which has to be installed with the plugin or sis.lua.
+
+Bytes are found as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225", with offsets, with a column
+of characters, telegrams split over lines or several on one. Time stamps and marks of the direction are read where they
+are. What is no telegram stays as it is: without the lines that begin with "^--" the output is the input, byte for byte.
+"""
+
+EPILOG = """\
+A FILE of a log can be read twice, so that a command without a reaction is known. A pipe (-) is explained while it is
+written, each telegram as soon as it is complete.
+
+examples:
+  sistap annotate docklight.txt                    the log and its explanation
+  sistap annotate --format html docklight.txt -o log.html
+                                                   as a page: what a byte means is under the pointer
+  sistap annotate docklight.txt -w log.pcapng      as a capture, for Wireshark and `sistap report`
+  tail -f trace.log | sistap annotate -            while it is written
+  sistap annotate --regex '(?<time>[^;]*);(?<dir>[^;]*);(?<data>.*)' plc.csv
+                                                   a form that is not found by itself
+
+exit status:
+  0  done; also stopped by Ctrl-C, and with lines that could not be read: they are named on standard error
+  1  failed while running: tshark or the plugin is missing, disk full
+  2  wrong usage, a LOG that cannot be read or has no bytes in it, a FILE that cannot be written
+"""
+
+
+class _Refused(Exception):
+    """Options or files that cannot be right; the text is the one line to show."""
+
+
+def _reader(pattern: str) -> Callable[[], Reader]:
+    try:
+        PatternReader(pattern)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return lambda: PatternReader(pattern)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.add_argument("log", metavar="LOG", help="a text file, or - for standard input")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--format", choices=("text", "html"), default="text", help="what to write (default: text)")
+    what.add_argument(
+        "-w", dest="capture", metavar="FILE", help="write a capture (pcapng) instead; - is standard output"
+    )
+    parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
+    parser.add_argument(
+        "--regex",
+        dest="reader",
+        metavar="REGEX",
+        type=_reader,
+        default=AnyReader,
+        help="where bytes are in a line, with the named groups of text2pcap: (?<data>...) hexadecimal, and if there "
+        "are any (?<time>...) and (?<dir>...); lines that do not match have none",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Explain a log; gives the exit code."""
+    Stop()  # so that a signal ends tshark and removes its files, as Ctrl-C does
+    console = Console()
+    troubles = Troubles(console.say)
+    passage = Passage(args.reader(), troubles.add)
+    try:
+        _check(args)
+        if args.capture:
+            _capture(args, passage, console)
+        else:
+            _explain(args, passage, console)
+    except (_Refused, SourceError, NotOpened, OutputRefused) as error:
+        console.say(str(error))
+        return _USAGE
+    except ReaderGone:
+        return _FAILED
+    except (Incomplete, TsharkError, OutputError) as error:
+        console.say(str(error))
+        return _FAILED
+    troubles.end()
+    return _judge(args, passage, console)
+
+
+def _check(args: argparse.Namespace) -> None:
+    if args.capture and args.output:
+        raise _Refused("-w names the file already: leave out -o")
+    for option, path in (("-w", args.capture), ("-o", args.output)):
+        if path and _is_same(path, args.log):
+            raise _Refused(f"{path} is the log itself; name another file with {option}")
+
+
+def _is_same(path: str, log: str) -> bool:
+    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
+
+
+def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
+    """Say so if there was nothing to explain."""
+    log = _name(args)
+    if not passage.bytes:
+        console.say(f"{log} has no bytes in hexadecimal; log in hexadecimal, or say with --regex where they are")
+        return _USAGE
+    if not passage.telegrams:
+        console.say(f"{log} has {passage.bytes} bytes, but no telegram of SIS")
+    return _DONE
+
+
+def _name(args: argparse.Namespace) -> str:
+    return "standard input" if args.log == "-" else Path(args.log).name
+
+
+def _is_pipe(args: argparse.Namespace) -> bool:
+    return args.log == "-" or not sources.is_file(args.log)
+
+
+def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable[[float], None]:
+    if not console.shows_progress or not is_shown:
+        return lambda _: None
+    return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
+
+
+def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> None:
+    """Write the capture."""
+    is_pipe = _is_pipe(args)
+    batches = sources.from_pipe(args.log) if is_pipe else sources.from_file(args.log, _progress(console, "read"))
+    output = Output(args.capture)
+    try:
+        output.begin()
+        annotating.record(batches, passage, _name(args), output.write)
+    finally:
+        output.close()
+
+
+def _explain(args: argparse.Namespace, passage: Passage, console: Console) -> None:
+    """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
+
+    A page has what only a later telegram tells, so that a pipe becomes a file first.
+    """
+    with ExitStack() as stack:
+        tshark = stack.enter_context(Tshark())
+        if not _is_pipe(args):
+            _explain_file(args, args.log, passage, console, tshark)
+        elif args.format == "html":
+            _explain_file(args, _saved(args.log, stack), passage, console, tshark)
+        else:
+            running = stack.enter_context(Running(tshark, _name(args)))
+            file = stack.enter_context(opened(args.output))
+            annotating.weave(sources.from_pipe(args.log), passage, running, TextWeaver(file.write), file.flush)
+
+
+def _explain_file(args: argparse.Namespace, log: str, passage: Passage, console: Console, tshark: Tshark) -> None:
+    with ExitStack() as stack:
+        capture = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sistap-"))) / "log.pcapng"
+        batches = sources.from_file(log, _progress(console, "read"))
+        with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:
+            annotating.record(batches, passage, _name(args), blocks.write)
+        explainer = WholeCapture(tshark, capture)
+        file = stack.enter_context(opened(args.output))
+        weaver: Weaver = TextWeaver(file.write)
+        if args.format == "html":
+            weaver = PageWeaver(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))
+        # On a terminal that shows the log itself, it would stand in between.
+        batches = sources.from_file(log, _progress(console, "explained", is_shown=not file.isatty()))
+        annotating.weave(batches, Passage(args.reader()), explainer, weaver, file.flush)
+
+
+def _saved(log: str, stack: ExitStack) -> str:
+    """Save what a pipe has until its end; give the name of the file."""
+    copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sistap-"))  # noqa: SIM115 - the stack closes it
+    with open(0 if log == "-" else log, "rb", closefd=log != "-") as pipe:
+        shutil.copyfileobj(pipe, copy)
+    copy.flush()
+    return copy.name

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Telegrams out of the bytes of a log, by the framer of a capture, and where in the log they stand.
+
+How exact the times are is what the log allows to say: a stamp goes on in steps, and nothing tells whether it is that of
+the first or the last character of a line. So the uncertainty is a step and the time that the longest line took at the
+slowest rate.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from sistap import line as serial
+from sistap.annotate.reading import Piece
+from sistap.framer import SisFramer
+from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.rates import RATES
+from sistap.record import Record
+
+_SETTINGS = LineSettings(baud=0)  # nobody has written it down
+_SLOWEST_CHARACTER_NS = LineSettings(min(RATES)).character_ns
+_NEW_TIME_NS = 1_000_000_000  # a clock that goes back by more begins anew
+
+
+class Part(NamedTuple):
+    """Bytes of a piece: from `first` up to, not including, `end`."""
+
+    piece: Piece
+    first: int
+    end: int
+
+
+class Cut(NamedTuple):
+    """A record, and the bytes of the log of which it is made."""
+
+    record: Record
+    parts: list[Part]
+
+
+class _Stream:
+    """The bytes of one direction."""
+
+    def __init__(self, direction: int) -> None:
+        self.framer = SisFramer(direction, _SETTINGS)
+        self.time_ns = 0
+        self._pieces: deque[Part] = deque()  # of which no record has been made
+
+    def add(self, piece: Piece, uncertainty_ns: int) -> list[Cut]:
+        count = len(piece.run.data)
+        self._pieces.append(Part(piece, 0, count))
+        if piece.stamp is None:
+            flags = bytes([Flag.INTERVAL_UNKNOWN]) * count
+        else:
+            flags = bytes([Flag.SAME_READ if piece.continues else 0]) + bytes(count - 1)
+            self.time_ns = piece.stamp.time_ns
+        read = serial.Read(self.framer.line, self.time_ns, piece.run.data, flags, uncertainty_ns)
+        records = self.framer.feed(read)
+        if not self.framer.empty:
+            records += self.framer.settle()
+        return self.cuts(records)
+
+    def cuts(self, records: list[Record]) -> list[Cut]:
+        return [Cut(record, self._take(len(record.data))) for record in records]
+
+    def _take(self, count: int) -> list[Part]:
+        parts = []
+        while count:
+            piece, first, end = self._pieces.popleft()
+            taken = min(count, end - first)
+            parts.append(Part(piece, first, first + taken))
+            if first + taken < end:
+                self._pieces.appendleft(Part(piece, first + taken, end))
+            count -= taken
+        return parts
+
+
+class Cutter:
+    """Makes records of pieces. Each direction is cut by itself: no telegram goes in both."""
+
+    def __init__(self) -> None:
+        """Nothing has come yet."""
+        self._streams: dict[int, _Stream] = {}
+        self._longest = 0
+
+    def feed(self, piece: Piece) -> list[Cut]:
+        """Take what a line has; give what is complete by it, also after a second without a character."""
+        self._longest = max(self._longest, len(piece.run.data))
+        cuts = self._silent(piece)
+        stream = self._streams.setdefault(piece.direction, _Stream(piece.direction))
+        return cuts + stream.add(piece, self._uncertainty_ns(piece))
+
+    def end(self) -> list[Cut]:
+        """Give what is left at the end of the log."""
+        return [cut for stream in self._streams.values() for cut in stream.cuts(stream.framer.flush())]
+
+    def _uncertainty_ns(self, piece: Piece) -> int:
+        if piece.stamp is None:
+            return UNCERTAINTY_UNKNOWN
+        return min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
+
+    def _silent(self, piece: Piece) -> list[Cut]:
+        """Give what no longer waits for its rest, in both directions; the time can also have been set back."""
+        cuts = []
+        if piece.stamp:
+            for direction, stream in list(self._streams.items()):
+                pause_ns = piece.stamp.time_ns - stream.time_ns
+                if pause_ns < -_NEW_TIME_NS:
+                    cuts += stream.cuts(stream.framer.flush())
+                    del self._streams[direction]
+                elif not stream.framer.empty:
+                    cuts += stream.cuts(stream.framer.idle(pause_ns - self._uncertainty_ns(piece)))
+        return cuts

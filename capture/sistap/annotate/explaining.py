@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What tshark says of each record: the only place where an explanation comes from.
+
+A log that is there as a whole is dissected in two passes, which know what only a later telegram tells; one that is
+still being written goes through one running tshark, record by record.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import tempfile
+import threading
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Protocol
+
+from sistap.annotate.capturing import Blocks
+from sistap.record import Record
+from sistap.report.dissection import INFO_FIELDS
+from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
+
+_NECESSARY = "sis.start"
+_REACTION, _UNANSWERED = "sis.reaction_time", "sis.command.unanswered"
+_FIELDS = (*INFO_FIELDS, _NECESSARY, _REACTION, _UNANSWERED)
+JOINT = "\x1f"  # between several values of a field: in no text
+_INFO_COLUMN = ("-o", 'gui.column.format:"Info","%i"')  # the user's own columns may be without
+_ANSWER_S = 30  # so long, at most, does a running tshark take
+
+
+class Said(NamedTuple):
+    """What the dissector says of a record."""
+
+    info: str
+    is_telegram: bool
+    reaction_s: float | None  # after its command, from packet to packet
+    unanswered: bool
+
+
+class Explainer(Protocol):
+    """Gives what is said of records, in their order."""
+
+    def put(self, record: Record) -> None:
+        """Take the next record."""
+
+    def get(self) -> Said:
+        """Give what is said of the next of them. May raise TsharkError."""
+
+
+class Fields:
+    """The fields of an explanation that this tshark knows."""
+
+    def __init__(self, tshark: Tshark, more: tuple[str, ...] = ()) -> None:
+        """Ask tshark, also for others. TsharkError if it has no dissector for SIS."""
+        self._names = [*_FIELDS, *more]
+        with tempfile.TemporaryFile() as nothing:
+            unknown = unknown_fields(tshark.run(["-r", "-", *self.arguments], stdin=nothing).stderr)
+        if _NECESSARY in unknown:
+            raise TsharkError(NO_DISSECTOR)
+        self._names = [name for name in self._names if name not in unknown]
+
+    @property
+    def arguments(self) -> list[str]:
+        """What tells tshark to print them."""
+        names = (word for name in self._names for word in ("-e", name))
+        return [*_INFO_COLUMN, "-T", "fields", "-E", f"aggregator={JOINT}", *names]
+
+    def columns(self, line: str) -> dict[str, str]:
+        """Take apart what it prints for one packet; several values are joined by JOINT."""
+        return dict(zip(self._names, line.split("\t"), strict=False))
+
+    def read(self, line: str) -> Said:
+        """Read what it prints for one record."""
+        return said(self.columns(line))
+
+
+def said(columns: dict[str, str]) -> Said:
+    """Give what is said of one record."""
+    info = next((columns[name] for name in INFO_FIELDS if columns.get(name)), "")
+    reaction = columns.get(_REACTION, "").partition(JOINT)[0]
+    return Said(
+        info, bool(columns.get(_NECESSARY)), float(reaction) if reaction else None, bool(columns.get(_UNANSWERED))
+    )
+
+
+class WholeCapture:
+    """Explains the records of a capture file that is complete, its event left out."""
+
+    def __init__(self, tshark: Tshark, capture: Path) -> None:
+        """Start reading it."""
+        self._fields = Fields(tshark)
+        self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
+        next(self._lines, None)
+
+    def put(self, record: Record) -> None:
+        """Nothing to do: it is in the capture."""
+
+    def get(self) -> Said:
+        """Give what is said of the next record."""
+        try:
+            return self._fields.read(next(self._lines))
+        except StopIteration:
+            raise TsharkError("tshark has said less than the log holds: is there room for its files?") from None
+
+
+class Running:
+    """Explains records as they come, in one pass. Use it in a `with`."""
+
+    def __init__(self, tshark: Tshark, log: str) -> None:
+        """Start tshark."""
+        self._fields = Fields(tshark)
+        self._blocks = Blocks(log)
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the rest
+        self._process = tshark.start(["-r", "-", "-l", *self._fields.arguments], self._errors)
+        self._said: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._first = True
+        # A thread, because tshark must never have to wait with its answers while it is written to.
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self) -> None:
+        assert self._process.stdout
+        for line in self._process.stdout:
+            self._said.put(line.decode(errors="replace").rstrip("\n"))
+        self._said.put(None)
+
+    def put(self, record: Record) -> None:
+        """Send a record to tshark."""
+        assert self._process.stdin
+        try:
+            self._process.stdin.write(self._blocks.packet(record))
+            self._process.stdin.flush()
+        except BrokenPipeError:
+            raise self._failure() from None
+
+    def get(self) -> Said:
+        """Wait for what it says of the next record."""
+        if self._first:
+            self._first = False
+            self._answer()  # the event
+        return self._fields.read(self._answer())
+
+    def _answer(self) -> str:
+        try:
+            line = self._said.get(timeout=_ANSWER_S)
+        except queue.Empty:
+            raise TsharkError(
+                f"tshark has said nothing for {_ANSWER_S} s: save the log and annotate the file"
+            ) from None
+        if line is None:
+            raise self._failure()
+        return line
+
+    def _failure(self) -> TsharkError:
+        self._process.wait()
+        self._errors.seek(0)
+        said = self._errors.read().decode(errors="replace").strip().splitlines()
+        return TsharkError(said[-1] if said else f"tshark ended with exit code {self._process.returncode}")
+
+    def __enter__(self) -> Running:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End tshark."""
+        assert self._process.stdin
+        if kind is not None:
+            self._process.kill()
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.close()
+        self._process.wait()
+        self._errors.close()

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What each byte of a telegram means: the fields of the dissector with their places, from tshark's PDML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, XMLPullParser
+
+from sistap.tshark import Tshark
+
+# Kinds of fields.
+FRAME, CONTROL, SERVICE, ADDRESS = "frame", "control", "service", "address"
+STATUS, OBJECT, DATA = "status", "object", "data"
+
+# Fields that are not listed are useful data.
+_KINDS = {
+    "sis.start": FRAME,
+    "sis.checksum": FRAME,
+    "sis.length": FRAME,
+    "sis.length_repeat": FRAME,
+    "sis.control": CONTROL,
+    "sis.number": CONTROL,
+    "sis.sender": ADDRESS,
+    "sis.receiver": ADDRESS,
+    "sis.subaddress": ADDRESS,
+    "sis.service": SERVICE,
+    "sis.subservice": SERVICE,
+    "sis.canceled_service": SERVICE,
+    "sis.element_length": SERVICE,
+    "sis.status": STATUS,
+    "sis.error": STATUS,
+    "sis.data_status": STATUS,
+    "sis.device": OBJECT,
+    "sis.parameter": OBJECT,
+    "sis.parameter_control": OBJECT,
+    "sis.parameter.type": OBJECT,
+    "sis.parameter.number": OBJECT,
+    "sis.list_offset": OBJECT,
+    "sis.list_length": OBJECT,
+}
+
+
+class Meaning(NamedTuple):
+    """What a byte means."""
+
+    kind: str
+    text: str
+
+
+class Meanings:
+    """The meanings of the bytes of each record of a capture, in their order, its event left out."""
+
+    def __init__(self, tshark: Tshark, capture: Path) -> None:
+        """Start reading it."""
+        self._packets = _packets(tshark.lines(["-r", str(capture), "-2", "-T", "pdml", "-J", "sis"]))
+        next(self._packets, None)
+
+    def get(self, data: bytes) -> list[Meaning | None]:
+        """Give the meaning of each byte of the next record, None where the dissector says nothing."""
+        meanings: list[Meaning | None] = [None] * len(data)
+        packet = next(self._packets, None)
+        for protocol in packet.iterfind("proto[@name='sis']") if packet is not None else ():
+            _note(protocol, data, int(protocol.get("pos", 0)), meanings)
+        return meanings
+
+
+def _packets(lines: Iterator[str]) -> Iterator[Element]:
+    parser = XMLPullParser(("start", "end"))
+    root = None
+    for line in lines:
+        parser.feed(line + "\n")
+        for event, element in parser.read_events():
+            if root is None:
+                root = element
+            elif event == "end" and element.tag == "packet":
+                yield element
+                root.clear()
+
+
+def _note(
+    parent: Element, data: bytes, start: int, meanings: list[Meaning | None], above: tuple[str, ...] = ()
+) -> None:
+    """Note the fields below one; those further down are more exact, and have what is above them in their text.
+
+    A field counts where it holds the very bytes of the telegram: what was put together from pieces has its places in
+    the whole.
+    """
+    for field in parent.iterfind("field"):
+        if field.get("unmaskedvalue") is not None:
+            continue  # bits: they are in the text of their field
+        first, size = int(field.get("pos", 0)) - start, int(field.get("size", 0))
+        text = (*above, field.get("showname") or field.get("show") or "")
+        if size and first >= 0 and field.get("value") == data[first : first + size].hex():
+            bits = (
+                bit.get("showname") or "" for bit in field.iterfind("field[@unmaskedvalue]") if bit.get("value") != "0"
+            )
+            meaning = Meaning(_KINDS.get(field.get("name", ""), DATA), "\n".join((*text, *bits)))
+            meanings[first : first + size] = [meaning] * size
+        _note(field, data, start, meanings, text if size else above)

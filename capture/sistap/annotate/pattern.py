@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a line holds where its form is said by a regular expression, with the named groups that text2pcap has."""
+
+from __future__ import annotations
+
+import re
+
+from sistap.annotate import hexadecimal, marks
+from sistap.annotate.lines import Line
+from sistap.annotate.reading import Read, State, is_explanation
+from sistap.annotate.stamps import Clock
+
+
+class PatternReader:
+    """Reads lines by a regular expression with the groups of text2pcap: data, time and dir."""
+
+    def __init__(self, pattern: str) -> None:
+        """Compile it. ValueError says what is wrong with it."""
+        try:
+            self._pattern = re.compile(re.sub(r"\(\?<(?=[A-Za-z_])", "(?P<", pattern))
+        except re.error as error:
+            raise ValueError(f"'{pattern}' is not a regular expression: {error}") from None
+        names = self._pattern.groupindex
+        if "data" not in names:
+            raise ValueError(f"'{pattern}' has no group (?<data>...) for the bytes")
+        if unknown := names.keys() - {"data", "time", "dir"}:
+            raise ValueError(f"'{pattern}': groups are data, time and dir, not {', '.join(sorted(unknown))}")
+        self._clock = Clock()
+        self._state = State()
+
+    def read(self, line: Line) -> Read:
+        """Find the bytes of a line, each time the expression matches."""
+        pieces = []
+        trouble = ""
+        if not is_explanation(line.text):
+            for match in self._pattern.finditer(line.text):
+                groups = match.groupdict()
+                trouble = self._set(groups) or trouble
+                try:
+                    run = hexadecimal.parse(groups["data"] or "", match.start("data"))
+                except ValueError as error:
+                    trouble = str(error)
+                else:
+                    pieces.append(self._state.piece(line, run))
+        return Read(pieces, trouble)
+
+    def _set(self, groups: dict[str, str | None]) -> str:
+        """Take time and direction over; give what is wrong with them."""
+        trouble = ""
+        if time := groups.get("time"):
+            stamps = self._clock.find(time)
+            if stamps:
+                self._state.stamp = stamps[0].stamp
+            else:
+                trouble = f"'{time}' is not a time"
+        if mark := groups.get("dir"):
+            line = marks.direction(mark)
+            if line is None:
+                return f"'{mark}' is not a direction"
+            self._state.direction = line
+        return trouble

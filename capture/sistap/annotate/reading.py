@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a line of a log holds: bytes, and when and by whom they were sent.
+
+No program is asked for by its name. Each line is taken apart in the same order: time stamps, the offset of a dump,
+bytes, the mark of a direction in front of them. What a line does not say holds on from the line before.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+from sistap.annotate import hexadecimal, marks
+from sistap.annotate.hexadecimal import Run
+from sistap.annotate.lines import Line
+from sistap.annotate.marks import Marks
+from sistap.annotate.stamps import Clock, Stamp, Stamped
+
+# Begins each line that annotate or log adds, behind spaces; such lines are never read.
+EXPLANATION = "^-- "
+
+_EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
+# In front of the bytes of a dump: "0010:", "12)", or without a mark in steps of eight.
+_OFFSET = re.compile(r"\s*(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")
+_LAST_OFFSET = re.compile(r"\s*[0-9A-Fa-f]{6,8}\s*$")
+_MASK = "_"  # stands where something was recognized; part of a word, so that no bytes begin right behind it
+_BRACKETS = "<[({"  # right in front of bytes these are no marks
+_MASKED = re.compile(r".*_\w*")
+_LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload)\b")
+_COUNT = re.compile(
+    r"(?i)\b(?:len|length|count|size|dlc)\b\s*[:=]?\s*\d+|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b"
+    r"|[\[(]\d+[\])](?=:|\s+\w)"
+)
+_TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
+_ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
+
+
+@dataclass(eq=False)
+class Piece:
+    """Bytes that one line has in one go."""
+
+    line: Line
+    run: Run
+    direction: int  # SHARED, RECEIVED or SENT
+    stamp: Stamp | None
+    continues: bool  # the stamp is that of the piece before
+
+    @cached_property
+    def spans(self) -> list[tuple[int, int]]:
+        """Where in the line each byte is written."""
+        return self.run.spans()
+
+
+def is_explanation(text: str) -> bool:
+    """Tell whether a line was added by annotate or log."""
+    return _EXPLANATION.match(text) is not None
+
+
+class Read(NamedTuple):
+    """What was found in a line."""
+
+    pieces: list[Piece]
+    trouble: str = ""  # why some of it could not be read
+
+
+class Reader(Protocol):
+    """Reads the lines of one log, in order."""
+
+    def read(self, line: Line) -> Read:
+        """Find what a line holds."""
+
+
+class State:
+    """What holds on from line to line."""
+
+    def __init__(self) -> None:
+        """Nothing has been said yet."""
+        self.direction = marks.SHARED
+        self.stamp: Stamp | None = None
+        self._used: Stamp | None = None
+
+    def piece(self, line: Line, run: Run) -> Piece:
+        """Make a piece of bytes, with what is known of when and by whom they were sent."""
+        continues = self.stamp is not None and self.stamp is self._used
+        self._used = self.stamp
+        return Piece(line, run, self.direction, self.stamp, continues)
+
+
+class AnyReader:
+    """Reads lines of whatever form."""
+
+    def __init__(self) -> None:
+        """Nothing is known of the log."""
+        self._clock = Clock()
+        self._marks = Marks()
+        self._state = State()
+        self._dumped = False  # the line before was one of a dump
+        self._form = ""  # of the last bytes
+
+    def read(self, line: Line) -> Read:
+        """Find the bytes of a line."""
+        text = line.text
+        if is_explanation(text):
+            return Read([])
+        stamps = self._clock.find(text)
+        masked = self._mask_offset(_mask_counts(_mask(text, stamps)))
+        found = hexadecimal.runs(masked)
+        data = self._certain(masked, found)
+        if not data:
+            self._heading(masked, stamps)
+            return Read([], _trouble(masked))
+        state = self._state
+        if stamps and stamps[0].start > data[-1].start:
+            state.stamp = stamps[0].stamp  # behind the bytes
+        pieces = []
+        end = 0
+        left = deque(stamps)
+        for run in data:
+            while left and left[0].start < run.start:
+                state.stamp = left.popleft().stamp
+            if mark := self._marks.find(masked[end : run.start].rstrip(_BRACKETS)):
+                state.direction = mark[0]
+            pieces.append(state.piece(line, run))
+            end = run.end
+        return Read(pieces, _foreign(masked, found) if len(found) > 1 else "")
+
+    def _certain(self, masked: str, found: list[Run]) -> list[Run]:
+        """Give those that are bytes: by themselves, or because nothing else is in the line."""
+        data = [run for run in found if run.certain]
+        if len(data) < len(found) and all(map(_is_clean, _gaps(masked, found))):
+            data = [run for run in found if run.certain or run.is_possible(self._form)]
+        if data:
+            self._form = data[-1].form
+        return data
+
+    def _mask_offset(self, text: str) -> str:
+        """Mask the offset of a dump, also that which ends it."""
+        match = _OFFSET.match(text)
+        if self._dumped and not match:
+            match = _LAST_OFFSET.match(text)
+        self._dumped = match is not None and not (match.lastindex and int(match[1], 16) % 8)
+        return _MASK * match.end() + text[match.end() :] if match and self._dumped else text
+
+    def _heading(self, masked: str, stamps: list[Stamped]) -> None:
+        """Keep what a line without bytes says of those that follow: when and by whom they were sent."""
+        if not stamps:
+            if any(character.isdigit() for character in masked):
+                self._clock.find_date(masked)
+            return
+        self._state.stamp = stamps[-1].stamp
+        rest = masked[stamps[-1].end :]
+        if mark := self._marks.find(rest):
+            line, start, end = mark
+            is_word = rest[start:end].isalnum() and rest[start:end].isascii()
+            if not _has_words(rest[:start]) and not (is_word and _has_words(rest[end:])):
+                self._state.direction = line
+
+
+def _mask(text: str, stamps: list[Stamped]) -> str:
+    parts = []
+    end = 0
+    for stamped in stamps:
+        parts += [text[end : stamped.start], _MASK * (stamped.end - stamped.start)]
+        end = stamped.end
+    return "".join([*parts, text[end:]]) if parts else text
+
+
+def _mask_counts(text: str) -> str:
+    return _COUNT.sub(lambda match: _MASK * len(match[0]), text)
+
+
+def _gaps(text: str, found: list[Run]) -> Iterator[str]:
+    """Give what stands before and between runs."""
+    end = 0
+    for run in found:
+        yield text[end : run.start]
+        end = run.end
+
+
+def _has_words(text: str) -> bool:
+    return any(character.isalnum() and character.isascii() for character in text)
+
+
+def _is_clean(gap: str) -> bool:
+    """Tell whether nothing but stamps, marks and labels stands in front of bytes."""
+    rest = _LABEL.sub("", _MASKED.sub("", gap, count=1))
+    if not _has_words(rest):
+        return True
+    mark = Marks().find(rest)
+    return mark is not None and not _has_words(rest[mark[2] :])
+
+
+def _trouble(masked: str) -> str:
+    """Say why a line that should have bytes has none, empty if it need not have any."""
+    if _TEXT.search(masked):
+        return "characters are shown as text, which loses most of them: log in hexadecimal"
+    if hexadecimal.BITS.search(masked):
+        return "bytes are shown as bits: log in hexadecimal"
+    if odd := _ODD.search(masked):
+        return f"an odd number of hexadecimal digits ({len(odd[0])})"
+    return ""
+
+
+def _foreign(masked: str, found: list[Run]) -> str:
+    """Name what stands between bytes and is none."""
+    for before, after in zip(found, found[1:], strict=False):
+        gap = masked[before.end : after.start].strip()
+        if re.fullmatch(r"\w{1,3}", gap) and (before.certain or after.certain):
+            return f"'{gap}' is not a byte"
+    return ""

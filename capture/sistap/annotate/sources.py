@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Where a log comes from: a file, which can be read again, or a pipe that somebody still writes."""
+
+from __future__ import annotations
+
+import os
+import queue
+import stat
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from sistap.annotate.lines import Line, Lines
+
+_PIECE = 1 << 18
+_IDLE_S = 0.2
+
+
+class SourceError(Exception):
+    """The log cannot be read; the text is the one line to show."""
+
+
+def is_file(log: str) -> bool:
+    """Tell whether a log can be read twice. SourceError if it cannot be read at all."""
+    try:
+        mode = Path(log).stat().st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+            return False  # to open it would wait for somebody who writes it
+        open(log, "rb").close()
+        return True
+    except OSError as error:
+        raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
+
+
+def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[Line]]:
+    """Give the lines of a file, many at a time; `progress` is told the part that has been read, 0 to 1."""
+    lines = Lines()
+    with open(log, "rb") as file:
+        size = os.fstat(file.fileno()).st_size or 1
+        while piece := file.read(_PIECE):
+            if batch := list(lines.feed(piece)):
+                yield batch
+            progress(min(file.tell() / size, 1))
+    if rest := list(lines.end()):
+        yield rest
+
+
+def from_pipe(log: str) -> Iterator[list[Line]]:
+    """Give the lines of a pipe as they come; an empty list where nothing came for a moment."""
+    pieces: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    descriptor = 0 if log == "-" else os.open(log, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    # A thread, because on Windows nothing tells whether a pipe has something to read.
+    threading.Thread(target=_read, args=(descriptor, pieces), daemon=True).start()
+    lines = Lines()
+    waits = None
+    while True:
+        try:
+            piece = pieces.get(timeout=waits)
+        except queue.Empty:
+            waits = None
+            yield []
+            continue
+        if not piece:
+            break
+        waits = _IDLE_S
+        if batch := list(lines.feed(piece)):
+            yield batch
+    if rest := list(lines.end()):
+        yield rest
+
+
+def _read(descriptor: int, pieces: queue.SimpleQueue[bytes]) -> None:
+    try:
+        while piece := os.read(descriptor, _PIECE):
+            pieces.put(piece)
+    except OSError:
+        pass  # what came is all that there is
+    pieces.put(b"")

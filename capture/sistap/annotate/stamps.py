@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Time stamps in the text of a log: ISO, German, American and 12-hour forms, with or without a date; plain seconds.
+
+Without a zone a stamp is local time, as programs write it. Times are ns since 1970.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from datetime import UTC, datetime, timedelta, timezone
+from typing import NamedTuple
+
+_SECOND_NS = 1_000_000_000
+_HALF_DAY_NS = 43_200 * _SECOND_NS
+# Of stamps without one, until a date comes: the second day, for in the east the first began before 1970.
+_NO_DATE = (1970, 1, 2)
+_CENTURY = 2000
+
+_MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec".split()
+_DATE = (
+    r"(?:(?P<year>\d{4})[-/.](?P<month>\d\d?)[-/.](?P<day>\d\d?)"
+    r"|(?P<day_german>\d\d?)\.(?P<month_german>\d\d?)\.(?P<year_german>\d{4}|\d\d)"
+    r"|(?P<one>\d\d?)/(?P<other>\d\d?)/(?P<year_slash>\d{4}|\d\d)"
+    rf"|(?P<day_name>\d\d?)[ -](?P<month_name>(?i:{'|'.join(_MONTHS)}))[a-z]*\.?[ -](?P<year_name>\d{{4}}))"
+)
+# A fraction after a comma or colon has three digits or more: "10:20:30,02" may be a column of bytes.
+_CLOCK = (
+    r"(?P<hour>\d\d?):(?P<minute>\d\d):(?P<second>\d\d)(?:\.(?P<fraction>\d{1,9})|[,:](?P<thousandths>\d{3,9}))?"
+    r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
+)
+# Not inside other numbers, nor a piece of bytes that are joined with colons.
+_BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
+_STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
+_DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
+_SECONDS = re.compile(r"^\s*[\[(]?\s*(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\s*[\])]?(?=[\s:;,]|$)")
+
+
+_Date = tuple[int, int, int]
+_Minute = tuple[_Date, int, int, str | None]  # hour, minute, zone
+
+
+class Stamp(NamedTuple):
+    """When something was logged, and the step in which such stamps go on; both in ns."""
+
+    time_ns: int
+    resolution_ns: int
+
+
+class Stamped(NamedTuple):
+    """A stamp and where it stands in its text."""
+
+    start: int
+    end: int
+    stamp: Stamp
+
+
+class Clock:
+    """Reads the stamps of one log, in order: one without a date needs those before it."""
+
+    def __init__(self) -> None:
+        """Begin with no date known."""
+        self._date = _NO_DATE
+        self._last_ns = 0
+        self._minute: tuple[_Minute, int | None] | None = None  # the last one: a log has many stamps a minute
+
+    def find(self, text: str) -> list[Stamped]:
+        """Find all stamps of a line. What has the form of one, but is no time, is none."""
+        if ":" not in text:
+            return self._seconds(text)
+        found = []
+        for match in _STAMP.finditer(text):
+            stamp = self._stamp(match)
+            if stamp:
+                found.append(Stamped(match.start(), match.end(), stamp))
+        return found or self._seconds(text)
+
+    def find_date(self, text: str) -> Stamped | None:
+        """Find a date without a time, as the heading of a log may have it, and keep it; its stamp is its midnight."""
+        match = _DATE_ALONE.search(text)
+        date = _date(match.groupdict()) if match else None
+        if not match or not date or not (midnight := _seconds_of((date, 0, 0, None))):
+            return None
+        self._date, self._last_ns = date, 0
+        return Stamped(match.start(), match.end(), Stamp(midnight * _SECOND_NS, 0))
+
+    def _stamp(self, match: re.Match[str]) -> Stamp | None:
+        groups = match.groupdict()
+        date = _date(groups)
+        hour, second = int(groups["hour"]), int(groups["second"])
+        if half := groups["half"]:
+            if not 1 <= hour <= 12:
+                return None
+            hour = hour % 12 + (12 if half in "Pp" else 0)
+        fraction = groups["fraction"] or groups["thousandths"] or ""
+        minute = self._seconds_of((date or self._date, hour, int(groups["minute"]), groups["zone"]))
+        if minute is None or second > 60:
+            return None
+        time_ns = (minute + second) * _SECOND_NS + int(fraction.ljust(9, "0"))
+        if date:
+            self._date = date
+        elif time_ns < self._last_ns - _HALF_DAY_NS:  # it is past midnight
+            year, month, day = self._date
+            tomorrow = datetime(year, month, day, tzinfo=UTC) + timedelta(days=1)
+            self._date = (tomorrow.year, tomorrow.month, tomorrow.day)
+            time_ns += 2 * _HALF_DAY_NS
+        self._last_ns = time_ns
+        return Stamp(time_ns, 10 ** (9 - len(fraction)))
+
+    def _seconds_of(self, minute: _Minute) -> int | None:
+        if self._minute is None or self._minute[0] != minute:
+            self._minute = minute, _seconds_of(minute)
+        return self._minute[1]
+
+    def _seconds(self, text: str) -> list[Stamped]:
+        match = _SECONDS.match(text)
+        if not match:
+            return []
+        fraction = match["fraction"]
+        time_ns = int(match["seconds"]) * _SECOND_NS + int(fraction.ljust(9, "0"))
+        return [Stamped(match.start(), match.end(), Stamp(time_ns, 10 ** (9 - len(fraction))))]
+
+
+def _date(groups: dict[str, str | None]) -> _Date | None:
+    """Give year, month and day of whichever form matched."""
+    form: tuple[str | None, ...]
+    if groups["year"]:
+        form = groups["year"], groups["month"], groups["day"]
+    elif groups["year_german"]:
+        form = groups["year_german"], groups["month_german"], groups["day_german"]
+    elif groups["year_slash"]:
+        # American, unless there are not so many months.
+        one, other = groups["one"], groups["other"]
+        form = (groups["year_slash"], other, one) if int(one or 0) > 12 else (groups["year_slash"], one, other)
+    elif groups["month_name"]:
+        month = _MONTHS.index(groups["month_name"].lower()) + 1
+        form = groups["year_name"], str(month), groups["day_name"]
+    else:
+        return None
+    year, month_number, day = (int(text or 0) for text in form)
+    return year + (_CENTURY if year < 100 else 0), month_number, day
+
+
+def _seconds_of(of: _Minute) -> int | None:
+    """Give s since 1970, None if there is no such minute."""
+    date, hour, minute, zone = of
+    try:
+        at = datetime(*date, hour, minute, tzinfo=_zone(zone) if zone else None)
+        seconds = int(at.timestamp()) if zone else int(time.mktime((*date, hour, minute, 0, 0, 0, -1)))
+    except (ValueError, OverflowError):
+        return None
+    return seconds if seconds >= 0 else None
+
+
+def _zone(text: str) -> timezone:
+    if text == "Z":
+        return UTC
+    offset = timedelta(hours=int(text[1:3]), minutes=int(text[-2:]))
+    return timezone(-offset if text[0] == "-" else offset)

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The log again, byte for byte, with a line under each telegram that explains it."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from sistap.annotate.cutting import Cut
+from sistap.annotate.explaining import Said
+from sistap.annotate.lines import Line
+from sistap.annotate.reading import EXPLANATION
+
+_WIDEST = 120  # what begins further to the right is not aligned
+_WAITING = 1000  # lines; one direction can keep silent for the rest of the log
+_COARSE_NS = 100_000_000  # stamps in longer steps say nothing of the time between two telegrams
+_TAKEN = re.compile(r"(, (?:reached|failed)) after [\d.]+ s")
+
+
+class Weaver(Protocol):
+    """Takes lines and what is said of the telegrams in them, and writes both in the order of the lines."""
+
+    def add(self, line: Line, count: int) -> None:
+        """Take the next line and the number of bytes that were found in it."""
+
+    def explain(self, cut: Cut, said: Said) -> None:
+        """Take what is said of a telegram, or of other characters, that ends in a line that was added."""
+
+    def release(self, *, everything: bool = False) -> None:
+        """Write the lines that wait for nothing more, or all."""
+
+    def end(self) -> None:
+        """Write the rest."""
+
+
+@dataclass(slots=True, eq=False)
+class Waiting:
+    """A line whose bytes are not all explained."""
+
+    line: Line
+    unexplained: int  # bytes
+    explanations: list[tuple[int, str]] = field(default_factory=list)  # column, text
+
+
+class Waitings:
+    """Lines that wait, in their order."""
+
+    def __init__(self) -> None:
+        """None wait."""
+        self._queue: deque[Waiting] = deque()
+        self._by_line: dict[int, Waiting] = {}
+
+    def add(self, line: Line, count: int) -> None:
+        """Let a line wait for so many bytes."""
+        waiting = Waiting(line, count)
+        self._queue.append(waiting)
+        self._by_line[line.number] = waiting
+
+    def take(self, cut: Cut) -> Waiting | None:
+        """Count what is explained now; give the line where it ends, None if that is written already."""
+        waiting = None
+        for piece, first, end in cut.parts:
+            waiting = self._by_line.get(piece.line.number)
+            if waiting:
+                waiting.unexplained -= end - first
+        return waiting
+
+    def last(self) -> Waiting | None:
+        """Give the newest line."""
+        return self._queue[-1] if self._queue else None
+
+    def release(self, *, everything: bool = False) -> Iterator[Waiting]:
+        """Give the lines that wait for nothing more, or all; the first too many of them must go, too.
+
+        A line without an ending stays until the end: nothing can be written behind it.
+        """
+        while self._queue and self._queue[0].line.ending:
+            if not everything and self._queue[0].unexplained and len(self._queue) <= _WAITING:
+                break
+            yield self._pop()
+
+    def rest(self) -> Iterator[Waiting]:
+        """Give all lines that are left at the end."""
+        while self._queue:
+            yield self._pop()
+
+    def _pop(self) -> Waiting:
+        waiting = self._queue.popleft()
+        del self._by_line[waiting.line.number]
+        return waiting
+
+
+class TextWeaver:
+    """Writes text. Without the lines that it adds it is what was read."""
+
+    def __init__(self, write: Callable[[bytes], object]) -> None:
+        """Nothing has been written."""
+        self._write = write
+        self._waitings = Waitings()
+        self._ending = b""  # of the first line
+
+    def add(self, line: Line, count: int) -> None:
+        """Take the next line."""
+        self._ending = self._ending or line.ending or line.encode("\n")
+        self._waitings.add(line, count)
+
+    def explain(self, cut: Cut, said: Said) -> None:
+        """Put it under its line; if that is written already, under the newest."""
+        waiting = self._waitings.take(cut)
+        text = explanation(cut, said, late=waiting is None)
+        if waiting:
+            waiting.explanations.append(place(cut, text))
+        elif newest := self._waitings.last():
+            newest.explanations.append((0, text))
+        else:
+            line = cut.parts[-1].piece.line
+            self._write(line.encode(EXPLANATION + text) + self._ending)
+
+    def release(self, *, everything: bool = False) -> None:
+        """Write lines with what explains them."""
+        for waiting in self._waitings.release(everything=everything):
+            self._write(self._lines(waiting))
+
+    def end(self) -> None:
+        """Write the rest."""
+        for waiting in self._waitings.rest():
+            self._write(self._lines(waiting))
+
+    def _lines(self, waiting: Waiting) -> bytes:
+        line = waiting.line
+        ending = line.ending or self._ending
+        parts = [line.raw]
+        for column, text in sorted(waiting.explanations):
+            parts += [ending, line.encode(indent(line.text, column) + EXPLANATION + text)]
+        return b"".join([*parts, line.ending])
+
+
+def sentence(said: Said, resolution_ns: int | None) -> str:
+    """Say in a line what a record is; of times what stamps in such steps can tell, nothing where there are none."""
+    text = said.info.replace("\n", " ").replace("\r", " ")
+    if said.unanswered:
+        text += "  [no reaction]"
+    if resolution_ns is None or resolution_ns > _COARSE_NS:
+        return _TAKEN.sub(r"\1", text)
+    if said.reaction_s is not None:
+        digits = min(3, 7 - len(str(resolution_ns)))  # of ms
+        text += f"  {said.reaction_s * 1e3:.{max(0, digits)}f} ms after the command"
+    return text
+
+
+def explanation(cut: Cut, said: Said, *, late: bool) -> str:
+    """Explain a telegram, or other characters, of a log; `late`: its line is written already."""
+    stamp = cut.parts[0].piece.stamp
+    return _note(cut, late=late) + sentence(said, stamp.resolution_ns if stamp else None)
+
+
+def _note(cut: Cut, *, late: bool) -> str:
+    """Say which lines it is of, where that is not to be seen."""
+    first, last = cut.parts[0].piece.line.number, cut.parts[-1].piece.line.number
+    if first != last:
+        return f"(lines {first} to {last}) "
+    return f"(line {first}) " if late else ""
+
+
+def place(cut: Cut, text: str) -> tuple[int, str]:
+    """Give the column of its first byte in the line where it ends, and the text."""
+    piece, first, _ = cut.parts[-1]
+    column = piece.run.start if first == 0 else piece.spans[first][0]
+    return (column, text) if column <= _WIDEST else (column, f"(column {column + 1}) {text}")
+
+
+def indent(text: str, column: int) -> str:
+    """Give spaces and tabs up to a column."""
+    if column > _WIDEST:
+        return ""
+    return "".join(map(_blank, text[:column]))
+
+
+def _blank(character: str) -> str:
+    if character == "\t":
+        return character
+    return "  " if unicodedata.east_asian_width(character) in "WF" else " "

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Logs as several programs write them, all of the same four telegrams of the specification (IF02)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from specification import TELEGRAMS
+
+SET_RATE, READ_PHASE, PHASE = TELEGRAMS["6-14"], TELEGRAMS["8-20"], TELEGRAMS["8-21"]
+
+SHARED, RECEIVED, SENT = 0, 1, 2
+
+
+class Expected(NamedTuple):
+    """A telegram of a log: the record's line, and ms since the first stamp, None where there are no stamps."""
+
+    data: bytes
+    line: int = SHARED
+    time_ms: float | None = None
+
+
+def _shared(*times_ms: float) -> list[Expected]:
+    return [
+        Expected(data, SHARED, time_ms) for data, time_ms in zip((SET_RATE, READ_PHASE, PHASE), times_ms, strict=True)
+    ]
+
+
+NO_TIMES = [Expected(SET_RATE), Expected(READ_PHASE), Expected(PHASE)]
+SENT_AND_RECEIVED = [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 100), Expected(PHASE, RECEIVED, 136)]
+MARKED = [Expected(SET_RATE, SENT), Expected(READ_PHASE, SENT), Expected(PHASE, RECEIVED)]
+
+LOGS: dict[str, tuple[str, list[Expected]]] = {
+    "docklight": (
+        "Docklight-Protokoll (HEX), begonnen 14.03.2013 08:20:00\r\n"
+        "\r\n"
+        "14.03.2013 08:21:14.541 [TX] - 02 D7 03 03 00 03 \r\n"
+        "10 03 04 07 00 \r\n"
+        "14.03.2013 08:21:14.641 [TX] - 02 6C 00 00 00 92 00 00 \r\n"
+        "14.03.2013 08:21:14.677 [RX] - 02 56 02 02 10 92 00 00 00 02 \r\n",
+        SENT_AND_RECEIVED,
+    ),
+    "docklight, 12-hour clock": (
+        "3/14/2013 12:59:59.900 PM [TX] - 02 D7 03 03 00 03 10 03 04 07 00\r\n"
+        "3/14/2013 1:00:00.000 PM [TX] - 02 6C 00 00 00 92 00 00\r\n"
+        "3/14/2013 1:00:00.036 PM [RX] - 02 56 02 02 10 92 00 00 00 02\r\n",
+        SENT_AND_RECEIVED,
+    ),
+    "docklight, decimal": (
+        "14.03.2013 08:21:14.541 [TX] - 002 215 003 003 000 003 016 003 004 007 000\n"
+        "14.03.2013 08:21:14.641 [TX] - 002 108 000 000 000 146 000 000\n"
+        "14.03.2013 08:21:14.677 [RX] - 002 086 002 002 016 146 000 000 000 002\n",
+        SENT_AND_RECEIVED,
+    ),
+    "hterm": ("02D70303000310030407\n00\n02 6C 00 00 00 92 00 00\n\n0256020210920000\n0002\n", NO_TIMES),
+    "one line": ("02 D7 03 03 00 03 10 03 04 07 00 02 6C 00 00 00 92 00 00 02 56 02 02 10 92 00 00 00 02", NO_TIMES),
+    "realterm": (
+        "02D7030300031003040700\n026C000000920000\n02560202109200000002\n",
+        NO_TIMES,
+    ),
+    "realterm, time stamps": (
+        "1363249274.541 02D7030300031003040700\n"
+        "1363249274.641 026C000000920000\n"
+        "1363249274.677 02560202109200000002\n",
+        _shared(0, 100, 136),
+    ),
+    "jpnevulator, one port": (
+        "2013-03-14 08:21:14.541000: /dev/ttyUSB0\n"
+        "02 D7 03 03 00 03 10 03 04 07 00                ...........\n"
+        "2013-03-14 08:21:14.641000: /dev/ttyUSB0\n"
+        "02 6C 00 00 00 92 00 00                         .l......\n"
+        "2013-03-14 08:21:14.677000: /dev/ttyUSB0\n"
+        "02 56 02 02 10 92 00 00 00 02                   .V........\n",
+        [Expected(SET_RATE, 1, 0), Expected(READ_PHASE, 1, 100), Expected(PHASE, 1, 136)],
+    ),
+    "jpnevulator, two ports": (
+        "2013-03-14 08:21:14.541000: /dev/ttyS0\n"
+        "02 D7 03 03 00 03 10 03 04 07 00\n"
+        "2013-03-14 08:21:14.641000: /dev/ttyS0\n"
+        "02 6C 00 00 00 92\n"
+        "2013-03-14 08:21:14.677000: /dev/ttyUSB0\n"
+        "02 56 02 02 10 92 00 00 00 02\n"
+        "2013-03-14 08:21:14.642000: /dev/ttyS0\n"
+        "00 00\n",
+        [Expected(SET_RATE, 1, 0), Expected(PHASE, 2, 136), Expected(READ_PHASE, 1, 100)],
+    ),
+    "arrows, text above the bytes": (
+        "[2013-03-14 08:21:14.5410] → \ufffd\ufffd\nHEX:02 D7 03 03 00 03 10 03 04 07 00\n"
+        "[2013-03-14 08:21:14.6410] → l\nHEX:02 6C 00 00 00 92 00 00\n"
+        "[2013-03-14 08:21:14.6770] ← V\nHEX:02 56 02 02 10 92 00 00 00 02\n",
+        SENT_AND_RECEIVED,
+    ),
+    "arrows without spaces": (
+        "[08:21:14.541]发→◇02 D7 03 03 00 03 10 03 04 07 00 □\n"
+        "[08:21:14.641]发→◇02 6C 00 00 00 92 00 00 □\n"
+        "[08:21:14.677]收←◆02 56 02 02 10 92 00 00 00 02 \n",
+        SENT_AND_RECEIVED,
+    ),
+    "stamps between the bytes": (
+        "[08:21:14.541] 02 d7 03 03 00 03 10 03 04 07 00 [08:21:14.641] 02 6c 00 00 00 92 00 00 [08:21:14.677] 02 56\n"
+        "02 02 10 92 00 00 00 02\n",
+        _shared(0, 100, 136),
+    ),
+    "a byte a line": (
+        "".join(f"08:21:14.541 {byte:02X}\n" for byte in SET_RATE)
+        + "".join(f"08:21:14.641 {byte:02X}\n" for byte in READ_PHASE)
+        + "".join(f"08:21:14.677 {byte:02X}\n" for byte in PHASE),
+        _shared(0, 100, 136),
+    ),
+    "candump": (
+        "(1363249274.541000) can0 TX - - 17F [11] 02 D7 03 03 00 03 10 03 04 07 00\n"
+        "(1363249274.641000) can0 TX - - 17F [8] 02 6C 00 00 00 92 00 00\n"
+        "(1363249274.677000) can0 RX - - 18F [10] 02 56 02 02 10 92 00 00 00 02\n",
+        SENT_AND_RECEIVED,
+    ),
+    "hexdump -C": (
+        "00000000  02 d7 03 03 00 03 10 03  04 07 00 02 6c 00 00 00  |............l...|\n"
+        "00000010  92 00 00 02 56 02 02 10  92 00 00 00 02           |....V........|\n"
+        "0000001d\n",
+        NO_TIMES,
+    ),
+    "xxd": (
+        "00000000: 02d7 0303 0003 1003 0407 0002 6c00 0000  ............l...\n"
+        "00000010: 9200 0002 5602 0210 9200 0000 02         ....V........\n",
+        NO_TIMES,
+    ),
+    "terminal with lengths": (
+        "14-Mar-2013 08:21:14.541 Sent 11 bytes: 02 D7 03 03 00 03 10 03 04 07 00\n"
+        "14-Mar-2013 08:21:14.641 Sent 8 bytes: 02 6C 00 00 00 92 00 00\n"
+        "14-Mar-2013 08:21:14.677 Received 10 bytes: 02 56 02 02 10 92 00 00 00 02\n",
+        SENT_AND_RECEIVED,
+    ),
+    "plc, iec 61131": (
+        "08:21:14:541 SEND 16#02 16#D7 16#03 16#03 16#00 16#03 16#10 16#03 16#04 16#07 16#00\n"
+        "08:21:14:641 SEND 16#02 16#6C 16#00 16#00 16#00 16#92 16#00 16#00\n"
+        "08:21:14:677 RCV  16#02 16#56 16#02 16#02 16#10 16#92 16#00 16#00 16#00 16#02\n",
+        SENT_AND_RECEIVED,
+    ),
+    "plc, both directions on a line": (
+        "cycle 1  TX: 02 D7 03 03 00 03 10 03 04 07 00  RX:\n"
+        "cycle 2  TX: 02 6C 00 00 00 92 00 00  RX: 02 56 02 02 10 92 00 00 00 02\n",
+        MARKED,
+    ),
+    "c, python and basic": (
+        "tx 0x02, 0xD7, 0x03, 0x03, 0x00, 0x03, 0x10, 0x03, 0x04, 0x07, 0x00\n"
+        "tx b'\\x02\\x6C\\x00\\x00\\x00\\x92\\x00\\x00'\n"
+        "rx &H02 &H56 &H02 &H02 &H10 &H92 &H00 &H00 &H00 &H02\n",
+        MARKED,
+    ),
+    "brackets, colons, hyphens, h": (
+        "> <02><D7><03><03><00><03><10><03><04><07><00>\n"
+        "> 02:6C:00:00:00:92:00:00\n"
+        "< 02h 56h 02h 02h 10h 92h 00h 00h 00h 02h\n",
+        MARKED,
+    ),
+    "no leading zeros": ("2 D7 3 3 0 3 10 3 4 7 0\n2 6C 0 0 0 92 0 0\n2 56 2 2 10 92 0 0 0 2\n", NO_TIMES),
+    "words around": (
+        "05 Feb 2022 15:46:56.692 27212 [25748] trace Port - write 11 bytes <02D7030300031003040700> ok\n"
+        "05 Feb 2022 15:46:56.792 27350 [25748] trace Port - write 8 bytes <026C000000920000> ok\n"
+        "05 Feb 2022 15:46:56.828 27488 [25748] trace Port - read 10 bytes <02560202109200000002> ok\n",
+        SENT_AND_RECEIVED,
+    ),
+    "tabs and columns": (
+        "1\t0.541000\tout\t02 D7 03 03 00 03 10 03 04 07 00\n"
+        "2\t0.641000\tout\t02 6C 00 00 00 92 00 00\n"
+        "3\t0.677000\tin\t02 56 02 02 10 92 00 00 00 02\n",
+        MARKED,
+    ),
+}

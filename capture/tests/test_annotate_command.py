@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap annotate` as a command, with tshark: what it explains, in files and pipes, and what it refuses."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
+from pcapng import FileScanner
+from pcapng.blocks import EnhancedPacket
+
+from sistap import pcapng
+from sistap.record import Record, Type, unpack
+
+ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
+WRAPPER = len(pcapng.upper_pdu("sertap", b""))
+
+# What the specification says of figures 6-14, 8-20 and 8-21, in the words of the dissector.
+SET_RATE_TEXT = "16 -> 3  Command  Initialization of the SIS communication: Set baud rate: 9600"
+READ_PHASE_TEXT = "0 -> 0  Command  Read phase (SYNAX)"
+PHASE_TEXT = "0 -> 0  Reaction  Read phase (SYNAX): phase 2 (parameter mode)"
+
+
+def run(
+    folder: Path, *arguments: str | Path, stdin: bytes = b"", **environment: str
+) -> subprocess.CompletedProcess[bytes]:
+    done = subprocess.run(
+        [*ANNOTATE, *map(str, arguments)],
+        cwd=folder,
+        env=os.environ | environment,
+        input=stdin,
+        capture_output=True,
+        check=False,
+        timeout=120,
+    )
+    assert b"Traceback" not in done.stderr
+    return done
+
+
+def refused(done: subprocess.CompletedProcess[bytes], code: int, *words: str) -> None:
+    said = done.stderr.decode()
+    assert done.returncode == code
+    assert said.startswith("sistap: ")
+    assert said.count("\n") == 1
+    assert all(word in said for word in words)
+
+
+def records(path: Path) -> list[tuple[int, Record]]:
+    """All records of a capture but its event, and the numbers of their interfaces."""
+    with path.open("rb") as stream:
+        packets = [block for block in FileScanner(stream) if isinstance(block, EnhancedPacket)]
+    found = [
+        (packet.interface_id, unpack(packet.packet_data[WRAPPER:], packet.timestamp_high << 32 | packet.timestamp_low))
+        for packet in packets
+    ]
+    assert found[0][1].type == Type.EVENT
+    return found[1:]
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    path = tmp_path / "docklight.txt"
+    path.write_bytes(LOGS["docklight"][0].encode())
+    return path
+
+
+def test_a_file(log: Path) -> None:
+    done = run(log.parent, log)
+    assert (done.returncode, done.stderr) == (0, b"")
+    heading, empty, *lines = LOGS["docklight"][0].splitlines()
+    assert done.stdout.decode().split("\r\n") == [
+        heading,
+        empty,
+        *lines[:2],
+        f"^-- (lines 3 to 4) {SET_RATE_TEXT}",
+        lines[2],
+        f"{' ' * 31}^-- {READ_PHASE_TEXT}",
+        lines[3],
+        f"{' ' * 31}^-- {PHASE_TEXT}  36 ms after the command",
+        "",
+    ]
+
+
+def test_a_pipe_knows_only_what_came(log: Path) -> None:
+    # The first command is in vain, and only the second tells.
+    log.write_text(f"{READ_PHASE.hex(' ')}\n{SET_RATE.hex(' ')}\n{READ_PHASE.hex(' ')}\n{PHASE.hex(' ')}\n")
+    done = run(log.parent, "-", stdin=log.read_bytes())
+    assert (done.returncode, done.stderr) == (0, b"")
+    told = [f"{READ_PHASE_TEXT}  [no reaction]", SET_RATE_TEXT, f"{READ_PHASE_TEXT}  [repeat]", PHASE_TEXT]
+    assert [line[4:] for line in run(log.parent, log).stdout.decode().splitlines()[1::2]] == told
+    assert done.stdout == run(log.parent, log).stdout.replace(b"  [no reaction]", b"")
+
+
+@contextmanager
+def running(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    with subprocess.Popen([*ANNOTATE, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        watchdog = threading.Timer(60, process.kill)  # a test that waits in vain fails
+        watchdog.start()
+        try:
+            yield process
+        finally:
+            watchdog.cancel()
+            process.kill()
+
+
+def test_each_explanation_comes_before_the_next_line_is_written() -> None:
+    with running("-") as process:
+        assert process.stdin
+        assert process.stdout
+        for telegram, text in [(READ_PHASE, READ_PHASE_TEXT), (PHASE, PHASE_TEXT)]:
+            line = f"{telegram.hex(' ')}\n".encode()
+            process.stdin.write(line)
+            process.stdin.flush()
+            assert process.stdout.readline() == line
+            assert process.stdout.readline().decode() == f"^-- {text}\n"
+        # Text, too, and the beginning of a telegram: nobody knows when the rest comes.
+        for line in (b"waiting\n", b"02 56 02 02\n"):
+            process.stdin.write(line)
+            process.stdin.flush()
+            assert process.stdout.readline() == line
+        process.stdin.write(b"10 92 00 00 00 02")
+        process.stdin.close()
+        assert process.stdout.read().decode() == f"10 92 00 00 00 02\n^-- (lines 4 to 5) {PHASE_TEXT}"
+        assert process.wait() == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it(number: signal.Signals) -> None:
+    with running("-") as process:
+        assert process.stdin
+        assert process.stdout
+        process.stdin.write(b"waiting\n")
+        process.stdin.flush()
+        assert process.stdout.readline() == b"waiting\n"
+        process.send_signal(number)
+        assert process.wait() == 0
+
+
+def test_a_named_pipe_is_read_once(tmp_path: Path, log: Path) -> None:
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    writer = threading.Thread(target=fifo.write_bytes, args=(log.read_bytes(),))
+    writer.start()
+    assert run(tmp_path, fifo).stdout == run(tmp_path, "-", stdin=log.read_bytes()).stdout
+    writer.join()
+
+
+def test_a_capture(log: Path) -> None:
+    done = run(log.parent, log, "-w", "x.pcapng")
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+    found = records(log.parent / "x.pcapng")
+    expected = LOGS["docklight"][1]
+    assert [(number, record.line, record.data) for number, record in found] == [
+        (each.line, each.line, each.data) for each in expected
+    ]
+    times = [record.time_ns - found[0][1].time_ns for _, record in found]
+    assert times == [round((each.time_ms or 0) * 1e6) for each in expected]
+
+
+def test_a_capture_through_a_pipe_is_the_same(log: Path) -> None:
+    run(log.parent, log, "-w", "x.pcapng")
+    (log.parent / "y.pcapng").write_bytes(run(log.parent, "-", "-w", "-", stdin=log.read_bytes()).stdout)
+    assert records(log.parent / "x.pcapng") == records(log.parent / "y.pcapng")
+
+
+def test_an_own_form_by_a_regular_expression(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("a;>;02D7030300031003040700\nb;>;026C000000920000\nc;<;02560202109200000002\n")
+    assert run(tmp_path, "x.csv", "--regex", "^.;(?<dir>.);(?<data>.*)$", "-w", "x.pcapng").returncode == 0
+    assert [(record.data, record.line) for _, record in records(tmp_path / "x.pcapng")] == [
+        (each.data, each.line) for each in MARKED
+    ]
+    done = run(tmp_path, "x.csv", "--regex", "(?<time>.*)")
+    assert done.returncode == 2
+    assert b"has no group (?<data>...)" in done.stderr.splitlines()[-1]
+
+
+def test_what_cannot_be_read_is_named_and_the_rest_counted(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("rx 025602021092000000020\n" * 23 + f"rx {PHASE.hex()}\n")
+    done = run(tmp_path, "x")
+    assert done.returncode == 0
+    said = done.stderr.decode().splitlines()
+    assert said[0] == "sistap: line 1: an odd number of hexadecimal digits (21)"
+    assert said[9] == "sistap: line 10: an odd number of hexadecimal digits (21)"
+    assert said[10:] == ["sistap: 13 more lines could not be read"]
+    assert PHASE_TEXT.encode() in done.stdout
+
+
+def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("nothing to see here\n")
+    done = run(tmp_path, "x")
+    assert done.stdout == b"nothing to see here\n"
+    refused(done, 2, "x has no bytes in hexadecimal", "--regex")
+    (tmp_path / "x").write_text("01 03 00 00 00 0A C5 CD\n")
+    done = run(tmp_path, "x")
+    refused(done, 0, "x has 8 bytes, but no telegram of SIS")
+    assert done.stdout.decode().splitlines()[1].startswith("^-- 8 other characters")
+
+
+def test_an_empty_log(tmp_path: Path) -> None:
+    (tmp_path / "x").touch()
+    done = run(tmp_path, "x")
+    assert done.stdout == b""
+    refused(done, 2, "x has no bytes")
+    assert run(tmp_path, "-").returncode == 2
+
+
+def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
+    refused(run(tmp_path, "nothing"), 2, "cannot read nothing: No such file", "name a log")
+    refused(run(tmp_path, "."), 2, "cannot read .: Is a directory")
+    refused(run(tmp_path, log, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
+    refused(run(tmp_path, log, "-w", "no/folder.pcapng"), 2, "no/folder.pcapng cannot be written", "-w")
+    before = log.read_bytes()
+    for option in ("-o", "-w"):
+        refused(run(tmp_path, log, option, log), 2, "is the log itself", option)
+    assert log.read_bytes() == before
+    assert run(tmp_path, log, "-w", "x", "-o", "y").returncode == 2
+    assert run(tmp_path, log, "-w", "x", "--format", "html").returncode == 2
+
+
+def test_a_full_disk(tmp_path: Path, log: Path) -> None:
+    refused(run(tmp_path, log, "-o", "/dev/full"), 1, "/dev/full is incomplete: No space left", "-o")
+    refused(run(tmp_path, log, "-w", "/dev/full"), 1, "/dev/full: No space left")
+
+
+def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
+    (tmp_path / "plugins").mkdir()
+    for name, stdin in ((log, b""), ("-", log.read_bytes())):
+        refused(run(tmp_path, name, stdin=stdin, PATH=str(tmp_path)), 1, "tshark is not on PATH", "apt-get install")
+        refused(run(tmp_path, name, stdin=stdin, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")
+    # A capture needs neither.
+    assert run(tmp_path, log, "-w", "x.pcapng", PATH=str(tmp_path)).returncode == 0
+
+
+def test_who_reads_only_the_beginning_is_no_failure_to_speak_of(log: Path) -> None:
+    log.write_bytes(log.read_bytes() * 2000)
+    with subprocess.Popen([*ANNOTATE, str(log)], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        assert process.stderr
+        assert process.stdout.readline().startswith(b"Docklight")
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 1
+
+
+def test_the_user_may_have_other_columns(tmp_path: Path, log: Path) -> None:
+    folder = tmp_path / "home" / ".config" / "wireshark"
+    folder.mkdir(parents=True)
+    (folder / "preferences").write_text('gui.column.format: "No.", "%m"\n')
+    (tmp_path / "home").chmod(0o755)
+    assert PHASE_TEXT.encode() in run(tmp_path, log, HOME=str(tmp_path / "home")).stdout
+
+
+def test_no_file_stays(tmp_path: Path, log: Path) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o777)
+        for kind in ("text", "html"):
+            for name in (str(log), "-"):
+                done = run(tmp_path, name, "--format", kind, stdin=log.read_bytes(), TMPDIR=folder)
+                assert done.returncode == 0
+        assert list(Path(folder).iterdir()) == []
+
+
+def test_the_help_is_a_page() -> None:
+    page = subprocess.run([*ANNOTATE, "--help"], capture_output=True, text=True, check=True).stdout
+    for word in ("LOG", "--format", "-w FILE", "-o FILE", "--regex", "examples:", "exit status:"):
+        assert re.search(re.escape(word), page)

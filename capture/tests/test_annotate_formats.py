@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Telegrams, directions and times of logs as several programs write them."""
+
+from __future__ import annotations
+
+import pytest
+from logs import LOGS, PHASE, Expected
+from specification import TELEGRAMS
+
+from sistap.annotate.annotating import Passage
+from sistap.annotate.lines import lines
+from sistap.annotate.pattern import PatternReader
+from sistap.annotate.reading import AnyReader, Reader
+from sistap.line import UNCERTAINTY_UNKNOWN, Flag
+from sistap.record import Record, Type
+
+
+def records(text: str, reader: Reader | None = None, troubles: list[tuple[int, str]] | None = None) -> list[Record]:
+    said = [] if troubles is None else troubles
+    passage = Passage(reader or AnyReader(), lambda number, why: said.append((number, why)))
+    cuts = [cut for line in lines([text.encode()]) for cut in passage.feed(line).cuts]
+    return [cut.record for cut in cuts + passage.end()]
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_a_log(name: str) -> None:
+    text, expected = LOGS[name]
+    troubles: list[tuple[int, str]] = []
+    found = records(text, troubles=troubles)
+    assert {record.type for record in found} == {Type.FRAME}
+    assert [(record.data, record.line) for record in found] == [(each.data, each.line) for each in expected]
+    stamped = [record.uncertainty_ns != UNCERTAINTY_UNKNOWN for record in found]
+    assert stamped == [each.time_ms is not None for each in expected]
+    first_ns = found[0].time_ns
+    times_ms = [(record.time_ns - first_ns) / 1e6 for record in found]
+    assert times_ms == [each.time_ms or 0 for each in expected]
+    assert troubles == []
+
+
+def test_the_uncertainty_is_a_step_of_the_stamps_and_the_longest_line_at_the_slowest_rate() -> None:
+    found = records(LOGS["docklight, 12-hour clock"][0])
+    # 11 characters of 11 bits at 9600 Bd, and a step of 1 ms.
+    assert [round(record.uncertainty_ns / 1e6, 3) for record in found] == [round(1 + 11 * 11 / 9.6, 3)] * 3
+
+
+def test_characters_of_one_stamp_have_no_times_of_their_own() -> None:
+    found = records(LOGS["docklight"][0])
+    assert found[0].flags[0] == Flag.INTERVAL_UNKNOWN
+    assert set(found[0].flags[1:]) == {Flag.SAME_READ}  # also those of the second line
+    assert set(found[2].flags[1:]) == {Flag.SAME_READ}
+    unstamped = records(LOGS["one line"][0])
+    assert all(flag & Flag.INTERVAL_UNKNOWN for record in unstamped for flag in record.flags)
+
+
+def test_nobody_knows_the_rate() -> None:
+    assert {record.settings.baud for record in records(LOGS["docklight"][0])} == {0}
+
+
+def test_a_second_of_silence_ends_a_telegram_also_on_the_other_line() -> None:
+    whole = TELEGRAMS["8-21"].hex(" ")
+    text = f"10:00:00.000 RX {whole[:14]}\n10:00:01.500 TX {whole}\n10:00:01.600 RX {whole}\n"
+    assert [(record.type, record.line) for record in records(text)] == [(1, 1), (0, 2), (0, 1)]
+
+
+def test_a_clock_that_was_set_back_begins_anew() -> None:
+    whole = PHASE.hex(" ")
+    found = records(f"10:00:00.000 {whole}\n09:00:00.000 {whole}\n")
+    assert found[0].time_ns - found[1].time_ns == 3600 * 10**9
+
+
+def test_what_is_no_telegram_is_in_the_records_of_its_line() -> None:
+    found = records("41 30 33 0D\n02 56 02\n02 10 92 00 00 00 02 FF FE FD FC\n")
+    assert [(record.type, record.data) for record in found] == [
+        (Type.OTHER, b"A03\r"),
+        (Type.FRAME, PHASE),
+        (Type.OTHER, b"\xff\xfe\xfd\xfc"),
+    ]
+
+
+def test_what_is_certainly_no_telegram_does_not_wait() -> None:
+    passage = Passage(AnyReader())
+    found = [[cut.record.data for cut in passage.feed(line).cuts] for line in lines([b"41 42 43 44\n02 56 02 02\n"])]
+    assert found == [[b"ABCD"], []]
+
+
+@pytest.mark.parametrize(
+    "line", ["31 32 20 33 34 41  12 34A", "3132 2033 3441  |12 34A|", "31 32 20 33 34 41\t'12 34A'"]
+)
+def test_a_column_of_characters_that_look_like_bytes(line: str) -> None:
+    assert [record.data for record in records(line)] == [b"12 34A"]
+
+
+def test_a_wrong_checksum_is_a_frame() -> None:
+    [record] = records("02 57 02 02 10 92 00 00 00 02")
+    assert record.type == Type.FRAME
+    assert record.checksum_bad
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Port 10 opened at 9600 Bd, 8 data bits",
+        "Axis 3 added, dead band 00 be",
+        "  ^-- 3 -> 16  Reaction  Read parameter S-0-0047, 4 bytes: 39 30 00 00",
+        "2013-03-14 08:21:14.541 timeout 05",
+        "10.0.0.12 192.168.10.20",
+        "",
+        "\t",
+        "\x00\x01\ufffd",
+    ],
+)
+def test_words_and_numbers_are_no_bytes(line: str) -> None:
+    troubles: list[tuple[int, str]] = []
+    assert records(line, troubles=troubles) == []
+    assert troubles == []
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("14.03.2013 08:21:14.541 [RX] - <STX>V<STX><STX><DLE>\ufffd<NUL><NUL><NUL><STX>", "log in hexadecimal"),
+        ("rx 00000010 01010110 00000010", "log in hexadecimal"),
+        ("rx 025602021092000000020", "an odd number of hexadecimal digits (21)"),
+        ("rx 02 56 02 02 10 GG 00 00 00 02", "'GG' is not a byte"),
+    ],
+)
+def test_a_line_that_cannot_be_read(line: str, why: str) -> None:
+    troubles: list[tuple[int, str]] = []
+    records("comment\n" + line, troubles=troubles)
+    assert [number for number, _ in troubles] == [2]
+    assert why in troubles[0][1]
+
+
+REGEX = r"^(?<time>[\d:.]+);(?<dir>.);(?<data>[0-9A-Fa-f ]*);"
+
+
+def test_a_regular_expression_says_where_bytes_are() -> None:
+    text = (
+        "time;dir;bytes;comment 41 42 43 44\n"
+        "08:21:14.541;O;02D703030003 1003040700;41 42 43 44\n"
+        "08:21:14.641;>;02 6C 00 00 00 92 00 00;\n"
+        "08:21:14.677;I;02560202109200000002;\n"
+    )
+    found = records(text, PatternReader(REGEX))
+    assert [Expected(record.data, record.line, (record.time_ns - found[0].time_ns) / 1e6) for record in found] == LOGS[
+        "docklight"
+    ][1]
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("08:21:14.541;O;025;", "an odd number of hexadecimal digits (3)"),
+        ("08:21:14.541;X;02 56;", "'X' is not a direction"),
+        ("99:21:14.541;O;02 56;", "'99:21:14.541' is not a time"),
+    ],
+)
+def test_what_a_regular_expression_finds_can_be_wrong(line: str, why: str) -> None:
+    troubles: list[tuple[int, str]] = []
+    records(line, PatternReader(REGEX), troubles)
+    assert troubles == [(1, why)]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "why"),
+    [
+        ("(", "is not a regular expression"),
+        ("(?<time>.*)", "has no group (?<data>...)"),
+        ("(?<data>.*)(?P<seqno>.)", "not seqno"),
+    ],
+)
+def test_a_regular_expression_that_cannot_be_right(pattern: str, why: str) -> None:
+    with pytest.raises(ValueError, match=r".*") as error:
+        PatternReader(pattern)
+    assert why in str(error.value)
+
+
+@pytest.mark.parametrize("form", ["{:02X} ", "0x{:02x}, ", "{:02x}", "{:02x}-", "\\x{:02X}", "{:03d} "])
+def test_all_telegrams_of_the_specification_wherever_their_lines_end(form: str) -> None:
+    everything = b"".join(TELEGRAMS.values())
+    for width in range(4 if "d" in form else 1, 40):
+        rows = (everything[i : i + width] for i in range(0, len(everything), width))
+        text = "\n".join("".join(map(form.format, row)).rstrip(" ,-") for row in rows)
+        assert [record.data for record in records(text)] == list(TELEGRAMS.values()), width

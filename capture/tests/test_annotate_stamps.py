@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Time stamps: forms, zones, dates that are said once, midnight."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from datetime import UTC, datetime
+
+import pytest
+
+from sistap.annotate.stamps import Clock
+
+
+@pytest.fixture(autouse=True)
+def _berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Be in a zone with summer time, whose rules need no file."""
+    monkeypatch.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
+
+
+def read(clock: Clock, text: str) -> str:
+    """Give the first stamp of a text in UTC."""
+    ns = clock.find(text)[0].stamp.time_ns
+    return datetime.fromtimestamp(ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M:%S") + f".{ns % 10**9:09d}"
+
+
+@pytest.mark.parametrize(
+    ("text", "utc"),
+    [
+        ("2013-03-14 08:21:14", "2013-03-14 07:21:14.000000000"),
+        ("2013-07-14T08:21:14.5", "2013-07-14 06:21:14.500000000"),  # summer time
+        ("2013/03/14_08:21:14,541", "2013-03-14 07:21:14.541000000"),
+        ("2013-03-14 08:21:14.038749996+01:00", "2013-03-14 07:21:14.038749996"),
+        ("2013-03-14 08:21:14.038749996-0130", "2013-03-14 09:51:14.038749996"),
+        ("2013-03-14T08:21:14Z", "2013-03-14 08:21:14.000000000"),
+        ("14.03.2013 08:21:14.541", "2013-03-14 07:21:14.541000000"),
+        ("14.3.13 8:21:14", "2013-03-14 07:21:14.000000000"),
+        ("3/14/2013 8:21:14.541 PM", "2013-03-14 19:21:14.541000000"),
+        ("3/14/2013 12:00:01 AM", "2013-03-13 23:00:01.000000000"),
+        ("3/14/2013 12:00:01 p.m.", "2013-03-14 11:00:01.000000000"),
+        ("14/3/2013 8:21:14", "2013-03-14 07:21:14.000000000"),  # there is no 14th month
+        ("14 Mar 2013 08:21:14:541", "2013-03-14 07:21:14.541000000"),
+        ("(1363245674.541001)", "2013-03-14 07:21:14.541001000"),
+        ("   12.345678 TX", "1970-01-01 00:00:12.345678000"),
+        ("[08:21:14.541]", "1970-01-02 07:21:14.541000000"),
+    ],
+)
+def test_forms(text: str, utc: str) -> None:
+    assert read(Clock(), text) == utc
+
+
+@pytest.mark.parametrize(
+    ("text", "resolution_ns"),
+    [
+        ("08:21:14", 10**9),
+        ("08:21:14.5", 10**8),
+        ("08:21:14.541", 10**6),
+        ("08:21:14.038749996", 1),
+        ("1.250 x", 10**6),
+    ],
+)
+def test_steps(text: str, resolution_ns: int) -> None:
+    assert Clock().find(text)[0].stamp.resolution_ns == resolution_ns
+
+
+@pytest.mark.parametrize(
+    "text", ["24:00:00", "08:60:00", "13:00:00 PM", "2013-02-30 08:00:00", "02:05:05:02:03:10", "1.2.3", "12.5", ""]
+)
+def test_what_is_no_time(text: str) -> None:
+    assert Clock().find(text) == []
+
+
+def test_bytes_behind_a_comma_are_no_fraction() -> None:
+    [stamped] = Clock().find("08:21:14,02,E1,05")
+    assert (stamped.start, stamped.end) == (0, 8)
+
+
+def test_a_date_holds_on_and_midnight_is_the_next_day() -> None:
+    clock = Clock()
+    assert read(clock, "2013-12-31 23:59:59.9") == "2013-12-31 22:59:59.900000000"
+    assert read(clock, "00:00:00.1") == "2013-12-31 23:00:00.100000000"
+    assert read(clock, "00:00:00.0") == "2013-12-31 23:00:00.000000000"  # a little back is not a day
+
+
+def test_a_date_in_the_heading() -> None:
+    clock = Clock()
+    assert clock.find_date("Log of 14.03.2013") is not None
+    assert read(clock, "08:21:14") == "2013-03-14 07:21:14.000000000"
+    assert Clock().find_date("version 1.2.3.4, 99.99.2013") is None

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The log again with its explanations: nothing lost, nothing moved, each explanation in its place."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from logs import LOGS
+from specification import TELEGRAMS
+
+from sistap.annotate.annotating import Passage, weave
+from sistap.annotate.explaining import Said
+from sistap.annotate.lines import Line, lines
+from sistap.annotate.reading import AnyReader
+from sistap.annotate.weaving import TextWeaver, sentence
+from sistap.record import Record
+
+PHASE = TELEGRAMS["8-21"].hex(" ").upper()
+
+
+class Sayer:
+    """Says of each record what its bytes are."""
+
+    def __init__(self) -> None:
+        self.records: list[Record] = []
+
+    def put(self, record: Record) -> None:
+        self.records.append(record)
+
+    def get(self) -> Said:
+        record = self.records.pop(0)
+        return Said(f"{record.type.name} {record.data.hex()}", True, None, False)
+
+
+def woven(batches: Iterable[list[Line]]) -> bytes:
+    output = io.BytesIO()
+    weave(batches, Passage(AnyReader()), Sayer(), TextWeaver(output.write), output.flush)
+    return output.getvalue()
+
+
+def annotated(log: bytes) -> str:
+    return woven([list(lines([log]))]).decode()
+
+
+def without(text: bytes, encoding: str = "latin-1") -> bytes:
+    """Take the explanations away: whole lines, or the end of the last."""
+    plain = re.sub(r"(?m)^[ \t]*\^-- .*\n", "", text.decode(encoding, "surrogateescape"))
+    return re.sub(r"\r?\n[ \t]*\^-- .*\Z", "", plain).encode(encoding, "surrogateescape")
+
+
+_HEX = st.lists(st.sampled_from(list(TELEGRAMS.values())), max_size=3).map(lambda many: b"".join(many).hex(" "))
+_LINE = st.one_of(
+    _HEX,
+    _HEX.map(lambda text: text[:20]),
+    _HEX.map(lambda text: f"12:00:00.123 [RX] - \t{text}  ...."),
+    _HEX.map(lambda text: f"\tTX {text.replace(' ', '')}"),
+    st.sampled_from([text for text, _ in LOGS.values()]),
+    st.text(st.characters(codec="latin-1")),
+)
+_LOG = st.lists(st.tuples(_LINE, st.sampled_from(["\n", "\r\n", "\r", ""])), max_size=30).map(
+    lambda parts: "".join(text + end for text, end in parts).replace("^--", "^- ")
+)
+
+
+@given(_LOG, st.sampled_from(["utf-8", "latin-1"]), st.lists(st.booleans(), max_size=30))
+def test_without_the_explanations_it_is_the_log(log: str, encoding: str, pauses: list[bool]) -> None:
+    data = log.encode(encoding, "replace").rstrip(b"\r")  # nobody could tell it from that of an explanation
+    batches: list[list[Line]] = []
+    for number, line in enumerate(lines([data])):
+        batches += [[]] if pauses[number : number + 1] == [True] else []
+        batches.append([line])
+    assert without(woven(batches)) == data
+    assert without(woven([list(lines([data]))])) == data
+
+
+@given(st.binary())
+def test_any_bytes_come_through(data: bytes) -> None:
+    assert without(woven([list(lines([data]))])) == data
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be", "utf-8-sig"])
+def test_encodings_with_a_mark(encoding: str) -> None:
+    text = f"\ufeffProtokoll für Ü\r\n10:00:00 [RX] - {PHASE}\r\nEnde"
+    data = text.encode(encoding.removesuffix("-sig"))
+    output = woven([list(lines([data]))])
+    assert without(output, encoding.removesuffix("-sig")) == data
+    shown = output.decode(encoding.removesuffix("-sig"))
+    assert f"{PHASE}\r\n{' ' * 16}^-- FRAME" in shown
+
+
+def test_an_explanation_is_under_its_telegram() -> None:
+    assert annotated(f"10:00:00\tRX: {PHASE}, {PHASE}\r\nend\r\n".encode()).splitlines() == [
+        f"10:00:00\tRX: {PHASE}, {PHASE}",
+        f"        \t    ^-- FRAME {PHASE.replace(' ', '').lower()}",
+        f"        \t    {' ' * 31}^-- FRAME {PHASE.replace(' ', '').lower()}",
+        "end",
+    ]
+
+
+def test_wide_characters_take_two_places() -> None:
+    assert annotated(f"收 {PHASE}".encode()).splitlines()[1].startswith("   ^-- FRAME")
+
+
+def test_a_telegram_on_several_lines_says_so_under_the_last() -> None:
+    assert annotated(f"a\nTX  {PHASE[:12]}\nb\n    {PHASE[12:]}\nc".encode()).splitlines() == [
+        "a",
+        f"TX  {PHASE[:12]}",
+        "b",
+        f"    {PHASE[12:]}",
+        f"    ^-- (lines 2 to 4) FRAME {PHASE.replace(' ', '').lower()}",
+        "c",
+    ]
+
+
+def test_the_last_line_may_not_end() -> None:
+    assert annotated(PHASE.encode()) == f"{PHASE}\n^-- FRAME {PHASE.replace(' ', '').lower()}"
+
+
+def test_far_to_the_right_the_column_is_said() -> None:
+    text = annotated((f"{PHASE} " * 100).encode())
+    assert f"\n^-- (column {30 * 99 + 1}) FRAME" in text
+    assert len(text) < 20_000
+
+
+def test_a_line_that_waits_is_shown_when_nothing_comes_and_explained_later() -> None:
+    [first, second] = lines([f"RX {PHASE[:12]}\n{PHASE[12:]}\n".encode()])
+    assert woven([[first], [], [second]]).decode().splitlines() == [
+        f"RX {PHASE[:12]}",
+        PHASE[12:],
+        f"^-- (lines 1 to 2) FRAME {PHASE.replace(' ', '').lower()}",
+    ]
+    [first, other] = lines([f"RX {PHASE[:12]}\nno more\n".encode()])
+    assert woven([[first], [other], []]).decode().splitlines() == [
+        f"RX {PHASE[:12]}",
+        "no more",
+        f"^-- (line 1) OTHER {PHASE[:12].replace(' ', '').lower()}",
+    ]
+
+
+def test_a_line_waits_for_all_of_its_bytes() -> None:
+    log = f"10:00:00.0 RX {PHASE[:12]} TX {PHASE}\n10:00:05.0 TX {PHASE}\n"
+    shown = woven([[line] for line in lines([log.encode()])]).decode().splitlines()
+    assert [line.strip()[:9] for line in shown] == ["10:00:00.", "^-- OTHER", "^-- FRAME", "10:00:05.", "^-- FRAME"]
+
+
+def test_nothing_is_written_behind_a_line_that_does_not_end() -> None:
+    log = f"RX {PHASE[:12]}\nno more".encode()
+    [first, last] = lines([log])
+    assert without(woven([[first], [], [last]])) == log
+
+
+def test_a_direction_that_keeps_silent_holds_up_only_so_many_lines() -> None:
+    log = f"RX {PHASE[:12]}\n".encode() + f"TX {PHASE}\n".encode() * 5000
+    shown = io.BytesIO()
+    sizes = []
+
+    def batches() -> Iterable[list[Line]]:
+        for line in lines([log]):
+            yield [line]
+            sizes.append(shown.tell())
+
+    weave(batches(), Passage(AnyReader()), Sayer(), TextWeaver(shown.write), shown.flush)
+    assert sizes[-1] > 3900 * len(f"TX {PHASE}\n")
+    assert without(shown.getvalue()) == log
+    assert shown.getvalue().decode().splitlines()[-1].startswith("^-- (line 1) OTHER")
+
+
+@pytest.mark.parametrize(
+    ("resolution_ns", "text"),
+    [
+        (1, "Reaction, reached after 0.227 s  36.124 ms after the command"),
+        (10**6, "Reaction, reached after 0.227 s  36 ms after the command"),
+        (10**9, "Reaction, reached"),
+        (None, "Reaction, reached"),
+    ],
+)
+def test_of_times_only_what_the_stamps_can_tell(resolution_ns: int | None, text: str) -> None:
+    assert sentence(Said("Reaction, reached after 0.227 s", True, 0.0361239, False), resolution_ns) == text
+
+
+def test_a_command_without_a_reaction() -> None:
+    assert sentence(Said("Command", True, None, True), 1) == "Command  [no reaction]"
