@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import sistap
+from sistap import cli
 from sistap.tshark import Tshark
 
 PROFILE = Path(sistap.__file__).parent / "profile" / "SIS"
@@ -88,8 +89,11 @@ def test_graphs_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
         assert f"{function}({field})" in tshark("statistics", "-q", "-z", f"io,stat,0,{function}({field}){field}")
 
 
+COLUMNS = re.findall(r'^\t"([^"]+)", "([^"]+)"', (PROFILE / "preferences").read_text(), re.MULTILINE)
+
+
 def test_columns(tshark: Run) -> None:
-    titles = re.findall(r'^\t"([^"]+)", "', (PROFILE / "preferences").read_text(), re.MULTILINE)
+    titles = [title for title, _ in COLUMNS]
     packet = tshark("parameters", "-T", "tabs", "-Y", "frame.number == 6").rstrip("\n").split("\t")
     assert dict(zip(titles, [value.strip() for value in packet], strict=True)) == {
         "No.": "6",
@@ -104,6 +108,18 @@ def test_columns(tshark: Run) -> None:
         "Reaction time": "0.025000000",
         "Telegram": "3 -> 16  Reaction  Read parameter S-0-0047 = -12.3450",
     }
+
+
+def test_the_widths_are_of_all_columns_in_their_order() -> None:
+    """Else Wireshark 4.4 takes none; they are kept by format, without the occurrence and how a value is shown."""
+    widths = re.findall(r'^\t"([^"]+)", -1', (PROFILE / "recent").read_text(), re.MULTILINE)
+    assert widths == [":".join(form.split(":")[:2]) for _, form in COLUMNS]
+
+
+def test_the_toolbar_that_is_shown_is_that_of_the_extcap(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["extcap", "--extcap-interfaces"]) == 0
+    (name,) = re.findall(r"^extcap .*{display=([^}]+)}", capsys.readouterr().out, re.MULTILINE)
+    assert f'gui.interface_toolbar_show: "{name}"' in lines("recent")
 
 
 # What statistics.txt, records.txt and timing-reactions.txt say of these frames.
