@@ -20,6 +20,7 @@ COMMANDS = {
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
     "log": ("sistap.log", "write a capture as such a log, explained"),
+    "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),
     "install": ("sistap.install.command", "put the dissector, the interfaces and the profile where Wireshark looks"),
     "uninstall": ("sistap.install.uninstall", "remove what install has put there"),
     "doctor": ("sistap.doctor", "say whether a capture would work, and what is missing"),

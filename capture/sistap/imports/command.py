@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap import`: the command line."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections import Counter
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+from sistap.capture import LARGEST_RATE
+from sistap.console import Console
+from sistap.counters import Counters
+from sistap.imports.convert import Conversion
+from sistap.imports.formats import NAMES, opened
+from sistap.imports.source import Refused, Source, Told
+from sistap.line import UNCERTAINTY_UNKNOWN
+from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
+from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.session import Stop
+from sistap.tshark import TsharkError
+from sistap.writer import PcapngWriter
+
+_DONE, _FAILED, _USAGE = 0, 1, 2
+
+_LIST = "\n".join(f"  {name}" for name in NAMES)
+
+DESCRIPTION = f"""\
+Make a capture of sistap of what another tool has recorded:
+
+{_LIST}
+
+Which it is, is seen from what is in FILE. All characters come over, with the errors that FILE tells of and times as
+good as it has; the last line says how good. Captures of USB and RTAC are read by tshark, which has to be installed.
+"""
+
+EPILOG = """\
+examples:
+  sistap import usb.pcapng -w bus.pcapng                               the adapter says how it was set
+  sistap import usb.pcapng -w bus.pcapng --device 1.5                  this one, of several
+  sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
+  sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -k -i -
+
+exit status:
+  0  done; also of a file that is cut: a line says so
+  1  failed while running: tshark is missing, disk full
+  2  wrong usage, a FILE that cannot be read or an OUT that cannot be written
+"""
+
+
+def _whole(text: str) -> int:
+    try:
+        if 0 < (number := int(text)) <= LARGEST_RATE:
+            return number
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 to {LARGEST_RATE}")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add("file", metavar="FILE", type=Path, help="what another tool has recorded")
+    add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
+    add("--baud", type=_whole, metavar="RATE", help="rate in Bd, where FILE does not say it")
+    add(
+        "--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits, where FILE does not say (8E1)"
+    )
+    add("--device", metavar="BUS.ADDRESS", help="the adapter, where a USB capture has several")
+    add(
+        "--samplerate",
+        type=_whole,
+        metavar="HZ",
+        help="of the logic analyser: sigrok's texts count samples; for a table of Saleae it makes the times exact",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Import; gives the exit code."""
+    stop = Stop()
+    console = Console()
+    try:
+        told = _told(args)
+        with ExitStack() as tools:
+            source = opened(args.file, told, tools)
+            output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.requested)))
+            stop.running = True
+            return _convert(args, source, output, stop, console)
+    except (Refused, OutputRefused) as error:
+        console.say(str(error))
+        return _USAGE
+    except (TsharkError, OutputError) as error:
+        console.say(str(error))
+        return _FAILED
+
+
+def _told(args: argparse.Namespace) -> Told:
+    """Check what the options say. May raise Refused."""
+    told = Told(args.baud, args.format, args.samplerate, args.device)
+    try:
+        told.settings  # noqa: B018 - only whether it can be made
+    except ValueError as error:
+        raise Refused(str(error)) from None
+    if args.output == STANDARD_OUTPUT and os.isatty(1):
+        raise Refused("a terminal cannot show a pcapng file: add | wireshark -k -i -, or name a file with -w")
+    if args.file.exists() and Path(args.output).exists() and args.file.samefile(args.output):
+        raise Refused(f"{args.output} is FILE itself: name another file with -w")
+    return told
+
+
+def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Stop, console: Console) -> int:
+    counters = Counters()
+    settings, timing = source.settings, source.timing
+    interfaces = {
+        line: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {timing}", settings.baud)
+        for line, text in source.lines.items()
+    }
+    conversion = Conversion(source, PcapngWriter(output, interfaces, counters), counters, args.file.name)
+    try:
+        conversion.run(lambda: stop.requested, console.progress if console.shows_progress else _silent)
+    except TsharkError:
+        if not stop.requested:  # else the same Ctrl-C has ended it
+            raise
+    if source.warning:
+        console.say(f"{args.file}: {source.warning}")
+    console.say(f"{counters} written to {output.summary}")
+    console.say(f"{settings}, {source.settings_from}; {timing}: {_precision(conversion.uncertainties)}")
+    return _DONE
+
+
+def _precision(uncertainties_ns: Counter[int]) -> str:
+    """Say what the times are good for."""
+    if not uncertainties_ns:
+        return "stopped before the first character"
+    if UNCERTAINTY_UNKNOWN in uncertainties_ns:
+        return "how exact they are is not known, so verdicts on limits stay open"
+    ordered = sorted(uncertainties_ns)
+    passed, half = 0, 0
+    for half in ordered:
+        passed += uncertainties_ns[half]
+        if 2 * passed >= uncertainties_ns.total():
+            break
+    most = f" (half of them {half / 1e6:.2g} ms)" if half < ordered[-1] else ""
+    return (
+        f"characters can have come up to {ordered[-1] / 1e6:.2g} ms earlier{most}, and a verdict needs a time that is "
+        "further from its limit than that"
+    )
+
+
+def _silent(text: str) -> None:
+    """Show no progress."""

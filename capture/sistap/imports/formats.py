@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The files that can be imported, and how each is recognised: by what is in it, never by its name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.imports import saleae, sigrok
+from sistap.imports.dissected import protocols
+from sistap.imports.rtac import RtacCapture
+from sistap.imports.source import Refused, Source, Told
+from sistap.imports.usb import UsbCapture
+from sistap.tshark import Tshark
+
+
+class Text(NamedTuple):
+    """A text that is known by its first line."""
+
+    name: str
+    first_line: str  # regular expression
+    opened: Callable[[Path, Told], Source]
+
+
+class Capture(NamedTuple):
+    """A capture file that is known by a protocol in its first packets."""
+
+    name: str
+    protocol: str  # in frame.protocols
+    opened: Callable[[Tshark, Path, Told], Source]
+
+
+CAPTURES = (
+    Capture("USB captures (usbmon, USBPcap) of an FTDI or CDC adapter", "usb", UsbCapture),
+    Capture("RTAC serial captures", "rtacser", RtacCapture),
+)
+TEXTS = (
+    Text("data tables of Saleae Logic 2", saleae.LOGIC_2.first_line, saleae.reader(saleae.LOGIC_2)),
+    Text("exports of Saleae Logic 1", saleae.LOGIC_1.first_line, saleae.reader(saleae.LOGIC_1)),
+    Text("exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)),
+    Text("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
+)
+NAMES = tuple(known.name for known in CAPTURES + TEXTS)
+
+_HEAD = 4096  # bytes; in them is the first line
+
+
+def opened(path: Path, told: Told, tools: ExitStack) -> Source:
+    """Recognise a file and open it; what is needed to read it stays in `tools`. May raise Refused and TsharkError."""
+    first_line = _head(path).removeprefix("\\ufeff").lstrip()
+    for text in TEXTS:
+        if re.match(text.first_line, first_line):
+            return text.opened(path, told)
+    tshark = tools.enter_context(Tshark())
+    seen = protocols(tshark, path)
+    for capture in CAPTURES:
+        if capture.protocol in seen:
+            return capture.opened(tshark, path, told)
+    raise Refused(f"{path} is none of the files that can be imported: {'; '.join(NAMES)}")
+
+
+def _head(path: Path) -> str:
+    if path.exists() and not path.is_file():
+        raise Refused(f"{path} is not a file: it is read more than once, so save it first")
+    try:
+        with path.open("rb") as file:
+            return file.read(_HEAD).decode(errors="replace")
+    except OSError as error:
+        raise Refused(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Annotations of sigrok's UART decoder, from sigrok-cli and PulseView.
+
+`1104-1938 uart-1: 02` is what `sigrok-cli --protocol-decoder-samplenum` prints; between name and text PulseView puts
+the class or the row of the annotation ("RX data", "RX"), sigrok-cli with `-l 4` the class ("rx-data"), and all forms of
+the text, the longest first.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from bisect import bisect_right
+from fractions import Fraction
+from pathlib import Path
+
+from sistap.imports.sampled import Row, SampledLine, Unreadable, bits_to_stop
+from sistap.imports.source import Refused, Told, need_rate
+from sistap.line import Flag, LineSettings
+
+FIRST_LINE = r"\d+-\d+ [^:]+: "
+
+_LINE = re.compile(r'(\d{1,18})-(\d{1,18}) (?P<decoder>[^:]+): (?:(?P<kind>[A-Za-z][\w -]*): )?"?(?P<text>[^"]*)"?.*')
+_VALUE = re.compile(r"[0-9A-F]{2}")
+# Classes and rows that have characters: not single bits, nor what is made of several characters.
+_CHARACTERS = re.compile(r"((RX|TX)( data)?|(rx|tx)-data|)")
+_ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_ERROR, "Break condition": Flag.BREAK}
+
+
+def opened(path: Path, told: Told) -> SampledLine:
+    """Open a file of annotations. May raise Refused."""
+    if told.samplerate is None:
+        raise Refused(f"{path} counts samples and does not say how many a second has: add --samplerate HZ")
+    need_rate(told.settings, path)
+    return SampledLine(path, _rows(path, told.settings, told.samplerate), told)
+
+
+def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unreadable]:
+    """Give the characters in the order of the file, each with the errors that belong to it."""
+    bit = Fraction(samplerate, settings.baud)  # in samples
+    to_stop = bits_to_stop(settings, after_start=False) * bit
+    rows: list[Row | Unreadable] = []
+    begins: dict[str, list[tuple[int, int]]] = {}  # of each channel: where the data of a row begin, and which row
+    errors: list[tuple[str, int, Flag]] = []
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        for number, line in enumerate(file, 1):
+            match = _LINE.fullmatch(line.strip())
+            if not match:
+                if line.strip():
+                    rows.append(Unreadable(number, "it is no annotation of sigrok"))
+                continue
+            start, end, kind, text = int(match[1]), int(match[2]), match["kind"] or "", match["text"]
+            channel = f"{match['decoder']} {kind[:2].upper()}".strip()
+            if text in _ERRORS:
+                errors.append((channel, start, _ERRORS[text]))
+            elif _CHARACTERS.fullmatch(kind) and _VALUE.fullmatch(text):
+                begins.setdefault(channel, []).append((start, len(rows)))
+                rows.append(Row(channel, (end + to_stop) / samplerate, int(text, 16)))
+    for channel, start, flag in errors:
+        _mark(rows, sorted(begins.get(channel, [])), math.floor(start + bit * 3 / 2), flag)
+    return rows
+
+
+def _mark(rows: list[Row | Unreadable], begins: list[tuple[int, int]], latest: int, flag: Flag) -> None:
+    """Mark the last character whose data begin up to this sample.
+
+    A break begins with the start bit, a bit before the data; other errors are behind the data, and the next character
+    begins two bits after them.
+    """
+    index = bisect_right(begins, latest, key=lambda begin: begin[0]) - 1
+    if index >= 0:
+        row = rows[begins[index][1]]
+        assert isinstance(row, Row)
+        rows[begins[index][1]] = row._replace(flags=_worst(row.flags | flag))
+
+
+def _worst(flags: Flag) -> Flag:
+    """A break is a framing error by nature."""
+    return Flag.BREAK if flags & Flag.BREAK else flags

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""USB captures: which adapters there are, and the characters of the one that is meant."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from sistap.imports import cdc, ftdi
+from sistap.imports.source import SENT, Refused, Told, need_rate, numbered
+from sistap.imports.usb_adapter import CDC, FTDI, KINDS, Adapter, Kind
+from sistap.imports.usb_times import latest_ns
+from sistap.imports.usb_transfers import BULK, Transfer, Transfers
+from sistap.line import LineSettings, Read
+from sistap.tshark import Tshark
+
+
+@dataclass(slots=True)
+class _Device:
+    """What a capture shows of a device, whatever it is."""
+
+    is_ftdi: bool = False  # its maker, or a request that only such an adapter gets
+    is_cdc: bool = False
+    inbound: int = 0  # transfers that brought something ...
+    status_first: int = 0  # ... of those, how many begin as those of an FTDI adapter
+
+    def look(self, transfer: Transfer) -> None:
+        """Take note of a transfer."""
+        setup = transfer.setup
+        self.is_ftdi |= transfer.vendor == ftdi.VENDOR or (setup is not None and ftdi.is_request(setup))
+        self.is_cdc |= transfer.classes >= cdc.CLASSES or (setup is not None and cdc.is_request(setup))
+        if transfer.type == BULK and transfer.inbound and transfer.data:
+            self.inbound += 1
+            self.status_first += ftdi.looks_like(transfer.data)
+
+    @property
+    def kind(self) -> Kind | None:
+        """Say what it is; None: no adapter that can be read, as far as the capture shows.
+
+        One that was plugged in and opened before the capture began tells only by the status before its characters.
+        """
+        if self.is_cdc and not self.is_ftdi:
+            return CDC
+        return FTDI if self.is_ftdi or 0 < self.inbound == self.status_first else None
+
+
+class _Port:
+    """What a capture shows of a port, read as one of a certain kind."""
+
+    def __init__(self, name: str, kind: Kind, told: Told) -> None:
+        """Start with nothing."""
+        self.name = name  # "1.5", "1.5B"
+        self.adapter = Adapter(kind, told)
+        self.settings: LineSettings | None = None  # of its first character
+        self.was_set = False  # by then
+        self.counts = {False: 0, True: 0}  # characters received and sent
+        self.sources: set[int] = set()  # endpoints that they came from
+
+    def look(self, transfer: Transfer) -> None:
+        """Take note of a transfer."""
+        for read in self.adapter.take(transfer):
+            self._count(read)
+            if read.line != SENT:
+                self.sources.add(transfer.endpoint)
+
+    def finish(self) -> None:
+        """Take note of the end."""
+        for read in self.adapter.finish():
+            self._count(read)
+
+    def _count(self, read: Read) -> None:
+        if self.settings is None:
+            self.settings, self.was_set = read.settings, self.adapter.was_set
+        self.counts[read.line == SENT] += len(read.data)
+
+    def __str__(self) -> str:
+        """Describe it for people."""
+        settings = f"{self.settings}, " if self.settings and self.settings.baud else ""
+        return f"{self.name} ({self.adapter.kind.name}, {settings}{sum(self.counts.values()):,} characters)"
+
+
+class UsbCapture:
+    """The characters of one adapter; a Source."""
+
+    def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
+        """Look through the capture for the adapter that is meant. May raise Refused and TsharkError."""
+        self._transfers = Transfers(tshark, capture)
+        self._told = told
+        port = _chosen(_ports(self._transfers, told), capture, told.device)
+        self._device, self._port, self._kind = port.name.rstrip(_LETTERS), port.name, port.adapter.kind
+        assert port.settings
+        self.settings = port.settings
+        need_rate(self.settings, capture)
+        self.settings_from = "as the adapter was set" if port.was_set else "as told"
+        if port.was_set and told.baud not in (None, self.settings.baud):
+            self.settings_from += f", not {told.baud} Bd"
+        name = f"{self._kind.name} adapter {port.name}"
+        self.lines = numbered(
+            f"{name}, received", f"{name}, sent", has_received=port.counts[False] > 0, has_sent=port.counts[True] > 0
+        )
+        self.timing = f"times of USB transfers, {_bound(port.adapter)}"
+        self.warning = ""
+
+    def reads(self) -> Iterator[Read]:
+        """Give all characters; those that are sent leave the adapter after what has come meanwhile."""
+        adapter = Adapter(self._kind, self._told)
+        waiting: list[tuple[int, int, Read]] = []
+        number = itertools.count()
+
+        def wait(reads: Iterator[Read]) -> None:
+            for read in reads:
+                heapq.heappush(waiting, (read.time_ns, next(number), read))
+
+        for transfer in self._transfers:
+            if transfer.device == self._device and _port_name(transfer, self._kind) == self._port:
+                wait(adapter.take(transfer))
+                while waiting and waiting[0][0] <= latest_ns(transfer):
+                    yield heapq.heappop(waiting)[2]
+        wait(adapter.finish())
+        while waiting:
+            yield heapq.heappop(waiting)[2]
+        self.warning = self._transfers.warning
+
+
+_LETTERS = "BCDEFGH"
+
+
+def _port_name(transfer: Transfer, kind: Kind) -> str:
+    """Name the port that a transfer is for: the first one of a device like the device."""
+    setup = transfer.setup
+    port = kind.port_of_endpoint(transfer.endpoint) if setup is None else kind.port_of_request(setup)
+    return transfer.device + (_LETTERS[(port - 1) % len(_LETTERS)] if port > 0 else "")
+
+
+def _ports(transfers: Transfers, told: Told) -> list[_Port]:
+    """Find all ports with characters. What a device is may show only at its last transfer: it is read as each kind."""
+    devices: dict[str, _Device] = {}
+    ports: dict[tuple[str, Kind], _Port] = {}
+    for transfer in transfers:
+        devices.setdefault(transfer.device, _Device()).look(transfer)
+        for kind in KINDS:
+            name = _port_name(transfer, kind)
+            if (name, kind) not in ports:
+                ports[name, kind] = _Port(name, kind, told)
+            ports[name, kind].look(transfer)
+    for port in ports.values():
+        port.finish()
+    found = [port for (name, kind), port in ports.items() if devices[name.rstrip(_LETTERS)].kind is kind]
+    return [port for port in found if port.settings]
+
+
+def _chosen(ports: list[_Port], capture: Path, device: str | None) -> _Port:
+    listed = "; ".join(str(port) for port in ports)
+    if not ports:
+        raise Refused(
+            f"{capture} has no characters of an FTDI or CDC adapter; begin the capture before the adapter is plugged "
+            "in, so that it shows what it is"
+        )
+    if device is None and len(ports) > 1:
+        raise Refused(f"{capture} has several adapters: choose one with --device: {listed}")
+    meant = [port for port in ports if device in (None, port.name)]
+    if not meant:
+        raise Refused(f"{capture} has no adapter {device} with characters, only {listed}")
+    if len(meant[0].sources) > 1:
+        raise Refused(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
+    return meant[0]
+
+
+def _bound(adapter: Adapter) -> str:
+    """Say what the uncertainty of received characters is made of."""
+    if adapter.latency_ms is None:
+        return "two USB frames; what the adapter itself adds is not known"
+    known = "" if adapter.latency_was_set else ", as by default: the capture does not show it"
+    return f"latency timer {adapter.latency_ms} ms{known}, and a USB frame"

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""USB transfers, from usbmon and USBPcap alike, as tshark takes them apart.
+
+The dissectors of the adapters themselves are switched off: they need to have seen an adapter being plugged in, while
+the requests and bytes are in any capture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.imports.dissected import Rows, nanoseconds
+from sistap.tshark import Tshark
+
+CONTROL, BULK, INTERRUPT = 2, 3, 1
+_INBOUND = 0x80  # in the address of an endpoint
+
+_FIELDS = (
+    "frame.time_epoch",
+    "frame.len",
+    "frame.cap_len",
+    "usb.bus_id",
+    "usb.device_address",
+    "usb.endpoint_address",
+    "usb.transfer_type",
+    "usb.urb_type",
+    "usb.irp_info.direction",
+    "usb.urb_id",
+    "usb.irp_id",
+    "usb.urb_len",
+    "usb.data_len",
+    "usb.bmRequestType",
+    "usb.setup.bRequest",
+    "usb.setup.wValue",
+    "usb.setup.wIndex",
+    "usb.data_fragment",
+    "usb.capdata",
+    "usb.idVendor",
+    "usb.bInterfaceClass",
+)
+_TRUE = ("1", "0x01", "True")
+# Nor are characters to be taken for something else that they look like.
+_OPTIONS = ("--disable-protocol", "ftdi-ft", "--disable-protocol", "usbcom", "-o", "usb.try_heuristics:FALSE")
+
+
+class Setup(NamedTuple):
+    """A control request (USB 2.0 chapter 9.3): bmRequestType, bRequest, wValue and wIndex."""
+
+    type: int
+    request: int
+    value: int
+    place: int
+
+
+class Transfer(NamedTuple):
+    """A transfer as it was submitted, or as it was completed."""
+
+    time_ns: int
+    device: str  # "BUS.ADDRESS"
+    endpoint: int  # the address: 0x80 is the direction to the computer
+    type: int  # CONTROL ...
+    completed: bool
+    id: str  # the same in both
+    data: bytes
+    actual: int | None  # how many bytes were really transferred, if that is told
+    is_cut: bool  # the capture does not have all of the data
+    setup: Setup | None
+    vendor: int | None
+    classes: frozenset[int]  # of interfaces
+    by_windows: bool
+
+    @property
+    def inbound(self) -> bool:
+        """Whether the data go to the computer."""
+        return bool(self.endpoint & _INBOUND)
+
+
+class Transfers:
+    """The transfers in a capture."""
+
+    def __init__(self, tshark: Tshark, capture: Path) -> None:
+        """Nothing is read yet."""
+        self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
+
+    @property
+    def warning(self) -> str:
+        """What tshark said at the end of a capture that is cut."""
+        return self._rows.warning
+
+    def __iter__(self) -> Iterator[Transfer]:
+        """Give them in the order of the capture. May raise TsharkError."""
+        for row in self._rows:
+            if row["usb.transfer_type"] and row["usb.device_address"]:
+                yield _transfer(row)
+
+
+def _transfer(row: dict[str, str]) -> Transfer:
+    by_windows = bool(row["usb.irp_id"])
+    data_length, urb_length = _integer(row["usb.data_len"]), _integer(row["usb.urb_len"])
+    completed = row["usb.irp_info.direction"] in _TRUE if by_windows else "S" not in row["usb.urb_type"]
+    endpoint = _integer(row["usb.endpoint_address"])
+    # Data are in what is completed inbound, or submitted outbound; usbmon keeps what its buffer has room for.
+    has_data = completed == bool(endpoint & _INBOUND)
+    is_cut = row["frame.cap_len"] != row["frame.len"] or (has_data and data_length < urb_length)
+    return Transfer(
+        time_ns=nanoseconds(row["frame.time_epoch"]),
+        device=f"{_integer(row['usb.bus_id'])}.{_integer(row['usb.device_address'])}",
+        endpoint=endpoint,
+        type=_integer(row["usb.transfer_type"]),
+        completed=completed,
+        id=row["usb.irp_id"] or row["usb.urb_id"],
+        data=bytes.fromhex((row["usb.capdata"] or row["usb.data_fragment"]).replace(":", "")),
+        actual=_actual(row, urb_length) if completed else None,
+        is_cut=is_cut,
+        setup=_setup(row),
+        vendor=_integer(row["usb.idVendor"]) if row["usb.idVendor"] else None,
+        classes=frozenset(int(number, 0) for number in row["usb.bInterfaceClass"].split(",") if number),
+        by_windows=by_windows,
+    )
+
+
+def _actual(row: dict[str, str], length: int) -> int | None:
+    if "E" in row["usb.urb_type"]:  # it could not be submitted
+        return 0
+    return length if row["usb.urb_len"] else None
+
+
+def _setup(row: dict[str, str]) -> Setup | None:
+    if not row["usb.setup.bRequest"]:
+        return None
+    names = ("usb.bmRequestType", "usb.setup.bRequest", "usb.setup.wValue", "usb.setup.wIndex")
+    return Setup(*(_integer(row[name]) for name in names))
+
+
+def _integer(text: str) -> int:
+    return int(text.split(",")[0], 0) if text else 0
