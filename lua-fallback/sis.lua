@@ -28,7 +28,7 @@ local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift --
 local sertap = Proto("sertap", "Serial tap")
 local sis = Proto("sis", "Rexroth SIS serial protocol")
 
--- What crosses blocks, named as in the C headers: S.take for sis_take(), T.record for sertap_record().
+-- What crosses blocks, named as in the C headers: S.take for sis_take(), T.load for sertap_load().
 local S, T = {}, {}
 -- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.missing for ei_sis_missing.
 local F, FT, E, ET = {}, {}, {}, {}
@@ -82,6 +82,42 @@ function sis.init()
   end
 end
 
+-- What is kept of telegrams grows, and the garbage collector goes through all of it each time: so it waits until Lua's
+-- memory is 4 times what was in use, not 2 times. This holds for all scripts.
+collectgarbage("setpause", 400)
+
+-- What was made before: gives a function that makes something of a string, or knows it still. When there is too much of
+-- it, all is forgotten; for the next file, too, as that may have other preferences.
+local function remembered(most, make)
+  local known, count
+
+  local function forget()
+    known, count = {}, 0
+  end
+
+  at_init(forget)
+  forget()
+  return function(text)
+    local made = known[text]
+
+    if not made then
+      if count == most then forget() end
+      made = make(text)
+      known[text] = made
+      count = count + 1
+    end
+    return made
+  end
+end
+
+local CHUNK = 64 -- so many values in one call: all of them are on Lua's stack
+
+-- Values added up, without making a table of them.
+local function total(sum, a, b, c, d, e, f, g, h, ...)
+  if not h then return sum + (a or 0) + (b or 0) + (c or 0) + (d or 0) + (e or 0) + (f or 0) + (g or 0) end
+  return total(sum + a + b + c + d + e + f + g + h, ...)
+end
+
 -- Items of the tree. Without a tree, and for an item that is not there, all of them do nothing.
 
 -- A field with its value, or with that of its bytes, big endian; `text` in place of all that is shown of it.
@@ -119,8 +155,13 @@ local function set_generated(item)
   return item and item:set_generated()
 end
 
+-- How often dissecting did something beside giving words: added an expert item, learned something for later telegrams.
+-- What did not need not be done again for the same bytes.
+local effects = 0
+
 -- An expert item; its declared text where there is no other.
 local function add_expert(item, which, text)
+  effects = effects + 1
   if text then item:add_proto_expert_info(which, text) else item:add_proto_expert_info(which) end
 end
 
@@ -157,6 +198,44 @@ local function range_text(value, ranges)
   end
 end
 
+-- When packets came, by number: ns since the first packet. Lua has the time since 1970 as a double of seconds, too
+-- coarse for ns; that since the first packet is exact for weeks. It changes with a time reference that the user sets,
+-- so the one of the first pass is kept.
+local packet_times
+
+at_init(function() packet_times = {} end)
+
+local function packet_time(pinfo, number)
+  local time = packet_times[number]
+
+  if not time then
+    time = floor(pinfo.rel_ts * 1e9 + 0.5)
+    packet_times[number] = time
+  end
+  return time
+end
+
+-- The packet that is dissected. Asking Wireshark costs time, so each of these is asked for once.
+local packet = {
+  number = nil,
+  visited = nil, -- whether this is a later pass
+  time = nil, -- ns
+  port_type = nil,
+  record = nil, -- of the serial tap, while its payload is dissected
+  cols = nil,
+  count = 0, -- of its telegrams whose exchange was looked for; what is kept by packet is kept by this count, too
+}
+
+local function look_at(pinfo)
+  local number = pinfo.number
+
+  packet.number = number
+  packet.visited = pinfo.visited
+  packet.time = packet_time(pinfo, number)
+  packet.port_type = pinfo.port_type
+  packet.record = nil
+end
+
 -- Which interface of the capture a packet came from; 0 where there is none, and in the first of two passes of tshark,
 -- which has no fields for Lua unless a filter wants some.
 local frame_interface_id = Field.new("frame.interface_id")
@@ -164,8 +243,8 @@ local interface_of, interface_id -- of the packet that was asked for last: every
 
 at_init(function() interface_of = nil end)
 
-function S.interface(pinfo)
-  local number = pinfo.number
+function S.interface()
+  local number = packet.number
 
   if number ~= interface_of then
     local found = frame_interface_id()
@@ -182,24 +261,6 @@ function S.connection(pinfo)
   local other = tostring(pinfo.net_dst) .. " " .. pinfo.dst_port
 
   return one < other and one .. " " .. other or other .. " " .. one
-end
-
--- When a packet came: ns since the first packet. Lua has the time since 1970 as a double of seconds, too coarse for ns;
--- that since the first packet is exact for weeks. It changes with a time reference that the user sets, so the one of
--- the first pass is kept.
-local packet_times = {}
-
-at_init(function() packet_times = {} end)
-
-function S.packet_time(pinfo)
-  local number = pinfo.number
-  local time = packet_times[number]
-
-  if not time then
-    time = floor(pinfo.rel_ts * 1e9 + 0.5)
-    packet_times[number] = time
-  end
-  return time
 end
 
 -- Each block stands in do ... end: Lua allows 200 locals at a time.
@@ -508,17 +569,23 @@ do
   local WINDOW_NS = 1e9 -- over which the load is taken
   local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
 
-  local lines = {} -- by interface
+  local lines -- by interface
+  local line_of, spell_of -- by frame: its line, and the last spell of the line then
 
-  at_init(function() lines = {} end)
+  at_init(function() lines, line_of, spell_of = {}, {}, {} end)
 
-  local function find_line(pinfo)
-    local key = S.interface(pinfo)
+  -- Spells are by number, from 1: when each began and ended, ns, how long the line was busy from the first to its end,
+  -- and which of them was the first in the window then.
+  local function new_line()
+    return {lost_in = 0, unframed_in = 0, last = 0, head = 1, begins = {}, ends = {}, totals = {[0] = 0}, heads = {}}
+  end
+
+  local function find_line()
+    local key = S.interface()
     local line = lines[key]
 
     if not line then
-      -- The spells of the last window are those from `head` to `last`; `busy` is the time of all of them, in ns.
-      line = {lost_in = 0, unframed_in = 0, spells = {}, head = 1, last = 0, busy = 0, begin = 0}
+      line = new_line()
       lines[key] = line
     end
     return line
@@ -529,53 +596,55 @@ do
     return record.known
   end
 
-  local function note_disturbance(line, pinfo, record)
+  local function note_disturbance(line, record)
     local is_gap = record.type == K.EVENT
       and (record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST)
 
-    if is_gap or band(record.flags, K.LOST_BEFORE) ~= 0 then line.lost_in = pinfo.number end
-    if record.type == K.OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = pinfo.number end
+    if is_gap or band(record.flags, K.LOST_BEFORE) ~= 0 then line.lost_in = packet.number end
+    if record.type == K.OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = packet.number end
   end
 
-  local function note_spell(line, pinfo, record)
-    local character = T.character_ns(record)
+  local function note_spell(line, record)
+    local character = record.character_ns
     local busy = character * record.count
-    local finish = S.packet_time(pinfo) + record.duration
-    local begin = finish - max(busy, record.duration + character)
-    local spells = line.spells
+    local duration = record.duration
+    local finish = packet.time + duration
+    local spell, head, ends = line.last + 1, line.head, line.ends
 
     if busy == 0 then return end
-    if line.last == 0 then line.begin = begin end
-    line.last = line.last + 1
-    spells[line.last] = {begin, finish, busy}
-    line.busy = line.busy + busy
-    while spells[line.head][2] <= finish - WINDOW_NS do
-      line.busy = line.busy - spells[line.head][3]
-      spells[line.head] = nil
-      line.head = line.head + 1
+    ends[spell] = finish
+    line.begins[spell] = finish - max(busy, duration + character)
+    line.totals[spell] = line.totals[spell - 1] + busy
+    while ends[head] <= finish - WINDOW_NS do
+      head = head + 1
     end
+    line.heads[spell] = head
+    line.last, line.head = spell, head
   end
 
-  function T.line_note(pinfo, record)
-    local line = find_line(pinfo)
+  function T.line_note(record)
+    local line, number = find_line(), packet.number
 
     record.known = line
-    if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, pinfo, record) end
-    if record.type ~= K.EVENT then note_spell(line, pinfo, record) end
+    if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, record) end
+    if record.type ~= K.EVENT then note_spell(line, record) end
+    line_of[number], spell_of[number] = line, line.last
   end
 
-  -- How long the line was busy, of how much time, both in ns; nothing where that is not known. Of the oldest spell only
-  -- a part may lie in the window.
-  function T.load(record)
-    local line = record.known
-    local first, last = line.spells[line.head], line.spells[line.last]
+  -- How long the line was busy until this packet, of how much time, both in ns; nothing where that is not known. Of the
+  -- oldest spell only a part may lie in the window.
+  function T.load()
+    local line, spell = line_of[packet.number], spell_of[packet.number]
+    local head = line and line.heads[spell]
 
-    if not first then return end
-    local busy, begin = line.busy, max(last[2] - WINDOW_NS, line.begin)
-    if first[1] < begin then
-      busy = busy - floor(first[3] * (begin - first[1]) / (first[2] - first[1]))
+    if not head then return end
+    local totals, first, finish = line.totals, line.begins[head], line.ends[spell]
+    local busy, begin = totals[spell] - totals[head - 1], max(finish - WINDOW_NS, line.begins[1])
+
+    if first < begin then
+      busy = busy - floor((totals[head] - totals[head - 1]) * (begin - first) / (line.ends[head] - first))
     end
-    return busy, last[2] - begin
+    return busy, finish - begin
   end
 
   -- The double nearest to x that C's float can hold: the plugin keeps the load in one.
@@ -683,28 +752,49 @@ do
   }
 
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
-  local current -- the record that is being dissected
   local handle -- of this dissector, once there is one
-
-  -- The record that this packet is; nil where it is none.
-  function T.record()
-    return current
-  end
 
   -- The first of the record's characters, from 0, that `part`, cut out of its payload, has.
   function T.index(record, part)
-    return part:offset() - record.raw_offset - record.data_offset
+    return part:offset() - record.tvb:offset() - record.data_offset
   end
 
-  -- ns of one character, start and stop bits included; 0 where the rate is not known.
-  function T.character_ns(record)
-    local half_bits = 2 + 2 * record.data_bits + (record.parity ~= 0 and 2 or 0) + record.stop_half_bits
+  local interval_formats = {}
 
-    return record.baud ~= 0 and floor(half_bits * 500000000 / record.baud) or 0
+  for count = 0, CHUNK do
+    interval_formats[count] = ">" .. rep("I4", count)
+  end
+
+  local function read_intervals(bytes, offset, count)
+    local intervals = {}
+
+    for done = 0, count - 1, CHUNK do
+      local size = min(count - done, CHUNK)
+      local some = {Struct.unpack(interval_formats[size], bytes, offset + 4 * done + 1)}
+
+      for i = 1, size do
+        intervals[done + i] = some[i]
+      end
+    end
+    return intervals
+  end
+
+  -- The same added up, which every record needs: without making a table.
+  local function sum_intervals(bytes, offset, count)
+    local sum = 0
+
+    for done = 0, count - 1, CHUNK do
+      local size, at = min(count - done, CHUNK), offset + 4 * done + 1
+      local after = at + 4 * size -- what unpack() gives at last
+
+      sum = total(sum - after, Struct.unpack(interval_formats[size], bytes, at))
+    end
+    return sum
   end
 
   -- ns since the character before; characters count from 0.
   function T.interval_of(record, character)
+    record.intervals = record.intervals or read_intervals(record.bytes, record.times_offset, record.timed)
     return record.intervals[character + 1]
   end
 
@@ -776,42 +866,61 @@ do
     return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
   end
 
-  -- The record that is dissected: one table for all of them, as making new ones would cost more than all the rest.
-  local reused = {}
+  -- ns of one character, start and stop bits included; 0 where the rate is not known.
+  local function character_ns(record)
+    local half_bits = 2 + 2 * record.data_bits + (record.parity ~= 0 and 2 or 0) + record.stop_half_bits
 
-  -- Reads a record whose header can be read. What is whole is decoded, also where something is missing.
-  local function read_record(tvb, bytes)
-    local record, _, size, kind, uncertainty, declared = reused
-    _, size, kind, record.line, record.baud, record.data_bits, record.parity, record.stop_half_bits, record.framing,
-      uncertainty, declared, record.event = Struct.unpack(">BBBBI4BBBBI4I2I2", bytes)
-    local captured = max(#bytes - size, 0)
+    return record.baud ~= 0 and floor(half_bits * 500000000 / record.baud) or 0
+  end
 
-    record.bytes = bytes
-    record.raw_offset = tvb:offset()
-    record.type = kind
+  -- A capture has few headers. All records with the same one are one table, as making new ones would cost more than all
+  -- the rest: it holds what the header says, and what read_record() puts into it.
+  local record_of = remembered(1000, function(header)
+    local record, version, size, uncertainty, declared = {}
+    version, size, record.type, record.line, record.baud, record.data_bits, record.parity, record.stop_half_bits,
+      record.framing, uncertainty, declared, record.event = Struct.unpack(">BBBBI4BBBBI4I2I2", header)
+
     record.uncertainty = uncertainty ~= UNCERTAINTY_UNKNOWN and uncertainty or nil -- ns
     record.declared = declared -- characters the record says it has
-    record.count = min(captured, declared) -- characters whose value is there
-    -- Characters whose interval and flags are there, too. The three arrays follow one another: what is missing at the
-    -- end is missing from the flags first.
-    record.timed = kind ~= K.EVENT and max(min(captured - declared * 5, declared), 0) or 0
     record.data_offset = size -- of the values
     record.times_offset = size + declared -- of the intervals, 4 bytes each, ns
     record.flags_offset = size + declared * 5
+    record.character_ns = character_ns(record)
+    record.expected = declared * (record.type == K.EVENT and 1 or 6) -- bytes after the header
+    record.is_readable = version == RECORD_VERSION and size >= RECORD_HEADER_SIZE
+    record.captured = nil -- bytes of the packet that the next two are for
+    record.count = nil -- characters whose value is there
+    record.timed = nil -- characters whose interval and flags are there, too
+    record.no_flags = nil -- what these are where there are none
+    return record
+  end)
+
+  -- What is whole is decoded, also where something is missing. The three arrays follow one another: what is missing at
+  -- the end is missing from the flags first.
+  local function count_characters(record, captured)
+    local declared, rest = record.declared, max(captured - record.data_offset, 0)
+
+    record.captured = captured
+    record.count = min(rest, declared)
+    record.timed = record.type ~= K.EVENT and max(min(rest - declared * 5, declared), 0) or 0
+    record.no_flags = rep("\0", record.timed)
+  end
+
+  -- Reads a record whose header can be read.
+  local function read_record(record, tvb, bytes)
+    if record.captured ~= #bytes then count_characters(record, #bytes) end
+    record.tvb = tvb
+    record.bytes = bytes
     record.known = nil -- in the first pass: what is known of the line
     record.flags = 0 -- of all its characters, ORed
     record.first_at = nil -- by flag: the first character that has it
-    record.intervals = nil -- ns
+    record.intervals = nil -- ns, where somebody has asked for one
     record.duration = 0 -- ns, from the first character to the last
-    record.interval_max = 0 -- ns, longest between two characters of this record
-    record.interval_max_at = 0 -- before this character; 0: there is none
-    return record
   end
 
   -- Compares the count with the bytes that are there.
   local function check_count(item, record, there)
-    local declared, rest = record.declared, there - record.data_offset
-    local expected = declared * (record.type == K.EVENT and 1 or 6)
+    local declared, rest, expected = record.declared, there - record.data_offset, record.expected
 
     if rest < expected then
       add_expert(item, ET.truncated, strformat("The record is cut: %d bytes of %d after its header", rest, expected))
@@ -821,33 +930,12 @@ do
     end
   end
 
-  local CHUNK = 64 -- so many intervals in one call: it has all of them on Lua's stack
-  local interval_formats = {}
-
-  for count = 0, CHUNK do
-    interval_formats[count] = ">" .. rep("I4", count)
-  end
-
-  local function read_intervals(bytes, offset, count)
-    if count == 0 then return {} end -- the record may end before them
-    local intervals = {Struct.unpack(interval_formats[min(count, CHUNK)], bytes, offset + 1)}
-
-    for done = CHUNK, count - 1, CHUNK do
-      local more = {Struct.unpack(interval_formats[min(count - done, CHUNK)], bytes, offset + 4 * done + 1)}
-
-      for i = 1, min(count - done, CHUNK) do
-        intervals[done + i] = more[i]
-      end
-    end
-    return intervals
-  end
-
   -- The flags of all characters together, and which character was the first with each of them.
   local function survey_flags(record)
     local bytes, offset = record.bytes, record.flags_offset
     local at = string.find(bytes, "[^\0]", offset + 1)
 
-    if at then record.first_at = {} end
+    record.first_at = {}
     while at and at <= offset + record.timed do
       local flag = byte(bytes, at)
 
@@ -861,26 +949,28 @@ do
     end
   end
 
-  -- Longest interval and errors. The interval before the first character is not one of this record, and what happened
-  -- before a character that follows lost ones nobody knows.
+  -- How long it took, and errors.
   local function survey_characters(record)
-    local timed = record.timed
-    local intervals = read_intervals(record.bytes, record.times_offset, timed)
-    local duration, longest, longest_at = 0, 0, 0
+    local bytes, flags_at, timed = record.bytes, record.flags_offset + 1, record.timed
 
-    survey_flags(record)
+    if sub(bytes, flags_at, flags_at + timed - 1) ~= record.no_flags then survey_flags(record) end
+    record.duration = sum_intervals(bytes, record.times_offset + 4, timed - 1)
+  end
+
+  -- The longest interval, and before which character; 0 where there is none. That before the first character is not one
+  -- of this record, and what happened before a character that follows lost ones nobody knows.
+  function T.longest(record)
     local may_be_lost = band(record.flags, K.LOST_BEFORE) ~= 0
-    for i = 2, timed do
-      local interval = intervals[i]
+    local longest, longest_at = 0, 0
 
-      duration = duration + interval
-      if interval > longest
-        and not (may_be_lost and band(T.flags_of(record, i - 1), K.LOST_BEFORE) ~= 0) then
-        longest, longest_at = interval, i - 1
+    for character = 1, record.timed - 1 do
+      local interval = T.interval_of(record, character)
+
+      if interval > longest and not (may_be_lost and band(T.flags_of(record, character), K.LOST_BEFORE) ~= 0) then
+        longest, longest_at = interval, character
       end
     end
-    record.intervals = intervals
-    record.duration, record.interval_max, record.interval_max_at = duration, longest, longest_at
+    return longest, longest_at
   end
 
   local function interval_text(interval, flag)
@@ -891,7 +981,7 @@ do
     local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
     local flags_at = record.flags_offset + index
     local value, flag = byte(record.bytes, data_at + 1), T.flags_of(record, index)
-    local interval = record.intervals[index + 1]
+    local interval = T.interval_of(record, index)
     local subtree = add(tree, FT.character, tvb, data_at, 1, value,
       strformat("Character %d: 0x%02x", index + 1, value))
 
@@ -911,7 +1001,9 @@ do
   end
 
   local function add_interval_max(tree, tvb, record)
-    local at, longest = record.interval_max_at, record.interval_max
+    local longest, at = T.longest(record)
+
+    if at == 0 then return end
     local text = interval_text(longest, T.flags_of(record, at))
     local item = add_value(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, nstime(longest),
       strformat("%s, before character %d", text, at + 1))
@@ -935,7 +1027,7 @@ do
   local function add_characters(tree, tvb, record)
     local length = record.flags_offset + record.timed - record.data_offset
 
-    if record.interval_max_at > 0 then add_interval_max(tree, tvb, record) end
+    add_interval_max(tree, tvb, record)
     if not are_characters_wanted(tree) then return end
     local subtree = add_subtree(tree, tvb, record.data_offset, length,
       strformat("%d character%s", record.timed, plural(record.timed)))
@@ -1025,21 +1117,24 @@ do
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
     if tree and record.timed > 0 then add_characters(tree, tvb, record) end
     if record.type == K.FRAME then
-      current = record
+      packet.record = record
       dissect_frame(tvb, pinfo, parent, record)
-      current = nil
+      packet.record = nil
     else
       dissect_other(tvb, pinfo, tree, record)
     end
     if record.flags ~= 0 then report_errors(pinfo, root, record) end -- after the info column has its text
   end
 
-  local function dissect_record(tvb, pinfo, parent, tree, root, record)
+  local function show_record(tvb, tree, root, record, there)
     if tree then show_header(tvb, tree, record) end
-    check_count(add(tree, FT.count, tvb, 16, 2) or root, record, tvb:reported_len())
+    check_count(add(tree, FT.count, tvb, 16, 2) or root, record, there)
     append_text(tree, ", " .. (types[record.type] or "type of a later version"))
+  end
+
+  local function dissect_record(tvb, pinfo, parent, tree, root, record)
     if record.type ~= K.EVENT then survey_characters(record) end
-    if not pinfo.visited then T.line_note(pinfo, record) end
+    if not packet.visited then T.line_note(record) end
     if record.type == K.EVENT then
       dissect_event(tvb, pinfo, tree, root, record)
     else
@@ -1047,14 +1142,27 @@ do
     end
   end
 
+  -- Whether all is as it should be and nobody looks at a tree.
+  local function is_quick(tree, record, bytes, there)
+    return not tree and record and record.is_readable and there == record.data_offset + record.expected
+      and #bytes == there
+  end
+
   function sertap.dissector(tvb, pinfo, parent)
     local bytes, there = tvb:raw(), tvb:reported_len()
     local tree = (#bytes > 0 or there == 0) and parent:referenced(handle) and parent:add(sertap, tvb()) or nil
     local root = tree or parent
-    local can_be_read, is_cut = check_header(tvb, tree, root, bytes, there)
+    local record = #bytes >= RECORD_HEADER_SIZE and record_of(sub(bytes, 1, RECORD_HEADER_SIZE))
+    local can_be_read, is_cut = is_quick(tree, record, bytes, there), false
 
+    look_at(pinfo)
+    if not can_be_read then
+      can_be_read, is_cut = check_header(tvb, tree, root, bytes, there)
+      if can_be_read then show_record(tvb, tree, root, record, there) end
+    end
     if can_be_read then
-      dissect_record(tvb, pinfo, parent, tree, root, read_record(tvb, bytes))
+      read_record(record, tvb, bytes)
+      dissect_record(tvb, pinfo, parent, tree, root, record)
     elseif is_cut then
       write_columns(pinfo, "")
       S.show_cut(tvb, pinfo, parent, "SERTAP")
@@ -1150,10 +1258,8 @@ do
 
   -- Talker and listener as addresses, unless a network below has set its own. Lua has no address type for them, so only
   -- the columns get them. Those of a packet's first telegram count.
-  function S.set_addresses(pinfo, talker, listener)
-    local packet = S.packet()
-
-    if packet.count > 0 or pinfo.port_type ~= 0 then return end
+  function S.set_addresses(talker, listener)
+    if packet.count > 0 or packet.port_type ~= 0 then return end
     packet.cols.src = numbers[talker]
     packet.cols.dst = numbers[listener]
   end
@@ -1233,18 +1339,11 @@ do
     "A group or broadcast is not answered")
 
   local handle -- of this dissector, once there is one
-  local packet = {count = 0, cols = nil} -- what its telegrams share while a packet is dissected
-
-  -- Several telegrams may be in one packet: count of those whose exchange was looked for. The tables that sis-exchange
-  -- and others keep are by packet and by this count.
-  function S.packet()
-    return packet
-  end
-
   -- A TCP segment may come in several calls: only Wireshark's own table of a packet knows that it is still the same.
   function S.begin_packet(pinfo)
+    if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end -- an error may have left a record
     packet.cols = pinfo.cols
-    if pinfo.port_type ~= 0 then
+    if packet.port_type ~= 0 then
       local private = pinfo.private
 
       if private.sis then return end
@@ -1270,10 +1369,8 @@ do
   function S.sum(bytes, offset, length)
     local sum, last = 0, offset + length
 
-    for at = offset + 1, last, 8 do
-      local a, b, c, d, e, f, g, h = byte(bytes, at, min(at + 7, last))
-
-      sum = sum + a + (b or 0) + (c or 0) + (d or 0) + (e or 0) + (f or 0) + (g or 0) + (h or 0)
+    for at = offset + 1, last, CHUNK do
+      sum = total(sum, byte(bytes, at, min(at + CHUNK - 1, last)))
     end
     return sum % 256
   end
@@ -1469,71 +1566,143 @@ do
     body.record = telegram.is_good and record or nil
   end
 
-  -- Takes the useful data apart, with what their exchange knows. Gives words for the packet list.
+  -- What a telegram gives without a tree: {words: for the packet list, request: in a command, what it asks for}. A bus
+  -- says the same again and again, so this is kept, where it follows from the bytes of the telegram and from one other
+  -- thing: in a command, from what the bus has taught so far; in a reaction, from what its command asked for, and in a
+  -- later pass in both.
+  local MOST_GIVEN = 4000
+  local given, given_count -- by whether the packet was seen before, by that thing, by the bytes
+
+  local function forget_given()
+    given, given_count = {[false] = {}, [true] = {}}, 0
+  end
+
+  at_init(forget_given)
+
+  -- That other thing; nil where there are more, or where a tree is wanted.
+  local function find_grounds(body, record)
+    local exchange = record.exchange
+
+    if not body.is_quick or not exchange or exchange.repeat_of or record.reaction_before
+      or record.transfer or record.transfer_ended or record.phase_switch then
+      return nil
+    end
+    if packet.visited then return exchange.request end
+    local from = exchange.from
+    if next(from.transfers) or from.phase_switch then return nil end
+    if body.telegram.is_reaction then return exchange.request end
+    return from.stream.bus.taught
+  end
+
+  local function keep_given(grounds, body)
+    if given_count == MOST_GIVEN then forget_given() end
+    local of_pass = given[packet.visited]
+
+    of_pass[grounds] = of_pass[grounds] or {}
+    of_pass[grounds][body.bytes] = {words = body.summary, request = body.request}
+    given_count = given_count + 1
+  end
+
+  -- Takes the useful data apart, or knows them still. Gives words for the packet list.
+  local function dissect_body(body, record)
+    local grounds = find_grounds(body, record)
+    local same = grounds and given[packet.visited][grounds]
+    local known, before = same and same[body.bytes], effects
+
+    if known then
+      body.request = known.request
+      return known.words
+    end
+    begin_body(body, record)
+    S.dissect_body(body)
+    if grounds and effects == before then keep_given(grounds, body) end
+    return body.summary
+  end
+
+  -- The useful data, with what their exchange knows. Gives words for the packet list.
   local function dissect_useful_data(body)
     local telegram, pinfo = body.telegram, body.pinfo
     local record = S.exchange_find(body.tvb, pinfo, telegram)
     local exchange = record.exchange
 
-    begin_body(body, record)
     S.timing_note(record, telegram, pinfo)
     if telegram.is_good then S.exchange_show(record, telegram, body) end
-    S.dissect_body(body)
+    local words = dissect_body(body, record)
     if exchange and not telegram.is_reaction then S.exchange_keep(exchange, body.request) end
     S.timing_dissect(telegram, record, body)
-    return body.summary
+    return words
   end
 
   local function dissect_trailer(body)
     if body.end_ < #body.bytes then add(body.tree, F.raw, body.tvb, body.end_, #body.bytes - body.end_) end
   end
 
-  -- Reads the static header, 8 bytes.
-  local function read_header(body)
-    local bytes, declared, telegram = body.bytes, body.declared, body.telegram
-    local start, _, _, _, control, service, sender, receiver = byte(bytes, 1, K.STATIC_LENGTH)
-    local subaddress_count = band(control, K.CONTROL_SUBADDRESSES)
-    local has_number = band(control, K.CONTROL_NUMBER) ~= 0
-    local is_reaction = band(control, K.CONTROL_REACTION) ~= 0
-    local body_offset = K.STATIC_LENGTH + subaddress_count + (has_number and 1 or 0)
-    local sum = declared > 0 and #bytes >= declared and S.sum(bytes, 0, declared) or nil
-    local is_good = start == K.START and sum == 0 and body_offset <= declared
-
-    telegram.bytes = bytes
-    telegram.declared = declared
-    telegram.sum = sum -- nil: not all of it is there
-    telegram.is_good = is_good
-    telegram.control = control
-    telegram.service = service
-    telegram.sender = sender
-    telegram.receiver = receiver
-    telegram.subaddress_count = subaddress_count
-    telegram.last_address = is_good and byte(bytes, K.STATIC_LENGTH + subaddress_count) or receiver
-    telegram.number = is_good and has_number and byte(bytes, body_offset) or 0
-    telegram.is_reaction = is_reaction
-    telegram.talker = is_reaction and receiver or sender
-    telegram.listener = is_reaction and sender or receiver
-    telegram.body_offset = body_offset
-    telegram.times = S.times(body.tvb, body.pinfo, declared ~= 0 and min(body.there, declared) or body.there)
-  end
-
   -- "3" or, through routers, "3/2/8".
-  local function route_text(body)
-    local telegram = body.telegram
-    local text = S.station_text(telegram.receiver)
+  local function route_text(receiver, subaddresses)
+    local text = S.station_text(receiver)
 
-    for offset = K.STATIC_LENGTH, min(K.STATIC_LENGTH + telegram.subaddress_count, body.end_) - 1 do
-      text = text .. "/" .. S.station_text(byte(body.bytes, offset + 1))
+    for at = 1, #subaddresses do
+      text = text .. "/" .. S.station_text(byte(subaddresses, at))
     end
     return text
   end
 
   -- Who speaks to whom; a reaction keeps the command's addresses.
-  local function stations_text(body)
-    local telegram = body.telegram
+  local function stations_text(is_reaction, sender, receiver, subaddresses)
+    local route = route_text(receiver, subaddresses)
 
-    if telegram.is_reaction then return strformat("%s -> %d", route_text(body), telegram.sender) end
-    return strformat("%d -> %s", telegram.sender, route_text(body))
+    if is_reaction then return strformat("%s -> %d", route, sender) end
+    return strformat("%d -> %s", sender, route)
+  end
+
+  -- Telegrams with the same header, from the two lengths to the last subaddress, are one table, as a bus has few of
+  -- them: it holds what the header says, and what read_telegram() puts into it.
+  local telegram_of = remembered(1000, function(header)
+    local _, _, control, service, sender, receiver = byte(header, 1, 6)
+    local subaddress_count = band(control, K.CONTROL_SUBADDRESSES)
+    local has_number = band(control, K.CONTROL_NUMBER) ~= 0
+    local is_reaction = band(control, K.CONTROL_REACTION) ~= 0
+    local stations = stations_text(is_reaction, sender, receiver, sub(header, 7))
+    local kind = is_reaction and "Reaction" or "Command"
+
+    return {
+      control = control,
+      service = service,
+      sender = sender,
+      receiver = receiver,
+      subaddress_count = subaddress_count,
+      has_number = has_number,
+      is_reaction = is_reaction,
+      talker = is_reaction and receiver or sender,
+      listener = is_reaction and sender or receiver,
+      body_offset = K.STATIC_LENGTH + subaddress_count + (has_number and 1 or 0),
+      path = sub(header, 6), -- from the receiver to whom the command is for
+      is_answered = S.is_answered(byte(header, -1)), -- neither group nor broadcast: whom it is for in the end
+      title = strformat("%s, %s", stations, kind),
+      heading = strformat("%s  %s  ", stations, kind),
+      is_plain = false, -- whether it is known that there is nothing to be said of such a header without a tree
+    }
+  end)
+
+  -- Reads the header and whether the telegram is good.
+  local function read_telegram(body)
+    local bytes, declared = body.bytes, body.declared
+    local start, _, _, _, control = byte(bytes, 1, 5)
+    local subaddresses_end = K.STATIC_LENGTH + band(control, K.CONTROL_SUBADDRESSES)
+    local telegram = telegram_of(sub(bytes, 3, min(subaddresses_end, body.end_)))
+    local body_offset = telegram.body_offset
+    local sum = declared > 0 and #bytes >= declared and S.sum(bytes, 0, declared) or nil
+    local is_good = start == K.START and sum == 0 and body_offset <= declared
+
+    body.telegram = telegram
+    telegram.bytes = bytes
+    telegram.declared = declared
+    telegram.sum = sum -- nil: not all of it is there
+    telegram.is_good = is_good
+    telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
+    telegram.times = S.times(body.tvb, body.there, declared ~= 0 and min(body.there, declared) or body.there)
+    -- Whether all is as it should be and nobody looks at a tree: then what was found before may hold.
+    body.is_quick = not body.tree and is_good and body.there == declared and #bytes == declared
   end
 
   local function dissect_start(body)
@@ -1554,11 +1723,12 @@ do
     return #begins <= HEAD_LENGTH and words or sub(words, 1, begins[HEAD_LENGTH + 1] - 1) .. "..."
   end
 
-  -- Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044".
-  local function dissect_whole_telegram(body)
-    if #body.bytes < K.STATIC_LENGTH then return "" end
-    read_header(body)
-    S.set_addresses(body.pinfo, body.telegram.talker, body.telegram.listener)
+  -- The header's items and what is wrong with it. Of most telegrams there is nothing to say without a tree; a header of
+  -- which that was seen once is not looked at again.
+  local function dissect_header(body)
+    local telegram, before = body.telegram, effects
+
+    if body.is_quick and telegram.is_plain then return end
     dissect_start(body)
     dissect_checksum(body)
     add(body.tree, F.length, body.tvb, 2, 1)
@@ -1566,12 +1736,22 @@ do
     dissect_control(body)
     dissect_service(body)
     dissect_addresses(body)
+    telegram.is_plain = body.is_quick and effects == before
+  end
+
+  -- Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044".
+  local function dissect_whole_telegram(body)
+    if #body.bytes < K.STATIC_LENGTH then return "" end
+    read_telegram(body)
+    local telegram = body.telegram
+
+    S.set_addresses(telegram.talker, telegram.listener)
+    dissect_header(body)
     local words = dissect_useful_data(body)
     dissect_trailer(body)
 
-    local stations, kind = stations_text(body), body.telegram.is_reaction and "Reaction" or "Command"
-    if body.tree then append_text(body.root, strformat(", %s, %s, %s", stations, kind, shortened(words))) end
-    return strformat("%s  %s  %s%s", stations, kind, words, body.marks)
+    if body.tree then append_text(body.root, strformat(", %s, %s", telegram.title, shortened(words))) end
+    return telegram.heading .. words .. body.marks
   end
 
   -- Less than the 8 bytes that every telegram has.
@@ -1597,12 +1777,11 @@ do
 
   -- The telegram that is dissected, and its useful data: one table each for all of them, as making new ones would cost
   -- more than what is done with them.
-  local body = {telegram = {}}
+  local body = {}
 
-  -- One telegram; `tvb` begins with it and holds nothing of the next; `there` bytes of it were on the line. Gives the
-  -- words for the info column.
-  function S.dissect_telegram(tvb, pinfo, parent, there)
-    local bytes = tvb:raw()
+  -- One telegram: `tvb` begins with it and holds nothing of the next, `bytes` are what was captured of it, and `there`
+  -- of them were on the line. Gives the words for the info column.
+  function S.dissect_telegram(tvb, bytes, pinfo, parent, there)
     local declared = S.declared_length(bytes, 0)
     local tree = parent:referenced(handle) and parent:add(sis, tvb()) or nil
 
@@ -1634,7 +1813,7 @@ do
       local extent = telegram_extent(bytes, offset, there)
       local is_alone = offset == 0 and extent == there
       local part = is_alone and tvb or tvb(offset, min(extent, #bytes - offset)):tvb()
-      local info = S.dissect_telegram(part, pinfo, tree, extent)
+      local info = S.dissect_telegram(part, is_alone and bytes or part:raw(), pinfo, tree, extent)
 
       if offset == 0 then cols.info = info else cols.info:append(" | " .. info) end
       offset = offset + extent
@@ -2686,6 +2865,7 @@ do
     local is_switch = S.general_service(body.service) == 0x1D
 
     if is_switch and body.status == 0 and body.asked then
+      effects = effects + 1
       from.phase_switch = {
         command_in = exchange.command_in,
         begin = exchange.command_end,
@@ -2732,7 +2912,7 @@ do
     end
     if body.status == 0x02 then S.take_error(body, N.errors_phase) end
     if body.is_nested or not body.record or not body.record.exchange then return end
-    if not body.pinfo.visited then follow_switch(body, phase) end
+    if not packet.visited then follow_switch(body, phase) end
     show_switch(body)
   end
 
@@ -2791,23 +2971,24 @@ do
       last = {}, -- command of each master
       streams = {},
       learned = {},
+      taught = {}, -- another one after everything that was learned
       told = S.told_new(),
       cycles = {},
     }
   end
 
   -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
-  local function line_number(pinfo)
-    local record, interface = T.record(), S.interface(pinfo)
+  local function line_number()
+    local record, interface = packet.record, S.interface()
 
     return record and record.line == 2 and interface > 0 and interface - 1 or interface
   end
 
   -- First pass: the line or connection that a packet belongs to.
   function S.exchange_bus(pinfo)
-    local is_connection = pinfo.port_type == K.PORT_TYPE_TCP
+    local is_connection = packet.port_type == K.PORT_TYPE_TCP
     local known = is_connection and connections or lines
-    local key = is_connection and S.connection(pinfo) or line_number(pinfo)
+    local key = is_connection and S.connection(pinfo) or line_number()
 
     known[key] = known[key] or new_bus(is_connection)
     return known[key]
@@ -2819,6 +3000,8 @@ do
     stream_count = number + 1
     local stream = {number = number, bus = bus}
 
+    -- By direction: what the commands of one have in common (path, is_answered), and the last of them (last, telegram,
+    -- bytes).
     stream.from = {[0] = {stream = stream, transfers = {}}, {stream = stream, transfers = {}}}
     return stream
   end
@@ -2826,15 +3009,16 @@ do
   -- Two stations, with what lies between them: a drive behind a router is not the router.
   local function find_stream(bus, telegram)
     local sender, receiver = telegram.sender, telegram.receiver
-    local key = min(sender, receiver) * 256 + max(sender, receiver)
+    local key = sender < receiver and sender * 256 + receiver or receiver * 256 + sender
 
-    if telegram.subaddress_count > 0 then
-      key = char(min(sender, receiver), max(sender, receiver)) .. sub(telegram.bytes, 9, 8 + telegram.subaddress_count)
+    if telegram.subaddress_count > 0 then key = strformat("%d ", key) .. sub(telegram.path, 2) end
+    local stream = bus.streams[key]
+
+    if not stream then
+      stream = new_stream(bus)
+      bus.streams[key] = stream
     end
-    if not bus.streams[key] then
-      bus.streams[key] = new_stream(bus)
-    end
-    return bus.streams[key]
+    return stream
   end
 
   -- 0 or 1: in which of the two directions of its stream a telegram's command goes.
@@ -2851,7 +3035,7 @@ do
   local function note_disturbance(bus, record)
     local seen = T.disturbance(record)
 
-    bus.lost_in = max(bus.lost_in, seen.lost_in)
+    if seen.lost_in > bus.lost_in then bus.lost_in = seen.lost_in end
     if seen.unframed_in > bus.damaged_in then
       note_damaged(bus, seen.unframed_in)
     end
@@ -2872,11 +3056,6 @@ do
     end
     exchange.repeat_of = before.repeat_of or before.command_in
     exchange.transfer = before.transfer
-  end
-
-  -- Neither group nor broadcast: judged by whom it is for in the end.
-  local function needs_reaction(exchange)
-    return S.is_answered(byte(exchange.path, -1))
   end
 
   -- A router drops the first address and sends the rest on: is `bytes` what it made of `above`? Addresses of a telegram
@@ -2917,7 +3096,7 @@ do
 
   -- A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
   local function follow_command(exchange, before, telegram)
-    local from, is_needed = exchange.from, needs_reaction(before)
+    local from, is_needed = exchange.from, before.from.is_answered
 
     if is_needed and not before.reaction_in then
       before.next_command_in = exchange.command_in
@@ -2931,37 +3110,30 @@ do
     end
   end
 
-  local function begin_exchange(bus, pinfo, telegram)
+  local function begin_exchange(bus, number, telegram)
     local stream, times = find_stream(bus, telegram), telegram.times
     local from = stream.from[S.direction(telegram)]
-    local bytes = sub(telegram.bytes, 1, telegram.declared)
+    local bytes, declared = telegram.bytes, telegram.declared
     local exchange = { -- with no more fields than most exchanges need: half of the memory
       from = from,
-      path = sub(bytes, 8, 8 + telegram.subaddress_count), -- from the receiver to whom the command is for
-      command_in = pinfo.number,
+      command_in = number,
       command_end = times.end_,
       command_end_earliest = times.end_earliest,
       reaction_in = nil,
-      reaction_time = nil, -- nil, too, where both are in one packet
       request = nil,
     }
     local before = bus.last[telegram.sender]
 
-    if needs_reaction(exchange) then
-      find_repeat(exchange, from, bytes, telegram)
-    end
-    if next(routes) then
-      find_route(exchange, bytes, telegram)
-    end
-    if before then
-      follow_command(exchange, before, telegram)
-    end
+    if #bytes > declared then bytes = sub(bytes, 1, declared) end
+    from.path, from.is_answered = telegram.path, telegram.is_answered
+    if from.is_answered then find_repeat(exchange, from, bytes, telegram) end
+    if next(routes) then find_route(exchange, bytes, telegram) end
+    if before then follow_command(exchange, before, telegram) end
     bus.last[telegram.sender] = exchange
+    from.telegram = telegram
     from.bytes = bytes
     from.last = exchange
-    if telegram.subaddress_count > 0 then
-      routes[stream] = true
-    end
+    if telegram.subaddress_count > 0 then routes[stream] = true end
     return exchange
   end
 
@@ -2978,20 +3150,17 @@ do
 
   -- Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a device
   -- swaps sender and receiver cannot be ruled out.
-  local function is_reaction_to(command, telegram)
-    local control, service, sender, receiver = byte(command, 5, 8)
-    local is_kept = sender == telegram.sender and receiver == telegram.receiver
-    local is_swapped = sender == telegram.receiver and receiver == telegram.sender
-    local layout = K.CONTROL_SUBADDRESSES + K.CONTROL_NUMBER
-    local body = telegram.body_offset
+  local function is_reaction_to(from, telegram)
+    local command, body = from.telegram, telegram.body_offset
+    local is_kept = command.sender == telegram.sender and command.receiver == telegram.receiver
+    local is_swapped = command.sender == telegram.receiver and command.receiver == telegram.sender
 
-    if service ~= telegram.service or band(bxor(control, telegram.control), layout) ~= 0 then
-      return false
-    end
-    if not (is_kept or is_swapped) or sub(command, 9, body) ~= sub(telegram.bytes, 9, body) then
-      return false
-    end
-    return is_same_access(command, telegram)
+    return command.service == telegram.service
+      and command.subaddress_count == telegram.subaddress_count
+      and command.has_number == telegram.has_number
+      and (is_kept or is_swapped)
+      and (body == K.STATIC_LENGTH or sub(from.bytes, 9, body) == sub(telegram.bytes, 9, body))
+      and is_same_access(from.bytes, telegram)
   end
 
   -- The master went on, and a damaged telegram came since: a reaction now is that one's, not this command's.
@@ -3001,7 +3170,7 @@ do
       and exchange.from.stream.bus.damaged_in > exchange.next_command_in
   end
 
-  local function answer(record, exchange, pinfo, telegram)
+  local function answer(record, exchange, number, telegram)
     local stream = exchange.from.stream
 
     record.exchange = exchange
@@ -3009,52 +3178,51 @@ do
       record.reaction_before = exchange.reaction_in
       return
     end
-    exchange.reaction_in = pinfo.number
+    exchange.reaction_in = number
     if stream.bus.is_connection then
       exchange.next_command_in = nil -- there a master need not wait
     end
     routes[stream] = nil
-    if exchange.command_in ~= pinfo.number then
-      exchange.reaction_time = telegram.times.begin - exchange.command_end
+    if exchange.command_in ~= number then -- nil where both are in one packet
+      record.reaction_time = telegram.times.begin - exchange.command_end
     end
     if exchange.forwarded then
       record.routed_from = exchange.forwarded.reaction_in
     end
   end
 
-  local function end_exchange(record, bus, pinfo, telegram)
+  local function end_exchange(record, bus, number, telegram)
     local stream, kept = find_stream(bus, telegram), S.direction(telegram)
 
     for i = 0, 1 do
       local from = stream.from[i == 0 and kept or 1 - kept]
 
-      if from.last and not is_given_up(from.last) and is_reaction_to(from.bytes, telegram) then
-        answer(record, from.last, pinfo, telegram)
+      if from.last and not is_given_up(from.last) and is_reaction_to(from, telegram) then
+        answer(record, from.last, number, telegram)
         return
       end
     end
   end
 
-  local function note_telegram(record, pinfo, telegram)
-    local bus, tap = S.exchange_bus(pinfo), T.record(pinfo)
+  local function note_telegram(record, bus, number, telegram)
+    local tap = packet.record
 
     if tap then
       note_disturbance(bus, tap)
     end
     if not telegram.is_good then
-      note_damaged(bus, pinfo.number)
+      note_damaged(bus, number)
     elseif telegram.is_reaction then
-      end_exchange(record, bus, pinfo, telegram)
+      end_exchange(record, bus, number, telegram)
     else
-      record.exchange = begin_exchange(bus, pinfo, telegram)
+      record.exchange = begin_exchange(bus, number, telegram)
     end
   end
 
   -- Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then. Of a
   -- damaged telegram, the reaction that a command waits for may have been this one. Never nil.
   function S.exchange_find(_, pinfo, telegram)
-    local packet, number = S.packet(pinfo), pinfo.number
-    local place = packet.count + 1 -- several telegrams may be in one packet
+    local number, place = packet.number, packet.count + 1 -- several telegrams may be in one packet
     local kind = telegram.service + (telegram.is_reaction and 0x100 or 0)
 
     packet.count = place
@@ -3063,15 +3231,15 @@ do
 
     if record and record.kind == kind then return record end
     -- A telegram that the first pass did not see: TCP put its segments together in another way.
-    if record or pinfo.visited then return {kind = kind} end
-    record = {
+    if record or packet.visited then return {kind = kind} end
+    record = { -- with no more fields than most of them need
       kind = kind, -- to know the telegram again
       exchange = nil, -- of a damaged telegram, and of a reaction without a command
-      busy = nil,
-      span = nil,
+      reaction_time = nil,
+      settings = nil,
     }
     records[place][number] = record
-    note_telegram(record, pinfo, telegram)
+    note_telegram(record, S.exchange_bus(pinfo), number, telegram)
     return record
   end
 
@@ -3089,10 +3257,12 @@ do
   local function show_command(exchange, body)
     local tree, tvb, root = body.tree, body.tvb, body.root
 
-    add_frame(tree, tvb, F.reaction_in, exchange.reaction_in)
-    add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
-    add_frame(tree, tvb, F.gave_up, exchange.gave_up)
-    add_frame(tree, tvb, F.routed_from, exchange.routed_from)
+    if tree then
+      add_frame(tree, tvb, F.reaction_in, exchange.reaction_in)
+      add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
+      add_frame(tree, tvb, F.gave_up, exchange.gave_up)
+      add_frame(tree, tvb, F.routed_from, exchange.routed_from)
+    end
     if exchange.repeat_of then
       add_expert(root, E.repeated, strformat("The command of frame %d again", exchange.repeat_of))
       body.marks = body.marks .. "  [repeat]"
@@ -3116,9 +3286,9 @@ do
     if record.reaction_before then
       add_expert(root, E.answered_before,
         strformat("The command was answered before, in frame %d", record.reaction_before))
-    elseif exchange.reaction_time and tree then
-      set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(exchange.reaction_time),
-        strformat("%.3f ms", exchange.reaction_time / 1e6)))
+    elseif record.reaction_time and tree then
+      set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
+        strformat("%.3f ms", record.reaction_time / 1e6)))
     end
   end
 
@@ -3126,7 +3296,7 @@ do
   function S.exchange_show(record, telegram, body)
     local exchange = record.exchange
 
-    if exchange then
+    if exchange and body.tree then
       set_generated(add(body.tree, F.stream, body.tvb, 0, 0, exchange.from.stream.number))
     end
     if telegram.is_reaction then
@@ -3242,10 +3412,11 @@ do
 
   -- Whose piece these data are; decided once, in the order of the capture.
   local function place_piece(body, like, is_last)
-    local record, frame = body.record, body.pinfo.number
+    local record, frame = body.record, packet.number
     local exchange = record.exchange
     local place, transfer = find_transfer(exchange, like)
 
+    effects = effects + 1
     record.is_piece_repeated = is_taken_before(body)
     if not transfer and (is_last or record.is_piece_repeated) then
       record.transfer = record.is_piece_repeated and exchange.transfer or nil -- of one that is over
@@ -3345,7 +3516,7 @@ do
     if is_outside(body) or not ident then
       return false
     end
-    if body.pinfo.visited then
+    if packet.visited then
       return body.record.transfer ~= nil
     end
     return find_transfer(body.record.exchange, make_like(body, ident, element, device)) ~= nil
@@ -3362,7 +3533,7 @@ do
     end
     local is_alone = is_last and not next(transfers_of(record.exchange)) and not is_taken_before(body) -- as most are
 
-    if not body.pinfo.visited and not is_alone then
+    if not packet.visited and not is_alone then
       place_piece(body, make_like(body, ident, element, device), is_last)
     end
     if record.transfer then
@@ -3455,7 +3626,7 @@ do
     if is_outside(body) then
       return
     end
-    if not body.pinfo.visited then
+    if not packet.visited then
       watch(body)
     end
     if record.transfer_ended then
@@ -3576,7 +3747,7 @@ do
   -- What the bus has said of a parameter of a device behind a station, which may be behind routers.
   local function look_up(body, ident, device)
     local exchange = body.record and body.record.exchange
-    local of_station = exchange and exchange.from.stream.bus.learned[exchange.path]
+    local of_station = exchange and exchange.from.stream.bus.learned[exchange.from.path]
 
     return of_station and of_station[device * DEVICE + ident.key]
   end
@@ -3619,20 +3790,23 @@ do
   function S.learn(body, ident, device, element, data, shown)
     local exchange, read = body.record and body.record.exchange, readers[element]
 
-    if body.pinfo.visited or not exchange or not read then return end
+    if packet.visited or not exchange or not read then return end
+    effects = effects + 1
     local before = look_up(body, ident, device) or S.known_from_tables(ident)
     local what, value = read(data, shown)
     local source = what .. "_from"
 
     if value == nil or (before[what] == value and before[source] == K.FROM_BUS) then return end
-    local learned, known = exchange.from.stream.bus.learned, {}
+    local bus, known = exchange.from.stream.bus, {}
+    local learned, path = bus.learned, exchange.from.path
 
     for name, old in pairs(before) do
       known[name] = old
     end
     known[what], known[source] = value, K.FROM_BUS
-    learned[exchange.path] = learned[exchange.path] or {}
-    learned[exchange.path][device * DEVICE + ident.key] = known
+    learned[path] = learned[path] or {}
+    learned[path][device * DEVICE + ident.key] = known
+    bus.taught = {}
   end
 end
 
@@ -3980,7 +4154,7 @@ do
 
   -- The shortest time of a character; a little short: a transmitter may be that much faster than its rate says.
   local function shortest_character(record)
-    return floor(T.character_ns(record) * 98 / 100)
+    return floor(record.character_ns * 98 / 100)
   end
 
   -- How many characters of the telegram came in the read that begins with `character`.
@@ -4031,30 +4205,42 @@ do
     return ns
   end
 
+  -- Of the telegram that is dissected: one table for all of them.
+  local current = {}
+
+  -- Where its characters have no times: that of its packet.
+  local function packet_times_only()
+    current.record = nil
+    current.begin, current.end_ = packet.time, packet.time
+    current.begin_earliest, current.begin_latest, current.end_earliest = nil, nil, nil
+    return current
+  end
+
   -- The times of the telegram that `tvb` begins with, in ns; record is nil where only the time of its packet is known:
   -- {record, first, count: of the record's characters, begin, end_: as recorded, begin_earliest, begin_latest,
-  -- end_earliest: nil where they are not known}.
-  function S.times(tvb, pinfo, length)
-    local record, begin = T.record(pinfo), S.packet_time(pinfo)
-    local first = record and T.index(record, tvb)
+  -- end_earliest: nil where they are not known}. They hold until the next telegram.
+  function S.times(tvb, there, length)
+    local record = packet.record
 
-    if not record or length == 0 or first < 0 or first + length > record.timed then
-      return {begin = begin, end_ = begin}
+    if not record then return packet_times_only() end
+    local times = current
+    local first, timed = there == record.declared and 0 or T.index(record, tvb), record.timed
+
+    if length == 0 or first < 0 or first + length > timed then return packet_times_only() end
+    local uncertainty, begin = record.uncertainty, packet.time
+    local end_ = begin + record.duration
+
+    if length < timed then
+      begin = begin + duration(record, 0, first)
+      end_ = begin + duration(record, first, first + length - 1)
     end
-    begin = begin + duration(record, 0, first)
-    local end_ = begin + (length == record.timed and record.duration or duration(record, first, first + length - 1))
-    local uncertainty = record.uncertainty
-    local times = { -- as they are where every character came in a read of its own
-      record = record,
-      first = first,
-      count = length,
-      begin = begin,
-      end_ = end_,
-      begin_earliest = uncertainty and begin - uncertainty,
-      begin_latest = uncertainty and begin,
-      end_earliest = uncertainty and end_ - uncertainty,
-    }
-
+    times.record = record
+    times.first, times.count = first, length
+    times.begin, times.end_ = begin, end_
+    -- As it is where every character came in a read of its own.
+    times.begin_earliest = uncertainty and begin - uncertainty
+    times.begin_latest = uncertainty and begin
+    times.end_earliest = uncertainty and end_ - uncertainty
     if uncertainty and band(record.flags, K.SAME_READ) ~= 0 then
       bound_begin(times)
       bound_end(times)
@@ -4165,7 +4351,7 @@ do
 
     return record.uncertainty
       and band(record.flags, NOT_MEASURED) == 0
-      and max(record.interval_max, shortest_character(record)) + record.uncertainty <= limit
+      and max(T.longest(record), shortest_character(record)) + record.uncertainty <= limit
   end
 
   -- From the end of one telegram to the beginning of another.
@@ -4287,11 +4473,12 @@ do
     local is_for_all = is_broadcast(S.receiver_kind(telegram.receiver))
 
     if not body.is_reaction then request = body.request end
-    if body.pinfo.visited or not exchange or not is_told(body, request, is_for_all) then return end
+    if packet.visited or not exchange or not is_told(body, request, is_for_all) then return end
+    effects = effects + 1
     local told = exchange.from.stream.bus.told
-    local address = is_for_all and K.ALL_STATIONS or byte(exchange.path)
+    local address = is_for_all and K.ALL_STATIONS or byte(exchange.from.path)
 
-    learn(told, address, request, exchange.command_in, body.pinfo.number, telegram.times.end_)
+    learn(told, address, request, exchange.command_in, packet.number, telegram.times.end_)
     if body.is_reaction and request.subservice == ACCEPT then
       body.record.settings = S.bus_settings(told, address, telegram.times.begin)
     end
@@ -4403,8 +4590,8 @@ do
   end
 
   -- A telegram whose timing is looked at (t): {telegram, record, body, tree, root: of `tree`; in ns silence (nil: not
-  -- known), tza and trs: limits (0: not known, so there is no verdict), longest (nil: not known, or nobody asks), wait:
-  -- TwM (negative: none)}.
+  -- known), busy and span: of the line (nil: not known), tza and trs: limits (0: not known, so there is no verdict),
+  -- longest (nil: not known, or nobody asks), wait: TwM (negative: none)}.
 
   local function add_time(t, which, ns, text)
     local item = t.tree and add_value(t.tree, which, t.body.tvb, 0, 0, nstime(ns), text)
@@ -4479,7 +4666,7 @@ do
 
   -- "12.000 ms (idle 10.854 ms": the part without the character itself.
   local function idle_text(t, ns)
-    local idle = ns - T.character_ns(t.telegram.times.record)
+    local idle = ns - t.telegram.times.record.character_ns
 
     return strformat("%s (idle %s", ms_text(ns), ms_text(max(idle, 0)))
   end
@@ -4561,11 +4748,11 @@ do
   end
 
   local function show_bus(t)
-    local rate, record = setting(t, K.BAUD), t.record
+    local rate = setting(t, K.BAUD)
 
     if rate then show_baud(t, rate) end
-    if record.busy and t.tree then
-      local load = T.percent(record.busy, record.span)
+    if t.busy and t.tree then
+      local load = T.percent(t.busy, t.span)
 
       set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, strformat("%.1f %%", load)))
     end
@@ -4603,8 +4790,7 @@ do
   local function find_timing(t)
     local telegram, record = t.telegram, t.record
     local exchange = record.exchange
-    local is_answer = telegram.is_good and telegram.is_reaction and exchange and exchange.reaction_time
-      and not record.reaction_before
+    local is_answer = telegram.is_good and telegram.is_reaction and record.reaction_time
 
     t.silence = silence_before(telegram.times)
     t.tza = limit_of(t, K.TZA, P.tza_ms)
@@ -4612,10 +4798,11 @@ do
     t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
       and limit_of(t, K.TRS, P.trs_ms) or 0
     t.wait = exchange and not telegram.is_reaction and exchange.wait or -1
+    if telegram.times.record then t.busy, t.span = T.load() end
   end
 
   local function is_anything_known(t)
-    return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.record.busy
+    return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.busy
   end
 
   local function show(t)
@@ -4650,14 +4837,13 @@ do
 
   -- Two master control words to the same drive: the frame of the one before, and the time from begin to begin.
   local function make_cycle(last, times)
-    local before = last.times
     local span = {least = 0, most = K.ANY_TIME}
 
-    if times.begin_earliest and before.begin_earliest then
-      span.least = times.begin_earliest - before.begin_latest
-      span.most = times.begin_latest - before.begin_earliest
+    if times.begin_earliest and last.begin_earliest then
+      span.least = times.begin_earliest - last.begin_latest
+      span.most = times.begin_latest - last.begin_earliest
     end
-    return {frame = last.frame, ns = times.begin - before.begin, span = span}
+    return {frame = last.frame, ns = times.begin - last.begin, span = span}
   end
 
   local function note_cycle(record, telegram, body)
@@ -4669,24 +4855,30 @@ do
     local key = exchange.from.stream.number * 256 + (request.device or 0)
 
     if cycles[key] then record.cycle = make_cycle(cycles[key], times) end
-    cycles[key] = {frame = body.pinfo.number, times = times}
+    cycles[key] = {
+      frame = packet.number,
+      begin = times.begin,
+      begin_earliest = times.begin_earliest,
+      begin_latest = times.begin_latest,
+    }
   end
 
   -- First pass: what is valid for a telegram that has just come. A swapped reaction's slave is in its command.
   function S.timing_note(record, telegram, pinfo)
-    if pinfo.visited then return end
+    if packet.visited then return end
     local exchange = record.exchange
     local bus = exchange and exchange.from.stream.bus or S.exchange_bus(pinfo)
-    local address = exchange and byte(exchange.path) or telegram.receiver
+
+    if not bus.told.is_anything_told then return end
+    local address = exchange and byte(exchange.from.path) or telegram.receiver
 
     if not telegram.is_good or not S.is_answered(address) then address = K.ALL_STATIONS end
     record.settings = S.bus_settings(bus.told, address, telegram.times.begin)
-    if telegram.times.record then record.busy, record.span = T.load(telegram.times.record) end
   end
 
   -- Adds what is known of a telegram's timing to its tree, and marks. `body` has been taken apart.
   function S.timing_dissect(telegram, record, body)
-    if not body.pinfo.visited then note_cycle(record, telegram, body) end
+    if not packet.visited then note_cycle(record, telegram, body) end
     if not body.tree and not record.settings and P.tza_ms == 0 and P.trs_ms == 0 then return end -- nothing to be seen
     local t = {telegram = telegram, record = record, body = body}
 
@@ -4752,7 +4944,7 @@ do
 
     cols.protocol = "SIS"
     cols.info:clear()
-    local words = S.dissect_telegram(tvb, pinfo, tree, tvb:reported_len())
+    local words = S.dissect_telegram(tvb, tvb:raw(), pinfo, tree, tvb:reported_len())
     cols.info:append(separator(cols.info) .. words)
     if tvb:len() < tvb:reported_len() then S.show_cut(tvb, pinfo, tree, "SIS") end
     cols.info:fence()
