@@ -1269,6 +1269,7 @@ end
 
 do
   K.START = 0x02
+  K.TOKEN_PASSING = 0x0F -- what is in it is not specified
   K.STATIC_LENGTH = 8 -- of the header; DatLW counts what comes after it
   -- Telegram control (chapter 2.1).
   K.CONTROL_SUBADDRESSES, K.CONTROL_NUMBER, K.CONTROL_REACTION = 0x07, 0x08, 0x10
@@ -3000,8 +3001,7 @@ do
     stream_count = number + 1
     local stream = {number = number, bus = bus}
 
-    -- By direction: what the commands of one have in common (path, is_answered), and the last of them (last, telegram,
-    -- bytes).
+    -- By direction: what the commands of one have in common (path), and the last of them (last, telegram, bytes).
     stream.from = {[0] = {stream = stream, transfers = {}}, {stream = stream, transfers = {}}}
     return stream
   end
@@ -3094,18 +3094,23 @@ do
     end
   end
 
+  -- Neither to a group nor a token: whether that is answered is not specified.
+  local function needs_reaction(command)
+    return command.is_answered and command.service ~= K.TOKEN_PASSING
+  end
+
   -- A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
   local function follow_command(exchange, before, telegram)
-    local from, is_needed = exchange.from, before.from.is_answered
+    local from, command_before = exchange.from, before.from.telegram
 
-    if is_needed and not before.reaction_in then
+    if needs_reaction(command_before) and not before.reaction_in then
       before.next_command_in = exchange.command_in
       before.is_reaction_damaged = from.stream.bus.damaged_in > before.command_in
       exchange.gave_up = before.command_in
     end
     if exchange.repeat_of then
       exchange.wait = telegram.times.begin - from.last.command_end
-    elseif not is_needed then
+    elseif not command_before.is_answered then
       exchange.wait = telegram.times.begin - before.command_end
     end
   end
@@ -3125,8 +3130,8 @@ do
     local before = bus.last[telegram.sender]
 
     if #bytes > declared then bytes = sub(bytes, 1, declared) end
-    from.path, from.is_answered = telegram.path, telegram.is_answered
-    if from.is_answered then find_repeat(exchange, from, bytes, telegram) end
+    from.path = telegram.path
+    if needs_reaction(telegram) then find_repeat(exchange, from, bytes, telegram) end
     if next(routes) then find_route(exchange, bytes, telegram) end
     if before then follow_command(exchange, before, telegram) end
     bus.last[telegram.sender] = exchange
@@ -3163,11 +3168,11 @@ do
       and is_same_access(from.bytes, telegram)
   end
 
-  -- The master went on, and a damaged telegram came since: a reaction now is that one's, not this command's.
-  local function is_given_up(exchange)
-    return not exchange.reaction_in
-      and exchange.next_command_in
-      and exchange.from.stream.bus.damaged_in > exchange.next_command_in
+  -- It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's.
+  local function is_over(exchange)
+    local over_in = exchange.reaction_in or exchange.next_command_in
+
+    return over_in and exchange.from.stream.bus.damaged_in > over_in
   end
 
   local function answer(record, exchange, number, telegram)
@@ -3197,9 +3202,12 @@ do
     for i = 0, 1 do
       local from = stream.from[i == 0 and kept or 1 - kept]
 
-      if from.last and not is_given_up(from.last) and is_reaction_to(from, telegram) then
-        answer(record, from.last, number, telegram)
-        return
+      if from.last and is_reaction_to(from, telegram) then
+        if not is_over(from.last) then
+          answer(record, from.last, number, telegram)
+          return
+        end
+        bus.damaged_count = bus.damaged_count + 1 -- what it carries is as lost to others as if it were damaged, too
       end
     end
   end
@@ -3592,9 +3600,6 @@ do
       or body.error == PARAMETER_OCCUPIED
       or (status >= 0xF1 and status <= 0xF4)
 
-    if transfer and record.reaction_before and damaged_since(transfer, record.exchange) > 0 then
-      transfer.is_broken = true -- it answers a command that the tap alone saw damaged
-    end
     if status == 0 then
       -- A device has one transfer at a time: when another parameter was accessed with success, it has given up the
       -- first.

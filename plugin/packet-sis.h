@@ -16,6 +16,9 @@
 #define SIS_CONTROL_NUMBER       0x08
 #define SIS_CONTROL_REACTION     0x10
 
+/* Passing on the right to send commands (chapter 2.4); what is in it is not specified. */
+#define SIS_TOKEN_PASSING 0x0F
+
 struct sis_record;
 
 /* What the timing of a telegram says; times in ns. */

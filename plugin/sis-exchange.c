@@ -237,7 +237,7 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
     }
     if (exchange->first != NULL)
         exchange->wait = telegram->times.begin - same->command_end;
-    else if (!before->needs_reaction)
+    else if (!sis_is_answered(before->station))
         exchange->wait = telegram->times.begin - before->command_end;
 }
 
@@ -262,7 +262,8 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
             ? (uint32_t)MIN(telegram->times.end - telegram->times.end_earliest, UINT32_MAX)
             : UINT32_MAX;
     exchange->wait = -1;
-    exchange->needs_reaction = sis_is_answered(telegram->last_address);
+    exchange->needs_reaction =
+        sis_is_answered(telegram->last_address) && telegram->service != SIS_TOKEN_PASSING;
     if (exchange->needs_reaction)
         find_repeat(exchange, stream, direction, tvb, telegram);
     find_route(exchange, tvb, telegram);
@@ -308,14 +309,13 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
     return is_same_access(command, length, tvb, telegram);
 }
 
-/* The master went on, and a damaged telegram came since: a reaction now is that one's, not this command's. */
+/* It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's. */
 static bool
-is_given_up(const sis_exchange_t *exchange)
+is_over(const sis_exchange_t *exchange)
 {
-    const sis_bus_t *bus = exchange->stream->bus;
+    uint32_t end = exchange->reaction_in != 0 ? exchange->reaction_in : exchange->next_command_in;
 
-    return exchange->reaction_in == 0 && exchange->next_command_in != 0 &&
-           bus->damaged_in > exchange->next_command_in;
+    return end != 0 && exchange->stream->bus->damaged_in > end;
 }
 
 static void
@@ -328,9 +328,14 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
         unsigned direction = i == 0 ? kept : !kept;
         sis_exchange_t *exchange = stream->from[direction].last;
 
-        if (exchange == NULL || is_given_up(exchange) ||
+        if (exchange == NULL ||
             !is_reaction_to(stream->from[direction].bytes, stream->from[direction].length, tvb, telegram))
             continue;
+        if (is_over(exchange)) {
+            stream->bus
+                ->damaged_count++; /* what it carries is as lost to others as if it were damaged, too */
+            continue;
+        }
         record->exchange = exchange;
         if (exchange->reaction_in != 0) {
             record->reaction_before = exchange->reaction_in;

@@ -44,7 +44,7 @@ typedef struct sis_exchange {
     int64_t wait;              /* TwM, ns: of a repeat, or after a broadcast; negative: none */
     bool has_time;
     bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
-    bool needs_reaction;      /* neither group nor broadcast */
+    bool needs_reaction;      /* neither group nor broadcast, nor a token: that is not specified */
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
                               then */
     bool is_kept_reaction_seen;

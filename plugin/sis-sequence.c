@@ -284,8 +284,6 @@ watch_reaction(const sis_body_t *body)
                              body->error == PARAMETER_OCCUPIED ||
                              (body->status >= 0xF1 && body->status <= 0xF4);
 
-    if (*link != NULL && record->reaction_before != 0 && damaged_since(*link, record->exchange) > 0)
-        (*link)->is_broken = true; /* it answers a command that the tap alone saw damaged */
     if (body->status == 0)
         end_others(record, &like);
     else if (*link != NULL && !is_to_be_repeated)

@@ -4,6 +4,8 @@
 
 #include "packet-sis.h"
 
+#include <math.h>
+
 #include <epan/stat_tap_ui.h>
 #include <epan/tap.h>
 
@@ -54,12 +56,12 @@ enum {
 
 /* clang-format off: a value is as wide as its column's name, so that tshark writes columns */
 static stat_tap_table_item tza_columns[TZA_COLUMNS] = {
-    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Talker", "%-6s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Talker ", "%-7s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Telegrams", "%9u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Characters", "%10u"},
     {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "p50 in ms", "%9s"},
     {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "p99 in ms", "%9s"},
-    {TABLE_ITEM_FLOAT, TAP_ALIGN_RIGHT, "Longest in ms", "%13.3f"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Longest in ms", "%13s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "TzA exceeded", "%12u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Unresolved", "%10u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "In one read", "%11u"},
@@ -73,11 +75,11 @@ static stat_tap_table_item tza_columns[TZA_COLUMNS] = {
 };
 
 static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
-    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Station", "%-7s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Station ", "%-8s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Telegrams", "%9u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Characters", "%10u"},
-    {TABLE_ITEM_FLOAT, TAP_ALIGN_RIGHT, "Load in %", "%9.1f"},
-    {TABLE_ITEM_FLOAT, TAP_ALIGN_RIGHT, "Longest silence in ms", "%21.3f"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Load in %", "%9s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Longest silence in ms", "%21s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Silences > 200 ms", "%17u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Cycles > 100 ms", "%15u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Repeats", "%7u"},
@@ -146,10 +148,19 @@ count(const stat_tap_table *table, unsigned row, unsigned column, unsigned by)
     stat_tap_get_field_data(table, row, column)->value.uint_value += by;
 }
 
+/* Decimals are text, because the windows of 4.0 and 4.4 show six of them whatever a column says. Made again
+ * only where the text changes; user_data is what it says, in units of its last digit. */
 static void
-set(const stat_tap_table *table, unsigned row, unsigned column, double value)
+set_decimal(const stat_tap_table *table, unsigned row, unsigned column, unsigned decimals, double value)
 {
-    stat_tap_get_field_data(table, row, column)->value.float_value = value;
+    stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
+    double digits = round(value * pow(10, decimals));
+
+    if (item->value.string_value[0] != '\0' && item->user_data.float_value == digits)
+        return;
+    g_free((char *)item->value.string_value);
+    item->value.string_value = g_strdup_printf("%9.*f", (int)decimals, value);
+    item->user_data.float_value = digits;
 }
 
 /* Empty where no interval has an exact time. */
@@ -157,22 +168,17 @@ static void
 set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const sis_quantiles_t *quantiles,
              const sis_quantile_t *quantile)
 {
-    stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
-    uint32_t ns = sis_quantile_ns(quantiles, quantile);
-
-    if (quantiles->count == 0 || item->user_data.uint_value == ns)
-        return;
-    g_free((char *)item->value.string_value);
-    item->value.string_value = g_strdup_printf("%9.3f", ns / NS_PER_MS);
-    item->user_data.uint_value = ns;
+    if (quantiles->count > 0)
+        set_decimal(table, row, column, 3, sis_quantile_ns(quantiles, quantile) / NS_PER_MS);
 }
 
 static void
-raise_to(const stat_tap_table *table, unsigned row, unsigned column, double value)
+raise_to(const stat_tap_table *table, unsigned row, unsigned column, double ms)
 {
-    stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
+    const stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
 
-    item->value.float_value = MAX(item->value.float_value, value);
+    if (ms * 1e3 > item->user_data.float_value)
+        set_decimal(table, row, column, 3, ms);
 }
 
 static void
@@ -196,7 +202,7 @@ reset_item(stat_tap_table_item_type *item)
     if (item->type == TABLE_ITEM_STRING) {
         g_free((char *)item->value.string_value);
         item->value.string_value = g_strdup("");
-        item->user_data.uint_value = 0;
+        item->user_data.float_value = 0;
     } else {
         memset(&item->value, 0, sizeof item->value);
     }
@@ -396,8 +402,8 @@ set_loads(const stat_tap_table *table)
     for (uint64_t rest = all->lines; rest != 0; rest &= rest - 1)
         lines++;
     for (unsigned i = 0; i < table->num_elements; i++)
-        set(table, i, BUS_LOAD,
-            100.0 * row_at(table, i)->busy / (double)(all->end - all->begin) / (i == 0 ? lines : 1));
+        set_decimal(table, i, BUS_LOAD, 1,
+                    100.0 * row_at(table, i)->busy / (double)(all->end - all->begin) / (i == 0 ? lines : 1));
 }
 
 /* Called for every packet: the line's other characters have errors, too. */

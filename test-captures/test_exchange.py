@@ -87,6 +87,11 @@ EXCHANGES: Table = {
     62: "reaction_in=63",
     63: "command_in=62; reaction_time=0.001500000",
     # Nothing after it says that it stays unanswered
+    # A damaged command: its reaction is not that of the command before, which was answered
+    65: "reaction_in=66",
+    66: "command_in=65; reaction_time=0.001500000",
+    68: "reaction.unasked",
+    # A token, to and fro
 }
 
 REPEATS: Table = {

@@ -123,12 +123,11 @@ SEQUENCES_REPEATED: Table = {
     24: "data=4546; sequence.piece_missing",
     # The tap alone took a reading command for damaged: the slave answered, and what it sent belongs to nothing known
     26: "data=4142",
-    28: "data=4344; reaction.again",
+    28: "data=4344",
     30: "data=4546; sequence.piece_missing",
     # The tap alone took a written piece for damaged: the slave accepted it
     31: "data=6162",
     33: "data=6364",
-    34: "reaction.again",
     35: "data=6566; sequence.piece_missing",
     # The tap lost characters between two pieces
     38: "data=4142",
