@@ -50,6 +50,7 @@ EXAMPLE = (
     "02 D9 00 00 00 12 10 03: station 16 asks station 3 for its phase.    "
     "02 C3 02 02 10 12 10 03 00 02: station 3 answers 16, status 00, phase 2."
 )
+READING = "02 6E 05 05 00 10 10 03 3C 03 00 24 00: station 16 reads the value of S-0-0036 in drive 3."
 
 CONTROL = (
     ("0-2", "number of subaddresses, 0 to 7"),
@@ -186,7 +187,13 @@ def columns(page: Page, top: float, bottom: float) -> None:
     first.words("A reaction keeps the addresses of its command. No reaction to 200 and above.")
     first.heading("Status, first byte of a reaction")
     first.rows(statuses(), 9)
-    first.words("F0 and above: telegram error, no code follows. 12 and 1D: status 02, phase, code.")
+    first.words(
+        "F0 and above: telegram error, no code follows. F9 to FC: IndraDrive. 12 and 1D: status 02, phase, code."
+    )
+    first.heading("In the edition ECODRIVE03")
+    first.words(
+        "Control bits 5-7: status of a reaction. Address 127 is a station, 128 to 254 are groups without reaction."
+    )
 
     second.heading("Services (byte 6)")
     second.rows(services(), 19)
@@ -197,7 +204,7 @@ def columns(page: Page, top: float, bottom: float) -> None:
     second.rows(rows("errors_channel"), 11)
     second.heading("Error codes of flash (status 01)")
     second.rows(rows("errors_flash", *FLASH_ERRORS), 11)
-    second.words("Subservice and error byte make the code.")
+    second.words("Here and in 03: subservice and error byte make the code.")
 
     third.heading("Subservices of 00: identification")
     third.rows(rows("subservices_identification"), 9)
@@ -205,13 +212,17 @@ def columns(page: Page, top: float, bottom: float) -> None:
     third.rows(rows("subservices_flash"), 9)
     third.heading("Subservices of 03: initialization")
     third.rows(rows("subservices_initialization"), 9)
+    third.heading("Error codes of 03 (status 01)")
+    third.rows(rows("errors_initialization"), 11)
     third.heading("Parameter: control, device, type, number")
     third.rows(PARAMETER, 15)
     third.words("Element, bits 3-5 of control: " + joined("elements"))
+    third.words(READING)
 
     fourth.heading("Attribute of a parameter (4 bytes)")
     fourth.rows(ATTRIBUTE, 11)
-    fourth.heading("Data status of a command")
+    fourth.heading("Procedure command and its data status")
+    fourth.words("Written: 3 set and enable, 1 interrupt, 0 clear. Writing element 1, control 0C, brings the status:")
     fourth.words(", ".join(f"{int(entry.first, 16):X} {entry.text}" for entry in table("data_states")))
     fourth.heading("Error codes of parameters (status 01)")
     fourth.rows(rows("errors_parameter", *PARAMETER_ERRORS), 11)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -39,6 +40,7 @@ def test_pdf_is_made_from_it() -> None:
         ("800B", "cancelled"),
         ("D007", "master axis"),
         ("9701", "Additive checksum"),
+        ("0801", "Test time too large"),
         ("FF", "Accept"),
         ("254", "one hierarchy level"),
     ],
@@ -47,6 +49,16 @@ def test_code_stands_beside_its_text(code: str, word: str) -> None:
     found = texts(sheet.sheet())
     places = [place for place, text in enumerate(found) if text == code]
     assert any(word in " ".join(found[place + 1 : place + 3]) for place in places)
+
+
+def test_telegrams_on_it_are_right() -> None:
+    """Chapter 2.2: start character, sum, and both lengths."""
+    written = re.findall(r"02(?: [0-9A-F]{2})+", f"{sheet.EXAMPLE} {sheet.READING}")
+    telegrams = [bytes.fromhex(text) for text in written]
+    assert len(telegrams) == 3
+    for telegram in telegrams:
+        assert sum(telegram) % 256 == 0
+        assert telegram[2] == telegram[3] == len(telegram) - 8
 
 
 def test_a_changed_text_changes_the_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
