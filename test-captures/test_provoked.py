@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 import pytest
 
 from sistap import pcapng
-from sistap.bus.stations import make
+from sistap.bus.stations.making import make
 from sistap.telegram import build, parse
 from sistap.tshark import Tshark
 from test_codes import PHASE_SERVICES, SOURCE, source_texts

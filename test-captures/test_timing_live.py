@@ -17,8 +17,8 @@ import pytest
 
 from adapter import EXCEEDED, OK, UNRESOLVED, Adapter, seen
 from sistap import wire
-from sistap.bus.command import bus
-from sistap.bus.playing import Faults
+from sistap.bus.playing.tap_faults import Faults
+from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
 from sistap.line import LineSettings, Read
 from sistap.tshark import Tshark
 from tables import shown
@@ -122,7 +122,7 @@ ADAPTERS = {
 def test_coarse_reads(name: str, tshark: Tshark, tmp_path: Path) -> None:
     """Reads bring ends and beginnings of telegrams together, whole exchanges after a stall."""
     adapter, needed = ADAPTERS[name]
-    everything = list(bus(LINE, 1, CYCLES, Faults(pause=0.01)))
+    everything = list(load(DEFAULT).play(LINE, Playing(1, CYCLES, Faults(pause=0.01))))
     arrived = [character for played in everything for character in played.characters]
     start_ns = 1_700_000_000_000_000_000
     characters = seen([start_ns + character.time_ns for character in arrived], adapter, Random(name))

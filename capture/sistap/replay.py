@@ -10,10 +10,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.bus import wires
-from sistap.bus.playing import Character, Played
-from sistap.bus.serve import Pace
-from sistap.bus.wires import DONE, USAGE, Refusal, stoppable
+from sistap.bus.ending import DONE, USAGE, Refusal, stoppable
+from sistap.bus.playing.played import Character, Played
+from sistap.bus.wires import choice
+from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.serve import play
 from sistap.captured import NotCaptured, records
 from sistap.line import ERROR_FLAGS, Flag, LineSettings
 from sistap.record import Record, Type
@@ -60,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture file of sistap")
-    wires.add_arguments(parser)
+    choice.add_arguments(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -76,16 +77,16 @@ def run(args: argparse.Namespace) -> int:
 
 def _play(args: argparse.Namespace) -> None:
     try:
-        wires.check(args)
+        choice.check(args)
         content = look(args.capture)
     except ValueError as error:
         raise Refusal(USAGE, str(error)) from error
     except OSError as error:
         raise Refusal(USAGE, f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
     pace = Pace(simulated=args.fast)
-    wire = wires.opened(args, content.settings, pace)
+    wire = choice.opened(args, content.settings, pace)
     print(f"sistap replay: {content.characters} characters at {content.settings}", file=sys.stderr)
-    wires.play(wire, pace, played(args.capture, content))
+    play(wire, pace, played(args.capture, content))
     if content.errors and not args.listen:
         print(
             f"sistap replay: {content.errors} line errors were left out: only a socket carries them (--listen)",

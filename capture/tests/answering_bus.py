@@ -9,9 +9,9 @@ from __future__ import annotations
 import os
 import sys
 
-from sistap.bus.answering import BusTime, serve
-from sistap.bus.pty_port import PseudoTerminalPort
-from sistap.bus.stations import make
+from sistap.bus.real.answering import BusTime, serve
+from sistap.bus.stations.making import make
+from sistap.bus.wires.pty_port import PseudoTerminalPort
 from sistap.line import LineSettings
 
 STATIONS = [

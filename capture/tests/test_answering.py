@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.bus.answering import Answering, BusTime, serve
-from sistap.bus.receiver import Receiver
-from sistap.bus.stations import make
+from sistap.bus.real.answering import Answering, BusTime, serve
+from sistap.bus.real.receiver import Receiver
+from sistap.bus.stations.making import make
 from sistap.line import LineSettings
 from sistap.telegram import build, checksum_good
 

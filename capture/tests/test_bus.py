@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import random
@@ -12,6 +13,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,14 +23,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sistap import wire
-from sistap.bus.command import bus
-from sistap.bus.hearing import hear
-from sistap.bus.master import commands, read_parameter
-from sistap.bus.playing import NO_FAULTS, Character, Faults, Played, reads, uncertainty
-from sistap.bus.pseudo_terminal import PseudoTerminal
-from sistap.bus.serve import Pace
-from sistap.bus.taps import Taps
-from sistap.bus.times import Times
+from sistap.bus.playing.hearing import hear
+from sistap.bus.playing.played import Character, Played, reads, uncertainty
+from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
+from sistap.bus.playing.times import Times
+from sistap.bus.scenarios.demo import commands, read_parameter
+from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
+from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.pseudo_terminal import PseudoTerminal
+from sistap.bus.wires.taps import Taps
 from sistap.line import Flag, LineSettings, Read
 from sistap.telegram import build, checksum_good, parse
 
@@ -45,6 +48,13 @@ def octets(figure: str) -> bytes:
 
 
 # -- What is said ---------------------------------------------------------------------------------------------------
+
+
+def bus(
+    line: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults = NO_FAULTS, rates: Sequence[int] = ()
+) -> Iterator[Played]:
+    """Make the demo: everything that is sent on its bus, in order."""
+    return load(DEFAULT).play(line, Playing(seed, cycles, faults, rates))
 
 
 def telegrams(line: LineSettings = LINE, seed: int = 1, cycles: int = 1) -> list[bytes]:
@@ -111,6 +121,7 @@ def test_a_slow_line_gets_times_it_can_keep() -> None:
     assert Times.for_line(LINE) == (50, 5, 500)
     slow = LINE._replace(baud=300)  # a character takes 36.7 ms, four 146.7
     assert Times.for_line(slow) == (1470, 147, 14700)
+    assert Times.for_line(LineSettings.parse(75, "8E2")) == (6400, 640, 64000)  # the slowest that --baud allows
 
 
 def test_both_drives_are_identified() -> None:
@@ -725,6 +736,18 @@ def test_a_socket_that_a_killed_bus_left_is_replaced_but_no_file(tmp_path: Path)
     with running("--listen", str(path)) as (process, _):
         assert finish(process)[0] == 3
     assert path.read_text() == "precious"
+
+
+def test_a_tap_that_goes_on_talking_does_not_hold_up_the_end() -> None:
+    with running("--listen", "127.0.0.1:0") as (process, name), connect(name) as connection:
+        assert connection.recv(1)
+        process.terminate()
+        until = time.monotonic() + TIMEOUT_S
+        with contextlib.suppress(OSError):  # until the bus has gone
+            while process.poll() is None:
+                connection.sendall(wire.pack_settings(LINE))
+                assert time.monotonic() < until
+        assert finish(process) == (0, "")
 
 
 def test_a_full_disk_is_said(tmp_path: Path) -> None:

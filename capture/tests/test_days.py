@@ -20,11 +20,13 @@ from test_end_to_end import packets
 from test_stations import drive
 
 from sistap import session
-from sistap.bus.master import read_parameter
-from sistap.bus.playing import NO_FAULTS, Played, Player, reads
-from sistap.bus.script import Rate
-from sistap.bus.serve import Pace
-from sistap.bus.taps import Taps
+from sistap.bus.playing.played import Played, reads
+from sistap.bus.playing.player import Player
+from sistap.bus.playing.script import Rate
+from sistap.bus.playing.tap_faults import NO_FAULTS
+from sistap.bus.scenarios.demo import read_parameter
+from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.taps import Taps
 from sistap.clock import Clock
 from sistap.console import Console
 from sistap.counters import Counters

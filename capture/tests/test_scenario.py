@@ -3,21 +3,24 @@
 
 from __future__ import annotations
 
+import os
 import re
+import select
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
-from sistap.bus import scenario
-from sistap.bus.faults import _KINDS
-from sistap.bus.playing import Played
-from sistap.bus.scenario import Playing, Scenario, load
-from sistap.bus.steps import _STEPS
+from sistap.bus.playing.played import Played
+from sistap.bus.scenarios import scenario
+from sistap.bus.scenarios.faults import _KINDS
+from sistap.bus.scenarios.scenario import Playing, Scenario, load
+from sistap.bus.scenarios.steps import _STEPS
 from sistap.captured import records
 from sistap.line import Flag
 from sistap.record import Event, Type
@@ -26,7 +29,7 @@ from sistap.tshark import Tshark
 
 MS = 1_000_000
 ONCE = Playing(cycles=1)
-README = Path(scenario.__file__).parent / "scenarios/README.md"
+README = Path(scenario.__file__).parent / "README.md"
 BUILT_IN = [name for name in scenario.names() if load(name).is_complete]
 
 # The limits are told, so that a listener knows them; then six values are read.
@@ -243,7 +246,7 @@ WRONG = [
     ),
     ("title = 5\nstation = [{ address = 3 }]", "title = 5: use a text in quotes"),
     ('title = ""\nline = 9600', r"\[line\] is no table: write \{ key = value \}"),
-    ('title = ""\n[line]\nbaud = "fast"', r'\[line\]: baud = "fast": use a whole number from 1 to 4000000'),
+    ('title = ""\n[line]\nbaud = "fast"', r'\[line\]: baud = "fast": use a whole number from 75 to 4000000'),
     ('title = ""\n[line]\nformat = "7E1"', r'\[line\]: format = "7E1": SIS needs 8 data bits'),
     ('title = ""\n[line]\nformat = "8X1"', r'\[line\]: format = "8X1": .* such as 8E1'),
     ('title = ""\n[line]\ntrs = 50', r"\[line\]: unknown key trs; there are .*trs_ms"),
@@ -274,6 +277,10 @@ WRONG = [
     ("{ repeat = [{ wait_ms = -5 }], times = 2 }", r"step 1, repeat step 1: wait_ms = -5: use a number from 0"),
     ("{ list = [{ wait_ms = 5 }], station = 3 }", r"step 1, list item 1: none of the keys it needs"),
     ("{ token = 17 }", "token = 17: there is no such master"),
+    (
+        'title = ""\nstation = [{ address = 3, parameters = { S-0-0036 = { token = [[]] } } }]',
+        "S-0-0036: unknown key token",
+    ),
 ]
 
 
@@ -285,6 +292,17 @@ def test_what_is_wrong_is_one_line_with_table_key_and_cure(text: str, line: str,
         read(text, tmp_path)
     assert str(error.value).startswith(str(tmp_path / "x.toml"))
     assert "\n" not in str(error.value)
+
+
+def test_a_file_may_begin_with_the_mark_of_windows_editors(tmp_path: Path) -> None:
+    assert read("\ufefftitle = 'marked'\nstation = [{ address = 3 }]", tmp_path).title == "marked"
+
+
+def test_a_file_without_end_is_refused() -> None:
+    if not Path("/dev/zero").exists():
+        pytest.skip("this system has no /dev/zero")
+    with pytest.raises(ValueError, match="/dev/zero is longer than .* name another FILE.toml"):
+        load("/dev/zero")
 
 
 WRONG_FAULTS = [
@@ -308,6 +326,7 @@ def test_what_is_wrong_with_a_fault(fault: str, line: str, tmp_path: Path) -> No
     ("options", "cure"),
     [
         (["nothing"], "nothing is neither FILE.toml nor a built-in scenario: "),
+        (["two\nlines"], "two\\nlines is neither FILE.toml nor a built-in scenario: "),
         (["/nowhere/x.toml"], "cannot read /nowhere/x.toml: No such file or directory; `sistap bus --list`"),
         (["drives", "-w", "x"], "drives has no master, it waits for a real one"),
         (["drives", "--listen", "127.0.0.1:0"], "drives has no master"),
@@ -317,6 +336,9 @@ def test_what_is_wrong_with_a_fault(fault: str, line: str, tmp_path: Path) -> No
         (["noise", "--rates", "9600"], "--rates is for the scenario demo"),
         (["noise", "--duration", "0"], "for example 60"),
         (["noise", "--duration", "nan"], "for example 60"),
+        (["noise", "--duration", "inf", "-w", "x"], "for example 60"),
+        (["--baud", "74", "-w", "x"], "--baud 74 is no rate (for example 9600): use a whole number from 75"),
+        (["--baud", "1000000000000000000000", "-w", "x"], "is no rate (for example 9600): use a whole number from 75"),
         (["noise", "-w", "/nowhere/x"], "choose another file with -w"),
         (["--port", "/dev/null"], "add --transmit if that is what you want"),
         (["drives", "--port", "/dev/null"], "add --transmit if that is what you want"),
@@ -554,6 +576,49 @@ def test_a_signal_ends_a_master_that_talks(tmp_path: Path) -> None:
         output, _ = master.communicate(timeout=TIMEOUT_S)
     assert master.returncode == 0
     assert re.fullmatch(r"\d+ commands, \d+ reactions, \d+ commands not answered\n", output)
+
+
+@contextmanager
+def recording_into_a_pipe() -> Iterator[tuple[subprocess.Popen[str], int, int]]:
+    """Record without end; gives the process, and both ends of its pipe."""
+    ours, theirs = os.pipe()
+    process = subprocess.Popen(
+        [*BUS, "-w", "-", "--cycles", "1000000", "--reads", "60"], stdout=theirs, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        yield process, ours, theirs
+    finally:
+        process.kill()
+        process.communicate()
+        os.close(ours)
+        os.close(theirs)
+
+
+def test_signals_end_a_recording_after_a_whole_block() -> None:
+    with recording_into_a_pipe() as (process, ours, _):
+        data = os.read(ours, 1)
+        process.terminate()
+        process.send_signal(signal.SIGINT)  # a second one does not come between
+        while process.poll() is None or select.select([ours], [], [], 0)[0]:
+            if select.select([ours], [], [], 0.1)[0]:
+                data += os.read(ours, 65536)
+        assert finish(process) == (0, "")
+    while data:
+        length = int.from_bytes(data[4:8], "little")
+        assert data[length - 4 : length] == data[4:8]
+        data = data[length:]
+
+
+def test_a_signal_ends_a_recording_that_nobody_reads() -> None:
+    with recording_into_a_pipe() as (process, ours, theirs):
+        assert os.read(ours, 1)
+        while select.select([], [theirs], [], 0)[1]:
+            assert process.poll() is None
+        process.terminate()
+        assert finish(process) == (
+            1,
+            "sistap bus: standard output is not being read; the last records are missing in it\n",
+        )
 
 
 def test_without_transmit_a_port_is_not_even_opened(tmp_path: Path) -> None:

@@ -14,10 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.bus.initialization import Initialization
-from sistap.bus.memory import module
-from sistap.bus.parameter_sets import built_in
-from sistap.bus.parameters import (
+from sistap.bus.devices.parameter_sets import built_in
+from sistap.bus.devices.parameters import (
     PARAMETER_MODE_ONLY,
     READ_ONLY,
     AccessError,
@@ -29,9 +27,11 @@ from sistap.bus.parameters import (
     ident,
     text,
 )
-from sistap.bus.routing import Router
-from sistap.bus.station import Station
-from sistap.bus.stations import make
+from sistap.bus.stations.initialization import Initialization
+from sistap.bus.stations.making import make
+from sistap.bus.stations.memory import module
+from sistap.bus.stations.routing import Router
+from sistap.bus.stations.station import Station
 from sistap.telegram import build, parse
 
 MS = 1_000_000
@@ -862,7 +862,7 @@ def test_what_is_wrong_with_a_table_is_said_with_the_cure(table: Mapping[str, An
 
 
 def test_the_example_of_the_readme() -> None:
-    page = resources.files("sistap.bus").joinpath("sets/README.md").read_text("utf-8")
+    page = resources.files("sistap.bus.devices").joinpath("sets/README.md").read_text("utf-8")
     example = page.split("```toml\n")[1].split("```")[0]
     first, ppc, third = make(tomllib.loads(example)["station"], 1)
     assert ask(first, 0x12) == "00 02"
@@ -874,7 +874,7 @@ def test_the_example_of_the_readme() -> None:
 
 @pytest.mark.parametrize("name", ["drive", "control", "axis"])
 def test_the_keys_of_the_sets_are_in_the_readme(name: str) -> None:
-    page = resources.files("sistap.bus").joinpath("sets/README.md").read_text("utf-8")
+    page = resources.files("sistap.bus.devices").joinpath("sets/README.md").read_text("utf-8")
     known = set(re.findall(r"`(\w[\w ]*)`", page))
     for row in built_in(name).values():
         assert set(row) <= known

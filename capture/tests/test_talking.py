@@ -15,11 +15,11 @@ from pathlib import Path
 import pytest
 from test_bus import BUS, TIMEOUT_S, octets, running
 
-from sistap.bus.conducting import conduct
-from sistap.bus.playing import Played
-from sistap.bus.script import Script, repeating
-from sistap.bus.talking import UNASKED, RealLine
-from sistap.bus.times import Times
+from sistap.bus.playing.conducting import conduct
+from sistap.bus.playing.played import Played
+from sistap.bus.playing.script import Script, repeating
+from sistap.bus.playing.times import Times
+from sistap.bus.real.talking import UNASKED, RealLine
 from sistap.line import LineSettings
 from sistap.telegram import build
 

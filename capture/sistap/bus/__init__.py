@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The virtual bus: masters and stations that speak SIS, without hardware, or with one half of it.
 
-A scenario (scenario.py) says who is there and what goes wrong. A telegram flows forward: steps (what a master asks) ->
-conducting (which master has the word) -> playing (when each character arrives, what the stations answer, what faults
-make of it) -> pseudo_terminal, taps, port_wire or recording (who hears it), hearing (with which settings). At a real
-port, talking is the line of our master, and answering that of our stations. command puts them together.
+Each room says in its own first lines what is in it. A room knows only those above it:
 
-A station is a slave (slave.py: who is meant, what is repeated) with a file for each group of services: identification,
-cancel, flash with its memory, initialization, service_list, sercos (parameters) and phases. Parameters belong to
-devices (device.py, drive.py), behind gates and a channel (transfers.py); stations.py, equipment.py and
-parameter_sets.py make all this from tables. routing.py puts stations below others.
+    service, table, ending   what a service is; how a table of a TOML file is read; how a command ends
+    devices/                 a drive or a control: parameters, phases, long data
+    stations/                what is spoken to: addresses, services, routing
+    playing/                 who has the word, when each character arrives
+    scenarios/               TOML: who is there, what the masters say, what goes wrong
+    wires/                   where it is heard: pseudo terminal, socket, port, capture file
+    real/                    our master at real stations; our stations at a real master
+    command                  `sistap bus`, which puts them together
+
+A telegram flows forward: a step of a scenario makes a command, conducting brings it onto a line, the stations there
+react, each character gets its time, and a wire brings it to whoever listens.
 """

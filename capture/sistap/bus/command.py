@@ -4,17 +4,22 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 
-from sistap.bus import scenario, wires
-from sistap.bus.playing import NO_FAULTS, Faults, Played
-from sistap.bus.scenario import DEFAULT, Playing, Scenario, character_format, load
-from sistap.bus.serve import Log, Pace, Wire
-from sistap.bus.wires import DONE, USAGE, Refusal, stoppable
+from sistap.bus.ending import DONE, FAILED, USAGE, Refusal, Stop, stoppable
+from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
+from sistap.bus.scenarios import scenario
+from sistap.bus.scenarios.scenario import DEFAULT, Playing, Scenario, character_format, load
+from sistap.bus.table import RATE
+from sistap.bus.wires import choice
+from sistap.bus.wires.log import Log
+from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.serve import Wire, play
 from sistap.line import LineSettings
 from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
 from sistap.rates import RATES
@@ -53,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("scenario", nargs="?", default=DEFAULT, metavar="SCENARIO", help=f"built-in, or FILE.toml (default {DEFAULT})")
     add("--list", action="store_true", help="list the built-in scenarios")
-    where = wires.add_arguments(parser)
+    where = choice.add_arguments(parser)
     where.add_argument("-w", dest="file", metavar="FILE", help="into a capture file, at once; - is standard output")
     add("--reads", type=int, default=1, metavar="N", help="up to so many characters a read (with --listen or -w)")
     add("--baud", type=int, help="rate of the line (default: the scenario's, usually 9600)")
@@ -81,25 +86,14 @@ def run(args: argparse.Namespace) -> int:
     if args.list:
         return _list()
     try:
-        played, settings, how = _checked(args)
-        log = _log(args.log)
-        try:
-            with stoppable():
-                _play(args, played, settings, how, log)
-        finally:
-            if log:
-                log.close()
+        with stoppable() as stop:
+            played, settings, how = _checked(args)
+            with _log(args.log) as log:
+                _play(args, played, settings, how, log, stop)
     except Refusal as refusal:
         print(f"sistap bus: {refusal}", file=sys.stderr)
         return refusal.code
     return DONE
-
-
-def bus(
-    settings: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults = NO_FAULTS, rates: Sequence[int] = ()
-) -> Iterator[Played]:
-    """Make the demo: everything that is sent on its bus, in order."""
-    return load(DEFAULT).play(settings, Playing(seed, cycles, faults, rates))
 
 
 def _list() -> int:
@@ -117,7 +111,7 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         settings = _settings(args, played.settings)
         faults = Faults.parse(args.faults) if args.faults else NO_FAULTS
         _check_numbers(args)
-        wires.check(args)
+        choice.check(args)
         if (faults.parity or faults.break_) and not (args.listen or args.file):
             raise ValueError("a pseudo terminal cannot carry parity errors and breaks: use --listen")
         _check_place(args, played)
@@ -132,10 +126,12 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
 
 
 def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:
-    if args.baud is not None and args.baud <= 0:
-        raise ValueError(f"--baud {args.baud} is no rate (for example 9600)")
     try:
-        return character_format(args.baud or usual.baud, args.format or usual.format)
+        baud = usual.baud if args.baud is None else RATE(args.baud)
+    except ValueError as error:
+        raise ValueError(f"--baud {args.baud} is no rate (for example 9600): {error}") from None
+    try:
+        return character_format(baud, usual.format if args.format is None else args.format)
     except ValueError as error:
         raise ValueError(f"--format {args.format}: {error}") from None
 
@@ -143,11 +139,11 @@ def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:
 def _check_numbers(args: argparse.Namespace) -> None:
     if args.cycles < 0:
         raise ValueError(f"--cycles {args.cycles} is negative; 0 plays until stopped")
-    if not 1 <= args.reads <= wires.ALL:
-        raise ValueError(f"--reads {args.reads} is not a number of characters from 1 to {wires.ALL}")
+    if not 1 <= args.reads <= choice.ALL:
+        raise ValueError(f"--reads {args.reads} is not a number of characters from 1 to {choice.ALL}")
     if args.reads > 1 and not (args.listen or args.file):
         raise ValueError("--reads needs --listen or -w: a pseudo terminal and a port take one after the other")
-    if args.duration is not None and not args.duration > 0:
+    if args.duration is not None and not 0 < args.duration < math.inf:
         raise ValueError(f"--duration {args.duration:g} is no time in seconds (for example 60)")
 
 
@@ -178,49 +174,57 @@ def _rates(args: argparse.Namespace) -> list[int]:
     return [int(name) for name in names]
 
 
-def _log(path: Path | None) -> Log | None:
+def _log(path: Path | None) -> AbstractContextManager[Log | None]:
     try:
-        return Log(path) if path else None
+        return closing(Log(path)) if path else nullcontext()
     except OSError as error:
         text = f"cannot write the log {path}: {error.strerror}; name another file with --log"
         raise Refusal(USAGE, text) from error
 
 
-def _play(args: argparse.Namespace, played: Scenario, settings: LineSettings, how: Playing, log: Log | None) -> None:
+def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
+    args: argparse.Namespace, played: Scenario, settings: LineSettings, how: Playing, log: Log | None, stop: Stop
+) -> None:
     """Play it where it is to be played. May raise Refusal, PortError or PortLost."""
     if not played.station_tables:
-        from sistap.bus.talking import talk
+        from sistap.bus.real.talking import talk
 
         talk(args.port, settings, played, how, log)
     elif not played.masters:
         _answer(args, settings, played)
     else:
         pace = Pace(simulated=args.fast or bool(args.file))
-        wire = _recording(args, settings) if args.file else wires.opened(args, settings, pace, args.seed, args.reads)
-        wires.play(wire, pace, played.play(settings, how), log, f"{settings.baud} {settings.format}, seed {args.seed}")
+        if args.file:
+            wire = _recording(args, settings, stop)
+        else:
+            wire = choice.opened(args, settings, pace, args.seed, args.reads)
+        telegrams = itertools.takewhile(lambda _: not stop.asked, played.play(settings, how))
+        play(wire, pace, telegrams, log, f"{settings.baud} {settings.format}, seed {args.seed}")
 
 
 def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario) -> None:
     """Answer a real master until a signal comes."""
-    from sistap.bus.answering import serve as answer
+    from sistap.bus.real.answering import serve as answer
 
-    port = wires.port(args, settings, args.seed)
+    port = choice.port(args, settings, args.seed)
     try:
         print(port.name, flush=True)
         answer(port, played.stations(args.seed))
     except OSError as error:
-        raise Refusal(wires.FAILED, f"the bus stopped: {error.strerror or error}") from error
+        raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}") from error
     finally:
         port.close()
 
 
-def _recording(args: argparse.Namespace, settings: LineSettings) -> Wire:
-    from sistap.bus.recording import Recording
+def _recording(args: argparse.Namespace, settings: LineSettings, stop: Stop) -> Wire:
+    from sistap.bus.wires.recording import Recording
 
     try:
         text = f"scenario {args.scenario}, seed {args.seed}"
-        return Recording(Output(args.file), settings, text, args.seed, args.reads)
+        output = Output(args.file, stopped=lambda: stop.asked)
+        stop.at_once = False
+        return Recording(output, settings, text, args.seed, args.reads)
     except OutputRefused as error:
         raise Refusal(USAGE, str(error)) from error
     except OutputError as error:
-        raise Refusal(wires.FAILED, str(error)) from error
+        raise Refusal(FAILED, str(error)) from error

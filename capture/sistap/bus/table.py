@@ -6,8 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
-from sistap.bus.parameters import ident
-
 T = TypeVar("T")
 Reading = Callable[[Any], T]  # a value as TOML has it -> what it means; ValueError says what it has to be
 
@@ -80,6 +78,7 @@ def whole(least: int, most: int) -> Reading[int]:
 
 BYTE, WORD, LONG = whole(0, 0xFF), whole(0, 0xFFFF), whole(0, 0xFFFFFFFF)
 STATION = whole(0, 126)
+RATE = whole(75, 4_000_000)  # in Bd; at less, the times of a bus would not fit into service 0x03
 
 
 def number(least: float, most: float) -> Reading[float]:
@@ -91,6 +90,13 @@ def number(least: float, most: float) -> Reading[float]:
         return float(value)
 
     return read
+
+
+def flag(value: object) -> bool:
+    """Read true or false."""
+    if not isinstance(value, bool):
+        raise ValueError("use true or false")
+    return value
 
 
 def milliseconds(value: object) -> int:
@@ -121,6 +127,17 @@ def text(value: object) -> str:
     return value
 
 
+def ascii_text(longest: int = 0xFFFF) -> Reading[str]:
+    """Read text of ASCII characters, up to so many."""
+
+    def read(value: object) -> str:
+        if not isinstance(value, str) or not value.isascii() or len(value) > longest:
+            raise ValueError(f'use a text of up to {longest} ASCII characters in quotes, "..."')
+        return value
+
+    return read
+
+
 def characters(value: object) -> bytes:
     """Read a text of characters that have one byte each."""
     try:
@@ -135,11 +152,6 @@ def octets(value: object) -> bytes:
         return bytes.fromhex(text(value))
     except ValueError:
         raise ValueError('use bytes in hexadecimal, "02 1F ..."') from None
-
-
-def parameter(value: object) -> bytes:
-    """Read a parameter's name, give type and number."""
-    return ident(text(value))
 
 
 def several(reading: Reading[T]) -> Reading[list[T]]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import threading
 
-from sistap.bus.playing import NO_FAULTS, Faults
-from sistap.bus.scenario import DEFAULT, Playing, load
-from sistap.bus.serve import Pace, serve
-from sistap.bus.taps import Taps
+from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
+from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
+from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.serve import serve
+from sistap.bus.wires.taps import Taps
 
 _SEED = 1
 _A_CHARACTER = 1  # at a time, as they come on a line

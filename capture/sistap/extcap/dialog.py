@@ -57,7 +57,7 @@ def _uncertainties(_: str) -> Sequence[Choice]:
 
 
 def _scenarios(_: str) -> Sequence[Choice]:
-    from sistap.bus import scenario  # only when the dialog is shown
+    from sistap.bus.scenarios import scenario  # only when the dialog is shown
 
     titles = {name: played.title for name in scenario.names() if (played := scenario.load(name)).is_complete}
     names = sorted(titles, key=lambda name: name != scenario.DEFAULT)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A device whose parameters a station gives access to: a control itself, or a drive (fig. 8-2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from sistap.bus.devices.parameters import AccessError, Element, Parameter, ident
+from sistap.bus.devices.phases import Phases
+from sistap.bus.devices.transfers import Channel
+
+_IDENT_NUMBER_NOT_AVAILABLE = 0x1001
+_OUTSIDE_MODULO = 0x700C
+
+
+class Device:
+    """Parameters, the channel to them, and the phase in which they are."""
+
+    def __init__(self, parameters: Iterable[Parameter], modulo: dict[str, str] | None = None) -> None:
+        """Switch it on in no phase; who has it puts it into one by `phases`.
+
+        `modulo` names, for a parameter, the one with the value that it must be less than.
+        """
+        self.parameters = {ident(parameter.ident): parameter for parameter in parameters}
+        self.channel = Channel()
+        self.phases: Phases
+        self._modulo = modulo or {}
+
+    def join(self, phases: Phases) -> None:
+        """Follow these phases; switching them interrupts what is under way on the channel."""
+        self.phases = phases
+        phases.on_switch.append(self.channel.interrupt)
+
+    def named(self, name: str) -> Parameter | None:
+        """Give a parameter by its name; None if the device has none."""
+        return self.parameters.get(ident(name))
+
+    def find(self, number: bytes) -> Parameter:
+        """Give a parameter by its type and number. May raise AccessError."""
+        parameter = self.parameters.get(number)
+        if parameter is None:
+            raise AccessError(_IDENT_NUMBER_NOT_AVAILABLE)
+        return parameter
+
+    def read(self, number: bytes, element: Element, now_ns: int) -> bytes:
+        """Give an element of a parameter. May raise AccessError."""
+        self.refresh(now_ns)
+        return self.find(number).read(element)
+
+    def write(self, number: bytes, element: Element, data: bytes, now_ns: int) -> bytes:
+        """Write an element; gives the data status if it is the ident number. May raise AccessError."""
+        self.refresh(now_ns)
+        parameter = self.find(number)
+        if element == Element.DATA:
+            self._check_modulo(parameter, data)
+        status = parameter.write(element, data, self.phases.at(now_ns), now_ns)
+        if element == Element.DATA:
+            self.written(parameter, now_ns)
+        return status
+
+    def refresh(self, now_ns: int) -> None:
+        """Bring up to date what changes by itself, before an access."""
+
+    def written(self, parameter: Parameter, now_ns: int) -> None:
+        """Do what follows from new operating data."""
+
+    def restart(self) -> None:
+        """Do what switching off and on does."""
+        self.channel.cancel()
+
+    def _check_modulo(self, parameter: Parameter, data: bytes) -> None:
+        """Positions of a modulo axis are from zero to the modulo value (fig. 8-48)."""
+        limit = self.named(self._modulo.get(parameter.ident, parameter.ident))
+        if limit is None or limit is parameter or len(data) != parameter.element_size:
+            return
+        if not 0 <= parameter.value(data) <= limit.value(limit.data):
+            raise AccessError(_OUTSIDE_MODULO)

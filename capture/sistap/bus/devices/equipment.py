@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The devices of a station, made from its table: one drive, or a control and its drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sistap.bus.devices import gates, parameter_sets
+from sistap.bus.devices.device import Device
+from sistap.bus.devices.drive import Drive
+from sistap.bus.devices.gates import Gate
+from sistap.bus.devices.parameter_sets import changed
+from sistap.bus.devices.phases import MASTER_AXIS_TURNS, OPERATING_MODE, Phases
+from sistap.bus.table import NO_TABLES, Table, flag, tables, whole
+
+_OWN = 0  # the device address of a control, and of a drive besides its own (fig. 8-2)
+_DEVICE = whole(1, 254)
+_SWITCHING_MS = 400
+
+
+class Equipment:
+    """Devices by their addresses, each with its gate, and the phase in which all of them are."""
+
+    def __init__(self, table: Table) -> None:
+        """Take the phase from the table. May raise ValueError."""
+        self.drives: list[Drive] = []
+        self.by_address: dict[int, tuple[Device, Gate]] = {}
+        self._turning = False
+        self.phases = Phases(
+            table.take("phase", whole(0, OPERATING_MODE), OPERATING_MODE), _SWITCHING_MS, self._against
+        )
+
+    @classmethod
+    def of_drive(cls, table: Table, address: int, seed: int, tmas_ms: Callable[[], int | None]) -> Equipment:
+        """Make that of a drive which is a station itself; it has its own address and 0."""
+        equipment = cls(table)
+        made = _made(table, "drive")
+        drive = Drive(made.parameters, f"{seed} drive {address}", made.modulo, tmas_ms)
+        for own in {address, _OWN}:
+            equipment.by_address[own] = (drive, gates.to_drive(drive))
+        drive.join(equipment.phases)
+        equipment.drives.append(drive)
+        return equipment
+
+    @classmethod
+    def of_control(cls, table: Table, address: int, seed: int, synax: bool) -> Equipment:
+        """Make that of a control; its drives are in the key `devices`."""
+        equipment = cls(table)
+        equipment._turning = table.take("turning", flag, False)
+        own = Device(_made(table, "control").parameters)
+        own.join(equipment.phases)
+        equipment.by_address[_OWN] = (own, gates.to_control(refuses_elements=synax))
+        for axis in table.take("devices", tables(f"{table.where}, device"), NO_TABLES):
+            equipment._add(axis, f"{seed} drive {address}", synax)
+        return equipment
+
+    def restart(self) -> None:
+        """Switch all of them off and on."""
+        self.phases.restart()
+        for device, _ in self.by_address.values():
+            device.restart()
+
+    def _add(self, table: Table, seed: str, synax: bool) -> None:
+        address = table.need("address", _DEVICE)
+        if address in self.by_address:
+            raise ValueError(f"{table.where}: address = {address} is taken: use another")
+        made = _made(table, "drive", "axis")
+        drive = Drive(made.parameters, f"{seed}.{address}", made.modulo)
+        off = table.take("off", flag, False)
+        table.end()
+        self.by_address[address] = (drive, gates.through_control(drive, off, initialization_mode=synax))
+        drive.join(self.phases)
+        self.drives.append(drive)
+
+    def _against(self, target: int, now_ns: int) -> int | None:
+        """Tell which code of fig. 8-49 stands against a phase."""
+        if self._turning:
+            return MASTER_AXIS_TURNS
+        codes = (drive.hindrance(target, now_ns) for drive in self.drives)
+        return next((code for code in codes if code is not None), None)
+
+
+def _made(table: Table, *sets: str) -> parameter_sets.Made:
+    """Make the parameters of built-in sets, with the changes in a table."""
+    rows = {name: row for each in sets for name, row in parameter_sets.built_in(each).items()}
+    return parameter_sets.make(table.take("parameters", lambda changes: changed(rows, changes), rows), table.where)

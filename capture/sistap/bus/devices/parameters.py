@@ -1,0 +1,305 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Parameters of a station and the rules of access to their elements (IF02 chapter 8, error codes of fig. 8-48).
+
+Everything is little endian. Text goes as a SERCOS list: actual and maximum length, two bytes each, then the characters.
+"""
+
+from __future__ import annotations
+
+import enum
+import re
+import struct
+from dataclasses import dataclass
+
+from sistap.bus.devices.procedure import ENABLED, SET, Procedure
+
+_KINDS = {"S": (0, 0x0000), "P": (0, 0x8000), "A": (1, 0x0000), "C": (2, 0x0000)}  # type byte, bit 15 of the number
+
+
+class Element(enum.IntEnum):
+    """The elements of a parameter, as numbered in the control byte (fig. 8-1)."""
+
+    CHANNEL = 0
+    IDENT_NUMBER = 1
+    NAME = 2
+    ATTRIBUTE = 3
+    UNIT = 4
+    MINIMUM = 5
+    MAXIMUM = 6
+    DATA = 7
+
+
+class Format(enum.IntEnum):
+    """How operating data are shown, bits 20 to 22 of the attribute."""
+
+    BINARY = 0
+    UNSIGNED = 1
+    SIGNED = 2
+    HEXADECIMAL = 3
+    TEXT = 4
+    IDENT_NUMBER = 5
+    FLOAT = 6
+
+
+class Length(enum.IntEnum):
+    """The length of operating data, bits 16 to 18 of the attribute."""
+
+    TWO_BYTES = 1
+    FOUR_BYTES = 2
+    LIST_OF_BYTES = 4
+    LIST_OF_TWO_BYTES = 5
+    LIST_OF_FOUR_BYTES = 6
+
+
+# Bytes of a value, or of an element of a list.
+SIZES = {
+    Length.TWO_BYTES: 2,
+    Length.FOUR_BYTES: 4,
+    Length.LIST_OF_BYTES: 1,
+    Length.LIST_OF_TWO_BYTES: 2,
+    Length.LIST_OF_FOUR_BYTES: 4,
+}
+LAST = 0x04  # bit 2 of the control byte: no more follows (fig. 8-1)
+LENGTH_WORDS = 4  # bytes before the elements of a list
+
+# Write protection by phase, bits 28 to 30 of the attribute.
+READ_ONLY = 0x70000000
+PARAMETER_MODE_ONLY = 0x60000000
+_PROCEDURE_COMMAND = 0x00080000
+
+PARAMETER_MODE = 2  # the phase
+_INVALID = 0x0100  # of the data status: operating data invalid
+
+# Second half of a code of fig. 8-48; the first digit is the element.
+NOT_AVAILABLE = 0x001
+TOO_SHORT, TOO_LONG = 0x002, 0x003
+UNCHANGEABLE, PROTECTED = 0x004, 0x005
+BELOW_MINIMUM, ABOVE_MAXIMUM = 0x006, 0x007
+NOT_CORRECT = 0x008
+WRONG_ACCESS = 0x009
+OUTSIDE_MODULO = 0x00C
+LENGTH_PROTECTED, LENGTH_FIXED = 0x00D, 0x00E
+NO_SUCH_ELEMENT = 0x00F
+
+
+class AccessError(Exception):
+    """An access failed; `code` is the error code of fig. 8-48."""
+
+    def __init__(self, code: int) -> None:
+        """Say which code."""
+        super().__init__(f"0x{code:04X}")
+        self.code = code
+
+    @classmethod
+    def of(cls, element: Element, what: int) -> AccessError:
+        """Make that of an element."""
+        return cls(element << 12 | what)
+
+
+def ident(text: str) -> bytes:
+    """Make type and number of a parameter (fig. 8-3) from its name, such as "S-0-0044" or "P-2-0012"."""
+    match = re.fullmatch(r"([SPAC])-([0-7])-(\d{4})", text)
+    if not match or int(match[3]) > 0xFFF:
+        raise ValueError(f"'{text}' is not a parameter such as S-0-0044")
+    kind, bit_15 = _KINDS[match[1]]
+    number = bit_15 | int(match[2]) << 12 | int(match[3])
+    return bytes([kind]) + number.to_bytes(2, "little")
+
+
+def control(element: Element) -> int:
+    """Make the control byte (fig. 8-1) for an access in one telegram."""
+    return element << 3 | LAST
+
+
+def attribute(
+    length: Length, format: Format, decimals: int = 0, protection: int = 0, *, command: bool = False
+) -> bytes:
+    """Make an attribute, with a conversion factor of 1."""
+    bits = 1 | length << 16 | format << 20 | decimals << 24 | protection
+    return (bits | (_PROCEDURE_COMMAND if command else 0)).to_bytes(4, "little")
+
+
+def text(characters: str) -> bytes:
+    """Make a list of characters."""
+    return as_list(characters.encode("ascii"))
+
+
+def as_list(elements: bytes, room: int = 0) -> bytes:
+    """Put actual and maximum length before the elements of a list; `room` is the maximum in bytes, if it is more."""
+    return len(elements).to_bytes(2, "little") + max(len(elements), room).to_bytes(2, "little") + elements
+
+
+def number(value: int) -> bytes:
+    """Make a value of four bytes, with sign."""
+    return value.to_bytes(4, "little", signed=True)
+
+
+@dataclass
+class Parameter:
+    """One parameter; elements it does not have are None."""
+
+    ident: str
+    name: str | None
+    attribute: bytes
+    data: bytes
+    unit: str | None = None
+    minimum: bytes | None = None
+    maximum: bytes | None = None
+    valid: bool = True
+    fixed_length: bool = False  # of a list
+    procedure: Procedure | None = None
+    refuse: int | None = None  # a code with which an access to the element it names is refused
+
+    def __post_init__(self) -> None:
+        """A command without more to be said of it is done at once."""
+        if self.is_command and self.procedure is None:
+            self.procedure = Procedure()
+
+    @property
+    def is_command(self) -> bool:
+        """Whether it is a procedure command."""
+        return bool(self._attribute & _PROCEDURE_COMMAND)
+
+    @property
+    def read_only(self) -> bool:
+        """Whether it is never written."""
+        return self._attribute & READ_ONLY == READ_ONLY
+
+    @property
+    def is_list(self) -> bool:
+        """Whether its data begin with actual and maximum length."""
+        return self._length >= Length.LIST_OF_BYTES
+
+    @property
+    def element_size(self) -> int:
+        """Bytes of the value, or of an element of the list."""
+        return SIZES[self._length]
+
+    def read(self, element: Element) -> bytes:
+        """Give an element. May raise AccessError."""
+        elements = {
+            Element.IDENT_NUMBER: ident(self.ident)[1:],
+            Element.NAME: None if self.name is None else text(self.name),
+            Element.ATTRIBUTE: self.attribute,
+            Element.UNIT: None if self.unit is None else text(self.unit),
+            Element.MINIMUM: self.minimum,
+            Element.MAXIMUM: self.maximum,
+            Element.DATA: self.data,
+        }
+        self._check_refused(element, NOT_AVAILABLE)
+        if element not in elements:
+            raise AccessError.of(element, WRONG_ACCESS)
+        data = elements[element]
+        if data is None:
+            raise AccessError.of(element, NOT_AVAILABLE)
+        return data
+
+    def write(self, element: Element, data: bytes, phase: int, now_ns: int = 0) -> bytes:
+        """Write an element; gives the data status if it is the ident number. May raise AccessError."""
+        self._check_refused(element)
+        if element == Element.IDENT_NUMBER:
+            # The number as data is optional (fig. 8-42).
+            if data not in (b"", ident(self.ident)[1:]):
+                raise AccessError.of(element, WRONG_ACCESS)
+            return self.data_status(now_ns).to_bytes(2, "little")
+        self.check_writable(element, phase)
+        self._check_length(data, phase)
+        self._check_value(data)
+        self.data = data
+        self.valid = True
+        if self.procedure:
+            self.procedure.write(int.from_bytes(data, "little"), now_ns)
+        return b""
+
+    def data_status(self, now_ns: int) -> int:
+        """Give the data status (fig. 8-44)."""
+        return (self.procedure.status(now_ns) if self.procedure else 0) | (0 if self.valid else _INVALID)
+
+    def read_segment(self, offset: int, length: int) -> bytes:
+        """Give a part of a list, in bytes from its first element on, as far as it goes. May raise AccessError."""
+        elements = self.data[LENGTH_WORDS:]
+        self._check_refused(Element.DATA)
+        self._check_offset(offset, len(elements))
+        return elements[offset : offset + length]
+
+    def write_segment(self, offset: int, data: bytes, phase: int) -> None:
+        """Write a part of a list. May raise AccessError."""
+        elements = self.data[LENGTH_WORDS:]
+        self._check_refused(Element.DATA)
+        self.check_writable(Element.DATA, phase)
+        self._check_offset(offset, len(elements))
+        if len(data) % self.element_size:
+            raise AccessError.of(Element.DATA, TOO_SHORT)
+        if offset + len(data) > len(elements):
+            raise AccessError.of(Element.DATA, TOO_LONG)
+        self.data = self.data[:LENGTH_WORDS] + elements[:offset] + data + elements[offset + len(data) :]
+
+    def check_writable(self, element: Element, phase: int) -> None:
+        """Raise AccessError if it cannot be written in this phase."""
+        if element != Element.DATA:
+            raise AccessError.of(element, UNCHANGEABLE if element else WRONG_ACCESS)
+        if self.read_only:
+            raise AccessError.of(element, UNCHANGEABLE)
+        if self._attribute & READ_ONLY & 1 << (26 + phase):  # bits 28, 29, 30: phases 2, 3, 4
+            raise AccessError.of(element, PROTECTED)
+
+    def value(self, data: bytes) -> float:
+        """Read a value of its format; decimals are not looked at."""
+        if self._format == Format.FLOAT:
+            return float(struct.unpack("<f", data)[0])
+        return int.from_bytes(data, "little", signed=self._format == Format.SIGNED)
+
+    @property
+    def _attribute(self) -> int:
+        return int.from_bytes(self.attribute, "little")
+
+    @property
+    def _length(self) -> Length:
+        return Length(self._attribute >> 16 & 7)
+
+    @property
+    def _format(self) -> Format:
+        return Format(self._attribute >> 20 & 7)
+
+    def _check_refused(self, element: Element, *only: int) -> None:
+        """Raise the code that was asked for, if it is for this element, or for the channel, or is one of `only`."""
+        if self.refuse is None:
+            return
+        named, what = self.refuse >> 12, self.refuse & 0xFFF
+        if named in (0, 8) or (named == element and (what in only or not only)):
+            raise AccessError(self.refuse)
+
+    def _check_length(self, data: bytes, phase: int) -> None:
+        if self.is_list:
+            self._check_list(data, phase)
+        elif len(data) != self.element_size:
+            raise AccessError.of(Element.DATA, TOO_SHORT if len(data) < self.element_size else TOO_LONG)
+
+    def _check_list(self, data: bytes, phase: int) -> None:
+        """Check the two lengths before the elements; how long a list can be only the station says."""
+        actual, room = int.from_bytes(data[:2], "little"), int.from_bytes(self.data[2:4], "little")
+        if len(data) < LENGTH_WORDS + actual:
+            raise AccessError.of(Element.DATA, TOO_SHORT)
+        if actual > room or len(data) > LENGTH_WORDS + actual:
+            raise AccessError.of(Element.DATA, TOO_LONG)
+        if actual % self.element_size:
+            raise AccessError.of(Element.DATA, NOT_CORRECT)
+        if actual != int.from_bytes(self.data[:2], "little"):
+            if self.fixed_length:
+                raise AccessError.of(Element.DATA, LENGTH_FIXED)
+            if phase != PARAMETER_MODE:
+                raise AccessError.of(Element.DATA, LENGTH_PROTECTED)
+
+    def _check_value(self, data: bytes) -> None:
+        if self.is_list:
+            return
+        if self.minimum is not None and self.value(data) < self.value(self.minimum):
+            raise AccessError.of(Element.DATA, BELOW_MINIMUM)
+        if self.maximum is not None and self.value(data) > self.value(self.maximum):
+            raise AccessError.of(Element.DATA, ABOVE_MAXIMUM)
+        if self.is_command and int.from_bytes(data, "little") & ~(SET | ENABLED):
+            raise AccessError.of(Element.DATA, NOT_CORRECT)
+
+    def _check_offset(self, offset: int, length: int) -> None:
+        if not self.is_list or offset >= length or offset % self.element_size:
+            raise AccessError.of(Element.DATA, NO_SUCH_ELEMENT)

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Sequential telegrams: long data in pieces, one transfer at a time for a device (IF02 chapters 2.4, 8.2 and 8.7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sistap.bus.devices.parameters import LAST, AccessError
+from sistap.bus.service import ChannelError, Failed, Refused, Request, Status
+
+HEADER = 5  # control byte, device, parameter
+_OCCUPIED = 0x800C  # as a code of a parameter (IndraDrive)
+
+# No document says when a transfer that nobody goes on with ends; a master that was switched off must not keep the
+# channel for good.
+ABANDONED_NS = 10_000_000_000
+
+
+@dataclass
+class Transfer:
+    """A transfer under way. What continues it has the same service, sender and header, but for control bit 2."""
+
+    service: int
+    sender: int
+    header: bytes
+    data: bytes  # still to be read, or written so far
+    last_ns: int = 0  # when a piece of it came or went
+    cancelled: bool = False  # by something more important than the master
+
+    @classmethod
+    def begun(cls, request: Request, data: bytes) -> Transfer:
+        """Make the one that a command begins."""
+        return cls(request.service, request.sender, _header(request), data, request.now_ns)
+
+
+class Channel:
+    """The way to a device's parameters."""
+
+    def __init__(self) -> None:
+        """Nothing is under way."""
+        self.transfer: Transfer | None = None
+
+    def enter(self, request: Request) -> Transfer | None:
+        """Let a command in: gives the transfer that it continues, None if none is under way.
+
+        If only one of service, sender and header is another, that is a continuation gone wrong; if more are, it is
+        something else, which has to wait. Raises Refused, Failed or AccessError; the transfer goes on.
+        """
+        transfer = self.transfer
+        if transfer is None or request.now_ns - transfer.last_ns > ABANDONED_NS:
+            self.transfer = None
+            return None
+        same_header = transfer.header == _header(request)
+        other = (transfer.service != request.service) + (transfer.sender != request.sender) + (not same_header)
+        if other == 1:
+            raise Refused(Status.INVALID_SEQUENCE)
+        if other:
+            if transfer.header[1:] == _header(request)[1:]:
+                raise AccessError(_OCCUPIED)
+            raise Failed.in_channel(ChannelError.STILL_ACTIVE)
+        if transfer.cancelled:
+            self.transfer = None
+            raise Failed.in_channel(ChannelError.CANCELLED)
+        transfer.last_ns = request.now_ns
+        return transfer
+
+    def cancel(self, service: int | None = None) -> None:
+        """End what is under way, as a master says: all of it, or only that of a service."""
+        if self.transfer and service in (None, self.transfer.service):
+            self.transfer = None
+
+    def interrupt(self) -> None:
+        """End what is under way in favour of something else; its master gets to know when it goes on."""
+        if self.transfer:
+            self.transfer.cancelled = True
+
+
+def _header(request: Request) -> bytes:
+    """Give the useful data header as it stays the same in all telegrams of a transfer."""
+    return bytes([request.body[0] & ~LAST]) + request.body[1:HEADER]

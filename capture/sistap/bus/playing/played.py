@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What was sent in one go, as receivers get it: characters with their times, and how adapters group them in reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from sistap.line import LineSettings
+
+
+class Character(NamedTuple):
+    """One character as a receiver with the bus's own settings gets it; `flags` are Flag.FROM_READER."""
+
+    time_ns: int
+    value: int
+    flags: int
+
+
+class Played(NamedTuple):
+    """What one station sent in one go.
+
+    `marks` name the faults: "parity@5=42" says that character 5 of `sent` arrived as 42 hex; the others are
+    "break@5", "loss@5", "pause@5" (a pause before it) and "checksum@1". "ascii" marks what is no telegram. What a
+    scenario disturbs is marked with the names of its faults (scenarios/faults.py).
+    """
+
+    time_ns: int  # when its first character was sent
+    sent: bytes
+    characters: list[Character]  # without those that were lost
+    marks: list[str]
+    settings: LineSettings = LineSettings()  # with which it was sent
+    line: int = 0  # 1 and 2: the directions of a full-duplex line
+    uncertainty_ns: int = 0  # of its times, besides what reading several characters at once adds
+
+
+def reads(characters: Sequence[Character], most: int, character_ns: int) -> Iterator[Sequence[Character]]:
+    """Group the characters of one telegram as a coarse adapter delivers them: `most`, or until a silence.
+
+    The silence is that after which a 16550 reports an unfilled FIFO: four character times.
+    """
+    begin = 0
+    for end in range(1, len(characters) + 1):
+        full = end - begin == most
+        silent = end == len(characters) or characters[end].time_ns - characters[end - 1].time_ns > 5 * character_ns
+        if full or silent:
+            yield characters[begin:end]
+            begin = end
+
+
+def uncertainty(read: Sequence[Character]) -> int:
+    """How much earlier than its read the first of its characters came, in ns."""
+    return read[-1].time_ns - read[0].time_ns

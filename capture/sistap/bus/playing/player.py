@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The simulated line: turns telegrams into timed characters, with gaps, reaction delays and pauses.
+
+Times are ns since the bus was started; a character's time is the end of its stop bit, when a receiver has it.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Sequence
+
+from sistap.bus.playing.collision import collide
+from sistap.bus.playing.line import Exchange
+from sistap.bus.playing.played import Character, Played
+from sistap.bus.playing.script import Rate
+from sistap.bus.playing.sending import Sending
+from sistap.bus.playing.tap_faults import Branch, Faults
+from sistap.bus.playing.times import Times
+from sistap.bus.stations.station import Station
+from sistap.follow import Change, Follow
+from sistap.line import LineSettings
+from sistap.telegram import is_whole
+
+_MS = 1_000_000
+
+Disturb = Callable[[Sending, int], Sending]  # with the time in ns
+
+
+def _undisturbed(sending: Sending, now_ns: int) -> Sending:  # noqa: ARG001
+    return sending
+
+
+class Player:
+    """The simulated line with its stations: sends telegrams, one after the other."""
+
+    def __init__(  # noqa: PLR0913 - what the line is, who is on it, and what goes wrong
+        self,
+        settings: LineSettings,
+        faults: Faults,
+        seed: int,
+        stations: Sequence[Station] = (),
+        times: Times | None = None,
+        disturb: Disturb = _undisturbed,
+    ) -> None:
+        """Start at time 0 with a silent line; `disturb` decides what becomes of what is sent, for everybody."""
+        self.settings = settings
+        self.collided = False
+        self._rate_since = 0
+        self._follow = Follow(settings.baud)
+        times = times or Times.for_line(settings)
+        self._tza_ns = times.tza * _MS
+        self._trs_ns = times.trs * _MS
+        self._stations = stations
+        self._disturb = disturb
+        self._branch = Branch(faults, seed)
+        # Sources of their own, so that faults change nothing but what they disturb.
+        self._timing = random.Random(f"{seed} timing")
+        self._mixing = random.Random(f"{seed} mixing")
+        self._now = 0  # nothing is sent before
+        self._last_end = 0  # of the last character
+
+    @property
+    def now_ns(self) -> int:
+        """The time before which nothing more is sent."""
+        return self._now
+
+    def exchange(self, command: bytes, rival: bytes | None = None) -> Exchange:
+        """Send a command, come to what is answered, and wait as a master does before it goes on."""
+        self._go_to(self._follow.due(self._now))
+        sending = self._disturb(Sending(command, self.settings), self._now)
+        self.collided = sending.colliding and rival is not None
+        if self.collided and rival:
+            collide(sending, rival, self._mixing)
+        yield from self._put(sending)
+        commanded_ns = self._now
+        reaction = None
+        if not sending.damaged and is_whole(command):
+            reactions = [station.react(command, self._now) for station in self._stations]  # a broadcast is for all
+            reaction = next((reaction for reaction in reactions if reaction), None)
+            self._go_to(self._follow.take(command, self._now))  # who accepts alone answers at the new rate
+        if reaction is not None:
+            reaction = yield from self._answer(reaction, commanded_ns)
+        if reaction is None:
+            # Nobody may be asked before they could have answered.
+            self._now = max(self._now, commanded_ns + self._trs_ns)
+        self._now += self._tza_ns + self._timing.randrange(5 * _MS, 25 * _MS)
+        return reaction
+
+    def send(self, characters: bytes) -> Iterator[Played]:
+        """Send characters that nobody has to answer, and be silent for a while."""
+        marks = [] if is_whole(characters) else ["ascii"]
+        yield from self._put(self._disturb(Sending(characters, self.settings, marks=marks), self._now))
+        self._now += self._trs_ns
+
+    def wait(self, ns: int) -> None:
+        """Let time pass."""
+        self._now += ns
+
+    def change(self, rate: Rate) -> None:
+        """Go on at another rate: since the last character, or since the time has come."""
+        if rate.after_ms:
+            self._rate_since += rate.after_ms * _MS
+            self._now = max(self._now, self._rate_since + self._trs_ns)  # nobody's timer is exact
+        else:
+            self._rate_since = self._last_end
+        self.settings = self.settings._replace(baud=rate.baud)
+
+    def _answer(self, reaction: bytes, commanded_ns: int) -> Exchange:
+        """Send a reaction, come to what the master understands of it if it begins within TrS."""
+        sending = self._disturb(Sending(reaction, self.settings), self._now)
+        if sending.silent:
+            return None
+        # A start is recognised only after a silence longer than TzA (chapter 10.3).
+        self._now += self._tza_ns + self._timing.randrange(1 * _MS, 6 * _MS) + sending.delay_ns
+        for played in self._put(sending):
+            yield played
+        if sending.damaged or played.time_ns - self.settings.character_ns > commanded_ns + self._trs_ns:
+            return None
+        self._go_to(self._follow.take(reaction, self._now))
+        return reaction
+
+    def _go_to(self, change: Change | None) -> None:
+        """Go on at the rate that the bus was told."""
+        if change:
+            self.settings = self.settings._replace(baud=change.baud)
+
+    def _put(self, sending: Sending) -> Iterator[Played]:
+        """Send, after what is on the line before it."""
+        if sending.before:
+            noise = Sending(bytes(slot.value for slot in sending.before), self.settings, marks=["ascii"])
+            noise.slots = sending.before
+            yield self._sent(noise)
+            self._now += 2 * self._tza_ns  # or no start would be recognised
+        yield self._sent(sending)
+
+    def _sent(self, sending: Sending) -> Played:
+        self._branch.falsify(sending)
+        characters: list[Character] = []
+        for index, slot in enumerate(sending.slots):
+            self._now += slot.pause_ns + self._interval(index, sending)
+            if index == 0:
+                time_ns = self._now
+            arrived = self._branch.arrived(index, slot, self._now, sending.marks)
+            if arrived is not None:
+                characters.append(arrived)
+        self._last_end = self._now
+        return Played(time_ns, sending.sent, characters, sending.marks, sending.settings)
+
+    def _interval(self, index: int, sending: Sending) -> int:
+        """How long after the character before it this one comes, in ns; most follow back to back."""
+        character_ns = sending.settings.character_ns
+        gap = int(character_ns * 0.2 * self._timing.random() ** 4)
+        pause_ns = self._branch.pause(index, self._tza_ns, sending.marks)
+        return character_ns + gap if pause_ns is None else pause_ns

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Stations that answer a real master, at a pseudo terminal or a port (IF02 chapters 2.4, 6 and 10).
+
+What they do when is `Answering`, which knows no clock and no port; `serve` binds it to both.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, NoReturn, Protocol
+
+from sistap.bus.real.receiver import Receiver
+from sistap.bus.stations.initialization import Timing
+from sistap.bus.stations.station import Station
+from sistap.line import LineSettings
+
+_MS = 1_000_000
+_SECOND = 1_000_000_000
+_LOOK_NS = _SECOND // 2  # so often, at least, does `serve` look up, e.g. to notice a signal on Windows
+# Until the bus has said a TzA this many character times stand in for it: there is no default.
+_CHARACTERS_WITHOUT_TZA = 4
+
+
+class Port(Protocol):
+    """Where the master is."""
+
+    @property
+    def settings(self) -> LineSettings:
+        """With which settings it is open."""
+
+    def read(self, timeout_s: float) -> bytes:
+        """Give what arrived, nothing if nothing did in that time."""
+
+    def write(self, data: bytes) -> None:
+        """Send."""
+
+    def drain(self) -> None:
+        """Come back when all was sent."""
+
+    def change(self, settings: LineSettings) -> None:
+        """Go on with other settings."""
+
+
+class BusTime:
+    """The time of the bus, in ns since it was started."""
+
+    def __init__(self) -> None:
+        """Start at 0."""
+        self._zero = time.monotonic_ns()
+
+    def now_ns(self) -> int:
+        """Tell the time."""
+        return time.monotonic_ns() - self._zero
+
+    def until_s(self, time_ns: int) -> float:
+        """Tell how long one would have to sleep from now, in seconds; 0 if it is over."""
+        return max(0.0, (time_ns - self.now_ns()) / _SECOND)
+
+    def wait_until(self, time_ns: int) -> None:
+        """Sleep."""
+        time.sleep(self.until_s(time_ns))
+
+
+class Answer(NamedTuple):
+    """A reaction, and when it is to be sent, at the rate that the line has then."""
+
+    time_ns: int
+    reaction: bytes
+
+
+class Answering:
+    """The stations of a line: characters in, answers out; times are in ns since the bus was started."""
+
+    def __init__(self, stations: Sequence[Station], settings: LineSettings) -> None:
+        """Switch the stations on, with the rate of the line."""
+        self._settings = settings
+        self._ears = [_Ear(station, settings.baud) for station in stations]
+
+    @property
+    def settings(self) -> LineSettings:
+        """Those of the line. Its rate is the one that some station was last told to have."""
+        return self._settings
+
+    def hear(self, values: bytes, time_ns: int) -> list[Answer]:
+        """Take characters that came together; gives what is to be answered."""
+        answers: list[Answer] = []
+        for value in values:
+            for ear in self._listening():
+                command = ear.receiver.hear(value, time_ns, ear.tza_ns(time_ns, self._settings))
+                answers += self._answer(ear, command, time_ns)
+            self._follow(time_ns)
+        return answers
+
+    def wait(self, now_ns: int) -> list[Answer]:
+        """Let time pass: what was damaged is over, a test of a rate begins or ends."""
+        answers: list[Answer] = []
+        for ear in self._listening():
+            damaged = ear.receiver.silence(now_ns, ear.tza_ns(now_ns, self._settings))
+            answers += self._answer(ear, damaged, now_ns)
+        self._follow(now_ns)
+        return answers
+
+    def wake_ns(self, now_ns: int) -> int | None:
+        """Give when `wait` has something to do, if nothing is heard until then; None: never."""
+        tests = [ear.station.initialization.test_ends_ns(now_ns) for ear in self._ears]
+        silences = [ear.receiver.silence_ends_ns(ear.tza_ns(now_ns, self._settings)) for ear in self._listening()]
+        return min((time_ns for time_ns in (*tests, *silences) if time_ns is not None), default=None)
+
+    def _listening(self) -> list[_Ear]:
+        """Whoever has another rate than the line hears nothing."""
+        return [ear for ear in self._ears if ear.baud == self._settings.baud]
+
+    def _answer(self, ear: _Ear, command: bytes | None, now_ns: int) -> Iterator[Answer]:
+        reaction = ear.station.react(command, now_ns) if command else None
+        if reaction is not None:
+            yield Answer(now_ns + ear.pause_ns(now_ns, self._settings), reaction)
+
+    def _follow(self, now_ns: int) -> None:
+        """Give the line the rate of a station that has another since it was looked at last."""
+        for ear in self._ears:
+            baud = ear.station.initialization.timing(now_ns).baud
+            if baud != ear.baud:
+                ear.baud = baud
+                self._settings = self._settings._replace(baud=baud)
+
+
+class _Ear:
+    """A station and what it hears."""
+
+    def __init__(self, station: Station, baud: int) -> None:
+        self.station = station
+        self.baud = baud
+        self.receiver = Receiver()
+        station.initialization.power_on(baud)
+
+    def tza_ns(self, now_ns: int, settings: LineSettings) -> int:
+        """The longest interval of characters in a telegram."""
+        tza = self._timing(now_ns).tza
+        return settings.character_ns * _CHARACTERS_WITHOUT_TZA if tza is None else tza * _MS
+
+    def pause_ns(self, now_ns: int, settings: LineSettings) -> int:
+        """How long to wait with a reaction: more than TzA, else nobody takes its start for one, and less than TrS."""
+        tza_ns, trs = self.tza_ns(now_ns, settings), self._timing(now_ns).trs
+        pause_ns = tza_ns + settings.character_ns
+        return pause_ns if trs is None else max(tza_ns, min(pause_ns, trs * _MS))
+
+    def _timing(self, now_ns: int) -> Timing:
+        return self.station.initialization.timing(now_ns)
+
+
+def serve(port: Port, stations: Sequence[Station], bus_time: BusTime | None = None) -> NoReturn:
+    """Answer the master at a port until a signal handler raises something, or the port is lost, as it says that.
+
+    The stations begin with the rate of the port; when they are told another one, the port changes to it.
+    """
+    clock = bus_time or BusTime()
+    answering = Answering(stations, port.settings)
+    while True:
+        now_ns = clock.now_ns()
+        wake_ns = answering.wake_ns(now_ns)
+        until_ns = now_ns + _LOOK_NS if wake_ns is None else min(wake_ns, now_ns + _LOOK_NS)
+        values = port.read(clock.until_s(until_ns))
+        now_ns = clock.now_ns()
+        answers = answering.hear(values, now_ns) + answering.wait(now_ns)
+        _tune(port, answering)
+        for answer in answers:
+            clock.wait_until(answer.time_ns)
+            port.write(answer.reaction)
+            port.drain()
+        if answers:
+            answering.wait(clock.now_ns())  # a test begins when its reaction has gone
+            _tune(port, answering)
+
+
+def _tune(port: Port, answering: Answering) -> None:
+    if port.settings != answering.settings:
+        port.change(answering.settings)

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A master at a real port: sends commands, waits for reactions, and for the times of the bus (IF02 chapter 10)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import closing
+
+from sistap.bus.playing.conducting import conduct
+from sistap.bus.playing.line import Exchange
+from sistap.bus.playing.played import Played
+from sistap.bus.playing.script import Rate, is_answered
+from sistap.bus.playing.times import Times
+from sistap.bus.scenarios.scenario import Playing, Scenario
+from sistap.bus.wires.log import Log
+from sistap.bus.wires.transmitting import TransmittingPort
+from sistap.clock import CLOCK
+from sistap.follow import Change, Follow
+from sistap.framer import SisFramer
+from sistap.line import LineSettings, Read
+from sistap.record import Record, Type
+from sistap.telegram import parse
+
+_MS = 1_000_000
+_HELD_BACK_NS = 20 * _MS  # a USB adapter delivers so late, at most: its latency timer, and the way
+_LOOK_S = 0.005
+_LINE = 0
+
+UNASKED = "unasked"  # the mark of what nobody had asked for, or that is damaged
+
+
+class RealLine:
+    """A line behind a port, with stations that are not ours."""
+
+    collided = False
+
+    def __init__(self, port: TransmittingPort, times: Times) -> None:
+        """Begin at time 0."""
+        self.commands = self.reactions = self.unanswered = 0
+        self._port = port
+        self._times = times
+        self._zero = time.monotonic_ns()
+        self._follow = Follow(port.settings.baud)
+
+    @property
+    def settings(self) -> LineSettings:
+        """The settings of now."""
+        return self._port.settings
+
+    @property
+    def now_ns(self) -> int:
+        """The time, in ns since the line was opened."""
+        return time.monotonic_ns() - self._zero
+
+    @property
+    def counts(self) -> str:
+        """What was sent and heard, in words."""
+        return f"{self.commands} commands, {self.reactions} reactions, {self.unanswered} commands not answered"
+
+    def exchange(self, command: bytes, rival: bytes | None = None) -> Exchange:
+        """Send a command; come to its reaction, or None if none begins within TrS. May raise PortLost, PortError."""
+        self._go_to(self._follow.due(self.now_ns))
+        yield from self._unasked()
+        yield self._sent(command)
+        self.commands += 1
+        self._go_to(self._follow.take(command, self.now_ns))  # who accepts alone answers at the new rate
+        reaction = None
+        if is_answered(command):
+            reaction = yield from self._reaction(command)
+            self.unanswered += reaction is None
+        else:
+            self.wait(self._times.trs * _MS)
+        if reaction is not None:
+            self.reactions += 1
+            self._go_to(self._follow.take(reaction, self.now_ns))
+        # A start is recognised only after a silence longer than TzA (chapter 10.3).
+        self.wait(2 * self._times.tza * _MS)
+        return reaction
+
+    def send(self, characters: bytes) -> Iterator[Played]:
+        """Send characters that nobody has to answer; what comes all the same is noted. May raise PortLost."""
+        yield from self._unasked()
+        yield self._sent(characters)
+        self.wait(self._times.trs * _MS)
+
+    def wait(self, ns: int) -> None:
+        """Be silent for so long."""
+        time.sleep(ns / 1e9)
+
+    def change(self, rate: Rate) -> None:
+        """Go on at another rate. May raise PortError."""
+        self.wait(rate.after_ms * _MS)
+        self._port.change(self.settings._replace(baud=rate.baud))
+
+    def _go_to(self, change: Change | None) -> None:
+        if change:
+            self._port.change(self.settings._replace(baud=change.baud))
+
+    def _sent(self, characters: bytes) -> Played:
+        """Send, and come back when the last character must be out."""
+        begun_ns = self.now_ns
+        character_ns = self.settings.character_ns
+        self._port.write(characters)
+        self._port.drain()
+        self.wait(max(0, begun_ns + len(characters) * character_ns - self.now_ns))
+        return Played(begun_ns + character_ns, characters, [], [], self.settings)
+
+    def _reaction(self, command: bytes) -> Exchange:
+        """Listen until the reaction is there; it has to begin within TrS, and not to pause for longer than TzA."""
+        framer = SisFramer(_LINE, self.settings)
+        reaction = None
+        until_ns = self.now_ns + self._times.trs * _MS + _HELD_BACK_NS
+        while reaction is None and self.now_ns < until_ns:
+            data = self._port.read(_LOOK_S)
+            if not data:
+                continue
+            until_ns = max(until_ns, self.now_ns + self._times.tza * _MS + _HELD_BACK_NS)
+            for record in framer.feed(Read(_LINE, self.now_ns, data, bytes(len(data)))):
+                if _answers(record, command):
+                    reaction = record.data
+                yield from self._heard(record, command)
+        for record in framer.flush():
+            yield from self._heard(record, command)
+        return reaction
+
+    def _heard(self, record: Record, command: bytes) -> Iterator[Played]:
+        """Note what came, but not what the adapter heard of ourselves."""
+        if record.data != command:
+            marks = [] if _answers(record, command) else [UNASKED]
+            yield Played(record.time_ns, record.data, [], marks, self.settings)
+
+    def _unasked(self) -> Iterator[Played]:
+        """Take what has come meanwhile, such as a reaction that was too late."""
+        if data := self._port.read(0):
+            yield Played(self.now_ns, data, [], [UNASKED], self.settings)
+
+
+def _answers(record: Record, command: bytes) -> bool:
+    """Tell whether this is the reaction; it keeps the command's addresses, but a device may swap them."""
+    if record.type != Type.FRAME or record.checksum_bad:
+        return False
+    asked, said = parse(command), parse(record.data)
+    return (
+        said.reaction
+        and said.service == asked.service
+        and {said.sender, said.receiver} == {asked.sender, asked.receiver}
+        and (said.subaddresses, said.number) == (asked.subaddresses, asked.number)
+    )
+
+
+def talk(name: str, settings: LineSettings, scenario: Scenario, how: Playing, log: Log | None) -> None:
+    """Play the masters of a scenario at a port, and print what came of it. May raise PortError, PortLost, OSError."""
+    with closing(TransmittingPort(name, settings)) as port:
+        line = RealLine(port, scenario.times_for(settings))
+        if log:
+            log.begin(f"{settings.baud} {settings.format}, {name}, time 0 is {CLOCK.now_ns()} ns since 1970")
+        try:
+            for one in conduct(line, scenario.scripts(line, how), how.end_ns):
+                if log:
+                    log.add(one, [])
+        finally:
+            print(line.counts, flush=True)

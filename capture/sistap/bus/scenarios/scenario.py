@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenarios: who is on the bus, what the masters say and what goes wrong, from a TOML file (README.md beside them)."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from sistap.bus.playing.conducting import conduct
+from sistap.bus.playing.line import Line
+from sistap.bus.playing.played import Played
+from sistap.bus.playing.player import Player
+from sistap.bus.playing.script import Script, repeating
+from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
+from sistap.bus.playing.times import Times
+from sistap.bus.scenarios.faults import Disturbances, Fault
+from sistap.bus.scenarios.steps import Master, Step, read_steps, script
+from sistap.bus.stations.making import make
+from sistap.bus.stations.station import Station
+from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, tables, text, whole
+from sistap.line import LineSettings
+
+DEFAULT = "demo"
+_SUFFIX = ".toml"
+_LONGEST = 10_000_000  # bytes of a file
+_MS = 1_000_000
+_FOLDER = resources.files("sistap.bus.scenarios")
+
+
+@dataclass(frozen=True)
+class Playing:
+    """How a scenario is played."""
+
+    seed: int = 1
+    cycles: int = 0  # passes of a loop, 0: without end
+    tap_faults: Faults = NO_FAULTS
+    rates: Sequence[int] = ()  # to go to after each loop of the demo
+    end_ns: float = math.inf  # of the bus's time
+
+
+@dataclass(frozen=True)
+class _MasterTable:
+    address: int
+    repeats: int
+    steps: Sequence[Step]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What a file says. It can be played again and again."""
+
+    title: str
+    settings: LineSettings
+    times: Mapping[str, int]  # TrS, TzA and TwM in ms, those that the file says
+    ascii_first: bytes
+    masters: Sequence[_MasterTable]
+    station_tables: Sequence[Mapping[str, object]]
+    faults: Sequence[Fault]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether it needs nobody else: masters and stations are its own."""
+        return bool(self.masters and self.station_tables)
+
+    def stations(self, seed: int) -> list[Station]:
+        """Make the stations, as they are when they have been switched on."""
+        return make(self.station_tables, seed)
+
+    def times_for(self, settings: LineSettings) -> Times:
+        """Give the times that are kept on the line: those of the file, or what the line can keep."""
+        usual = Times.for_line(settings)
+        return usual._replace(**{name: self.times[name] for name in ("trs", "tza") if name in self.times})
+
+    def scripts(self, line: Line, how: Playing) -> dict[int, Script]:
+        """Give what the masters say on this line, by address."""
+        twm_ns = self.times.get("twm", self.times_for(line.settings).trs) * _MS
+        return {
+            master.address: repeating(
+                script(master.steps, Master(master.address, line, how.seed, how.cycles, how.rates)),
+                master.repeats,
+                twm_ns,
+            )
+            for master in self.masters
+        }
+
+    def play(self, settings: LineSettings, how: Playing) -> Iterator[Played]:
+        """Play it on a simulated line: all that is sent, in order."""
+        disturb = Disturbances(self.faults, how.seed)
+        line = Player(settings, how.tap_faults, how.seed, self.stations(how.seed), self.times_for(settings), disturb)
+        if self.ascii_first:
+            yield from line.send(self.ascii_first)
+        yield from conduct(line, self.scripts(line, how), how.end_ns)
+
+
+def names() -> list[str]:
+    """Name the built-in scenarios."""
+    return sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
+
+
+def load(name: str) -> Scenario:
+    """Read a built-in scenario or a file. ValueError or OSError; the text names the file, and a key and its cure."""
+    if name.endswith(_SUFFIX) or "/" in name:
+        data = _contents(Path(name))
+    elif name in names():
+        data = (_FOLDER / f"{name}{_SUFFIX}").read_bytes()
+    else:
+        raise ValueError(f"{name} is neither FILE.toml nor a built-in scenario: {', '.join(names())}")
+    try:
+        content = tomllib.loads(data.decode("utf-8-sig"))  # Windows editors like to begin with a mark
+        scenario = _read(Table(content, "the scenario"))
+        _check(scenario, set(_tokens(content.get("master"))))
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{name}: byte {error.start} is no UTF-8: save the file as UTF-8") from None
+    except RecursionError:
+        raise ValueError(f"{name}: tables in tables in tables; use fewer levels") from None
+    except ValueError as error:  # also from tomllib, with line and column
+        one_line = str(error).replace("\n", "\\n")  # keys and values can have several
+        raise ValueError(f"{name}: {one_line}") from None
+    return scenario
+
+
+def _contents(path: Path) -> bytes:
+    """Read a file. ValueError if it has no end, such as /dev/zero, or is far too long for a person to have written."""
+    with path.open("rb") as file:
+        data = file.read(_LONGEST + 1)
+    if len(data) > _LONGEST:
+        raise ValueError(f"{path} is longer than {_LONGEST} bytes, and so no scenario: name another FILE.toml")
+    return data
+
+
+def _read(table: Table) -> Scenario:
+    settings, times = _line(table.take("line", lambda value: Table(value, "[line]"), Table({}, "[line]")))
+    scenario = Scenario(
+        table.need("title", text),
+        settings,
+        times,
+        table.take("ascii_first", characters, b""),
+        [_master(master) for master in table.take("master", tables("[[master]]"), NO_TABLES)],
+        table.take("station", _list, []),
+        [Fault.of_table(fault) for fault in table.take("fault", tables("[[fault]]"), NO_TABLES)],
+    )
+    table.end()
+    return scenario
+
+
+def _list(value: object) -> list[Mapping[str, object]]:
+    if not isinstance(value, list):
+        raise ValueError("write [[station]]")
+    return value
+
+
+def _line(table: Table) -> tuple[LineSettings, dict[str, int]]:
+    baud = table.take("baud", RATE, 9600)
+    settings = table.take("format", lambda value: character_format(baud, text(value)), LineSettings(baud))
+    times = {name: ms for name in ("trs", "tza", "twm") if (ms := table.take(f"{name}_ms", whole(1, 60_000), 0))}
+    table.end()
+    return settings, times
+
+
+def character_format(baud: int, format: str) -> LineSettings:
+    """Read rate and format. ValueError if it is none, or has not 8 data bits."""
+    settings = LineSettings.parse(baud, format)
+    if settings.data_bits != 8:
+        raise ValueError("SIS needs 8 data bits (for example 8E1)")
+    return settings
+
+
+def _master(table: Table) -> _MasterTable:
+    address = table.need("address", STATION)
+    repeats = table.take("repeats", whole(0, 100), 2)
+    steps = read_steps(table.need("script", tables(f"{table.where}, step")))
+    table.end()
+    return _MasterTable(address, repeats, steps)
+
+
+def _tokens(content: object) -> Iterator[object]:
+    """Give to whom tokens are handed, wherever in scripts."""
+    if isinstance(content, Mapping):
+        if "token" in content:
+            yield content["token"]
+        content = list(content.values())
+    if isinstance(content, list):
+        for item in content:
+            yield from _tokens(item)
+
+
+def _check(scenario: Scenario, tokens: Set[object]) -> None:
+    """Refuse what does not go together. ValueError says what."""
+    scenario.stations(0)
+    addresses = [master.address for master in scenario.masters]
+    if len(set(addresses)) < len(addresses):
+        raise ValueError("two [[master]] have one address: give each another")
+    if strangers := tokens - set(addresses):
+        raise ValueError(f"token = {min(strangers, key=str)}: there is no such master; add a [[master]]")
+    if not addresses and not scenario.station_tables:
+        raise ValueError("nobody is on the bus: add [[station]] or [[master]]")
+    if not scenario.is_complete and (scenario.faults or scenario.ascii_first):
+        raise ValueError("a real line is not disturbed: [[fault]] and ascii_first need [[master]] and [[station]]")
+    if len(addresses) < 2 and any(fault.kind == "collision" for fault in scenario.faults):
+        raise ValueError('[[fault]] kind = "collision" needs a second [[master]]')

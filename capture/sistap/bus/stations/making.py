@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Stations made from tables, such as the [[station]] tables of a scenario. Their keys are in sets/README.md."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from sistap.bus.devices.equipment import Equipment
+from sistap.bus.devices.phases import Phases
+from sistap.bus.service import Service
+from sistap.bus.stations.cancel import cancel
+from sistap.bus.stations.edition import EDITIONS
+from sistap.bus.stations.flash import Flash
+from sistap.bus.stations.identification import LONGEST, identification
+from sistap.bus.stations.initialization import Initialization
+from sistap.bus.stations.memory import Memory
+from sistap.bus.stations.routing import Router
+from sistap.bus.stations.sercos import Parameters
+from sistap.bus.stations.service_list import SERVICE as LIST
+from sistap.bus.stations.service_list import service_list
+from sistap.bus.stations.slave import Slave
+from sistap.bus.stations.station import Station
+from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole
+from sistap.rates import BAUD_MASKS, RATES
+
+_GENERAL = 0x10  # the group of services that every station has
+_LOADER_SERVICES = range(0x04)  # what is there while no firmware runs
+_NOTHING: Mapping[int, int] = {}
+
+
+class _Kind(NamedTuple):
+    """What a station can be."""
+
+    type_key: str
+    firmware: str
+    group: int  # the services of its product group, besides the general ones
+    control: bool = False
+    synax: bool = False
+    words: bool = False  # list segments of the group count them
+
+
+_KINDS = {
+    "drive": _Kind("DKC02.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", 0x80, words=True),
+    "clc": _Kind("CLC-D02.3M-FW", "FWA-CLC*DP-SY*-06VRS-MS", _GENERAL, control=True),
+    "synax": _Kind("PPC-R01.2N-N-SS", "FWA-PPC*RS-SY*-08VRS-MS", 0x90, control=True, synax=True),
+}
+
+
+def make(tables: Sequence[Mapping[str, object]], seed: int) -> list[Station]:
+    """Make the stations of one level. ValueError is one line that names the key and the cure."""
+    return _level([Table(content, f"station {place}") for place, content in enumerate(tables, 1)], seed)
+
+
+def _level(tables: Sequence[Table], seed: int) -> list[Station]:
+    stations: list[Station] = []
+    for table in tables:
+        station = _station(table, seed)
+        if station.address in (other.address for other in stations):
+            raise ValueError(f"{table.where}: address = {station.address} is taken: use another")
+        stations.append(station)
+    return stations
+
+
+def _station(table: Table, seed: int) -> Station:
+    address = table.need("address", STATION)
+    kind = table.take("kind", choice(_KINDS), _KINDS["drive"])
+    edition = table.take("edition", choice(EDITIONS), EDITIONS["IF02"])
+    rates = table.take("rates", several(_rate), list(RATES))
+    initialization = Initialization(rates)
+    equipment = _equipment(table, kind, address, seed, initialization)
+
+    def restart() -> None:
+        equipment.restart()
+        initialization.power_on(initialization.accepted.baud)
+
+    memory, worn = Memory(f"{seed} memory {address}"), table.take("worn", flag, False)
+    flash = Flash(memory, equipment.phases.at, edition.no_shutdown, restart, worn)
+    parameters = Parameters(equipment.by_address, edition.longest)
+    services = {
+        0x00: _identification(table, kind, rates),
+        0x01: cancel(parameters),
+        0x02: flash.service,
+        0x03: initialization.service,
+        **_sercos_services(kind, parameters, equipment.phases),
+    }
+    slave = Slave(
+        address,
+        edition,
+        services,
+        initialization,
+        groups=table.take("groups", several(whole(edition.groups[0], edition.groups[-1])), []),
+        refuse=table.take("refuse", _refuse, _NOTHING),
+        available=lambda service: service in _LOADER_SERVICES or not flash.in_loader,
+        error=lambda: flash.error or any(drive.error is not None for drive in equipment.drives),
+    )
+    if edition.lists:
+        services[LIST] = service_list(slave.execute)
+    behind = _level(table.take("behind", tables(f"{table.where}, behind"), NO_TABLES), seed)
+    table.end()
+    return Router(slave, behind) if behind else slave
+
+
+def _equipment(table: Table, kind: _Kind, address: int, seed: int, initialization: Initialization) -> Equipment:
+    if kind.control:
+        return Equipment.of_control(table, address, seed, kind.synax)
+    return Equipment.of_drive(table, address, seed, lambda: initialization.accepted.tmas)
+
+
+def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
+    text = ascii_text(LONGEST)
+    return identification(
+        table.take("type_key", text, kind.type_key), table.take("firmware", text, kind.firmware), rates
+    )
+
+
+def _sercos_services(kind: _Kind, parameters: Parameters, phases: Phases) -> dict[int, Service]:
+    """Give those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
+    services = parameters.services(_GENERAL) | parameters.services(kind.group, kind.words)
+    for group in (_GENERAL, kind.group) if kind.synax else (_GENERAL,):
+        services |= {group | 0x2: phases.read_service, group | 0xD: phases.switch_service}
+    return services
+
+
+def _rate(value: object) -> int:
+    if not isinstance(value, int) or value not in BAUD_MASKS:
+        raise ValueError(f"use one of {', '.join(map(str, RATES))}")
+    return value
+
+
+def _refuse(value: object) -> Mapping[int, int]:
+    """Read services and the status with which they are refused; TOML has the services as text."""
+    cure = "use a table of services and status bytes, { 0x80 = 0xF0 }"
+    if not isinstance(value, Mapping):
+        raise ValueError(cure)
+    refuse = {}
+    for service, status in value.items():
+        try:
+            refuse[BYTE(int(service, 0))] = whole(1, 0xFF)(status)
+        except ValueError:
+            raise ValueError(cure) from None
+    return refuse

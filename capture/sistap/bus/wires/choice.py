@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Where a bus is played: a pseudo terminal, a socket, or, if it is allowed, a real port. Options, and the opening."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from sistap import ports
+from sistap.bus.ending import PORT, USAGE, Refusal
+from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.serve import Wire
+from sistap.line import LineSettings
+
+if TYPE_CHECKING:  # Windows has no pseudo terminals, and a pty needs no pyserial
+    from sistap.bus.wires.pty_port import PseudoTerminalPort
+    from sistap.bus.wires.transmitting import TransmittingPort
+
+ALL = 0xFFFF  # characters of a read, at most
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> argparse._MutuallyExclusiveGroup:
+    """Declare where to play; gives the group for more such options."""
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--pty", action="store_true", help="at a pseudo terminal; its name is printed (default)")
+    where.add_argument("--listen", metavar="HOST:PORT|PATH", help="at a socket, for `sistap capture -i bus://...`")
+    where.add_argument("--port", metavar="PORT", help="at a real port, with --transmit")
+    parser.add_argument(
+        "--transmit", action="store_true", help="allow sending on PORT; without it nothing is ever sent there"
+    )
+    parser.add_argument("--fast", action="store_true", help="do not wait for real time (with --listen)")
+    return where
+
+
+def check(args: argparse.Namespace) -> None:
+    """Check these options. ValueError says what is wrong and what to do."""
+    if args.fast and not args.listen:
+        raise ValueError("--fast needs --listen: a pseudo terminal and a port know only real time")
+    if args.port and not args.transmit:
+        raise ValueError(
+            f"this would send on {args.port}, and could disturb a bus or move a machine: "
+            "add --transmit if that is what you want"
+        )
+    if args.transmit and not args.port:
+        raise ValueError("--transmit needs the port to send on: say it with --port")
+    if args.port and ports.is_own_terminal(args.port):
+        raise ValueError(f"{args.port} is the terminal that sistap itself reads or writes: choose another with --port")
+
+
+def opened(args: argparse.Namespace, settings: LineSettings, pace: Pace, seed: int = 0, most: int = ALL) -> Wire:
+    """Open what the options say; reads at a socket have `most` characters. May raise Refusal or PortError."""
+    # Imported here: Windows has no pseudo terminals, and a pty needs neither sockets nor pyserial.
+    try:
+        if args.listen:
+            from sistap.bus.wires.taps import Taps
+
+            return Taps(pace, args.listen, seed, most)
+        if args.port:
+            from sistap.bus.wires.port_wire import PortWire
+
+            return PortWire(pace, args.port, settings)
+        return _pseudo_terminal(pace, settings, seed)
+    except ValueError as error:
+        raise Refusal(USAGE, f"--listen {error}") from error
+    except OSError as error:
+        cure = "choose another port (0: any free one) or PATH" if args.listen else "close some terminals"
+        where = args.listen or "a pseudo terminal"
+        raise Refusal(PORT, f"cannot listen at {where}: {error.strerror or error}; {cure}") from error
+
+
+def port(args: argparse.Namespace, settings: LineSettings, seed: int) -> TransmittingPort | PseudoTerminalPort:
+    """Open what a real master talks to. May raise Refusal or PortError."""
+    if args.port:
+        from sistap.bus.wires.transmitting import TransmittingPort
+
+        return TransmittingPort(args.port, settings)
+    try:
+        from sistap.bus.wires.pty_port import PseudoTerminalPort
+
+        return PseudoTerminalPort(settings, seed)
+    except ImportError as error:
+        raise Refusal(PORT, "this system has no pseudo terminals: use --port PORT --transmit") from error
+    except OSError as error:
+        raise Refusal(PORT, f"cannot open a pseudo terminal: {error.strerror}; close some terminals") from error
+
+
+def _pseudo_terminal(pace: Pace, settings: LineSettings, seed: int) -> Wire:
+    try:
+        from sistap.bus.wires.pseudo_terminal import PseudoTerminal
+    except ImportError:
+        raise OSError(0, "this system has none") from None
+    return PseudoTerminal(pace, settings.baud, seed)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The bus's time."""
+
+from __future__ import annotations
+
+import time
+
+from sistap.clock import CLOCK
+
+_SPIN_NS = 150_000  # a sleep ends up to about this much late
+
+
+class Pace:
+    """The bus's time: when its time 0 was, and how to wait for what comes later."""
+
+    def __init__(self, simulated: bool = False) -> None:
+        """Simulated time goes as fast as it is asked for."""
+        self.simulated = simulated
+        self.start()
+
+    def start(self, delay_s: float = 0) -> None:
+        """Let time 0 be so much later than now."""
+        self._zero = time.monotonic_ns() + int(delay_s * 1e9)
+        self._wall_zero = CLOCK.wall_ns(self._zero)
+
+    def wait_until(self, time_ns: int) -> None:
+        """Sleep until close to the instant, then watch the clock: some tens of microseconds are a character."""
+        if self.simulated:
+            return
+        instant = self._zero + time_ns
+        remaining = instant - time.monotonic_ns()
+        if remaining > _SPIN_NS:
+            time.sleep((remaining - _SPIN_NS) / 1e9)
+        while time.monotonic_ns() < instant:
+            pass
+
+    def wall_ns(self, time_ns: int = 0) -> int:
+        """Give the instant in ns since 1970."""
+        return self._wall_zero + time_ns

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The bus at a pseudo terminal: real time and a real tty, but no parity and no breaks (a pty cannot carry them).
+
+As on a wire, a character that nobody listens to is gone, and so is one that does not fit into the buffer of a
+listener who does not read.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import select
+import termios
+import time
+import tty
+
+from sistap.bus.playing.hearing import hear
+from sistap.bus.playing.played import Played
+from sistap.bus.wires.pace import Pace
+from sistap.line import LineSettings
+from sistap.rates import RATES
+
+SETTLE_S = 0.5  # a listener opens, configures and flushes the port
+_LOOK_S = 0.02
+_RATES = {getattr(termios, f"B{baud}"): baud for baud in RATES}
+
+
+class PseudoTerminal:
+    """A pty whose master side plays the bus."""
+
+    deserted = False  # a bus goes on whether somebody listens or not
+
+    def __init__(self, pace: Pace, baud: int, seed: int = 0) -> None:
+        """Make it, raw from the start: nothing is echoed or translated, whenever a listener configures it."""
+        self._pace = pace
+        self._master, slave = os.openpty()
+        self.name = os.ttyname(slave)
+        tty.setraw(slave)
+        set_speed(slave, baud)
+        os.close(slave)  # from now on POLLHUP tells that nobody has it open
+        os.set_blocking(self._master, False)
+        self._poll = select.poll()
+        self._poll.register(self._master, 0)
+        self._heard = False
+        self._noise = random.Random(f"{seed} tap")
+
+    def wait_for_listener(self) -> None:
+        """Wait until somebody has opened it, and a little longer."""
+        while not self._listening():
+            time.sleep(_LOOK_S)
+        self._heard = True
+        self._pace.start(SETTLE_S)
+
+    def deliver(self, played: Played) -> list[str]:
+        """Write each character at its time; marks "overrun=2" and "unheard=3" count what nobody got."""
+        overrun = unheard = 0
+        for character in played.characters:
+            self._pace.wait_until(character.time_ns)
+            if not self._listening():
+                unheard += 1
+                if self._heard:
+                    self._forget_unread()
+                self._heard = False
+                continue
+            self._heard = True
+            overrun += not self._write(self._hear(character.value, played.settings))
+        return [f"{name}={count}" for name, count in (("overrun", overrun), ("unheard", unheard)) if count]
+
+    def close(self) -> None:
+        """Close it after a silence: closing throws away what a listener has not read yet."""
+        if self._listening():
+            time.sleep(SETTLE_S)
+        os.close(self._master)
+
+    def _hear(self, value: int, line: LineSettings) -> int:
+        """What a listener with another rate makes of a character; its parity nobody can see."""
+        rate = speed(self._master)
+        if rate is None or rate == line.baud:
+            return value
+        return hear(value, line, line._replace(baud=rate), self._noise)[0]
+
+    def _write(self, value: int) -> bool:
+        try:
+            return os.write(self._master, bytes([value])) == 1
+        except BlockingIOError:
+            return False
+
+    def _listening(self) -> bool:
+        return not any(event & select.POLLHUP for _, event in self._poll.poll(0))
+
+    def _forget_unread(self) -> None:
+        """Throw away what the listener left in the buffer: the next one shall hear the bus as it is then."""
+        try:
+            slave = os.open(self.name, os.O_RDWR | os.O_NOCTTY)
+        except OSError:  # the next one is here already and wants it for itself
+            return
+        termios.tcflush(slave, termios.TCIFLUSH)
+        os.close(slave)
+
+
+def set_speed(slave: int, baud: int) -> None:
+    """Set the rate where the terminal knows it: to the pty it is nothing but a note."""
+    speed = getattr(termios, f"B{baud}", None)
+    if speed is not None:
+        attributes = termios.tcgetattr(slave)
+        attributes[4] = attributes[5] = speed
+        termios.tcsetattr(slave, termios.TCSANOW, attributes)
+
+
+def speed(terminal: int) -> int | None:
+    """Give the rate that whoever has it open has set; None if it is none of RATES."""
+    return _RATES.get(termios.tcgetattr(terminal)[4])

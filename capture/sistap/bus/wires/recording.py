@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The bus straight into a capture file, as a tap would have written it: its framer, records and writer, no waiting."""
+
+from __future__ import annotations
+
+import random
+
+import sistap
+from sistap.bus.playing.hearing import received
+from sistap.bus.playing.played import Played, reads, uncertainty
+from sistap.counters import Counters
+from sistap.framer import SisFramer
+from sistap.line import LineSettings, Read
+from sistap.output import Output
+from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.record import Event, Record, event
+from sistap.steering import Steering, Step
+from sistap.writer import PcapngWriter
+
+START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
+_LINE = 0  # one shared bus
+
+
+class Recording:
+    """A tap that follows changes of the rate, as `sistap capture --follow-baud` does, in simulated time."""
+
+    name = ""
+    deserted = False
+
+    def __init__(  # noqa: PLR0913 - what is recorded, how, and where to
+        self, output: Output, settings: LineSettings, text: str, seed: int, most: int
+    ) -> None:
+        """Begin the file; `text` says what is played, reads have `most` characters. May raise OutputError."""
+        self.counters = Counters()
+        self._output = output
+        self._most = most
+        self._noise = random.Random(f"{seed} tap")
+        self._framer = SisFramer(_LINE, settings)
+        self._steering = Steering(settings, follow=True)
+        self._now_ns = START_NS
+        self._changed = ""  # why the settings are others than those of the character before
+        timing = "times and their uncertainty are those the virtual bus says"
+        interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {timing}", settings.baud, "virtual bus")
+        self._writer = PcapngWriter(output, {_LINE: interface}, self.counters)
+        said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {timing}"
+        self._writer.begin(event(START_NS, _LINE, settings, Event.CAPTURE_STARTED, said))
+
+    def wait_for_listener(self) -> None:
+        """Go on: it listens already."""
+
+    def deliver(self, played: Played) -> list[str]:
+        """Record all characters. May raise OutputError."""
+        for read in reads(played.characters, self._most, played.settings.character_ns):
+            time_ns = START_NS + read[-1].time_ns
+            for step in self._steering.look(time_ns - uncertainty(read)):
+                self._change(step)
+            settings = self._framer.settings
+            heard = [received(character, played.settings, settings, self._noise) for character in read]
+            values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
+            self._take(Read(_LINE, time_ns, values, flags, uncertainty(read), settings))
+        return []
+
+    def close(self) -> None:
+        """End the file. May raise OutputError."""
+        self._write(self._framer.flush())
+        self._writer.end(self._now_ns)
+        self._output.close()
+
+    def _take(self, read: Read) -> None:
+        self._now_ns = read.time_ns
+        self.counters.add_read(read)
+        if self._changed:
+            self._writer.write(event(read.time_ns, _LINE, self._framer.settings, Event.SETTINGS_CHANGED, self._changed))
+            self._changed = ""
+        records = self._framer.feed(read)
+        self._write(records)
+        for step in self._steering.take(read, records):
+            self._change(step)
+
+    def _change(self, step: Step) -> None:
+        """Listen with other settings from the next character on."""
+        self._write(self._framer.flush())
+        self._framer.settings = step.settings
+        self._changed = f"{step.settings}: {step.why}"
+
+    def _write(self, records: list[Record]) -> None:
+        for record in records:
+            self.counters.accepted[_LINE] += self._writer.write(record)
+            self.counters.add_record(record)

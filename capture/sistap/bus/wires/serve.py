@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Brings what is played to listeners, at its time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol
+
+from sistap.bus.ending import FAILED, Refusal
+from sistap.bus.playing.played import Played
+from sistap.bus.wires.log import Log
+from sistap.bus.wires.pace import Pace
+from sistap.output import OutputError
+
+
+class Wire(Protocol):
+    """A way to listeners."""
+
+    name: str  # what a listener opens
+
+    def wait_for_listener(self) -> None:
+        """Come back when somebody listens; the bus then starts."""
+
+    def deliver(self, played: Played) -> list[str]:
+        """Deliver all characters at their times; gives marks for what did not get through."""
+
+    @property
+    def deserted(self) -> bool:
+        """Whether nobody listens and it makes no sense to go on."""
+
+    def close(self) -> None:
+        """Let all listeners have what was delivered, then leave them."""
+
+
+def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = None, about: str = "") -> None:
+    """Play everything when somebody listens; `about` begins the log. May raise Refusal, PortError or PortLost."""
+    try:
+        try:
+            if wire.name:
+                print(wire.name, flush=True)
+            wire.wait_for_listener()
+            if log:
+                log.begin(f"{about}, time 0 is {pace.wall_ns()} ns since 1970")
+            serve(wire, telegrams, log)
+        finally:
+            wire.close()
+    except OutputError as error:
+        raise Refusal(FAILED, str(error)) from error
+    except OSError as error:
+        saved = "; the log has what was played before" if log else ""
+        raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error
+
+
+def serve(wire: Wire, telegrams: Iterable[Played], log: Log | None) -> None:
+    """Deliver everything to a wire whose bus has started. May raise OSError."""
+    for played in telegrams:
+        marks = wire.deliver(played)
+        if log:
+            log.add(played, marks)
+        if wire.deserted:
+            break
