@@ -25,7 +25,7 @@ Say in a line each what a capture needs and whether it is there; with -i, of thi
 EPILOG = """\
 good  as it should be
 poor  a capture works, but could be better: the line says how
-bad   a capture would not work, or could not be read in Wireshark: the line says what to do
+bad   a capture would not work here or in Wireshark, or could not be read: the line says what to do
 
 With -i the port is opened for a moment as a capture opens it: nothing is written to it, RTS and DTR are lowered, and
 what was tuned is put back.
@@ -209,6 +209,17 @@ def _version(text: str) -> Point:
     return Point("good", "tshark", f"{found.text}, Wireshark beside it")
 
 
+def _dumpcap() -> Iterator[Point]:
+    """See whether Wireshark may start dumpcap: it captures through it from serial ports, too."""
+    path = shutil.which("dumpcap", mode=os.F_OK)  # one that may not be run is found as well
+    if path and not os.access(path, os.X_OK):
+        group = Path(path).group()
+        cure = f"`sudo usermod -aG {group} $USER`, then log in again"
+        yield Point("bad", "dumpcap", f"Wireshark cannot capture: {path} is for group {group}: {cure}")
+    elif path:
+        yield Point("good", "dumpcap", "Wireshark may capture")
+
+
 def _plugin(listed: str, complaints: str) -> Point:
     """Judge by what `tshark -G plugins` prints."""
     found = [f"{plugin.name} {plugin.version}".strip() for plugin in loaded(listed)]
@@ -220,4 +231,4 @@ def _plugin(listed: str, complaints: str) -> Point:
     return Point("bad", "plugin", text + as_root)
 
 
-_LOOKS = (_pyserial, _grabbers, _clock, _libpcap, _wireshark)
+_LOOKS = (_pyserial, _grabbers, _clock, _libpcap, _wireshark, _dumpcap)

@@ -58,7 +58,9 @@ def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setattr(doctor, "PROC", tmp_path)
     monkeypatch.setattr(doctor, "Tshark", FakeTshark)
     monkeypatch.setattr(doctor, "Filter", lambda text: None)
-    monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}")
+    dumpcap = tmp_path / "dumpcap"
+    dumpcap.touch(0o755)
+    monkeypatch.setattr(shutil, "which", lambda name, **how: str(dumpcap) if how else f"/usr/bin/{name}")
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", ports.Adapter("FT232R", "ftdi_sio", latency_ms=16))])
     monkeypatch.setattr(priority, "is_real_time", lambda: True)
@@ -95,6 +97,7 @@ def test_all_is_well(capsys: pytest.CaptureFixture[str]) -> None:
         "libpcap": ("good", "capture filters work (-f)"),
         "tshark": ("good", "4.2.5, Wireshark beside it"),
         "plugin": ("good", "sis.so 0.1.0"),
+        "dumpcap": ("good", "Wireshark may capture"),
     }
 
 
@@ -104,7 +107,7 @@ def test_what_could_be_better_is_no_failure(
     (healthy / "1/comm").write_text("ModemManager\n")
     monkeypatch.setattr(ports, "found", list)
     monkeypatch.setattr(priority, "is_real_time", lambda: False)
-    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(shutil, "which", lambda name, **how: None)
     code, points = examined(capsys)
     assert code == 0
     for subject, cure in {
@@ -172,6 +175,21 @@ def test_the_lua_fallback_will_do(capsys: pytest.CaptureFixture[str], monkeypatc
     monkeypatch.setattr(FakeTshark, "plugins", LUA)
     code, points = examined(capsys)
     assert (code, points["plugin"]) == (0, ("good", "sis.lua 0.1.0"))
+
+
+def test_dumpcap_for_a_group_only(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, healthy: Path
+) -> None:
+    dumpcap = healthy / "dumpcap"
+    monkeypatch.setattr(Path, "group", lambda path: "wireshark")
+    dumpcap.chmod(0o644)
+    code, points = examined(capsys)
+    assert code == 1
+    assert points["dumpcap"] == (
+        "bad",
+        f"Wireshark cannot capture: {dumpcap} is for group wireshark: "
+        "`sudo usermod -aG wireshark $USER`, then log in again",
+    )
 
 
 def test_why_a_plugin_does_not_load(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
