@@ -7,6 +7,7 @@ import contextlib
 import os
 import select
 import sys
+import weakref
 from typing import Protocol
 
 from sistap.output import PIECE, never_waiting
@@ -40,6 +41,7 @@ class Console:
         self._progress = False
         # Not through sys.stderr: what is left in its buffer would be tried again when Python ends.
         self._descriptor = never_waiting(stream)
+        weakref.finalize(self, os.close, self._descriptor)
         self._poll: select.poll | None = None
         if hasattr(select, "poll"):  # Windows has none
             self._poll = select.poll()

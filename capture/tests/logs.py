@@ -160,6 +160,120 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "05 Feb 2022 15:46:56.828 27488 [25748] trace Port - read 10 bytes <02560202109200000002> ok\n",
         SENT_AND_RECEIVED,
     ),
+    "a serial port monitor, functions above the bytes": (
+        "[14/03/2013 08:21:14]\n"
+        "12  IRP_MJ_WRITE - Request transfers data from a client to a COM port (COM5)\n"
+        "   STATUS_SUCCESS\n"
+        "      02 D7 03 03 00 03 10 03 04 07 00                          ...........\n"
+        "[14/03/2013 08:21:14]\n"
+        "13  IRP_MJ_WRITE - Request transfers data from a client to a COM port (COM5)\n"
+        "   STATUS_SUCCESS\n"
+        "      02 6C 00 00 00 92 00 00                                   .l......\n"
+        "[14/03/2013 08:21:14]\n"
+        "14  IRP_MJ_READ - Transfers data from a COM port to a client (COM5)\n"
+        "   STATUS_SUCCESS\n"
+        "      02 56 02 02 10 92 00 00 00 02                             .V........\n",
+        [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 0), Expected(PHASE, RECEIVED, 0)],
+    ),
+    "a serial port monitor, words above the bytes": (
+        "[14/03/2013 08:21:14]  Written data (COM5)\n"
+        "    02 D7 03 03 00 03 10 03 04 07 00      ...........\n"
+        "[14/03/2013 08:21:14]  Written data (COM5)\n"
+        "    02 6C 00 00 00 92 00 00               .l......\n"
+        "[14/03/2013 08:21:14]  Read data (COM5)\n"
+        "    02 56 02 02 10 92 00 00 00 02         .V........\n",
+        [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 0), Expected(PHASE, RECEIVED, 0)],
+    ),
+    "a serial port monitor, table with lengths": (
+        '12,"14/03/2013 08:21:14.541","IRP_MJ_WRITE","DOWN","02 D7 03 03 00 03 10 03 04 07 00","..","11"\n'
+        '13,"14/03/2013 08:21:14.641","IRP_MJ_WRITE","DOWN","02 6C 00 00 00 92 00 00",".l..","8"\n'
+        '14,"14/03/2013 08:21:14.677","IRP_MJ_READ","UP","02 56 02 02 10 92 00 00 00 02",".V..","10"\n',
+        SENT_AND_RECEIVED,
+    ),
+    "socat": (
+        "> 2013/03/14 08:21:14.541000  length=11 from=0 to=10\n 02 d7 03 03 00 03 10 03 04 07 00  ...........\n--\n"
+        "> 2013/03/14 08:21:14.641000  length=8 from=11 to=18\n 02 6c 00 00 00 92 00 00           .l......\n--\n"
+        "< 2013/03/14 08:21:14.677000  length=10 from=0 to=9\n 02 56 02 02 10 92 00 00 00 02     .V........\n--\n",
+        SENT_AND_RECEIVED,
+    ),
+    "pyserial, spy://": (
+        "000000.541 TX   0000  02 D7 03 03 00 03 10 03  04 07 00                 ........ ...\n"
+        "000000.641 TX   0000  02 6C 00 00 00 92 00 00                           .l......\n"
+        "000000.677 RX   0000  02 56 02 02 10 92 00 00                           .V......\n"
+        "000000.677 RX   0008  00 02                                             ..\n",
+        SENT_AND_RECEIVED,
+    ),
+    "python, text as text": (
+        "08:21:14,541 DEBUG send b'\\x02\\xd7\\x03\\x03\\x00\\x03\\x10\\x03\\x04\\x07\\x00'\n"
+        "08:21:14,641 DEBUG send b'\\x02l\\x00\\x00\\x00\\x92\\x00\\x00'\n"
+        "08:21:14,677 DEBUG recv b'\\x02'\n08:21:14,677 DEBUG recv b'V'\n"
+        "08:21:14,677 DEBUG recv b'\\x02\\x02\\x10\\x92\\x00\\x00\\x00\\x02'\n",
+        SENT_AND_RECEIVED,
+    ),
+    "strace": (
+        '08:21:14.541000 write(3, "\\2\\327\\3\\3\\0\\3\\20\\3\\4\\7\\0", 11) = 11\n'
+        '08:21:14.641000 write(3, "\\x02\\x6c\\x00\\x00\\x00\\x92\\x00\\x00", 8) = 8\n'
+        '08:21:14.677000 read(3, "\\2V\\2\\2\\20\\222\\0\\0\\0\\2", 64) = 10\n',
+        SENT_AND_RECEIVED,
+    ),
+    "decimal numbers": (
+        "tx [2, 215, 3, 3, 0, 3, 16, 3, 4, 7, 0]\ntx [2, 108, 0, 0, 0, 146, 0, 0]\nrx [2, 86, 2, 2]\n"
+        "rx [16, 146, 0, 0, 0, 2]\n",
+        MARKED,
+    ),
+    "suffixes and lengths": (
+        "(08:21:14.541) 02h D7h 03h 03h 00h 03h 10h 03h 04h 07h 00h (11)\n"
+        "(08:21:14.641) 02h 6Ch 00h 00h 00h 92h 00h 00h (8)\n"
+        "(08:21:14.677) 02h 56h 02h 02h 10h 92h 00h 00h 00h 02h (10)\n",
+        _shared(0, 100, 136),
+    ),
+    "numbers of lines": (
+        "9\t02 D7 03 03 00 03 10 03 04 07 00\n10\t02 6C 00 00 00 92 00\n11:00 02 56 02 02 10 92\n12:00 00 00 02\n",
+        NO_TIMES,
+    ),
+    "lengths in a column": (
+        "1,TX,11,02 D7 03 03 00 03 10 03 04 07 00\n2,TX,8,02 6C 00 00 00 92 00 00\n3,RX, 6 02 56 02 02 10 92\n"
+        "4,RX[4]: 00 00 00 02\n",
+        MARKED,
+    ),
+    "processes and threads": (
+        "08:21:14.541 1234 5678 D drv [0x00001a2c] TX 02 D7 03 03 00 03 10 03 04 07 00\n"
+        "08:21:14.641 1234 5678 D drv 00007ff6a1b2c3d4 TX 02 6C 00 00 00 92 00 00\n"
+        "08:21:14.677 1234 5678 D drv [0x00001a2c] RX 02 56 02 02 10 92 00 00 00 02\n",
+        SENT_AND_RECEIVED,
+    ),
+    "table, german": (
+        "Zeit;Richtung;Daten\n14.03.2013 08:21:14,54;TX;02 D7 03 03 00 03 10 03 04 07 00\n"
+        "14.03.2013 08:21:14,64 [TX] 02 6C 00 00 00 92 00 00\n"
+        "14.03.2013 08:21:14,676;RX;02;56;02;02;10;92;00;00;00;02;;;\n",
+        SENT_AND_RECEIVED,
+    ),
+    "marks in lines of their own": (
+        "TX:\n02 D7 03 03 00 03 10 03 04 07 00\n02 6C 00 00 00 92 00 00\n"
+        "Received 10 bytes\n02 56 02 02 10 92 00 00 00 02\n",
+        MARKED,
+    ),
+    "xml": (
+        '<t dir="out">02 D7 03 03 00 03 10 03 04 07 00</t>\n<t dir="out">02 6C 00 00 00 92 00 00</t>\n'
+        '<t dir="in">02 56 02 02 10 92 00 00 00 02</t>\n',
+        MARKED,
+    ),
+    "colours, other spaces": (
+        "\x1b[32mTX 02 D7 03 03 00 03 10 03 04 07 00\x1b[0m\n"
+        "\x1b[32mTX\xa002\xa06C\xa000\xa000\xa000\xa092\xa000\xa000\x1b[0m\n"
+        "\x1b[31mRX\t02\t56\t02\t02\t10\t92\t00\t00\t00\t02\x1b[0m\n",
+        MARKED,
+    ),
+    "basic": (
+        "$02$D7$03$03$00$03$10$03$04$07$00\n$02$6C$00$00$00$92$00$00\n%02%56%02%02%10%92%00%00%00%02\n",
+        NO_TIMES,
+    ),
+    "fifteen decimals": (
+        "".join(f"0.541000000000000,0x{byte:02X},,\n" for byte in SET_RATE)
+        + "".join(f"0.641000000000000,0x{byte:02X},,\n" for byte in READ_PHASE)
+        + "".join(f"0.677000000000000,0x{byte:02X},,\n" for byte in PHASE),
+        _shared(0, 100, 136),
+    ),
     "tabs and columns": (
         "1\t0.541000\tout\t02 D7 03 03 00 03 10 03 04 07 00\n"
         "2\t0.641000\tout\t02 6C 00 00 00 92 00 00\n"

@@ -230,6 +230,9 @@ def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
 def test_a_full_disk(tmp_path: Path, log: Path) -> None:
     refused(run(tmp_path, log, "-o", "/dev/full"), 1, "/dev/full is incomplete: No space left", "-o")
     refused(run(tmp_path, log, "-w", "/dev/full"), 1, "/dev/full: No space left")
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([*ANNOTATE, str(log)], stdout=full, stderr=subprocess.PIPE, check=False, timeout=120)
+    refused(done, 1, "standard output is incomplete: No space left", "-o")
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:

@@ -104,6 +104,8 @@ def test_a_wrong_checksum_is_a_frame() -> None:
         "  ^-- 3 -> 16  Reaction  Read parameter S-0-0047, 4 bytes: 39 30 00 00",
         "2013-03-14 08:21:14.541 timeout 05",
         "10.0.0.12 192.168.10.20",
+        "struct sockaddr_in6 of request_2",
+        "'C:\\build\\release'",
         "",
         "\t",
         "\x00\x01\ufffd",

@@ -7,6 +7,7 @@ import os
 import pty
 import termios
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -63,3 +64,10 @@ def test_progress_needs_a_terminal_that_can(
 def test_no_progress_in_a_file() -> None:
     with open(os.devnull, "wb") as file:
         assert not Console(file.fileno()).shows_progress
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="nothing tells which descriptors are open")
+def test_nothing_stays_open(terminal: tuple[int, int]) -> None:
+    before = os.listdir("/proc/self/fd")
+    Console(terminal[1]).say("done")
+    assert os.listdir("/proc/self/fd") == before

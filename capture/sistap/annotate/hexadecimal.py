@@ -1,33 +1,55 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bytes in the text of a log: pairs of hex digits in all the ways in which programs write them, or decimal triples."""
+"""Bytes in the text of a log: hex digits in all the ways in which programs write them, decimal numbers, literals."""
 
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from typing import NamedTuple
 
-_PAIR = r"(?:0[xX]|\$|16#|%|&[hH])?[0-9A-Fa-f]{1,2}[hH]?"
-_BETWEEN = r"(?:\s*[,;|]\s*|\s+|[:-]|[>\])}]\s*[<\[({](?=(?:0[xX])?[0-9A-Fa-f]{2}\b))"
+_PREFIX = r"(?:0[xX]|\$|16#|%|&[hH])"
+_PAIR = rf"{_PREFIX}?[0-9A-Fa-f]{{1,2}}[hH]?"
+_BETWEEN = r"(?:\s*[,;|]\s*|\s+|[:-]|(?=[$%])|[>\])}]\s*[<\[({](?=(?:0[xX])?[0-9A-Fa-f]{2}\b))"
 _GROUP = r"(?:[0-9A-Fa-f]{2}){2,}"
+_NUMBER = r"(?:1\d\d|2[0-4]\d|25[0-5]|[1-9]\d|\d)"
+_BETWEEN_NUMBERS = r"(?:\s*[,;]\s*|\s+)"
+_ABOVE_99 = r"(?=[\d\s,;]*\b[12]\d\d\b)"
+# In languages that print what is text as such: b'\x02l\x00', "\2l\0". Without an escape only where a b says what it is.
+_ESCAPE = r"\\(?:x[0-9A-Fa-f]{2}|[0-3]?[0-7]{1,2}|[abfnrtv\\'\"])"
+# 2, 225, 5, 5: among pairs of digits one number has to be above 99, until a log has such a line.
+_NUMBERS = rf"(?P<numbers>{_ABOVE_99}{_NUMBER}(?:{_BETWEEN_NUMBERS}{_NUMBER}){{7,}})(?!{_BETWEEN_NUMBERS}\d)"
 _FORMS = (
+    *(
+        rf"(?P<{name}>(?:(?<=\bb{quote})|(?<={quote})(?=[^{quote}\\]*\\[x0-7]))"
+        rf"(?:{_ESCAPE}|[^{quote}\\\x00-\x1f\x7f-\U0010ffff])+(?={quote}))"
+        for name, quote in (("single", "'"), ("double", '"'))
+    ),
+    _NUMBERS,
     r"(?P<decimal>\d{3}(?:[\s,;]+\d{3})*)",  # 002 225 005 005
     r"(?P<escaped>(?:\\x[0-9A-Fa-f]{2})+)",  # \x02\xE1
     rf"(?P<groups>(?:0[xX])?{_GROUP}(?:[ \t]+{_GROUP})*(?:[ \t]+[0-9A-Fa-f]{{2}})?)",  # 02E10505 or 02e1 0505 02
     rf"(?P<pairs>{_PAIR}(?:{_BETWEEN}{_PAIR})*)",  # 02 E1, 0x02,0xE1, 02h E1h, <02><E1>, 2 E1
 )
 _RUN = re.compile(rf"(?<![\w.#$\\/+])(?:{'|'.join(_FORMS)})(?!\w|\.\d)")
+_DECIMAL_RUN = re.compile(_RUN.pattern.replace(_ABOVE_99, "").replace("{7,}", "{3,}"))
+_LITERAL = re.compile(rf"{_ESCAPE}|.")
+_LETTERS = dict(zip("abfnrtv", b"\a\b\f\n\r\t\v", strict=True))
 _BYTE = {
+    "single": _LITERAL,
+    "double": _LITERAL,
+    "numbers": re.compile(r"(\d+)"),
     "decimal": re.compile(r"(\d{3})"),
     "escaped": re.compile(r"\\x(..)"),
     "groups": re.compile(r"(?:\b0[xX])?([0-9A-Fa-f]{2})"),
-    "pairs": re.compile(r"(?:0[xX]|\$|16#|%|&[hH])?([0-9A-Fa-f]{1,2})[hH]?"),
+    "pairs": re.compile(rf"{_PREFIX}?([0-9A-Fa-f]{{1,2}})[hH]?"),
 }
-_PLAIN = re.compile(r"[0-9A-Fa-f]{2}(?:\s+[0-9A-Fa-f]{2})*")
+_STYLE = re.compile(rf"({_PREFIX}?)[0-9A-Fa-f]{{1,2}}([hH]?)")
+_PLAIN = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
 
 BITS = re.compile(r"[01]{8}(?:\s+[01]{8})+")
 
 # Fewer bytes than these, among other words, may be words and numbers themselves.
-_ENOUGH = {"decimal": 4, "escaped": 1, "groups": 8, "pairs": 4}
+_ENOUGH = {"single": 1, "double": 1, "numbers": 8, "decimal": 4, "escaped": 1, "groups": 8, "pairs": 4}
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
 _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
@@ -53,21 +75,31 @@ class Run(NamedTuple):
         """Whether this can hardly be anything but bytes, whatever stands beside it."""
         return len(self.data) >= _ENOUGH[self.form]
 
+    @property
+    def style(self) -> tuple[str, ...]:
+        """How they are written: what is in one line, and data, is written in one way."""
+        match = _STYLE.match(self.text) if self.form == "pairs" else None
+        return (self.form, *(match.groups() if match else ()))
+
     def is_possible(self, form: str) -> bool:
         """Tell whether it can be bytes where nothing stands beside it, in a log that has bytes of such a form.
 
         A digit alone, or three decimal ones, may count something.
         """
-        if self.form == "decimal":
+        if self.form in ("decimal", "numbers"):
             return form == self.form
         return self.certain or all(len(digits) > 1 for digits in _BYTE[self.form].findall(self.text))
 
 
-def runs(text: str) -> list[Run]:
-    """Find all that can be bytes; without the column in which a dump shows them as characters, and what follows it."""
+def runs(text: str, style: tuple[str, ...] = ()) -> list[Run]:
+    """Find all that can be bytes; without the column in which a dump shows them as characters, and what follows it.
+
+    `style` is that of the bytes before: where they were decimal numbers, all are.
+    """
+    pattern = _DECIMAL_RUN if style == ("numbers",) else _RUN
     found = []
     length = len(text.rstrip())
-    for match in _RUN.finditer(text):
+    for match in pattern.finditer(text):
         run = _run(match)
         if run is None:
             continue
@@ -98,8 +130,12 @@ def parse(text: str, start: int = 0) -> Run:
 
 def _run(match: re.Match[str]) -> Run | None:
     form = match.lastgroup or ""
-    text = match[0]
-    if form == "decimal":
+    start, text = match.start(), match[0]
+    if form in ("single", "double"):
+        data = bytes(_character(unit) for unit in _LITERAL.findall(text))
+    elif form == "numbers":
+        data = bytes(map(int, _BYTE[form].findall(text)))
+    elif form == "decimal":
         values = [int(value) for value in text.replace(",", " ").replace(";", " ").split()]
         if max(values) > 0xFF:
             return None
@@ -109,8 +145,39 @@ def _run(match: re.Match[str]) -> Run | None:
     elif _PLAIN.fullmatch(text):
         data = bytes.fromhex(text)
     else:
+        if form == "pairs":
+            first, end = _own(text)
+            start, text = start + first, text[first:end]
         data = bytes(int(digits, 16) for digits in _BYTE[form].findall(text))
-    return Run(match.start(), match.end(), form, text, data)
+    return Run(start, start + len(text), form, text, data)
+
+
+def _character(unit: str) -> int:
+    """Give the byte that is written so in a literal."""
+    if len(unit) == 1:
+        return ord(unit)
+    if unit[1] == "x":
+        return int(unit[2:], 16)
+    return int(unit[1:], 8) if unit[1].isdigit() else _LETTERS.get(unit[1], ord(unit[1]))
+
+
+def _own(text: str) -> tuple[int, int]:
+    """Say where pairs begin and end without a number in front of them or behind, which counts lines or bytes.
+
+    It is written with fewer digits than they are, or set apart: in front by something else than spaces, behind it also
+    has to be their number.
+    """
+    items = list(_BYTE["pairs"].finditer(text))
+    if len(items) < _ENOUGH["pairs"] + 1:
+        return 0, len(text)
+    padded = any(len(item[1]) == 2 and item[1][0] == "0" for item in items)
+    gaps = [text[before.end() : after.start()] for before, after in pairwise(items)]
+    if padded and len(items[0][1]) == 1 or gaps[0] != gaps[1] and gaps[0].strip(" ") and len(set(gaps[1:])) == 1:
+        items = items[1:]
+    counts = items[-1][1] == str(len(items) - 1) and gaps[-1] != gaps[-2]
+    if padded and len(items[-1][1]) == 1 or counts:
+        items = items[:-1]
+    return items[0].start(), items[-1].end()
 
 
 def _before_column(text: str, length: int, run: Run) -> int | None:

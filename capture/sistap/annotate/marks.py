@@ -9,8 +9,8 @@ import re
 SHARED, RECEIVED, SENT = 0, 1, 2
 
 _WORDS = {
-    SENT: "tx txd snd send sent sending transmit transmitted out outbound outgoing write wr w o req request "
-    "gesendet senden sende 发",
+    SENT: "tx txd snd send sent sending transmit transmitted out outbound outgoing write written wrote wr w o req "
+    "request gesendet senden sende 发",
     RECEIVED: "rx rxd rcv recv rcvd receive received receiving in inbound incoming read rd r i rsp resp response reply "
     "empfangen empfang empfange 收",
 }
@@ -19,11 +19,18 @@ _ARROWS = {SENT: "→ -> --> => ==> >> >>> >", RECEIVED: "← <- <-- <= <== << <
 _LINE_OF = {mark: line for table in (_WORDS, _ARROWS) for line, marks in table.items() for mark in marks.split()}
 _WORD = "|".join(sorted(" ".join(_WORDS.values()).split(), key=len, reverse=True))
 _ARROW = "|".join(re.escape(arrow) for arrow in sorted(" ".join(_ARROWS.values()).split(), key=len, reverse=True))
-# A word may have the number of a port behind it, as in "RX1"; an arrow is no part of a bracket around the data.
-_MARK = re.compile(rf"(?<![\w<>=-])(?:(?i:({_WORD}))\d?(?!\w)|({_ARROW})(?=[\s\]:◇◆]|$))|(发|收)")
+MASK = (
+    "\u3164"  # stands where something was recognized: in no log, and part of a word, so that no bytes begin behind it
+)
+
+# A word may be joined to others, as in "IRP_MJ_READ", and have the number of a port behind it, as in "RX1"; an arrow is
+# no part of a bracket around the data.
+_MARK = re.compile(
+    rf"(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:({_WORD}))\d?(?![^\W_{MASK}])|(?<![<>=\"'/-])({_ARROW})(?=[\s\]:◇◆]|$))|(发|收)"
+)
 
 # Where two ports were tapped, their names are the marks.
-_PORT = re.compile(r"(?<![\w/])(?:/dev/[\w./-]+|(?i:COM)\d+|tty[A-Z]+\d+)(?![\w/])")
+PORT = re.compile(r"(?<![\w/])(?:/dev/[\w./-]+|(?i:COM)\d+|tty[A-Z]+\d+)(?![\w/])")
 
 
 class Marks:
@@ -39,12 +46,24 @@ class Marks:
         for match in _MARK.finditer(text):
             last = match
         if last:
-            return _LINE_OF[(last[1] or last[2] or last[3]).lower()], last.start(), last.end()
-        port = _PORT.search(text)
+            return _line(last), last.start(), last.end()
+        port = PORT.search(text)
         if port:
             number = self._ports.setdefault(port[0], len(self._ports) + 1)
             return (number if number <= SENT else SHARED), port.start(), port.end()
         return None
+
+
+def _line(match: re.Match[str]) -> int:
+    return _LINE_OF[(match[1] or match[2] or match[3]).lower()]
+
+
+def joined(text: str) -> int | None:
+    """Find the first mark that is joined to others, as in "IRP_MJ_READ", which is so in any sentence."""
+    for match in _MARK.finditer(text):
+        if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
+            return _line(match)
+    return None
 
 
 def direction(mark: str) -> int | None:

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 from sistap.annotate import hexadecimal, marks
 from sistap.annotate.hexadecimal import Run
 from sistap.annotate.lines import Line
-from sistap.annotate.marks import Marks
+from sistap.annotate.marks import MASK, Marks
 from sistap.annotate.stamps import Clock, Stamp, Stamped
 
 # Begins each line that annotate or log adds, behind spaces; such lines are never read.
@@ -25,11 +25,13 @@ EXPLANATION = "^-- "
 
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
 # In front of the bytes of a dump: "0010:", "12)", or without a mark in steps of eight.
-_OFFSET = re.compile(r"\s*(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")
+_OFFSET = re.compile(r"(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")
 _LAST_OFFSET = re.compile(r"\s*[0-9A-Fa-f]{6,8}\s*$")
-_MASK = "_"  # stands where something was recognized; part of a word, so that no bytes begin right behind it
 _BRACKETS = "<[({"  # right in front of bytes these are no marks
-_MASKED = re.compile(r".*_\w*")
+_MASKED = re.compile(rf".*{MASK}\w*")
+# In front of an offset, behind the stamps: nothing, or a word such as "TX".
+_LEAD = re.compile(r"\s*(?:[\[(]?[A-Za-z]+[\])]?:?\s+)?")
+_COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 _LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload)\b")
 _COUNT = re.compile(
     r"(?i)\b(?:len|length|count|size|dlc)\b\s*[:=]?\s*\d+|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b"
@@ -99,16 +101,18 @@ class AnyReader:
         self._marks = Marks()
         self._state = State()
         self._dumped = False  # the line before was one of a dump
-        self._form = ""  # of the last bytes
+        self._style: tuple[str, ...] = ("",)  # of the last bytes
 
     def read(self, line: Line) -> Read:
         """Find the bytes of a line."""
         text = line.text
         if is_explanation(text):
             return Read([])
+        if "\x1b" in text:
+            text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
         stamps = self._clock.find(text)
-        masked = self._mask_offset(_mask_counts(_mask(text, stamps)))
-        found = hexadecimal.runs(masked)
+        masked = self._mask_offset(_mask_counts(_mask(text, stamps)), stamps)
+        found = hexadecimal.runs(masked, self._style)
         data = self._certain(masked, found)
         if not data:
             self._heading(masked, stamps)
@@ -126,51 +130,92 @@ class AnyReader:
                 state.direction = mark[0]
             pieces.append(state.piece(line, run))
             end = run.end
-        return Read(pieces, _foreign(masked, found) if len(found) > 1 else "")
+        return Read(pieces, _foreign(masked, found, data) if len(found) > 1 else "")
 
     def _certain(self, masked: str, found: list[Run]) -> list[Run]:
         """Give those that are bytes: by themselves, or because nothing else is in the line."""
-        data = [run for run in found if run.certain]
-        if len(data) < len(found) and all(map(_is_clean, _gaps(masked, found))):
-            data = [run for run in found if run.certain or run.is_possible(self._form)]
+        certain = [run for run in found if run.certain]
+        if len(found) == 1:
+            data = certain or [
+                run for run in found if _is_clean(masked[: run.start]) and run.is_possible(self._style[0])
+            ]
+        elif certain:
+            data = self._alike(masked, found, certain)
+        else:
+            gaps = [*_gaps(masked, found)]
+            data = [run for run in found if run.is_possible(self._style[0])] if all(map(_is_clean, gaps)) else []
         if data:
-            self._form = data[-1].form
+            self._style = data[-1].style
         return data
 
-    def _mask_offset(self, text: str) -> str:
+    def _alike(self, masked: str, found: list[Run], certain: list[Run]) -> list[Run]:
+        """Give those that are written as the bytes of this log are; numbers beside them count or name something.
+
+        Few bytes need a mark in front of them, or a time and nothing behind them.
+        """
+        before = [*_gaps(masked, found)]
+        behind = [*before[1:], masked[found[-1].end :]]
+        marked = {run for run, gap in zip(found, before, strict=True) if _is_marked(gap)}
+        timed = {
+            run
+            for run, gap, rest in zip(found, before, behind, strict=True)
+            if MASK in gap and not _has_words(gap) and not _has_words(rest)
+        }
+        style = max(certain, key=lambda run: (run.style == self._style, run in marked, len(run.data))).style
+        return [
+            run
+            for run in found
+            if run.style == style and (run.certain or (run in marked | timed and run.is_possible(style[0])))
+        ]
+
+    def _mask_offset(self, text: str, stamps: list[Stamped]) -> str:
         """Mask the offset of a dump, also that which ends it."""
-        match = _OFFSET.match(text)
+        match = _OFFSET.match(text, len(text) - len(text.lstrip()))
+        if not match and (lead := _LEAD.match(text, stamps[-1].end if stamps else 0)):
+            match = _OFFSET.match(text, lead.end())
         if self._dumped and not match:
             match = _LAST_OFFSET.match(text)
         self._dumped = match is not None and not (match.lastindex and int(match[1], 16) % 8)
-        return _MASK * match.end() + text[match.end() :] if match and self._dumped else text
+        if not match or not self._dumped:
+            return text
+        return text[: match.start()] + MASK * (match.end() - match.start()) + text[match.end() :]
 
     def _heading(self, masked: str, stamps: list[Stamped]) -> None:
         """Keep what a line without bytes says of those that follow: when and by whom they were sent."""
-        if not stamps:
+        if stamps:
+            self._state.stamp = stamps[-1].stamp
+            direction = self._marked(masked[stamps[-1].end :], shows=True) or self._marked(masked[: stamps[0].start])
+        else:
             if any(character.isdigit() for character in masked):
                 self._clock.find_date(masked)
-            return
-        self._state.stamp = stamps[-1].stamp
-        rest = masked[stamps[-1].end :]
-        if mark := self._marks.find(rest):
-            line, start, end = mark
-            is_word = rest[start:end].isalnum() and rest[start:end].isascii()
-            if not _has_words(rest[:start]) and not (is_word and _has_words(rest[end:])):
-                self._state.direction = line
+            direction = self._marked(masked)
+        if direction := direction or marks.joined(masked):
+            self._state.direction = direction
+
+    def _marked(self, text: str, *, shows: bool = False) -> int | None:
+        """Give the direction of a text that says nothing else; `shows`: an arrow may have characters behind it."""
+        mark = self._marks.find(text)
+        if not mark:
+            return None
+        line, start, end = mark
+        if _has_letters(text[:start]):
+            return None
+        is_word = text[start:end].isalnum() and text[start:end].isascii()
+        rest = marks.PORT.sub("", _LABEL.sub("", text[end:]))
+        return None if _has_words(rest) and (is_word or not shows) else line
 
 
 def _mask(text: str, stamps: list[Stamped]) -> str:
     parts = []
     end = 0
     for stamped in stamps:
-        parts += [text[end : stamped.start], _MASK * (stamped.end - stamped.start)]
+        parts += [text[end : stamped.start], MASK * (stamped.end - stamped.start)]
         end = stamped.end
     return "".join([*parts, text[end:]]) if parts else text
 
 
 def _mask_counts(text: str) -> str:
-    return _COUNT.sub(lambda match: _MASK * len(match[0]), text)
+    return _COUNT.sub(lambda match: MASK * len(match[0]), text)
 
 
 def _gaps(text: str, found: list[Run]) -> Iterator[str]:
@@ -185,13 +230,21 @@ def _has_words(text: str) -> bool:
     return any(character.isalnum() and character.isascii() for character in text)
 
 
+def _has_letters(text: str) -> bool:
+    return any(character.isalpha() and character.isascii() for character in text)
+
+
+def _is_marked(gap: str) -> bool:
+    """Tell whether the mark of a direction stands right in front of bytes."""
+    gap = gap.rstrip(_BRACKETS)
+    mark = Marks().find(gap)
+    return mark is not None and not _has_words(_LABEL.sub("", gap[mark[2] :]))
+
+
 def _is_clean(gap: str) -> bool:
     """Tell whether nothing but stamps, marks and labels stands in front of bytes."""
     rest = _LABEL.sub("", _MASKED.sub("", gap, count=1))
-    if not _has_words(rest):
-        return True
-    mark = Marks().find(rest)
-    return mark is not None and not _has_words(rest[mark[2] :])
+    return not _has_words(rest) or _is_marked(rest)
 
 
 def _trouble(masked: str) -> str:
@@ -205,10 +258,10 @@ def _trouble(masked: str) -> str:
     return ""
 
 
-def _foreign(masked: str, found: list[Run]) -> str:
+def _foreign(masked: str, found: list[Run], data: list[Run]) -> str:
     """Name what stands between bytes and is none."""
     for before, after in zip(found, found[1:], strict=False):
         gap = masked[before.end : after.start].strip()
-        if re.fullmatch(r"\w{1,3}", gap) and (before.certain or after.certain):
+        if before.style == after.style and (before in data or after in data) and re.fullmatch(r"\w{1,3}", gap):
             return f"'{gap}' is not a byte"
     return ""

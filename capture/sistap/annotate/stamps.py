@@ -24,16 +24,16 @@ _DATE = (
     r"|(?P<one>\d\d?)/(?P<other>\d\d?)/(?P<year_slash>\d{4}|\d\d)"
     rf"|(?P<day_name>\d\d?)[ -](?P<month_name>(?i:{'|'.join(_MONTHS)}))[a-z]*\.?[ -](?P<year_name>\d{{4}}))"
 )
-# A fraction after a comma or colon has three digits or more: "10:20:30,02" may be a column of bytes.
+# A fraction after a comma or colon has three digits or more, or no byte can follow: "10:20:30,02 6C" may be bytes.
 _CLOCK = (
-    r"(?P<hour>\d\d?):(?P<minute>\d\d):(?P<second>\d\d)(?:\.(?P<fraction>\d{1,9})|[,:](?P<thousandths>\d{3,9}))?"
+    r"(?P<hour>\d\d?):(?P<minute>\d\d):(?P<second>\d\d)(?:\.(?P<fraction>\d{1,9})|[,:](?P<thousandths>\d{3,9}|\d\d?(?=[;\])]|\s+[^\w\s]|\s+[G-Zg-z])))?"
     r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
 )
 # Not inside other numbers, nor a piece of bytes that are joined with colons.
 _BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
 _STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
-_SECONDS = re.compile(r"^\s*[\[(]?\s*(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\s*[\])]?(?=[\s:;,]|$)")
+_SECONDS = re.compile(r"^\s*[\[(]?\s*(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
 
 
 _Date = tuple[int, int, int]

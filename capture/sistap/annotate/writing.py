@@ -23,7 +23,13 @@ class Incomplete(Exception):
 def opened(path: str | None, cure: str = "name another file with -o") -> Iterator[BinaryIO]:
     """Open what is written to, standard output without a path. May raise NotOpened, and Incomplete at the end."""
     if path in (None, STANDARD_OUTPUT):
-        yield sys.stdout.buffer
+        try:
+            yield sys.stdout.buffer
+            sys.stdout.buffer.flush()
+        except BrokenPipeError:
+            raise  # nobody reads any more: nothing has to be said
+        except OSError as error:
+            raise Incomplete(f"standard output is incomplete: {error.strerror}; make room, or {cure}") from None
         return
     try:
         file = open(str(path), "wb")  # noqa: SIM115 - closed below
