@@ -277,3 +277,10 @@ def test_the_help_is_a_page() -> None:
     page = subprocess.run([*ANNOTATE, "--help"], capture_output=True, text=True, check=True).stdout
     for word in ("LOG", "--format", "-w FILE", "-o FILE", "--regex", "examples:", "exit status:"):
         assert re.search(re.escape(word), page)
+
+
+@pytest.mark.parametrize("piece", [" ", "\x1b[1m", '"a\\x02', '{"a": 12, "b": [1, 2]}, '])
+def test_a_file_of_one_long_line_comes_to_an_end(tmp_path: Path, piece: str) -> None:
+    """In minutes, where anything looks at the rest of the line again and again."""
+    (tmp_path / "long.txt").write_text(piece * (300_000 // len(piece)))
+    assert run(tmp_path, "long.txt").stderr.startswith(b"sistap: long.txt has ")

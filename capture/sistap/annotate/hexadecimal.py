@@ -13,7 +13,7 @@ _BETWEEN = r"(?:\s*[,;|]\s*|\s+|[:-]|(?=[$%])|[>\])}]\s*[<\[({](?=(?:0[xX])?[0-9
 _GROUP = r"(?:[0-9A-Fa-f]{2}){2,}"
 _NUMBER = r"(?:1\d\d|2[0-4]\d|25[0-5]|[1-9]\d|\d)"
 _BETWEEN_NUMBERS = r"(?:\s*[,;]\s*|\s+)"
-_ABOVE_99 = r"(?=[\d\s,;]*\b[12]\d\d\b)"
+_ABOVE_99 = r"(?=\d)(?=[\d\s,;]*\b[12]\d\d\b)"
 # In languages that print what is text as such: b'\x02l\x00', "\2l\0". Without an escape only where a b says what it is.
 _ESCAPE = r"\\(?:x[0-9A-Fa-f]{2}|[0-3]?[0-7]{1,2}|[abfnrtv\\'\"])"
 # 2, 225, 5, 5: among pairs of digits one number has to be above 99, until a log has such a line.

@@ -28,7 +28,7 @@ _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
 _OFFSET = re.compile(r"(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")
 _LAST_OFFSET = re.compile(r"\s*[0-9A-Fa-f]{6,8}\s*$")
 _BRACKETS = "<[({"  # right in front of bytes these are no marks
-_MASKED = re.compile(rf".*{MASK}\w*")
+_MASKED = re.compile(rf"\A.*{MASK}\w*")
 # In front of an offset, behind the stamps: nothing, or a word such as "TX".
 _LEAD = re.compile(r"\s*(?:[\[(]?[A-Za-z]+[\])]?:?\s+)?")
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
@@ -262,6 +262,7 @@ def _foreign(masked: str, found: list[Run], data: list[Run]) -> str:
     """Name what stands between bytes and is none."""
     for before, after in zip(found, found[1:], strict=False):
         gap = masked[before.end : after.start].strip()
-        if before.style == after.style and (before in data or after in data) and re.fullmatch(r"\w{1,3}", gap):
+        is_short = re.fullmatch(r"\w{1,3}", gap) is not None
+        if is_short and before.style == after.style and (before in data or after in data):
             return f"'{gap}' is not a byte"
     return ""

@@ -33,7 +33,7 @@ _CLOCK = (
 _BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
 _STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
-_SECONDS = re.compile(r"^\s*[\[(]?\s*(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
+_SECONDS = re.compile(r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
 
 
 _Date = tuple[int, int, int]
