@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import sistap
 from sistap.console import Console
+from sistap.output import leave_standard_output
 from sistap.reader import PortError, PortLost
 
 # The module of each command, imported only when it is called, and its line in the list.
@@ -64,8 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 0
     except OSError as error:
-        # What is left in the buffer must not fail again when Python ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        leave_standard_output()
         if not isinstance(error, BrokenPipeError):
             Console().say(str(error))
         return FAILED

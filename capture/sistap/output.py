@@ -67,6 +67,11 @@ def file_name(path: str, number: int, seconds: float) -> str:
     return str(plain.with_name(f"{plain.stem}_{number % FILE_NUMBERS:05d}_{stamp}{plain.suffix}"))
 
 
+def leave_standard_output() -> None:
+    """Send what is left in its buffer nowhere: it must not fail again when it is flushed or when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+
+
 def never_waiting(descriptor: int) -> int:
     """Duplicate a standard stream; if it is a terminal, so that a write does not wait where the terminal is stopped.
 

@@ -230,8 +230,11 @@ def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
 def test_a_full_disk(tmp_path: Path, log: Path) -> None:
     refused(run(tmp_path, log, "-o", "/dev/full"), 1, "/dev/full is incomplete: No space left", "-o")
     refused(run(tmp_path, log, "-w", "/dev/full"), 1, "/dev/full: No space left")
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     with open("/dev/full", "wb") as full:
-        done = subprocess.run([*ANNOTATE, str(log)], stdout=full, stderr=subprocess.PIPE, check=False, timeout=120)
+        done = subprocess.run(
+            [*ANNOTATE, str(log)], stdout=full, stderr=subprocess.PIPE, env=buffered, check=False, timeout=120
+        )
     refused(done, 1, "standard output is incomplete: No space left", "-o")
 
 

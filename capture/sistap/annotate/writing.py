@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import BinaryIO
 
-from sistap.output import STANDARD_OUTPUT
+from sistap.output import STANDARD_OUTPUT, leave_standard_output
 
 
 class NotOpened(Exception):
@@ -29,6 +29,7 @@ def opened(path: str | None, cure: str = "name another file with -o") -> Iterato
         except BrokenPipeError:
             raise  # nobody reads any more: nothing has to be said
         except OSError as error:
+            leave_standard_output()
             raise Incomplete(f"standard output is incomplete: {error.strerror}; make room, or {cure}") from None
         return
     try:
