@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import sistap
 from sistap.console import Console
+from sistap.exits import FAILED, PORT
 from sistap.output import leave_standard_output
 from sistap.reader import PortError, PortLost
 
@@ -50,8 +51,6 @@ exit status:
   2  wrong usage
   3  a port cannot be opened
 """
-
-FAILED, PORT_NOT_OPENED = 1, 3
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -96,7 +95,7 @@ def _run(arguments: Sequence[str]) -> int:
         code: int = module.run(args)
     except (PortError, PortLost) as error:
         Console().say(str(error))
-        code = PORT_NOT_OPENED if isinstance(error, PortError) else FAILED
+        code = PORT if isinstance(error, PortError) else FAILED
     return code
 
 

@@ -16,11 +16,10 @@ from sistap.annotate.reading import EXPLANATION
 from sistap.annotate.weaving import sentence
 from sistap.annotate.writing import Incomplete, NotOpened, opened
 from sistap.console import Console
+from sistap.exits import DONE, FAILED, USAGE
 from sistap.report.dissection import EVENT, NotACapture, damage
 from sistap.session import Stop
 from sistap.tshark import Tshark, TsharkError
-
-_DONE, _FAILED, _USAGE = 0, 1, 2
 
 DESCRIPTION = """\
 Write a capture of sistap as a log: a line for each telegram, with its time, its direction and its bytes, and under it
@@ -63,14 +62,14 @@ def run(args: argparse.Namespace) -> int:
         written, left_out = _write(args, console)
     except (NotACapture, NotOpened) as error:
         console.say(str(error))
-        return _USAGE
+        return USAGE
     except (Incomplete, TsharkError) as error:
         console.say(str(error))
-        return _FAILED
+        return FAILED
     if left_out:
         packets = "1 packet is no record" if left_out == 1 else f"{left_out} packets are no records"
         console.say(f"{args.capture}: {packets} of sistap, and not in the log")
-    return _DONE if written or not left_out else _USAGE
+    return DONE if written or not left_out else USAGE
 
 
 def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:

@@ -10,12 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.bus.ending import DONE, USAGE, Refusal, stoppable
+from sistap.bus.ending import Refusal, stoppable
 from sistap.bus.playing.played import Character, Played
 from sistap.bus.wires import choice
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import play
 from sistap.captured import NotCaptured, records
+from sistap.exits import DONE, USAGE
 from sistap.line import ERROR_FLAGS, Flag, LineSettings
 from sistap.record import Record, Type
 

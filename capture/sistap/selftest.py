@@ -14,6 +14,7 @@ from pathlib import Path
 
 from sistap import measurement, ports, priority
 from sistap.console import Console
+from sistap.exits import FAILED, USAGE
 from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.rates import RATES
 from sistap.session import Stop
@@ -58,8 +59,6 @@ QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "longest": 1.0
 _ROWS_MS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, math.inf)
 _BAR = 40
 
-_USAGE, _FAILED = 2, 1
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
@@ -79,20 +78,20 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     if sys.platform == "win32":
         console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
-        return _FAILED
+        return FAILED
     Stop()  # so that a signal ends it as Ctrl-C does, the port put back
     try:
         settings = _checked(args)
     except ValueError as error:
         console.say(str(error))
-        return _USAGE
+        return USAGE
     where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else "a pseudo terminal"
     print(f"measuring for {args.duration:g} s through {where}, with {priority.words()}", flush=True)
     try:
         place, conditions, measured = _measure(args, settings, console)
     except (delay.LoopBroken, OSError) as error:
         console.say(f"no result: {error}{_cure(args.port)}")
-        return _FAILED
+        return FAILED
     delays = sorted(measured)
     print("\n".join(report(delays)))
     return _keep(place, conditions, delays, console)
@@ -158,17 +157,17 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
     """Keep the result (of sorted delays) for later captures; give the exit code."""
     if len(delays) < ENOUGH:
         console.say(f"not kept: {len(delays)} characters are too few for p99.9: measure longer with --duration")
-        return _FAILED
+        return FAILED
     if delays[-1] >= UNCERTAINTY_UNKNOWN:
         console.say(f"not kept: for {delays[-1] / 1e9:.0f} s sistap was stopped: measure again")
-        return _FAILED
+        return FAILED
     bound_ns, longest_ns = (max(1, quantile(delays, QUANTILES[name])) for name in ("p99.9", "longest"))
     result = measurement.Result(place, time.strftime("%Y-%m-%d"), len(delays), bound_ns, longest_ns, conditions)
     try:
         path = measurement.store(result)
     except (OSError, RuntimeError) as error:
         console.say(f"the result cannot be kept: {error}: name a folder of your own with XDG_STATE_HOME")
-        return _FAILED
+        return FAILED
     print(f"\nkept in {_short(path)}: captures under these conditions ({', '.join(conditions.values())}) use it")
     return 0
 

@@ -282,7 +282,7 @@ def test_the_help_is_a_page() -> None:
         assert re.search(re.escape(word), page)
 
 
-@pytest.mark.parametrize("piece", [" ", "\x1b[1m", '"a\\x02', '{"a": 12, "b": [1, 2]}, '])
+@pytest.mark.parametrize("piece", [" ", "\x1b[1m"])
 def test_a_file_of_one_long_line_comes_to_an_end(tmp_path: Path, piece: str) -> None:
     """In minutes, where anything looks at the rest of the line again and again."""
     (tmp_path / "long.txt").write_text(piece * (300_000 // len(piece)))

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from commands import refused, run
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket
 from report_capture import BUS, READ, Sent, write
@@ -20,27 +18,6 @@ from sistap.record import Record, Type, unpack
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 WRAPPER = len(pcapng.upper_pdu("sertap", b""))
 ZONE = "CET-1CEST,M3.5.0,M10.5.0/3"  # central Europe, with rules that need no file
-
-
-def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "sistap", *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
-    assert "Traceback" not in done.stderr
-    return done
-
-
-def refused(done: subprocess.CompletedProcess[str], code: int, *words: str) -> None:
-    assert done.returncode == code
-    assert done.stderr.startswith("sistap: ")
-    assert done.stderr.count("\n") == 1
-    assert all(word in done.stderr for word in words)
 
 
 def telegrams(path: Path) -> list[tuple[int, int, bytes]]:

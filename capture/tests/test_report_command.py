@@ -7,18 +7,20 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from commands import refused, run
 from report_capture import BUS, write
 
 from sistap import cli
 from sistap.report import command
 
-REPORT = [sys.executable, "-m", "sistap", "report"]
+
+def report(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    return run(folder, "report", *arguments, **environment)
 
 
 @pytest.fixture(scope="module")
@@ -26,30 +28,8 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("command") / "bus.pcapng", BUS)
 
 
-def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run(
-        [*REPORT, *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
-    assert "Traceback" not in done.stderr
-    return done
-
-
-def refused(done: subprocess.CompletedProcess[str], code: int, *words: str) -> None:
-    assert done.returncode == code
-    assert done.stdout == ""
-    assert done.stderr.startswith("sistap: ")
-    assert done.stderr.count("\n") == 1
-    assert all(word in done.stderr for word in words)
-
-
 def test_the_page_is_written_into_this_folder(tmp_path: Path, capture: Path) -> None:
-    done = run(tmp_path, capture)
+    done = report(tmp_path, capture)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "sistap: report.html written\n")
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
 
@@ -58,13 +38,13 @@ def test_the_page_is_written_into_this_folder(tmp_path: Path, capture: Path) -> 
     ("name", "beginning"), [("x.png", b"\x89PNG"), ("x.svg", b"<?xml"), ("x.JSON", b"{"), ("x.txt", b"Found: ")]
 )
 def test_the_ending_says_what_to_write(tmp_path: Path, capture: Path, name: str, beginning: bytes) -> None:
-    assert run(tmp_path, capture, "-o", name).returncode == 0
+    assert report(tmp_path, capture, "-o", name).returncode == 0
     assert (tmp_path / name).read_bytes().startswith(beginning)
 
 
 def test_text_and_json_go_to_standard_output(tmp_path: Path, capture: Path) -> None:
-    assert json.loads(run(tmp_path, capture, "--format", "json").stdout)["capture"] == "bus.pcapng"
-    text = run(tmp_path, capture, "--format", "text").stdout
+    assert json.loads(report(tmp_path, capture, "--format", "json").stdout)["capture"] == "bus.pcapng"
+    text = report(tmp_path, capture, "--format", "text").stdout
     assert "frame.number in {9, 10}" in text
     assert list(tmp_path.iterdir()) == []
 
@@ -72,7 +52,7 @@ def test_text_and_json_go_to_standard_output(tmp_path: Path, capture: Path) -> N
 def test_a_capture_that_is_cut_is_reported_up_to_there(tmp_path: Path, capture: Path) -> None:
     cut = tmp_path / "cut.pcapng"
     cut.write_bytes(capture.read_bytes()[:-40])
-    done = run(tmp_path, cut, "--format", "json")
+    done = report(tmp_path, cut, "--format", "json")
     assert done.returncode == 0
     assert json.loads(done.stdout)["packets"] == len(BUS)  # and the event, less the last one
     assert "cut short" in json.loads(done.stdout)["warning"]
@@ -89,7 +69,7 @@ def test_a_capture_that_is_damaged_is_reported_up_to_there(tmp_path: Path, captu
         at += int.from_bytes(data[at + 4 : at + 8], "little")
     data[at + 4 : at + 8] = b"\x07\0\0\0"  # no block is 7 bytes long
     (tmp_path / "damaged.pcapng").write_bytes(data)
-    done = run(tmp_path, "damaged.pcapng", "--format", "json")
+    done = report(tmp_path, "damaged.pcapng", "--format", "json")
     assert done.returncode == 0
     assert json.loads(done.stdout)["packets"] == max(block - 2, 0)  # section and interface come first
     assert done.stderr.count("\n") == 1
@@ -104,26 +84,26 @@ def test_a_capture_without_packets_is_an_honest_page(tmp_path: Path, data: bytes
     else:
         empty.write_bytes(data)
     for kind in ("html", "png", "text"):
-        assert run(tmp_path, empty, "--format", kind, "-o", "x").returncode == 0
+        assert report(tmp_path, empty, "--format", kind, "-o", "x").returncode == 0
     assert "The capture has no packets." in (tmp_path / "x").read_text()
 
 
 def test_what_is_no_capture(tmp_path: Path) -> None:
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
-    refused(run(tmp_path, "junk"), 2, "junk is not a capture")
-    refused(run(tmp_path, "nothing"), 2, "cannot read nothing")
-    refused(run(tmp_path, "."), 2, "is not a file")
+    refused(report(tmp_path, "junk"), 2, "junk is not a capture")
+    refused(report(tmp_path, "nothing"), 2, "cannot read nothing")
+    refused(report(tmp_path, "."), 2, "is not a file")
     os.mkfifo(tmp_path / "pipe")
-    refused(run(tmp_path, "pipe"), 2, "pipe is not a file", "save the capture first")
+    refused(report(tmp_path, "pipe"), 2, "pipe is not a file", "save the capture first")
 
 
 def test_where_nothing_can_be_written(tmp_path: Path, capture: Path) -> None:
-    refused(run(tmp_path, capture, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
-    refused(run(tmp_path, capture, "-o", "x.pdf"), 2, "x.pdf", "--format")
+    refused(report(tmp_path, capture, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
+    refused(report(tmp_path, capture, "-o", "x.pdf"), 2, "x.pdf", "--format")
     before = capture.read_bytes()
-    refused(run(tmp_path, capture, "-o", capture, "--format", "text"), 2, "is the capture itself")
+    refused(report(tmp_path, capture, "-o", capture, "--format", "text"), 2, "is the capture itself")
     assert capture.read_bytes() == before
-    refused(run(tmp_path, capture, "--format", "text", "-o", "/dev/full"), 1, "/dev/full", "No space left", "-o")
+    refused(report(tmp_path, capture, "--format", "text", "-o", "/dev/full"), 1, "/dev/full", "No space left", "-o")
 
 
 @pytest.fixture
@@ -152,12 +132,14 @@ def test_a_signal_ends_it_and_no_file_stays(
 def test_no_home_is_no_matter(tmp_path: Path, capture: Path) -> None:
     """matplotlib would like to keep something there."""
     (tmp_path / "file").touch()
-    done = run(tmp_path, capture, HOME=str(tmp_path / "file"), XDG_CONFIG_HOME="", XDG_CACHE_HOME="", MPLCONFIGDIR="")
+    done = report(
+        tmp_path, capture, HOME=str(tmp_path / "file"), XDG_CONFIG_HOME="", XDG_CACHE_HOME="", MPLCONFIGDIR=""
+    )
     assert (done.returncode, done.stderr) == (0, "sistap: report.html written\n")
 
 
 def test_a_window_that_is_none(tmp_path: Path, capture: Path) -> None:
-    done = run(tmp_path, capture, "--window", "5")
+    done = report(tmp_path, capture, "--window", "5")
     assert done.returncode == 2
     assert "'5' is not START+SECONDS, for example 12.5+0.2" in done.stderr
 
@@ -165,11 +147,13 @@ def test_a_window_that_is_none(tmp_path: Path, capture: Path) -> None:
 def test_without_matplotlib_text_still_works(tmp_path: Path, capture: Path) -> None:
     (tmp_path / "matplotlib.py").write_text("raise ImportError('not here')")
     path = f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"
-    refused(run(tmp_path, capture, PYTHONPATH=path), 1, "matplotlib is missing", "pip install", "python3-matplotlib")
-    assert run(tmp_path, capture, "--format", "text", PYTHONPATH=path).returncode == 0
+    refused(report(tmp_path, capture, PYTHONPATH=path), 1, "matplotlib is missing", "pip install", "python3-matplotlib")
+    assert report(tmp_path, capture, "--format", "text", PYTHONPATH=path).returncode == 0
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, capture: Path) -> None:
-    refused(run(tmp_path, capture, PATH=str(tmp_path)), 1, "tshark is not on PATH", "apt-get install")
+    refused(report(tmp_path, capture, PATH=str(tmp_path)), 1, "tshark is not on PATH", "apt-get install")
     (tmp_path / "plugins").mkdir()
-    refused(run(tmp_path, capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS", "WIRESHARK_PLUGIN_DIR")
+    refused(
+        report(tmp_path, capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS", "WIRESHARK_PLUGIN_DIR"
+    )

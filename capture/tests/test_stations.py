@@ -49,11 +49,6 @@ def drive(address: int = 3, **table: Any) -> Station:
     return station(address=address, **table)
 
 
-def body_of(reaction: bytes | None) -> bytes:
-    assert reaction is not None
-    return parse(reaction).body
-
-
 def ask(asked: Station, service: int, body: str = "", now_ms: float = 0, **header: Any) -> str:
     """Send a command from 16, with a body in hex; gives the body of the reaction in hex, "none" if there is none."""
     receiver = header.pop("receiver", asked.address)

@@ -22,11 +22,10 @@ from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
 from sistap.annotate.writing import Incomplete, NotOpened, opened
 from sistap.console import Console
+from sistap.exits import DONE, FAILED, USAGE
 from sistap.output import Output, OutputError, OutputRefused, ReaderGone
 from sistap.session import Stop
 from sistap.tshark import Tshark, TsharkError
-
-_DONE, _FAILED, _USAGE = 0, 1, 2
 
 DESCRIPTION = """\
 Explain a log. Any text with the bytes of SIS telegrams in it becomes the same text with a line under each telegram that
@@ -105,12 +104,12 @@ def run(args: argparse.Namespace) -> int:
             _explain(args, passage, console)
     except (_Refused, SourceError, NotOpened, OutputRefused) as error:
         console.say(str(error))
-        return _USAGE
+        return USAGE
     except ReaderGone:
-        return _FAILED
+        return FAILED
     except (Incomplete, TsharkError, OutputError) as error:
         console.say(str(error))
-        return _FAILED
+        return FAILED
     troubles.end()
     return _judge(args, passage, console)
 
@@ -132,10 +131,10 @@ def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
     log = _name(args)
     if not passage.bytes:
         console.say(f"{log} has no bytes in hexadecimal; log in hexadecimal, or say with --regex where they are")
-        return _USAGE
+        return USAGE
     if not passage.telegrams:
         console.say(f"{log} has {passage.bytes} bytes, but no telegram of SIS")
-    return _DONE
+    return DONE
 
 
 def _name(args: argparse.Namespace) -> str:

@@ -11,7 +11,7 @@ import sys
 from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 
-from sistap.bus.ending import DONE, FAILED, USAGE, Refusal, Stop, stoppable
+from sistap.bus.ending import Refusal, Stop, stoppable
 from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
 from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, Scenario, character_format, load
@@ -20,6 +20,7 @@ from sistap.bus.wires import choice
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire, play
+from sistap.exits import DONE, FAILED, USAGE
 from sistap.line import LineSettings
 from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
 from sistap.rates import RATES

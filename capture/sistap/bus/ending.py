@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a command that plays ends: exit codes, the one line for what cannot be, and the signals that stop it."""
+"""How a command that plays ends: the one line for what cannot be, and the signals that stop it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-
-DONE, FAILED, USAGE, PORT = 0, 1, 2, 3
 
 
 class Refusal(Exception):

@@ -11,6 +11,7 @@ from typing import NoReturn
 from sistap import capture, selftest
 from sistap.bpf import FilterError
 from sistap.counters import Counters
+from sistap.exits import PORT, USAGE
 from sistap.extcap import demo, dialog
 from sistap.extcap.interfaces import DEMO, port_of
 from sistap.extcap.toolbar import Toolbar
@@ -19,8 +20,6 @@ from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.reader import PortError
 from sistap.session import Stop
 from sistap.writer import PcapngWriter
-
-_USAGE, _PORT_NOT_OPENED = 2, 3
 
 
 def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
@@ -33,15 +32,15 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
         output = Output(args.fifo, stopped=lambda: stop.requested)
     except OutputRefused as error:
         toolbar.alarm(str(error))
-        return _USAGE
+        return USAGE
     with closing(output):
         try:
             options = _options(args)
             return capture.record(options, capture.checked(options), output, stop, toolbar, toolbar)
         except (ValueError, capture.Refused, FilterError) as error:
-            code, trouble = _USAGE, str(error)
+            code, trouble = USAGE, str(error)
         except PortError as error:
-            code, trouble = _PORT_NOT_OPENED, str(error)
+            code, trouble = PORT, str(error)
         toolbar.alarm(trouble)
         # An empty capture: where there is none, Wireshark blames the pipe.
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, args.extcap_interface)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import sistap
 from sistap.console import Console
+from sistap.exits import USAGE
 from sistap.extcap import dialog, interfaces
 from sistap.extcap.sentences import sentence
 from sistap.extcap.toolbar import Toolbar, controls
@@ -36,7 +37,6 @@ exit status:
   3  the port cannot be opened
 """
 
-_USAGE = 2
 
 Answer = Callable[[argparse.Namespace], int]
 
@@ -95,7 +95,7 @@ def _check_filter(args: argparse.Namespace) -> int:
 
     if args.extcap_capture_filter is None:
         Console().say("nothing is asked: Wireshark calls this; `sistap capture` captures, `sistap ports` lists ports")
-        return _USAGE
+        return USAGE
     try:
         Filter(args.extcap_capture_filter)
     except FilterError as error:
@@ -106,7 +106,7 @@ def _check_filter(args: argparse.Namespace) -> int:
 def _capture(args: argparse.Namespace) -> int:
     if not args.fifo or not args.extcap_interface:
         Console().say("--capture needs --extcap-interface and --fifo, as Wireshark says them")
-        return _USAGE
+        return USAGE
     with Toolbar(args.extcap_control_in, args.extcap_control_out) as toolbar:
         from sistap.extcap import capturing  # now that Wireshark does not wait for the toolbar any more
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from sistap.capture import LARGEST_RATE
 from sistap.console import Console
 from sistap.counters import Counters
+from sistap.exits import DONE, FAILED, USAGE
 from sistap.imports.convert import Conversion
 from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Refused, Source, Told
@@ -21,8 +22,6 @@ from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.session import Stop
 from sistap.tshark import TsharkError
 from sistap.writer import PcapngWriter
-
-_DONE, _FAILED, _USAGE = 0, 1, 2
 
 _LIST = "\n".join(f"  {name}" for name in NAMES)
 
@@ -91,10 +90,10 @@ def run(args: argparse.Namespace) -> int:
             return _convert(args, source, output, stop, console)
     except (Refused, OutputRefused) as error:
         console.say(str(error))
-        return _USAGE
+        return USAGE
     except (TsharkError, OutputError) as error:
         console.say(str(error))
-        return _FAILED
+        return FAILED
 
 
 def _told(args: argparse.Namespace) -> Told:
@@ -128,7 +127,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
         console.say(f"{args.file}: {source.warning}")
     console.say(f"{counters} written to {output.summary}")
     console.say(f"{settings}, {source.settings_from}; {timing}: {_precision(conversion.uncertainties)}")
-    return _DONE
+    return DONE
 
 
 def _precision(uncertainties_ns: Counter[int]) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.console import Console
+from sistap.exits import FAILED, USAGE
 from sistap.install import folders, module, sources
 from sistap.install.ledger import Ledger, LedgerError
 from sistap.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
@@ -44,7 +45,6 @@ exit status:
 WINDOWS = os.name == "nt"
 
 _FOR_ALL = "all users: run as root, it skips what is in personal folders"
-_FAILED, _WRONG_USAGE = 1, 2
 
 
 class File(NamedTuple):
@@ -69,10 +69,10 @@ def run(args: argparse.Namespace) -> int:
         return _install(args.plugin, console)
     except module.ModuleError as error:
         console.say(str(error))
-        return _WRONG_USAGE
+        return USAGE
     except (TsharkError, folders.FoldersError, sources.SourceError, LedgerError, RuntimeError, OSError) as error:
         console.say(str(error))
-        return _FAILED
+        return FAILED
 
 
 def _existing_file(text: str) -> Path:
@@ -191,6 +191,6 @@ def _check(console: Console) -> int:
     if not found:
         why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())
         console.say(f"Wireshark does not load the dissector: {why}")
-        return _FAILED
+        return FAILED
     print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + "; start it with `wireshark -C SIS`")
     return 0

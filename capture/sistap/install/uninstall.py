@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 
 from sistap.console import Console
+from sistap.exits import FAILED
 from sistap.install.command import is_root
 from sistap.install.ledger import Ledger, LedgerError
 
@@ -20,8 +21,6 @@ exit status:
   1  something could not be removed
   2  wrong usage
 """
-
-_FAILED = 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,11 +42,11 @@ def run(args: argparse.Namespace) -> int:
                 print(ledger.remove(file))
             except OSError as error:
                 console.say(str(error))
-                code = _FAILED
+                code = FAILED
         for line in ledger.remove_folders():
             print(line)
         ledger.save()
     except (LedgerError, RuntimeError, OSError) as error:
         console.say(str(error))
-        return _FAILED
+        return FAILED
     return code

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.console import Console
+from sistap.exits import DONE, FAILED, USAGE
 from sistap.output import STANDARD_OUTPUT
 from sistap.report import plain, windows
 from sistap.report.dissection import NotACapture
@@ -18,8 +19,6 @@ from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
 from sistap.session import Stop
 from sistap.tshark import Tshark, TsharkError
-
-_DONE, _FAILED, _USAGE = 0, 1, 2
 
 DESCRIPTION = """\
 Put a whole capture on one page: what was captured and how exact its times are, what the bus limits and who exceeded it,
@@ -131,11 +130,11 @@ def run(args: argparse.Namespace) -> int:
         _write(args, name, _gather(args, console), console)
     except (_Refused, NotACapture) as error:
         console.say(str(error))
-        return _USAGE
+        return USAGE
     except (_Failed, TsharkError) as error:
         console.say(str(error))
-        return _FAILED
-    return _DONE
+        return FAILED
+    return DONE
 
 
 def _format(args: argparse.Namespace) -> str:

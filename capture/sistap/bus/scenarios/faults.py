@@ -59,8 +59,9 @@ def _lost(table: Table) -> Effect:
 
     def effect(sending: Sending, scatter: random.Random) -> None:
         at = place(sending, scatter)
-        if len(sending.slots) > 2:  # something is left to be sent
-            del sending.slots[at]
+        if len(sending.slots) <= 2:  # something has to be left to be sent
+            return
+        del sending.slots[at]
         if at < len(sending.slots):  # the line is at rest where it would have been
             sending.slots[at].pause_ns += sending.settings.character_ns
         sending.marks.append(f"lost@{at}")

@@ -7,9 +7,10 @@ import argparse
 from typing import TYPE_CHECKING
 
 from sistap import ports
-from sistap.bus.ending import PORT, USAGE, Refusal
+from sistap.bus.ending import Refusal
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire
+from sistap.exits import PORT, USAGE
 from sistap.line import LineSettings
 
 if TYPE_CHECKING:  # Windows has no pseudo terminals, and a pty needs no pyserial

@@ -6,10 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Protocol
 
-from sistap.bus.ending import FAILED, Refusal
+from sistap.bus.ending import Refusal
 from sistap.bus.playing.played import Played
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
+from sistap.exits import FAILED
 from sistap.output import OutputError
 
 
