@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 
@@ -27,8 +28,13 @@ ALLOWED = (
         r'<proto name="_ws.short" showname="\1" size="0" pos="0"/>',
     ),
     # Wireshark hangs a hidden item of its own before everything that Lua dissects.
-    (re.compile(r' *<proto name="fake-field-wrapper">\n *<field name="_ws.lua.fake" [^\n]*\n *</proto>\n'), ""),
-    (re.compile(r' *<field name="_ws.lua.fake" [^\n]*\n'), ""),
+    (
+        re.compile(
+            r'^ *<proto name="fake-field-wrapper">\n *<field name="_ws.lua.fake" [^\n]*\n *</proto>\n', re.MULTILINE
+        ),
+        "",
+    ),
+    (re.compile(r'^ *<field name="_ws.lua.fake" [^\n]*\n', re.MULTILINE), ""),
     # A line of the tree that is no field is one in Lua, without its bytes.
     (
         re.compile(r'<field name="_ws.lua.text" showname="([^"]*)" (size="\d+" pos="\d+") show="" value=""'),
@@ -56,15 +62,19 @@ def packets(tshark: Tshark, capture: Path, *options: str) -> list[str]:
     return [without_allowed(packet) for packet in _PACKET.findall(done.stdout)]
 
 
-def difference(expected: list[str], found: list[str]) -> str:
-    """Tell how packets differ: nothing, or how many of them, and the first of them line by line."""
+def difference(expected: list[str], found: list[str], whose: Callable[[int], object] = str) -> str:
+    """Tell how packets differ: nothing, or how many of them, and the first of them line by line.
+
+    `whose` tells what to call a packet by its number.
+    """
     pairs = list(zip_longest(expected, found, fillvalue=""))
     differing = [(number, *pair) for number, pair in enumerate(pairs, 1) if pair[0] != pair[1]]
     if not differing:
         return ""
     words = [f"{len(differing)} of {len(pairs)} packets differ"]
     for number, one, two in differing[:_SHOWN]:
-        words += difflib.unified_diff(one.splitlines(), two.splitlines(), f"{number} C", f"{number} Lua", "", "", 1, "")
+        name = whose(number)
+        words += difflib.unified_diff(one.splitlines(), two.splitlines(), f"{name} C", f"{name} Lua", "", "", 1, "")
     return "\n".join(words)
 
 
@@ -73,8 +83,8 @@ def listed(tshark: Tshark, capture: Path, *options: str) -> list[str]:
     return tshark.output("-r", str(capture), *options).splitlines()
 
 
-def check(plugin: Tshark, script: Tshark, capture: Path, *options: str) -> None:
+def check(plugin: Tshark, script: Tshark, capture: Path, *options: str, whose: Callable[[int], object] = str) -> None:
     """Dissect a capture with both. AssertionError tells the difference, if there is one."""
     for view in (packets, listed):
-        words = difference(view(plugin, capture, *options), view(script, capture, *options))
+        words = difference(view(plugin, capture, *options), view(script, capture, *options), whose)
         assert not words, words

@@ -5,42 +5,66 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 import parity
 from make import Scenario, scenarios
+from merging import Group, groups
 from sistap.tshark import Tshark
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 
 
 TABLE = "uat:sis_parameters:"  # the user's table of parameters: Lua cannot have one
+PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 
 
-def options(scenario: Scenario, passes: tuple[str, ...]) -> list[str]:
+def options(given: Sequence[str], passes: tuple[str, ...]) -> list[str]:
     """Give the options that both understand, with two passes so that the first of them has fields.
 
     A script knows the interface from a field, and the first of two passes has none, unless a read filter needs them.
     """
-    words = scenario.options
-    given = [word for word in zip(words[::2], words[1::2], strict=True) if not word[1].startswith(TABLE)]
-    has_interfaces = any(item.interface for item in scenario.items)
-    reading = ("-R", "frame") if passes and has_interfaces else ()
-    return [*passes, *reading, *(word for pair in given for word in pair)]
+    understood = [word for word in zip(given[::2], given[1::2], strict=True) if not word[1].startswith(TABLE)]
+    reading = ("-R", "frame") if passes else ()
+    return [*passes, *reading, *(word for pair in understood for word in pair)]
 
 
-@every_scenario
-@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
-def test_every_item(path: Path, passes: tuple[str, ...], plugin: Tshark, script: Tshark) -> None:
+@PASSES
+@pytest.mark.parametrize("group", groups(), ids=lambda group: group.name)
+def test_every_item(group: Group, passes: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """The whole trees, and the packet list alone, for which most of the work is left out."""
-    parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path), passes))
+    capture = tmp_path / "merged.pcapng"
+    group.write(capture)
+    parity.check(plugin, script, capture, *options(group.options, passes), whose=group.whose)
 
 
+@pytest.mark.thorough
+@every_scenario
+@PASSES
+def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: Tshark, script: Tshark) -> None:
+    parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
+
+
+@pytest.mark.parametrize("group", groups(), ids=lambda group: group.name)
+def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """What people read: generated items stand in brackets here."""
+    capture = tmp_path / "merged.pcapng"
+    group.write(capture)
+    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", "sis,sertap")
+    expected, found = (
+        re.split(r"^(?=Frame \d+:)", tshark.output(*shown), flags=re.MULTILINE) for tshark in (plugin, script)
+    )
+    words = parity.difference(expected[1:], found[1:], group.whose)
+    assert not words, words
+
+
+@pytest.mark.thorough
 @every_scenario
 def test_expected_text(path: Path, script: Tshark) -> None:
-    """What is generated stands in brackets here."""
+    """The very text that the plugin has to give."""
     scenario = Scenario(path)
     if any(TABLE in word for word in scenario.options):
         pytest.skip("Lua cannot have a table of the user's")

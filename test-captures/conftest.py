@@ -11,6 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from sharkd import Sharkd  # noqa: E402
 from sistap.tshark import Tshark  # noqa: E402
 
 
@@ -20,4 +21,11 @@ def tshark() -> Iterator[Tshark]:
     with Tshark() as program:
         plugins = program.output("-G", "plugins")
         assert "sis.so" in plugins, "tshark does not load sis.so; ./bootstrap test sets WIRESHARK_PLUGIN_DIR"
+        yield program
+
+
+@pytest.fixture(scope="session")
+def sharkd(tshark: Tshark) -> Iterator[Sharkd]:
+    """Run sharkd, with the plugins that tshark was found to load."""
+    with Sharkd() as program:
         yield program

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from make import Scenario, scenarios
+from merging import Group, groups
 from sistap.tshark import Tshark
 from tables import LATER as LATER_NAMES
 
@@ -27,6 +28,7 @@ def test_dissection(path: Path, tshark: Tshark) -> None:
     assert Scenario(path).dissection(tshark, path.with_suffix(".pcapng")) == expected
 
 
+PASSES = ((), ("-2",))
 LATER = {f"sis.{name}" for name in LATER_NAMES}
 
 
@@ -39,25 +41,30 @@ def fields(element: ElementTree.Element) -> Iterator[str]:
             yield from fields(field)
 
 
-@every_scenario
-def test_second_pass_says_the_same(path: Path, tshark: Tshark) -> None:
-    scenario, capture = Scenario(path), str(path.with_suffix(".pcapng"))
-    if scenario.link == "tcp":
-        pytest.skip("in the first of two passes TCP does not know yet where a split telegram ends")
-    command = ("-r", capture, *scenario.options, "-T", "pdml")
-    first, second = (ElementTree.fromstring(tshark.output(*passes, *command)) for passes in ((), ("-2",)))
+def check_passes(capture: Path, options: Sequence[str], tshark: Tshark) -> None:
+    """Compare trees and packet lists of a first and a second pass."""
+    command = ("-r", str(capture), *options)
+    first, second = (ElementTree.fromstring(tshark.output(*passes, *command, "-T", "pdml")) for passes in PASSES)
     assert len(first) == len(second)
-    for one, two in zip(first, second, strict=True):
-        assert list(fields(one)) == list(fields(two))
-
-
-@every_scenario
-def test_second_pass_lists_the_same(path: Path, tshark: Tshark) -> None:
-    scenario, capture = Scenario(path), str(path.with_suffix(".pcapng"))
-    if scenario.link == "tcp":
-        pytest.skip("in the first of two passes TCP does not know yet where a split telegram ends")
-    command = ("-r", capture, *scenario.options)
+    for number, (one, two) in enumerate(zip(first, second, strict=True), 1):
+        assert list(fields(one)) == list(fields(two)), number
     assert tshark.output(*command) == tshark.output("-2", *command)
+
+
+# In the first of two passes TCP does not know yet where a split telegram ends.
+@pytest.mark.parametrize("group", [group for group in groups() if group.link != "tcp"], ids=lambda group: group.name)
+def test_second_pass_says_the_same(group: Group, tshark: Tshark, tmp_path: Path) -> None:
+    capture = tmp_path / "merged.pcapng"
+    group.write(capture)
+    check_passes(capture, group.options, tshark)
+
+
+@pytest.mark.thorough
+@every_scenario
+def test_second_pass_says_the_same_of_each_alone(path: Path, tshark: Tshark) -> None:
+    scenario = Scenario(path)
+    if scenario.link != "tcp":
+        check_passes(path.with_suffix(".pcapng"), scenario.options, tshark)
 
 
 @every_scenario

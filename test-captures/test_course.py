@@ -12,6 +12,7 @@ import pytest
 
 from lesson import Bytes, Claim, Command, Filter, Value, claims
 from make import Scenario
+from sharkd import Sharkd
 from sistap.tshark import Tshark
 from tables import BOOLEANS
 
@@ -24,12 +25,6 @@ every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.st
 
 def capture(path: Path) -> str:
     return str(path.with_suffix(".pcapng"))
-
-
-def packets(tshark: Tshark, path: Path, expression: str) -> list[int]:
-    """In two passes, as Wireshark does it."""
-    found = tshark.output("-r", capture(path), "-2", "-Y", expression, "-T", "fields", "-e", "frame.number")
-    return [int(number) for number in found.split()]
 
 
 @cache
@@ -56,11 +51,11 @@ def printed(tshark: Tshark, path: Path, arguments: list[str]) -> list[str]:
     return [line.rstrip() for line in tshark.output(*words).splitlines()]
 
 
-def wrong(tshark: Tshark, path: Path, claim: Claim) -> str:
+def wrong(tshark: Tshark, sharkd: Sharkd, path: Path, claim: Claim) -> str:
     """Tell what the capture says instead, or nothing."""
     match claim:
         case Filter(_, expression, expected):
-            left = packets(tshark, path, expression)
+            left = sharkd.frames(path.with_suffix(".pcapng"), expression)
             return "" if left == expected else f"leaves {left}"
         case Value(_, packet, name, value):
             found = fields(tshark, path)[packet - 1][name]
@@ -74,10 +69,10 @@ def wrong(tshark: Tshark, path: Path, claim: Claim) -> str:
 
 
 @every_lesson
-def test_claims(path: Path, tshark: Tshark) -> None:
+def test_claims(path: Path, tshark: Tshark, sharkd: Sharkd) -> None:
     complaints = []
     for claim in claims(path):
-        if words := wrong(tshark, path, claim):
+        if words := wrong(tshark, sharkd, path, claim):
             complaints.append(f"{path.name}:{claim.line}: {claim[1:]} {words}")
     assert not complaints, "\n".join(complaints)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from sharkd import Sharkd
 from sistap.tshark import Tshark
 
 HERE = Path(__file__).parent
@@ -41,14 +42,6 @@ HERE = Path(__file__).parent
         ("damaged", "sis.service.reserved", [24]),
         ("damaged", "sis.status.telegram_error", [26]),
         ("damaged", "sis.status.execution_error", [27]),
-        ("ecodrive03", "sis.control.status.error", [9]),
-        ("ecodrive03", "sis.reaction.unexpected", [3]),
-        ("ecodrive03", "sis.sender.service_master || sis.receiver.reserved", []),
-        (
-            "ecodrive03",
-            "sis.control.status > 0 && sis.control.reaction == 1",
-            [6, 7, 8, 9, 10],
-        ),
         ("records", "sertap.error.character", [4]),
         ("records", "sertap.error.unlocated", [5]),
         ("records", "sertap.error.break", [6]),
@@ -73,19 +66,37 @@ HERE = Path(__file__).parent
         ("tcp-resync", "sis.service == 0x92", [4]),
         ("tcp-resync", "sis.service == 0x9d", [5, 6]),
         ("tcp-foreign", "sis", []),
+    ],
+)
+def test_filter(capture: str, display_filter: str, frames: list[int], sharkd: Sharkd) -> None:
+    """In a list, where the tree is not shown: a dissector may leave out what nobody asked for, and no more."""
+    assert sharkd.frames(HERE / f"{capture}.pcapng", display_filter) == frames
+
+
+OPTIONS = {
+    "ecodrive03": ["-o", "sis.edition:ECODRIVE03"],
+    "user0": ["-o", "sis.dlt_user:user0"],
+    "rtac": ["-d", "rtacser.data,sis"],
+}
+
+
+@pytest.mark.parametrize(
+    ("capture", "display_filter", "frames"),
+    [
+        ("ecodrive03", "sis.control.status.error", [9]),
+        ("ecodrive03", "sis.reaction.unexpected", [3]),
+        ("ecodrive03", "sis.sender.service_master || sis.receiver.reserved", []),
+        (
+            "ecodrive03",
+            "sis.control.status > 0 && sis.control.reaction == 1",
+            [6, 7, 8, 9, 10],
+        ),
         ("user0", "sis", [1, 2]),
         ("rtac", "sis.control.reaction == 1", [2]),
     ],
 )
-def test_filter(capture: str, display_filter: str, frames: list[int], tshark: Tshark) -> None:
-    """In a list, where the tree is not shown: a dissector may leave out what nobody asked for, and no more."""
-    options = {
-        "ecodrive03": ["-o", "sis.edition:ECODRIVE03"],
-        "user0": ["-o", "sis.dlt_user:user0"],
-        "rtac": ["-d", "rtacser.data,sis"],
-    }.get(capture, [])
-    path = str(HERE / f"{capture}.pcapng")
-    found = tshark.output("-r", path, *options, "-Y", display_filter)
+def test_filter_with_options(capture: str, display_filter: str, frames: list[int], tshark: Tshark) -> None:
+    found = tshark.output("-r", str(HERE / f"{capture}.pcapng"), *OPTIONS[capture], "-Y", display_filter)
     assert [int(line.split()[0]) for line in found.splitlines()] == frames
 
 

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Several captures in one, for what is asked of all: a start of tshark costs more than dissecting a small capture.
+
+Every capture keeps interfaces of its own, and so is a bus of its own.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from make import Scenario, scenarios
+from sistap import pcapng
+
+APART = "tcp"  # of the captures of one TCP connection, one is what the other goes on with
+
+
+@dataclass(frozen=True)
+class Group:
+    """Captures that are dissected with the same options."""
+
+    name: str
+    link: str
+    options: tuple[str, ...]
+    paths: tuple[Path, ...]
+
+    def write(self, capture: Path) -> None:
+        """Write all of them into one capture."""
+        capture.write_bytes(b"".join(_merged(self.paths)))
+
+    def whose(self, number: int) -> str:
+        """Return the capture, and the packet in it, that packet `number` comes from; both count from 1."""
+        for path in self.paths:
+            count = len(Scenario(path).items)
+            if number <= count:
+                return f"{path.stem} packet {number}"
+            number -= count
+        raise IndexError(number)
+
+
+def groups() -> list[Group]:
+    """Return all captures, those with the same options together."""
+    found: dict[tuple[str, ...], list[Path]] = {}
+    for path in scenarios():
+        scenario = Scenario(path)
+        key = (path.stem,) if scenario.link == APART else ("", *scenario.options)
+        found.setdefault(key, []).append(path)
+    return [_group(tuple(paths)) for paths in found.values()]
+
+
+def _group(paths: tuple[Path, ...]) -> Group:
+    scenario = Scenario(paths[0])
+    name = scenario.path.stem if len(paths) == 1 else f"{len(paths)}-captures"
+    return Group(name, scenario.link, tuple(scenario.options), paths)
+
+
+def _merged(paths: tuple[Path, ...]) -> Iterator[bytes]:
+    yield pcapng.section_header("test-captures/merging.py", "")
+    packets: list[bytes] = []
+    interfaces = 0
+    for path in paths:
+        first = interfaces
+        for kind, block in _blocks(path.with_suffix(".pcapng").read_bytes()):
+            if kind == pcapng.INTERFACE_DESCRIPTION:
+                interfaces += 1
+                yield block
+            elif kind == pcapng.ENHANCED_PACKET:
+                (interface,) = struct.unpack_from("<I", block, 8)
+                packets.append(block[:8] + struct.pack("<I", first + interface) + block[12:])
+    yield from packets
+
+
+def _blocks(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield kind and bytes of each block of a capture that make.py wrote."""
+    offset = 0
+    while offset < len(data):
+        kind, length = struct.unpack_from("<II", data, offset)
+        yield kind, data[offset : offset + length]
+        offset += length
