@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import random
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 
@@ -14,46 +17,69 @@ from make import HERE, Scenario
 from sistap import pcapng
 from sistap.tshark import Tshark
 
+T = TypeVar("T")
+
 SEED = 1
+ALL = 10**9
+FEW = 700  # packets; for most of what is wrong, this many say it
 
 
+def some(packets: Sequence[T], count: int) -> list[T]:
+    """Return so many packets, chosen with a seed, in their order."""
+    chosen = random.Random(SEED).sample(range(len(packets)), min(count, len(packets)))
+    return [packets[place] for place in sorted(chosen)]
+
+
+sizes = pytest.mark.parametrize("count", [FEW, pytest.param(ALL, marks=pytest.mark.thorough)], ids=["some", "all"])
+
+
+@sizes
 @pytest.mark.parametrize("reaction", [False, True], ids=["commands", "reactions"])
-def test_useful_data(reaction: bool, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+def test_useful_data(count: int, reaction: bool, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Of every service and every example, too short and too long."""
     capture = tmp_path / "bad.pcapng"
-    bad_input.write(capture, bad_input.with_all_bodies(reaction))
+    bad_input.write(capture, some(list(bad_input.with_all_bodies(reaction)), count))
     parity.check(plugin, script, capture)
 
 
-def test_lengths(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+@sizes
+def test_lengths(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Telegrams that the capture has cut, and lengths that differ."""
     capture = tmp_path / "bad.pcapng"
     packets = [packet for example in bad_input.examples() for packet in bad_input.snapped(example)]
     differing = [data for example in bad_input.examples() for data in bad_input.with_other_repetition(example)]
-    bad_input.write(capture, [*packets, *differing])
+    bad_input.write(capture, some([*packets, *differing], count))
     parity.check(plugin, script, capture)
 
 
-def test_every_beginning_of_every_record(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+@sizes
+def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     records = [item.record(None) for item in Scenario(HERE / "records.txt").items]
     beginnings = [pcapng.upper_pdu("sertap", record[:end]) for record in records for end in range(len(record))]
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "cut")
     blocks = [pcapng.section_header("", ""), pcapng.interface_description(interface)]
-    blocks += [pcapng.enhanced_packet(0, number, packet) for number, packet in enumerate(beginnings)]
+    blocks += [pcapng.enhanced_packet(0, number, packet) for number, packet in enumerate(some(beginnings, count))]
     capture = tmp_path / "cut.pcapng"
     capture.write_bytes(b"".join(blocks))
     parity.check(plugin, script, capture)
 
 
 @pytest.mark.parametrize(
+    "count",
+    [FEW // 2, pytest.param(mutate.MUTANTS_PER_ROUND, marks=pytest.mark.thorough)],
+    ids=["some", "all"],
+)
+@pytest.mark.parametrize(
     ("link_type", "options"),
     [(link_type, options) for link_type, ways in mutate.OPTIONS.items() for options in ways],
     ids=lambda value: "_".join(value) or "none" if isinstance(value, list) else None,
 )
-def test_mutants(link_type: int, options: list[str], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+def test_mutants(  # noqa: PLR0913, PLR0917
+    count: int, link_type: int, options: list[str], plugin: Tshark, script: Tshark, tmp_path: Path
+) -> None:
     """Some thousand packets with bytes changed, added and missing."""
     packets = [packet for path in sorted(HERE.glob("*.pcapng")) for packet in mutate.packets(path)]
     originals = [data for link, data in packets if link == link_type]
     capture = tmp_path / "mutants.pcapng"
-    capture.write_bytes(mutate.round_capture(SEED, link_type, originals))
+    capture.write_bytes(mutate.round_capture(SEED, link_type, originals, count))
     parity.check(plugin, script, capture, *options)

@@ -78,7 +78,12 @@ DIFFERENT = {
     "heuristic-decodes": {"sis": ("SIS over TCP", "SIS")},
     "dissector-tables": {"sertap.framing": ("Decode As supported", "Decode As not supported")},
 }
-OURS = re.compile(r"(^|\t)(sis|sertap)([.\t]|$)", re.MULTILINE)
+OURS = re.compile(r"(^|\t)(sis|sertap)([.\t]|$)")
+
+
+def is_ours(line: str) -> bool:
+    """Tell it of a million lines: the expression alone takes seconds."""
+    return ("sis" in line or "sertap" in line) and OURS.search(line) is not None
 
 
 @pytest.mark.parametrize(
@@ -87,7 +92,7 @@ OURS = re.compile(r"(^|\t)(sis|sertap)([.\t]|$)", re.MULTILINE)
 def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
     """Every field with its type, base and description, every value with its text, and where packets come from."""
     expected, found = (
-        Counter(line for line in tshark.output("-G", report).splitlines() if OURS.search(line))
+        Counter(line for line in tshark.output("-G", report).splitlines() if is_ours(line))
         for tshark in (plugin, script)
     )
     assert expected

@@ -69,14 +69,14 @@ def mutant(chance: random.Random, head: bytes, body: bytes) -> bytes:
     return head + bytes(changed)
 
 
-def round_capture(seed: int, link_type: int, originals: list[bytes]) -> bytes:
+def round_capture(seed: int, link_type: int, originals: list[bytes], count: int = MUTANTS_PER_ROUND) -> bytes:
     """Make one capture of mutants."""
     chance = random.Random(seed)
     blocks = [
         pcapng.section_header("mutate.py", ""),
         pcapng.interface_description(pcapng.Interface(link_type, "m")),
     ]
-    for number in range(MUTANTS_PER_ROUND):
+    for number in range(count):
         data = chance.choice(originals)
         keep = protected(link_type, data)
         blocks.append(pcapng.enhanced_packet(0, number * 1_000_000, mutant(chance, data[:keep], data[keep:])))

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from make import HERE, Scenario
 from sistap import pcapng
 from sistap.tshark import Tshark
@@ -43,18 +45,20 @@ def test_every_beginning_of_every_record(tshark: Tshark, tmp_path: Path) -> None
     assert not [info for info in infos if "Malformed" in info or "bug" in info]
 
 
-def test_capture_file_cut_at_every_byte_of_a_packet(tshark: Tshark, tmp_path: Path) -> None:
-    """A capture that ends in the middle opens up to its last whole packet."""
+# Of the last packet: nothing, half a word, its head, some of its data, and all but a byte.
+@pytest.mark.parametrize("ends", [(0, 2, 8, 30, -1), pytest.param(None, marks=pytest.mark.thorough)])
+def test_capture_file_cut_in_a_packet(ends: tuple[int, ...] | None, tshark: Tshark, tmp_path: Path) -> None:
+    """A capture that ends in the middle opens up to its last whole packet; `ends` is every byte if None."""
     whole = (HERE / "user0.pcapng").read_bytes()
     blocks = []
     offset = 0
     while offset < len(whole):
         blocks.append(offset)
         offset += int.from_bytes(whole[offset + 4 : offset + 8], "little")
-    last = blocks[-1]
+    size = len(whole) - blocks[-1]
     capture = tmp_path / "cut.pcapng"
-    for end in range(last, len(whole)):
-        capture.write_bytes(whole[:end])
+    for end in range(size) if ends is None else ends:
+        capture.write_bytes(whole[: blocks[-1] + end % size])
         done = tshark.run(
             [
                 "-r",

@@ -8,6 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# `test` tries fewer examples than `check`; a busy machine is no failure of either.
+settings.register_profile("quick", max_examples=25, deadline=None)
+settings.register_profile("thorough", max_examples=300, deadline=None)
+settings.load_profile("quick")
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)

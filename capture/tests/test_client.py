@@ -16,7 +16,6 @@ import pytest
 from client import READ, READ_PHASE, SWITCH_PHASE, WRITE, Client, NoReaction, parameter
 
 BUS = Path(__file__).with_name("answering_bus.py")
-EXCHANGES = 10_000
 SPEED = 5  # times real time
 TZA_MS = 1
 TRS_MS = 20
@@ -206,7 +205,8 @@ def set_times(client: Client, trs_ms: int, tza_ms: int) -> None:
     client.tell(0x03, 255, b"\x00\xff")
 
 
-def test_ten_thousand_exchanges_without_a_wrong_answer() -> None:
+@pytest.mark.parametrize("exchanges", [500, pytest.param(10_000, marks=pytest.mark.thorough)])
+def test_no_answer_is_wrong(exchanges: int) -> None:
     with running(SPEED, 115200) as name:
         client = Client(name, TZA_MS / 1000 / SPEED, TRS_MS / 1000 / SPEED, TWM_S, repeats=2)
         client.set_rate(termios.B115200)
@@ -215,7 +215,7 @@ def test_ten_thousand_exchanges_without_a_wrong_answer() -> None:
         weights = {"cam": 0.2, "read_cam": 0.2, "phase": 0.1, "broadcast": 0.3}
         actions = {name.removeprefix("do_"): getattr(master, name) for name in dir(master) if name.startswith("do_")}
         chosen = [weights.get(name, 1) for name in actions]
-        while master.exchanges < EXCHANGES:
+        while master.exchanges < exchanges:
             (action,) = master.random.choices(list(actions.values()), chosen)
             action(master.random.choice(master.models))
         client.close()

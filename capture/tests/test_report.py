@@ -13,7 +13,7 @@ from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
 
 from sistap.record import Type
 from sistap.report import plain, tables
-from sistap.report.dissection import FIELDS, Dissection, Packet
+from sistap.report.dissection import FIELDS, Dissection, Packet, info
 from sistap.report.figures import Figures
 from sistap.report.gather import Report, gather
 from sistap.report.windows import PACKETS_KEPT, Window, parse
@@ -299,6 +299,18 @@ def test_intervals_whose_characters_are_not_said_are_left_out() -> None:
     assert intervals("0.1\x1f0.2\x1f0.3", "") == [0.2, 0.3]
     assert intervals("0.1\x1f0.2\x1f0.3", "1") == [0.1, 0.2, 0.3]
     assert intervals("0.1\x1f0.2\x1f0.3", "1\x1f1") == []
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"_ws.col.Info": r'3 other characters  "A\r\\"', "_ws.col.info": ""},  # 4.0
+        {"_ws.col.Info": "", "_ws.col.info": r'3 other characters  "A\\r\\\\"'},  # 4.4 and 4.6
+        {"_ws.col.info": r'3 other characters  "A\\r\\\\"'},
+    ],
+)
+def test_an_escape_in_the_packet_list_is_not_escaped_again(columns: dict[str, str]) -> None:
+    assert info(columns) == r'3 other characters  "A\r\\"'
 
 
 def test_what_later_versions_of_wireshark_write() -> None:

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 
 from sistap.annotate.capturing import Blocks
 from sistap.record import Record
-from sistap.report.dissection import INFO_FIELDS
+from sistap.report.dissection import INFO_FIELDS, info
 from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
 
 _NECESSARY = "sis.start"
@@ -76,10 +76,12 @@ class Fields:
 
 def said(columns: dict[str, str]) -> Said:
     """Give what is said of one record."""
-    info = next((columns[name] for name in INFO_FIELDS if columns.get(name)), "")
     reaction = columns.get(_REACTION, "").partition(JOINT)[0]
     return Said(
-        info, bool(columns.get(_NECESSARY)), float(reaction) if reaction else None, bool(columns.get(_UNANSWERED))
+        info(columns),
+        bool(columns.get(_NECESSARY)),
+        float(reaction) if reaction else None,
+        bool(columns.get(_UNANSWERED)),
     )
 
 

@@ -54,7 +54,7 @@ FIELDS = (
     "sis.tmas.verdict",
     "sis.bus.load",
 )
-# The line of the packet list: its name changed after 4.0.
+# The line of the packet list: a column in 4.0, a field of another name since 4.2.
 INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 
 _NECESSARY = "sis.start"
@@ -219,8 +219,17 @@ def _packet(columns: dict[str, str]) -> Packet:
         same_read=_how_often(columns, "sertap.same_read"),
         errors=_errors(columns),
         telegrams=list(_telegrams(columns)),
-        info=columns.get("_ws.col.Info") or columns.get("_ws.col.info") or "",
+        info=info(columns),
     )
+
+
+def info(columns: dict[str, str]) -> str:
+    """Return the line of the packet list; its own escapes (`\\r` for a carriage return) stay.
+
+    A field is escaped once more when it is printed, a column is not.
+    """
+    column, field = INFO_FIELDS
+    return columns.get(column) or columns.get(field, "").replace("\\\\", "\\")
 
 
 def _intervals(columns: dict[str, str]) -> list[float]:
