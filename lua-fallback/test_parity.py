@@ -12,7 +12,7 @@ import pytest
 
 import parity
 from make import Scenario, scenarios
-from merging import Group, groups
+from merging import Group, apart, groups
 from sistap.tshark import Tshark
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
@@ -33,7 +33,7 @@ def options(given: Sequence[str], passes: tuple[str, ...]) -> list[str]:
 
 
 @PASSES
-@pytest.mark.parametrize("group", groups(), ids=lambda group: group.name)
+@pytest.mark.parametrize("group", [*groups(), *apart()], ids=lambda group: group.name)
 def test_every_item(group: Group, passes: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """The whole trees, and the packet list alone, for which most of the work is left out."""
     capture = tmp_path / "merged.pcapng"
@@ -48,7 +48,7 @@ def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: T
     parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
 
 
-@pytest.mark.parametrize("group", groups(), ids=lambda group: group.name)
+@pytest.mark.parametrize("group", [*groups(), *apart()], ids=lambda group: group.name)
 def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """What people read: generated items stand in brackets here."""
     capture = tmp_path / "merged.pcapng"

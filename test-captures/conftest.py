@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "capture" / "tests")]
 
 from sharkd import Sharkd  # noqa: E402
+
 from sistap.tshark import Tshark  # noqa: E402
 
 
@@ -25,7 +27,8 @@ def tshark() -> Iterator[Tshark]:
 
 
 @pytest.fixture(scope="session")
-def sharkd(tshark: Tshark) -> Iterator[Sharkd]:
-    """Run sharkd, with the plugins that tshark was found to load."""
+def sharkd() -> Iterator[Sharkd]:
+    """Run sharkd, which has to have the plugin."""
     with Sharkd() as program:
+        assert program.has_field("sis.start"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
         yield program

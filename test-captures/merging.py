@@ -19,12 +19,11 @@ APART = "tcp"  # of the captures of one TCP connection, one is what the other go
 
 @dataclass(frozen=True)
 class Group:
-    """Captures that are dissected with the same options."""
+    """Captures that are dissected together."""
 
     name: str
-    link: str
-    options: tuple[str, ...]
     paths: tuple[Path, ...]
+    options: tuple[str, ...] = ()
 
     def write(self, capture: Path) -> None:
         """Write all of them into one capture."""
@@ -41,19 +40,17 @@ class Group:
 
 
 def groups() -> list[Group]:
-    """Return all captures, those with the same options together."""
-    found: dict[tuple[str, ...], list[Path]] = {}
-    for path in scenarios():
-        scenario = Scenario(path)
-        key = (path.stem,) if scenario.link == APART else ("", *scenario.options)
-        found.setdefault(key, []).append(path)
-    return [_group(tuple(paths)) for paths in found.values()]
+    """Return all captures but those of TCP, once without options, and once with the options of all of them."""
+    all_of_them = [Scenario(path) for path in scenarios()]
+    together = [scenario for scenario in all_of_them if scenario.link != APART]
+    paths = tuple(scenario.path for scenario in together)
+    options = tuple(word for scenario in together for word in scenario.options)
+    return [Group("plain", paths), Group("all-options", paths, options)]
 
 
-def _group(paths: tuple[Path, ...]) -> Group:
-    scenario = Scenario(paths[0])
-    name = scenario.path.stem if len(paths) == 1 else f"{len(paths)}-captures"
-    return Group(name, scenario.link, tuple(scenario.options), paths)
+def apart() -> list[Group]:
+    """Return each capture of TCP alone."""
+    return [Group(path.stem, (path,)) for path in scenarios() if Scenario(path).link == APART]
 
 
 def _merged(paths: tuple[Path, ...]) -> Iterator[bytes]:

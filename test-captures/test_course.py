@@ -9,10 +9,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from sharkd import Sharkd
 
 from lesson import Bytes, Claim, Command, Filter, Value, claims
 from make import Scenario
-from sharkd import Sharkd
 from sistap.tshark import Tshark
 from tables import BOOLEANS
 

@@ -7,8 +7,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-
 from sharkd import Sharkd
+
 from sistap.tshark import Tshark
 
 HERE = Path(__file__).parent

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from sharkd import Sharkd
 
 # `test` tries fewer examples than `check`; a busy machine is no failure of either.
 settings.register_profile("quick", max_examples=25, deadline=None)
@@ -17,6 +18,14 @@ settings.load_profile("quick")
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+@pytest.fixture(scope="session")
+def sharkd() -> Iterator[Sharkd]:
+    """Run sharkd, which has to have the plugin."""
+    with Sharkd() as program:
+        assert program.has_field("sis.start"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
+        yield program
 
 
 @pytest.fixture(autouse=True)

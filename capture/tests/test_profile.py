@@ -56,8 +56,14 @@ def tshark() -> Iterator[Run]:
         yield run
 
 
+def test_wireshark_takes_the_filters(tshark: Run) -> None:
+    """One after the other joined by "or": what tshark refuses it names."""
+    tshark("specification", "-c", "1", "-Y", " || ".join(f"({text})" for text in FILTERS))
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize("text", FILTERS)
-def test_wireshark_takes_the_filter(tshark: Run, text: str) -> None:
+def test_wireshark_takes_each_filter(tshark: Run, text: str) -> None:
     tshark("specification", "-c", "1", "-Y", text)
 
 

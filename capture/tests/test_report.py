@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import pytest
 from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
+from sharkd import Sharkd
 
 from sistap.record import Type
 from sistap.report import plain, tables
@@ -151,27 +152,22 @@ def test_the_worst_of_each_kind_come_first(figures: dict[str, Any]) -> None:
     assert figures["worst"][0]["limit_s"] == 0.005
 
 
-def found(tshark: Tshark, capture: Path, display_filter: str) -> list[int]:
-    fields = ("-T", "fields", "-e", "frame.number")
-    return [int(line) for line in tshark.output("-2", "-r", str(capture), "-Y", display_filter, *fields).split()]
-
-
-def test_display_filters_find_what_they_stand_beside(tshark: Tshark, capture: Path, report: Report) -> None:
+def test_display_filters_find_what_they_stand_beside(sharkd: Sharkd, capture: Path, report: Report) -> None:
     for moment in report.worst:
-        assert found(tshark, capture, moment.filter)[-1] == moment.number
-        assert found(tshark, capture, f"({moment.filter}) && ({moment.kind.filter})")[-1] == moment.number
+        assert sharkd.frames(capture, moment.filter)[-1] == moment.number
+        assert sharkd.frames(capture, f"({moment.filter}) && ({moment.kind.filter})")[-1] == moment.number
         if moment.kind.is_fault:
             count = report.figures.moments.counts[moment.kind.name]
-            assert len(found(tshark, capture, moment.kind.filter)) == count
-    assert found(tshark, capture, report.worst[1].filter) == [9, 10]  # a reaction with its command
+            assert len(sharkd.frames(capture, moment.kind.filter)) == count
+    assert sharkd.frames(capture, report.worst[1].filter) == [9, 10]  # a reaction with its command
 
 
 def test_the_lines_of_the_worst_are_wiresharks(tshark: Tshark, capture: Path, report: Report) -> None:
     lines = tshark.output("-2", "-r", str(capture)).splitlines()
     assert set(report.info) == {moment.number for moment in report.worst}
-    for number, info in report.info.items():
-        assert info
-        assert lines[number - 1].endswith(info.rstrip())
+    for number, line in report.info.items():
+        assert line
+        assert lines[number - 1].endswith(line.rstrip())
 
 
 def test_windows_show_the_worst_and_what_was_asked_for(tshark: Tshark, capture: Path) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from commands import refused, run
+from commands import refused, run, run_anew
 from report_capture import BUS, write
 
 from sistap import cli
@@ -132,9 +132,8 @@ def test_a_signal_ends_it_and_no_file_stays(
 def test_no_home_is_no_matter(tmp_path: Path, capture: Path) -> None:
     """matplotlib would like to keep something there."""
     (tmp_path / "file").touch()
-    done = report(
-        tmp_path, capture, HOME=str(tmp_path / "file"), XDG_CONFIG_HOME="", XDG_CACHE_HOME="", MPLCONFIGDIR=""
-    )
+    nowhere = {"HOME": str(tmp_path / "file"), "XDG_CONFIG_HOME": "", "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
+    done = run_anew(tmp_path, "report", capture, **nowhere)
     assert (done.returncode, done.stderr) == (0, "sistap: report.html written\n")
 
 
@@ -147,8 +146,9 @@ def test_a_window_that_is_none(tmp_path: Path, capture: Path) -> None:
 def test_without_matplotlib_text_still_works(tmp_path: Path, capture: Path) -> None:
     (tmp_path / "matplotlib.py").write_text("raise ImportError('not here')")
     path = f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"
-    refused(report(tmp_path, capture, PYTHONPATH=path), 1, "matplotlib is missing", "pip install", "python3-matplotlib")
-    assert report(tmp_path, capture, "--format", "text", PYTHONPATH=path).returncode == 0
+    done = run_anew(tmp_path, "report", capture, PYTHONPATH=path)
+    refused(done, 1, "matplotlib is missing", "pip install", "python3-matplotlib")
+    assert run_anew(tmp_path, "report", capture, "--format", "text", PYTHONPATH=path).returncode == 0
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, capture: Path) -> None:

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from sharkd import Sharkd
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
 from sistap.bus.playing.played import Played
@@ -25,7 +26,6 @@ from sistap.captured import records
 from sistap.line import Flag
 from sistap.record import Event, Type
 from sistap.telegram import parse
-from sistap.tshark import Tshark
 
 MS = 1_000_000
 ONCE = Playing(cycles=1)
@@ -50,13 +50,6 @@ script = [
 ]
 """
 READ = octets("02 5F 05 05 00 10 10 03 3C 03 00 33 00")  # checksum by hand
-
-
-@pytest.fixture(scope="module")
-def tshark() -> Iterator[Tshark]:
-    with Tshark() as program:
-        assert "sis.so" in program.output("-G", "plugins")
-        yield program
 
 
 def read(text: str, folder: Path) -> Scenario:
@@ -425,13 +418,11 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("fault", "matches"), FAULTS)
-def test_wireshark_sees_what_goes_wrong(fault: str, matches: dict[str, int], tmp_path: Path, tshark: Tshark) -> None:
+def test_wireshark_sees_what_goes_wrong(fault: str, matches: dict[str, int], tmp_path: Path, sharkd: Sharkd) -> None:
     (tmp_path / "x.toml").write_text(BUS_OF_ONE + (f"\n[[fault]]\n{fault}\n" if fault else ""))
     file = tmp_path / "x.pcapng"
     record(str(tmp_path / "x.toml"), file)
-    tmp_path.chmod(0o755)
-    found = {name: len(tshark.output("-2", "-r", str(file), "-Y", name).splitlines()) for name in matches}
-    assert found == matches
+    assert {name: len(sharkd.frames(file, name)) for name in matches} == matches
 
 
 def test_a_command_that_was_not_answered_is_sent_again_after_trs_and_twm(tmp_path: Path) -> None:

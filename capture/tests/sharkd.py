@@ -25,7 +25,7 @@ class Sharkd:
 
     def __init__(self) -> None:
         self._program = Tshark("sharkd")
-        self._errors: BinaryIO = tempfile.TemporaryFile()
+        self._errors: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the rest
         self._process = self._program.start(["-"], self._errors)
         self._folder = Path(tempfile.mkdtemp(prefix="sharkd-"))
         self._folder.chmod(0o755)  # as root, Tshark runs it as nobody
@@ -51,8 +51,12 @@ class Sharkd:
         display_filter += " " * self._loads
         return [frame["num"] for frame in self._request("frames", filter=display_filter)]
 
+    def has_field(self, name: str) -> bool:
+        """Tell whether a dissector has such a field."""
+        return any(one["f"] == name for one in self._request("complete", field=name).get("field", []))
+
     def _load(self, capture: Path) -> None:
-        if self._loaded == capture:
+        if self._loaded == capture:  # it does not change in a test
             return
         copy = self._folder / f"{self._loads}.pcapng"  # the one before stays: sharkd still has it open
         shutil.copyfile(capture, copy)
