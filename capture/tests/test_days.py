@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hours and a day of capture in simulated time: a bus over its socket, the real framer, session, clock, writer and ring.
+"""Hours and a day of capture in simulated time: a bus over its socket, real framer, session, clock, writer and ring.
 
 The machine's clocks are the test's: the monotonic one goes with the bus, the wall clock drifts away from it.
 """
