@@ -19,6 +19,7 @@ every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: p
 
 
 TABLE = "uat:sis_parameters:"  # the user's table of parameters: Lua cannot have one
+PLAIN, WITH_OPTIONS = groups()
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 
 
@@ -32,8 +33,18 @@ def options(given: Sequence[str], passes: tuple[str, ...]) -> list[str]:
     return [*passes, *reading, *(word for pair in understood for word in pair)]
 
 
-@PASSES
-@pytest.mark.parametrize("group", [*groups(), *apart()], ids=lambda group: group.name)
+@pytest.mark.parametrize(
+    ("group", "passes"),
+    [
+        (PLAIN, ()),
+        (PLAIN, ("-2",)),
+        (WITH_OPTIONS, ()),
+        pytest.param(WITH_OPTIONS, ("-2",), marks=pytest.mark.thorough),
+        *((group, ()) for group in apart()),
+        *(pytest.param(group, ("-2",), marks=pytest.mark.thorough) for group in apart()),
+    ],
+    ids=lambda value: value.name if isinstance(value, Group) else "two_passes" if value else "one_pass",
+)
 def test_every_item(group: Group, passes: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """The whole trees, and the packet list alone, for which most of the work is left out."""
     capture = tmp_path / "merged.pcapng"

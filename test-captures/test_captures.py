@@ -29,6 +29,8 @@ def test_dissection(path: Path, tshark: Tshark) -> None:
 
 
 PASSES = ((), ("-2",))
+PLAIN, WITH_OPTIONS = groups()
+GROUP_NAMES = (PLAIN.name, WITH_OPTIONS.name)
 LATER = {f"sis.{name}" for name in LATER_NAMES}
 
 
@@ -52,7 +54,7 @@ def check_passes(capture: Path, options: Sequence[str], tshark: Tshark) -> None:
 
 
 # Without TCP, which does not know in the first of two passes where a split telegram ends.
-@pytest.mark.parametrize("group", groups(), ids=lambda group: group.name)
+@pytest.mark.parametrize("group", [PLAIN, pytest.param(WITH_OPTIONS, marks=pytest.mark.thorough)], ids=GROUP_NAMES)
 def test_second_pass_says_the_same(group: Group, tshark: Tshark, tmp_path: Path) -> None:
     capture = tmp_path / "merged.pcapng"
     group.write(capture)

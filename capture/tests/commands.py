@@ -25,9 +25,18 @@ _PROCESSES.set_forkserver_preload(
 
 def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run `sistap` in a folder, with nothing to read; never a traceback."""
+    done = run_with(folder, b"", *arguments, **environment)
+    return subprocess.CompletedProcess(done.args, done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def run_with(
+    folder: Path, stdin: bytes, *arguments: str | Path, **environment: str
+) -> subprocess.CompletedProcess[bytes]:
+    """Run `sistap` in a folder, with this on standard input; never a traceback."""
     words = list(map(str, arguments))
     with tempfile.TemporaryDirectory() as place:
-        files = [Path(place, name) for name in ("out", "errors")]
+        files = [Path(place, name) for name in ("in", "out", "errors")]
+        files[0].write_bytes(stdin)
         process = _PROCESSES.Process(target=_main, args=(folder, words, dict(os.environ) | environment, files))
         process.start()
         process.join(TIMEOUT_S)
@@ -36,8 +45,8 @@ def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.
             process.kill()
             process.join()
             raise subprocess.TimeoutExpired(words, TIMEOUT_S)
-        out, errors = (file.read_bytes().decode() for file in files)
-    assert "Traceback" not in errors
+        out, errors = (file.read_bytes() for file in files[1:])
+    assert b"Traceback" not in errors
     return subprocess.CompletedProcess(words, code, out, errors)
 
 
@@ -59,10 +68,13 @@ def run_anew(folder: Path, *arguments: str | Path, **environment: str) -> subpro
 
 def _main(folder: Path, arguments: list[str], environment: dict[str, str], files: list[Path]) -> None:
     """Be sistap: what a new interpreter would have made of its surroundings, made again."""
-    for descriptor, file in enumerate(files, 1):
-        with file.open("wb") as stream:
+    for descriptor, file in enumerate(files):
+        with file.open("wb" if descriptor else "rb") as stream:
             os.dup2(stream.fileno(), descriptor)
-    sys.stdout, sys.stderr = (io.TextIOWrapper(io.FileIO(number, "w", closefd=False)) for number in (1, 2))
+    sys.stdin = io.TextIOWrapper(io.BufferedReader(io.FileIO(0, "r", closefd=False)))
+    sys.stdout, sys.stderr = (
+        io.TextIOWrapper(io.BufferedWriter(io.FileIO(number, "w", closefd=False))) for number in (1, 2)
+    )
     os.environ.clear()
     os.environ.update(environment)
     time.tzset()

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from commands import run_with
 from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket
@@ -34,17 +35,7 @@ PHASE_TEXT = "0 -> 0  Reaction  Read phase (SYNAX): phase 2 (parameter mode)"
 def run(
     folder: Path, *arguments: str | Path, stdin: bytes = b"", **environment: str
 ) -> subprocess.CompletedProcess[bytes]:
-    done = subprocess.run(
-        [*ANNOTATE, *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | environment,
-        input=stdin,
-        capture_output=True,
-        check=False,
-        timeout=120,
-    )
-    assert b"Traceback" not in done.stderr
-    return done
+    return run_with(folder, stdin, "annotate", *arguments, **environment)
 
 
 def refused(done: subprocess.CompletedProcess[bytes], code: int, *words: str) -> None:
