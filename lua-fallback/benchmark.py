@@ -72,8 +72,7 @@ def check(sides: dict[str, Tshark], capture: str) -> None:
 
 def seconds(tshark: Tshark, capture: str, options: list[str]) -> float:
     """Give the processor time of one run."""
-    used = tshark.usage(["-r", capture, *options])
-    return used.ru_utime + used.ru_stime
+    return tshark.usage(["-r", capture, *options]).seconds
 
 
 def rates(sides: dict[str, Tshark], captures: tuple[str, str], count: int, rounds: int, mode: str) -> dict[str, float]:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import resource
 import struct
 import sys
 import tempfile
@@ -30,7 +29,7 @@ from telegrams import telegrams  # noqa: E402
 from sistap import pcapng  # noqa: E402
 from sistap.line import Flag, LineSettings  # noqa: E402
 from sistap.record import Record, Type  # noqa: E402
-from sistap.tshark import Tshark, TsharkError  # noqa: E402
+from sistap.tshark import Tshark, TsharkError, Used  # noqa: E402
 
 SETTINGS = LineSettings(115200, 8, "E", 2)
 START_NS = 1_700_000_000_000_000_000
@@ -141,7 +140,7 @@ class Benchmark:
             for protocol, number in itertools.product(PROTOCOLS, counts):
                 used = self._usage(protocol, number, layers)
                 key = protocol.name, number
-                best_s[key] = min(best_s[key], used.ru_utime + used.ru_stime)
+                best_s[key] = min(best_s[key], used.seconds)
         many, one = counts
         return [
             (best_s[protocol.name, many] - best_s[protocol.name, one]) / (many - one) * 1e6 for protocol in PROTOCOLS
@@ -150,11 +149,11 @@ class Benchmark:
     def memory(self, count: int) -> list[float]:
         """Give the bytes that a packet adds to the memory of tshark, for each protocol, from half of them to all."""
         sizes = [
-            [self._usage(protocol, number, []).ru_maxrss for number in (count // 2, count)] for protocol in PROTOCOLS
+            [self._usage(protocol, number, []).kilobytes for number in (count // 2, count)] for protocol in PROTOCOLS
         ]
         return [(many - half) * 1024 / (count - count // 2) for half, many in sizes]
 
-    def _usage(self, protocol: Protocol, number: int, layers: list[str]) -> resource.struct_rusage:
+    def _usage(self, protocol: Protocol, number: int, layers: list[str]) -> Used:
         return self._tshark.usage(["-r", self.capture(protocol, number), *protocol.options, *layers])
 
 

@@ -43,7 +43,7 @@ class Console:
         self._descriptor = never_waiting(stream)
         weakref.finalize(self, os.close, self._descriptor)
         self._poll: select.poll | None = None
-        if hasattr(select, "poll"):  # Windows has none
+        if sys.platform != "win32":
             self._poll = select.poll()
             self._poll.register(self._descriptor, select.POLLOUT)
 

@@ -212,7 +212,7 @@ def _version(text: str) -> Point:
 def _dumpcap() -> Iterator[Point]:
     """See whether Wireshark may start dumpcap: it captures through it from serial ports, too."""
     path = shutil.which("dumpcap", mode=os.F_OK)  # one that may not be run is found as well
-    if path and not os.access(path, os.X_OK):
+    if sys.platform != "win32" and path and not os.access(path, os.X_OK):
         group = Path(path).group()
         cure = f"`sudo usermod -aG {group} $USER`, then log in again"
         yield Point("bad", "dumpcap", f"Wireshark cannot capture: {path} is for group {group}: {cure}")

@@ -8,7 +8,7 @@ on the bus and nobody knows it while capturing. Only a second of silence, or the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from operator import sub
+from itertools import pairwise
 
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.record import INTERVAL_MAX, Framing, Record, Type
@@ -54,12 +54,11 @@ class Framer(ABC):
             flags = bytes([flags[0] | Flag.INTERVAL_UNKNOWN]) + flags[1:]
         last_ns = times[-1]
         time_ns = max(time_ns, last_ns)  # a clock that goes back (another machine's) must not end the capture
-        if count == 1:
-            pause_ns = time_ns - last_ns
-        else:
+        pause_ns = time_ns - last_ns
+        if following := flags[1:]:
             # The first of k characters came at least k - 1 character times before the last.
-            pause_ns = time_ns - last_ns - (count - 1) * self.settings.character_ns
-            flags = flags[:1] + flags[1:].translate(_WITH_SAME_READ)
+            pause_ns -= len(following) * self.settings.character_ns
+            flags = flags[:1] + following.translate(_WITH_SAME_READ)
         if self._silent(pause_ns, uncertainty_ns):
             records = self.flush()
         self._data += data
@@ -72,7 +71,7 @@ class Framer(ABC):
 
     def idle(self, idle_ns: int) -> list[Record]:
         """Tell that nothing was read for so long, by the caller's clock; give the records that this completes."""
-        return self.flush() if self._data and idle_ns >= self.silence_ns else []
+        return self.flush() if idle_ns >= self.silence_ns else []
 
     def flush(self) -> list[Record]:
         """Give all that is left: the line is silent, or the capture ends."""
@@ -101,13 +100,12 @@ class Framer(ABC):
 
     def _record(self, kind: Type, start: int, end: int, *, checksum_bad: bool = False) -> Record:
         times = self._times
-        intervals = list(map(sub, times[start + 1 : end + 1], times[start:end]))
+        intervals = [later - earlier for earlier, later in pairwise(times[start : end + 1])]
         flags = self._flags[start:end]
-        if max(intervals) > INTERVAL_MAX:
-            for i, interval in enumerate(intervals):
-                if interval > INTERVAL_MAX:
-                    intervals[i] = INTERVAL_MAX
-                    flags[i] |= Flag.INTERVAL_SATURATED
+        for i, interval in enumerate(intervals):
+            if interval > INTERVAL_MAX:
+                intervals[i] = INTERVAL_MAX
+                flags[i] |= Flag.INTERVAL_SATURATED
         return Record(
             times[start + 1],
             kind,
@@ -138,7 +136,6 @@ class SilenceFramer(Framer):
             records.append(self._record(Type.FRAME, start, end))
             start = end
         self._drop(start)
-        self._needed = RUN_LIMIT
 
 
 class SisFramer(Framer):

@@ -94,13 +94,9 @@ def fitting(results: Iterable[Result], place: str, now: Conditions) -> tuple[Res
 
 
 def _text(path: Path) -> str:
-    if not path.is_file():  # reading a pipe would wait
+    if not path.is_file() or path.stat().st_size > _LARGEST_FILE:  # reading a pipe would wait
         raise ValueError
-    with path.open("rb") as stream:
-        data = stream.read(_LARGEST_FILE + 1)
-    if len(data) > _LARGEST_FILE:
-        raise ValueError
-    return data.decode()
+    return path.read_bytes().decode()
 
 
 def _parse(text: str) -> list[Result]:

@@ -77,7 +77,7 @@ def never_waiting(descriptor: int) -> int:
 
     The stream itself must keep its mode: it is shared with the shell.
     """
-    if os.isatty(descriptor) and sys.platform != "win32":
+    if sys.platform != "win32" and os.isatty(descriptor):
         with contextlib.suppress(OSError):  # a terminal of another user
             return os.open(os.ttyname(descriptor), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
     return os.dup(descriptor)
@@ -217,23 +217,22 @@ class _File:
         self._poll: select.poll | None = None
         if self._regular and path != STANDARD_OUTPUT:
             self._lock()
-        elif not self._regular and hasattr(select, "poll"):  # Windows has none
+        elif sys.platform != "win32" and not self._regular:
             self._poll = select.poll()
             self._poll.register(self._descriptor, select.POLLOUT)
 
     def _lock(self) -> None:
         """Keep other captures out. Where locks do not exist there is no protection."""
-        if sys.platform == "win32":
-            return
-        try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(self._descriptor)
-            raise OutputRefused(
-                f"{self.path} is being written by another capture; choose another file with -w"
-            ) from None
-        except OSError:
-            pass
+        if sys.platform != "win32":
+            try:
+                fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                os.close(self._descriptor)
+                raise OutputRefused(
+                    f"{self.path} is being written by another capture; choose another file with -w"
+                ) from None
+            except OSError:
+                pass
 
     def empty(self) -> None:
         """Drop what an older capture left; not what a shell appends to."""
@@ -261,7 +260,9 @@ class _File:
     @property
     def deserted(self) -> bool:
         """Whether it is a pipe that has no reader any more."""
-        return self._poll is not None and any(events & select.POLLERR for _, events in self._poll.poll(0))
+        if sys.platform == "win32" or self._poll is None:
+            return False
+        return any(events & select.POLLERR for _, events in self._poll.poll(0))
 
     def close(self) -> None:
         """Close, and delete it if it is new and empty."""
@@ -277,7 +278,10 @@ def _open(path: str) -> tuple[int, bool]:
         if sys.platform == "win32":
             msvcrt.setmode(1, os.O_BINARY)
         return never_waiting(1), False
-    flags = os.O_WRONLY | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    if sys.platform == "win32":
+        flags = os.O_WRONLY | os.O_BINARY
+    else:
+        flags = os.O_WRONLY | os.O_NOCTTY
     if path.startswith(_WINDOWS_PIPES):
         return os.open(path, flags), False
     try:

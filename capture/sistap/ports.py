@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,14 +71,18 @@ def identity(port: str, behind: Adapter) -> str:
 
 
 def _is_pseudo_terminal(port: str) -> bool:
+    if sys.platform == "win32":
+        return False
     try:
         return os.major(Path(port).stat().st_rdev) in _PTY_SLAVE_MAJORS
-    except (OSError, AttributeError):  # missing, or no major numbers on this system
+    except OSError:
         return False
 
 
 def is_own_terminal(port: str) -> bool:
     """Tell whether a port is the terminal that this program reads or writes."""
+    if sys.platform == "win32":
+        return False
     try:
         device = Path(port).stat().st_rdev
     except (OSError, ValueError):

@@ -19,12 +19,6 @@ from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.rates import RATES
 from sistap.session import Stop
 
-if sys.platform != "win32":
-    from sistap.reader import delay
-    from sistap.reader.latency import port_conditions
-    from sistap.reader.opening import open_device
-    from sistap.reader.tuning import Tuning
-
 DESCRIPTION = """\
 Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
 lines are joined. The result is kept, and later captures say their times with the bound that it found.
@@ -79,6 +73,8 @@ def run(args: argparse.Namespace) -> int:
     if sys.platform == "win32":
         console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
         return FAILED
+    from sistap.reader import delay  # here, as Windows has no such module
+
     Stop()  # so that a signal ends it as Ctrl-C does, the port put back
     try:
         settings = _checked(args)
@@ -120,7 +116,12 @@ def _checked(args: argparse.Namespace) -> LineSettings:
 def _measure(
     args: argparse.Namespace, settings: LineSettings, console: Console
 ) -> tuple[str, measurement.Conditions, Sequence[int]]:
-    """Give what was measured, under which conditions, and the delays in ns. May raise PortError."""
+    """Return what was measured, under which conditions, and the delays in ns. May raise PortError."""
+    from sistap.reader import delay  # here, as Windows has no such modules
+    from sistap.reader.latency import port_conditions
+    from sistap.reader.opening import open_device
+    from sistap.reader.tuning import Tuning
+
     duration_ns = int(args.duration * 1e9)
     if not args.port:
         with _undisturbed():

@@ -15,13 +15,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
-
-if TYPE_CHECKING:
-    import resource  # not on Windows
+from typing import IO, Any, NamedTuple
 
 NOBODY = 65534
 OLDEST_WIRESHARK = (4, 0)
@@ -75,6 +72,13 @@ def loaded(text: str) -> list[Loaded]:
     return [Loaded(row[0], row[1], row[-1]) for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
 
 
+class Used(NamedTuple):
+    """What a run of tshark has used."""
+
+    seconds: float  # of processor time
+    kilobytes: int  # of memory, at most
+
+
 class Tshark:
     """A place to run tshark in; as root with a copy of the plugins that nobody can read. Use it in a `with`."""
 
@@ -100,7 +104,8 @@ class Tshark:
         folder.chmod(0o755)
         home = folder / "home"
         home.mkdir()
-        os.chown(home, NOBODY, NOBODY)
+        if sys.platform != "win32":
+            os.chown(home, NOBODY, NOBODY)
         self._environment["HOME"] = str(home)
         self._environment.pop("XDG_CONFIG_HOME", None)
         for variable in _FOLDER_VARIABLES:
@@ -146,7 +151,7 @@ class Tshark:
         *,
         capture: bool = True,
         extra_environment: dict[str, str] | None = None,
-        stdin: BinaryIO | None = None,
+        stdin: IO[bytes] | None = None,
     ) -> subprocess.CompletedProcess[str]:
         """Run tshark to its end; `capture` keeps stdout and stderr as text, else they pass through."""
         settings = self._settings(arguments)
@@ -158,8 +163,11 @@ class Tshark:
             command, check=False, text=True, encoding="utf-8", errors="replace", capture_output=capture, **settings
         )
 
-    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
-        """Run tshark and give its stdout line by line, as it comes. TsharkError, after the last, if it failed."""
+    def lines(self, arguments: Sequence[str]) -> Generator[str, None, None]:
+        """Run tshark and yield its stdout line by line, as it comes. TsharkError, after the last, if it failed.
+
+        Who does not want the rest closes the generator: that ends tshark.
+        """
         command = [self._path, *self._readable(arguments)]
         with tempfile.TemporaryFile() as errors:
             with subprocess.Popen(
@@ -182,20 +190,22 @@ class Tshark:
                 said = errors.read().decode(errors="replace").strip()
                 raise TsharkError(said or f"{Path(self._path).name} ended with exit code {process.returncode}")
 
-    def start(self, arguments: Sequence[str], errors: BinaryIO) -> subprocess.Popen[bytes]:
+    def start(self, arguments: Sequence[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
         """Start tshark with pipes to its stdin and from its stdout; what it says on stderr goes to `errors`."""
         settings = self._settings(arguments) | {"stdin": subprocess.PIPE}
         return subprocess.Popen([self._path, *arguments], stdout=subprocess.PIPE, stderr=errors, **settings)
 
-    def usage(self, arguments: Sequence[str]) -> resource.struct_rusage:
-        """Run tshark with its output thrown away; give what it used. TsharkError if it failed."""
+    def usage(self, arguments: Sequence[str]) -> Used:
+        """Run tshark with its output thrown away; return what it used. TsharkError if it failed."""
+        if sys.platform == "win32":
+            raise TsharkError("Windows does not tell what a program has used: measure on Linux")
         command = [self._path, *self._readable(arguments)]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, **self._settings(arguments)) as process:
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             raise TsharkError(f"{Path(self._path).name} ended with exit code {process.returncode}")
-        return usage
+        return Used(usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
 
     def output(self, *arguments: str) -> str:
         """Run tshark and give its stdout. TsharkError with its last words if it failed."""

@@ -89,7 +89,7 @@ class PcapngWriter:
 
     def look(self, time_ns: int) -> None:
         """Go on with the next file if this one is full."""
-        if self._started and self._output.full and not self._output.done and self._output.open_next():
+        if self._output.full and not self._output.done and self._output.open_next():
             self.end(time_ns)
             self._output.go_on()
             self.begin(*(self._again(started, time_ns) for started in self._started))

@@ -14,7 +14,7 @@ from sistap.bus.stations.making import make
 from sistap.bus.wires.pty_port import PseudoTerminalPort
 from sistap.line import LineSettings
 
-STATIONS = [
+STATIONS: list[dict[str, object]] = [
     {"address": 3, "behind": [{"address": 2, "kind": "synax", "behind": [{"address": 8}]}]},
     {"address": 4},
 ]

@@ -90,6 +90,13 @@ def test_a_column_of_characters_that_look_like_bytes(line: str) -> None:
     assert [record.data for record in records(line)] == [b"12 34A"]
 
 
+@pytest.mark.parametrize(("width", "of_a_dump"), [(256, True), (257, False)])
+def test_a_line_of_a_dump_has_at_most_256_bytes(width: int, of_a_dump: bool) -> None:
+    data = b"z" * (width - 12) + b" 12 34 56 78"
+    found = b"".join(record.data for record in records(f"{data.hex(' ')}  {data.decode()}"))
+    assert found == data + (b"" if of_a_dump else b"\x12\x34\x56\x78")
+
+
 def test_a_wrong_checksum_is_a_frame() -> None:
     [record] = records("02 57 02 02 10 92 00 00 00 02")
     assert record.type == Type.FRAME

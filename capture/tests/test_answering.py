@@ -73,6 +73,16 @@ def test_a_start_character_after_a_pause_that_begins_no_telegram_is_a_byte_of_th
     assert Ear().hear(command[:place], 500, command[place:]) == [command]
 
 
+def test_a_start_character_after_a_pause_that_ends_a_good_telegram_is_its_last_byte() -> None:
+    command = build(0x1F, 16, 3, octets("3C 03 00 24 00 02"))
+    assert Ear().hear(command[:-1], 500, command[-1:]) == [command]
+
+
+def test_a_start_character_after_a_pause_that_ends_a_damaged_telegram_begins_the_next() -> None:
+    damaged = build(0x1F, 16, 3, octets("3C 03 00 24 00 03"))[:-1] + READ_PHASE[:1]
+    assert Ear().hear(damaged[:-1], 500, READ_PHASE) == [READ_PHASE]
+
+
 def test_what_cannot_become_a_telegram_is_over_with_the_silence() -> None:
     ear = Ear()
     wrong = octets("02 5C 00 01 00 12 10 80")

@@ -67,6 +67,9 @@ class FakeReader:
             os.kill(os.getpid(), signal.SIGTERM)
         return read
 
+    def change(self, settings: LineSettings) -> None:
+        self.settings = settings
+
     def close(self) -> None:
         self.closed = True
 

@@ -20,6 +20,7 @@ import serial
 from sistap import cli, doctor, measurement, ports, priority
 from sistap.doctor import Point
 from sistap.reader import latency
+from sistap.tshark import TsharkError
 
 TSHARK = "TShark (Wireshark) 4.2.5 (Git v4.2.5 packaged as 4.2.5-1).\n"
 PLUGIN = (
@@ -36,7 +37,7 @@ class FakeTshark:
 
     def __enter__(self) -> "FakeTshark":
         if self.error:
-            raise doctor.TsharkError(self.error)
+            raise TsharkError(self.error)
         return self
 
     def __exit__(self, *error: object) -> None: ...

@@ -12,10 +12,12 @@ from hypothesis import strategies as st
 from specification import TELEGRAMS
 
 from sistap import telegram
-from sistap.framer import RUN_LIMIT, SILENCE_NS, Framer, SilenceFramer, SisFramer
+from sistap.framer import Framer, SilenceFramer, SisFramer
 from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.record import INTERVAL_MAX, Framing, Record, Type
 
+SILENCE_NS = 1_000_000_000  # after this a telegram does not go on
+RUN_LIMIT = 4096  # other characters of one record
 SETTINGS = LineSettings(115200)
 START_NS = 1_700_000_000_000_000_000
 GOOD = TELEGRAMS["6-24"]
@@ -244,6 +246,13 @@ def test_a_good_telegram_inside_a_damaged_one_wins() -> None:
     assert cut(shell + GOOD + bytes(6)) == [(OTHER, shell), (FRAME, GOOD), (OTHER, bytes(6))]
 
 
+def test_a_damaged_telegram_right_before_a_good_one_stays_a_frame() -> None:
+    """Also inside a longer damaged one, which reaches into the good one and so is none."""
+    shell = bytes([0x02, 0x00, 0x20, 0x20, 0, 0, 0, 0])
+    rest = bytes(len(shell) + 0x20 - len(shell + DAMAGED + GOOD))
+    assert cut(shell + DAMAGED + GOOD + rest) == [(OTHER, shell), (BAD, DAMAGED), (FRAME, GOOD), (OTHER, rest)]
+
+
 def test_a_lost_character_costs_one_telegram() -> None:
     short = GOOD[:6] + GOOD[7:]
     assert cut(short + GOOD) == [(OTHER, short), (FRAME, GOOD)]
@@ -252,6 +261,36 @@ def test_a_lost_character_costs_one_telegram() -> None:
 def test_different_lengths_are_no_telegram() -> None:
     wrong = GOOD[:2] + b"\x03" + GOOD[3:]
     assert cut(wrong + GOOD) == [(OTHER, wrong), (FRAME, GOOD)]
+
+
+def test_what_is_certain_needs_no_further_character() -> None:
+    framer = SisFramer(0, SETTINGS)
+    assert feed(framer, one_by_one(b"xyz")) == []
+    assert kinds(framer.settle()) == [(OTHER, b"xyz")]
+    assert feed(framer, one_by_one(b"\x02\x00\x00\x01")) == []  # two lengths that differ
+    assert kinds(framer.settle()) == [(OTHER, b"\x02\x00\x00\x01")]
+    assert feed(framer, one_by_one(GOOD[:3])) == []
+    assert framer.settle() == []
+
+
+def holds(framer: Framer) -> tuple[bool, int | None]:
+    """Whether anything, and since when."""
+    return not framer.empty, framer.oldest_ns
+
+
+def test_what_it_holds_and_since_when() -> None:
+    framer = SisFramer(0, SETTINGS)
+    assert holds(framer) == (False, None)
+    first, second, *_ = one_by_one(GOOD)
+    feed(framer, [first])
+    assert holds(framer) == (True, first.time_ns)
+    feed(framer, [second])
+    assert holds(framer) == (True, first.time_ns)
+    framer.flush()
+    assert holds(framer) == (False, None)
+    third = first._replace(time_ns=first.time_ns + SILENCE_NS)
+    feed(framer, [third])
+    assert holds(framer) == (True, third.time_ns)
 
 
 def test_what_may_become_a_telegram_holds_back_what_follows() -> None:
@@ -313,7 +352,7 @@ def test_the_first_interval_is_unknown_and_a_long_one_saturated() -> None:
         [INTERVAL_MAX, 0],
         bytes([Flag.INTERVAL_SATURATED, Flag.SAME_READ]),
     )
-    assert (list(third.intervals), third.flags) == ([INTERVAL_MAX], b"\0")
+    assert (list(third.intervals), third.flags) == ([INTERVAL_MAX], b"\0")  # as long as can be stored
     assert third.time_ns == START_NS + 2 * pause_ns - 1
 
 
@@ -365,7 +404,17 @@ def test_silence_loses_nothing(what: list[Read]) -> None:
     assert b"".join(record.data for record in records) == b"".join(read.data for read in what)
 
 
+def test_a_pause_as_long_as_the_silence_cuts() -> None:
+    framer = SilenceFramer(0, SETTINGS, 5_000_000)
+    assert kinds(feed(framer, reads(b"a", b"b", gap_ns=4_999_999))) == []
+    framer.flush()
+    later = [read._replace(time_ns=read.time_ns + SILENCE_NS) for read in reads(b"a", b"b", gap_ns=5_000_000)]
+    assert kinds(feed(framer, later)) == [(FRAME, b"a")]
+
+
 def test_a_frame_without_silence_is_cut_at_the_limit() -> None:
     framer = SilenceFramer(0, SETTINGS, 5_000_000)
     assert [len(record.data) for record in feed(framer, reads(*[bytes(1000)] * 9))] == [RUN_LIMIT, RUN_LIMIT]
     assert [len(record.data) for record in framer.flush()] == [9000 - 2 * RUN_LIMIT]
+    later = Read(0, START_NS + SILENCE_NS, bytes(RUN_LIMIT), bytes(RUN_LIMIT), 1000)
+    assert [len(record.data) for record in framer.feed(later)] == [RUN_LIMIT]  # with its last character

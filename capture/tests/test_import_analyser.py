@@ -161,9 +161,12 @@ def test_saleae_logic_1(tmp_path: Path) -> None:
     assert times_ms(done) == pytest.approx([1 + TO_STOP_MS, 1 + CHARACTER_MS + TO_STOP_MS, 10 + TO_STOP_MS], abs=1e-5)
 
 
-def test_without_a_sample_rate_a_sample_is_a_quarter_of_a_bit(tmp_path: Path) -> None:
-    """1 / 38400 s."""
+def test_without_a_sample_rate_a_sample_is_a_quarter_of_a_bit(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """1 / 38400 s; said in two digits, and never as less than it is."""
     assert imported(tmp_path, LOGIC_1).records[0].uncertainty_ns == 26042
+    assert "can have come up to 0.027 ms earlier" in capfd.readouterr().err
     assert imported(tmp_path, LOGIC_1, "--samplerate", "12500000").records[0].uncertainty_ns == 80
 
 

@@ -1,23 +1,27 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What self-tests leave behind: kept, found again where it holds, and passed over with one line where it does not."""
 
+from __future__ import annotations
+
 import json
 import os
 import platform
+from array import array
 from pathlib import Path
 
 import pytest
 
 from sistap import measurement, ports, priority
-from sistap.line import LineSettings
+from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.measurement import MACHINE, Conditions, Result
-from sistap.reader import latency
+from sistap.reader import delay, latency
 
 HERE: Conditions = {"machine": "bench", "kernel": "6.1.0-28-amd64", "priority": "ordinary priority"}
 FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285BI")
 UNKNOWN = ports.Adapter("CP2102", "cp210x", serial="0001")
 SETTINGS = LineSettings(9600)
 MEASURED_NS = 400_000  # when a capture starts
+MEASURING = latency.measured_latency_ns.__wrapped__  # which remembers nothing
 
 
 def result(p999_ns: int = 250_000, place: str = MACHINE, conditions: Conditions = HERE) -> Result:
@@ -80,7 +84,7 @@ GOOD = {"place": MACHINE, "date": "2026-11-20", "characters": 5000, "p999_ns": 1
         b"",
         b"\xff\xfe",
         pytest.param(b"[" * 100_000, id="deep"),
-        pytest.param(b'{"results": []}' + b" " * 2_000_000, id="large"),
+        pytest.param(b'{"results": []}'.ljust(1_000_001), id="large"),
         b"[]",
         b"{}",
         b'{"results": 1}',
@@ -95,7 +99,7 @@ GOOD = {"place": MACHINE, "date": "2026-11-20", "characters": 5000, "p999_ns": 1
                 {**GOOD, "p999_ns": True},
                 {**GOOD, "p999_ns": 3},  # longer than the longest
                 {**GOOD, "p999_ns": "1"},
-                {**GOOD, "longest_ns": 1 << 32},
+                {**GOOD, "longest_ns": 0xFFFFFFFF},  # which means that it is not known
                 {**GOOD, "characters": 0},
                 {**GOOD, "date": 20261120},
                 {**GOOD, "conditions": []},
@@ -117,8 +121,23 @@ def test_a_broken_file_is_passed_over_with_one_line_and_replaced(state: Path, co
 
 def test_the_checks_of_a_file_let_a_good_one_pass(state: Path) -> None:
     path = measurement.store(result())
-    path.write_text(json.dumps({"results": [GOOD]}))
-    assert measurement.load() == ([Result(**GOOD)], "")  # type: ignore[arg-type]
+    smallest = {**GOOD, "characters": 1, "longest_ns": 1}
+    largest = {**GOOD, "longest_ns": 0xFFFFFFFE}
+    path.write_text(json.dumps({"results": [smallest, largest]}).ljust(1_000_000))
+    assert measurement.load() == ([Result(**smallest), Result(**largest)], "")  # type: ignore[arg-type]
+
+
+def test_a_result_that_cannot_be_kept_leaves_the_file_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: Path, target: Path) -> None:
+        raise OSError(28, "No space left on device")
+
+    path = measurement.store(result(1))
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", refuse)
+        with pytest.raises(OSError, match="No space left"):
+            measurement.store(result(2))
+    assert measurement.load() == ([result(1)], "")
+    assert os.listdir(path.parent) == [path.name]
 
 
 def test_a_pipe_in_its_place_is_not_waited_for(state: Path) -> None:
@@ -131,10 +150,10 @@ def test_a_pipe_in_its_place_is_not_waited_for(state: Path) -> None:
 def test_a_file_that_cannot_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
     measurement.store(result())
 
-    def refuse(path: Path, mode: str) -> None:
+    def refuse(path: Path) -> bytes:
         raise PermissionError(13, "Permission denied", str(path))
 
-    monkeypatch.setattr(Path, "open", refuse)
+    monkeypatch.setattr(Path, "read_bytes", refuse)
     known = latency.known()
     assert known.machine_ns == MEASURED_NS
     (note,) = known.notes
@@ -177,6 +196,13 @@ def test_it_holds_only_under_its_conditions(name: str, other: str) -> None:
     )
 
 
+def test_of_several_that_do_not_hold_the_newest_is_named() -> None:
+    for date, kernel in (("2026-11-18", "6.12.0"), ("2026-11-19", "6.13.0")):
+        measurement.store(result(conditions=HERE | {"kernel": kernel})._replace(date=date))
+    (note,) = latency.known().notes
+    assert note.startswith("the self-test of 2026-11-19 does not hold here (kernel 6.13.0, now ")
+
+
 def test_of_several_the_one_that_holds() -> None:
     measurement.store(result(250_000))
     measurement.store(result(90_000, conditions=HERE | {"priority": "real-time priority"}))
@@ -194,6 +220,8 @@ def test_what_an_unknown_adapter_adds_is_known_from_its_self_test() -> None:
         "uncertainty 2.50 ms, measured by selftest of the port on 2026-11-20",
         (),
     )
+    store_for(UNKNOWN, MEASURED_NS - 1)  # it adds nothing
+    assert bound(UNKNOWN) == (MEASURED_NS, "uncertainty 0.40 ms, measured when the capture started", ())
 
 
 def test_a_self_test_of_a_port_never_makes_the_uncertainty_smaller() -> None:
@@ -201,6 +229,42 @@ def test_a_self_test_of_a_port_never_makes_the_uncertainty_smaller() -> None:
     assert bound(FTDI).ns == 1_000_000 + MEASURED_NS
     store_for(FTDI, 1_900_000)
     assert bound(FTDI).ns == 1_900_000
+
+
+def test_of_two_bounds_that_are_equal_the_measured_one_is_named() -> None:
+    store_for(FTDI, 1_000_000 + MEASURED_NS)
+    assert bound(FTDI).how == "uncertainty 1.40 ms, measured by selftest of the port on 2026-11-20"
+
+
+@pytest.mark.parametrize(("trigger", "characters"), [(1, 0), (2, 4), (14, 16)])
+def test_a_fifo_holds_a_character_until_its_trigger_or_its_time_out(trigger: int, characters: int) -> None:
+    """A 16550 raises its interrupt at the trigger, or four character times after the last character."""
+    adapter = ports.Adapter("16550A", "8250", fifo_trigger=trigger)
+    at = bound(adapter)
+    assert (at.ns, at.notes) == (MEASURED_NS + characters * SETTINGS.character_ns, ())
+
+
+def test_this_machine_is_measured_for_200_ms_and_the_worst_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def through_pty(duration_ns: int) -> array[int]:
+        asked.append(duration_ns)
+        return array("q", [7, 9, 8])
+
+    monkeypatch.setattr(delay, "through_pty", through_pty)
+    assert MEASURING() == 9
+    assert asked == [200_000_000]
+
+
+@pytest.mark.parametrize("error", [OSError(2, "No such file"), delay.LoopBroken("the port is gone")])
+def test_without_a_pseudo_terminal_nobody_knows(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
+    def through_pty(duration_ns: int) -> array[int]:
+        raise error
+
+    monkeypatch.setattr(delay, "through_pty", through_pty)
+    monkeypatch.setattr(latency, "measured_latency_ns", MEASURING)
+    how = "uncertainty unknown: there is no pseudo terminal to measure it with"
+    assert bound(FTDI) == (UNCERTAINTY_UNKNOWN, how, ())
 
 
 def test_a_self_test_of_a_port_holds_for_its_adapter_tuning_and_line() -> None:

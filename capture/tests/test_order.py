@@ -43,6 +43,12 @@ def test_no_longer_than_half_a_second_and_only_what_waited_so_long() -> None:
     assert [r.time_ns for r in order.due([10], 900 * MS)] == [30]
 
 
+def test_from_the_first_moment_on_only_the_unfinished_counts() -> None:
+    order = Order()
+    order.add([record(1)], 0)
+    assert list(order.due([0], 0)) == []
+
+
 def test_records_of_one_time_stay_as_they_came() -> None:
     order = Order()
     order.add([record(20, line) for line in (2, 1, 2)], 0)

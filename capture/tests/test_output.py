@@ -4,17 +4,38 @@
 from __future__ import annotations
 
 import os
+import pty
 import re
 import resource
+import select
+import stat
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from sistap.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
+from sistap.output import (
+    NO_LIMITS,
+    Limits,
+    Output,
+    OutputError,
+    OutputRefused,
+    file_name,
+    leave_standard_output,
+    never_waiting,
+)
+
+
+def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
+    output = Output(str(tmp_path / "x"), Limits(size=2))
+    output.write(b"1")
+    assert not output.done
+    output.write(b"2")
+    assert output.done
+    output.close()
 
 
 @contextmanager
@@ -190,10 +211,212 @@ def utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     time.tzset()
 
 
+def test_whoever_runs_it_decides_by_his_umask_who_may_read_it(tmp_path: Path) -> None:
+    new, elsewhere, link = (tmp_path / name for name in ("new", "elsewhere", "link"))
+    link.symlink_to(elsewhere)
+    before = os.umask(0)
+    try:
+        for path in (new, link):
+            Output(str(path)).write(b"x")
+    finally:
+        os.umask(before)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (new, elsewhere)] == [0o666, 0o666]
+
+
+def descriptors() -> int:
+    """How many are open."""
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+def test_a_file_that_another_capture_writes_leaves_nothing_open(tmp_path: Path) -> None:
+    first = Output(str(tmp_path / "x"))
+    before = descriptors()
+    with pytest.raises(OutputRefused):
+        Output(str(tmp_path / "x"))
+    assert descriptors() == before
+    first.close()
+
+
+# -- Standard output ------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def standard_output(descriptor: int) -> Iterator[None]:
+    """Let it be this for a while."""
+    before = os.dup(1)
+    os.dup2(descriptor, 1)
+    try:
+        yield
+    finally:
+        os.dup2(before, 1)
+        os.close(before)
+        os.close(descriptor)
+
+
+def test_a_shell_may_append_a_capture_to_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    minus, path = tmp_path / "-", tmp_path / "x"
+    minus.touch()  # a file, as any other: `-w -` does not mean it
+    path.write_bytes(b"before, ")
+    pieces: list[int] = []
+
+    def write(descriptor: int, data: bytes, real: Callable[[int, bytes], int] = os.write) -> int:
+        pieces.extend([len(data)] if data else [])
+        return real(descriptor, data)
+
+    monkeypatch.setattr(os, "write", write)
+    with standard_output(os.open(path, os.O_WRONLY | os.O_APPEND)):
+        Output("-").close()
+        output = Output("-")
+        output.begin()
+        output.write(b"x" * 100_000)
+        output.close()
+        assert str(output) == "standard output"
+    assert path.read_bytes() == b"before, " + b"x" * 100_000
+    assert pieces == [100_000]  # a block is one write
+    assert minus.exists()
+
+
+def test_a_standard_output_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "x").touch()
+    refused = pytest.raises(OutputRefused, match="standard output cannot be written: Bad file descriptor")
+    with standard_output(os.open(tmp_path / "x", os.O_RDONLY)), refused:
+        Output("-")
+
+
+def test_a_standard_output_that_was_left_takes_nothing_more() -> None:
+    reader, writer = os.pipe()
+    with standard_output(writer):
+        leave_standard_output()
+        assert os.write(1, b"x") == 1
+    assert os.read(reader, 1) == b""
+    os.close(reader)
+
+
+def test_a_pipe_is_written_as_it_is() -> None:
+    reader, writer = os.pipe()
+    copy = never_waiting(writer)
+    os.write(copy, b"x")
+    assert (os.read(reader, 2), os.get_blocking(copy)) == (b"x", True)
+    for descriptor in (reader, writer, copy):
+        os.close(descriptor)
+
+
+def test_a_terminal_is_written_without_waiting_and_keeps_its_mode() -> None:
+    master, slave = pty.openpty()
+    own = never_waiting(slave)
+    os.write(own, b"x")
+    assert os.read(master, 2) == b"x"
+    assert (os.get_blocking(own), os.get_blocking(slave)) == (False, True)
+    for descriptor in (master, slave, own):
+        os.close(descriptor)
+
+
+def test_two_captures_may_be_appended_to_one_file(tmp_path: Path) -> None:
+    outputs = []
+    for _ in range(2):
+        with standard_output(os.open(tmp_path / "x", os.O_WRONLY | os.O_APPEND | os.O_CREAT)):
+            outputs.append(Output("-"))
+    for output in outputs:
+        output.begin()
+        output.write(b"x")
+    assert (tmp_path / "x").read_bytes() == b"xx"
+
+
+# -- Who reads a pipe slowly, or not at all -------------------------------------------------------------------------
+
+
+class Announced:
+    """Instead of poll: says whether a pipe takes something, and remembers how long it was to wait for that."""
+
+    def __init__(self, *takes: bool) -> None:
+        self.waited_ms: list[float] = []
+        self._takes = iter(takes)
+
+    def register(self, descriptor: int, events: int) -> None:
+        self._events = [(descriptor, events)]
+
+    def poll(self, wait_ms: float) -> list[tuple[int, int]]:
+        self.waited_ms.append(wait_ms)
+        return self._events if next(self._takes, True) else []
+
+
+Pipe = tuple[Path, int]
+
+
+@pytest.fixture
+def pipe(tmp_path: Path) -> Iterator[Pipe]:
+    """A named one, and its reading end, which waits."""
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    os.set_blocking(reader, True)
+    yield path, reader
+    os.close(reader)
+
+
+def test_it_waits_for_a_reader_a_tenth_of_a_second_at_a_time(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, reader = pipe
+    announced = Announced(False, False, True)
+    monkeypatch.setattr(select, "poll", lambda: announced)
+    output = Output(str(path))
+    output.write(b"abc")
+    assert os.read(reader, 10) == b"abc"
+    assert announced.waited_ms == [100] * 3
+
+
+def test_looking_for_the_reader_does_not_wait(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    announced = Announced(False)
+    monkeypatch.setattr(select, "poll", lambda: announced)
+    Output(str(pipe[0])).check()
+    assert announced.waited_ms == [0]
+
+
+def test_a_stop_cuts_off_no_block_that_is_being_read(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, reader = pipe
+    monkeypatch.setattr(select, "poll", Announced)
+    output = Output(str(path), stopped=lambda: True)
+    block = os.urandom(100_000)
+
+    def write() -> None:
+        output.write(block)
+        output.close()
+
+    thread = threading.Thread(target=write, daemon=True)
+    thread.start()
+    received = b""
+    while data := os.read(reader, 65536):
+        received += data
+    thread.join()
+    assert received == block
+
+
+def test_a_terminal_that_promises_too_much_is_tried_again(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, reader = pipe
+    output = Output(str(path))
+    refusals = 3
+    slept: list[float] = []
+
+    def write(descriptor: int, data: bytes, real: Callable[[int, bytes], int] = os.write) -> int:
+        if len(slept) < refusals:
+            raise BlockingIOError
+        return real(descriptor, data)
+
+    monkeypatch.setattr(os, "write", write)
+    monkeypatch.setattr(time, "sleep", slept.append)
+    output.write(b"abc")
+    assert os.read(reader, 10) == b"abc"
+    assert slept == [0.01] * refusals
+
+
+# -- Several files --------------------------------------------------------------------------------------------------
+
+
 def test_names_are_those_of_dumpcap(utc: None) -> None:
     assert file_name("/a.b/day.pcapng", 1, 1_700_000_000) == "/a.b/day_00001_20231114221320.pcapng"
     assert file_name("day", 23, 1_700_000_000) == "day_00023_20231114221320"
-    assert file_name("day", 100_001, 1_700_000_000) == "day_00001_20231114221320"
+    assert file_name("day", 99_999, 1_700_000_000) == "day_99999_20231114221320"
+    assert file_name("day", 100_000, 1_700_000_000) == "day_00000_20231114221320"
 
 
 def test_several_files_and_only_the_newest_kept(tmp_path: Path) -> None:
@@ -262,12 +485,14 @@ def test_an_oldest_file_that_cannot_be_deleted_is_said_and_stays(tmp_path: Path)
 
 def test_the_summary_names_all_files_that_are_there(tmp_path: Path) -> None:
     output = ring(tmp_path, [])
+    before = descriptors()
     assert re.fullmatch(rf"{tmp_path}/x_00001_\d+", output.summary)
     go_on(output)
     assert re.fullmatch(rf"2 files: {tmp_path}/x_00001_\d+ to {tmp_path}/x_00002_\d+", output.summary)
     go_on(output)
     kept = rf"3 files, of which the last 2 were kept: {tmp_path}/x_00002_\d+ to {tmp_path}/x_00003_\d+"
     assert re.fullmatch(kept, output.summary)
+    assert descriptors() == before  # those of the files before are closed
     output.close()
 
 
@@ -296,3 +521,7 @@ def test_a_pipe_of_windows_is_opened_but_never_made(tmp_path: Path, monkeypatch:
     with pytest.raises(OutputRefused, match="No such file"):
         Output(r"\\.\pipe\capture")
     assert not list(tmp_path.iterdir())
+    pipe = tmp_path / r"\\.\pipe\capture"
+    pipe.touch()
+    Output(pipe.name).close()
+    assert pipe.exists()  # it was not made here

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import struct
 import subprocess
 from decimal import Decimal
 from pathlib import Path
@@ -45,6 +46,7 @@ RECORDS = [
     (frame(0, 6, checksum_bad=True), 0x01000000),
     (frame(2, 7, flag=Flag.CHARACTER_ERROR, checksum_bad=True), 0x81000002),
     (frame(0, 8, flag=Flag.SAME_READ | Flag.INTERVAL_UNKNOWN | Flag.LOST_BEFORE), 0),
+    (frame(0, 9, flag=Flag.UNLOCATED_ERROR), 0x80000000),
 ]
 
 
@@ -140,10 +142,10 @@ def test_python_pcapng_reads_everything(file: Path) -> None:
     assert [block.options["if_speed"] for block in interfaces] == [9600] * 3
     assert {block.options["if_name"] for block in interfaces} == {"/dev/ttyUSB0"}
     packets = [block for block in blocks if isinstance(block, EnhancedPacket)]
-    assert [block.interface_id for block in packets] == [0, 0, 1, 2, 0, 0, 0, 2, 0]
+    assert [block.interface_id for block in packets] == [0, 0, 1, 2, 0, 0, 0, 2, 0, 0]
     statistics = [block for block in blocks if isinstance(block, InterfaceStatistics)]
     assert [(s.options["isb_ifrecv"], s.options["isb_filteraccept"], s.options["isb_osdrop"]) for s in statistics] == [
-        (5, 4, 1),
+        (6, 5, 1),
         (1, 1, 0),
         (2, 2, 0),
     ]
@@ -161,9 +163,52 @@ def test_rtac_has_its_header_and_hands_the_telegram_on(tmp_path: Path) -> None:
     assert libpcap_packets(file)[0] == 250
     found = tshark(file, "rtacser.timestamp", "rtacser.eventtype", "data.data")
     # Received; sent for line 2; parity error; break; data lost before.
-    assert [int(row[1], 16) for row in found] == [2, 2, 1, 8, 9, 2, 8, 5]
+    assert [int(row[1], 16) for row in found] == [2, 2, 1, 8, 9, 2, 8, 5, 2]
     assert {row[0] for row in found} == {"1700000000.123456000"}
     assert {row[2] for row in found} == {TELEGRAM.hex()}
+
+
+def test_without_parity_an_error_is_one_of_framing() -> None:
+    record = frame(0, 1, flag=Flag.CHARACTER_ERROR)
+    assert writer.rtac_event(record._replace(settings=LineSettings(9600, 8, "N"))) == 7
+
+
+def test_rtac_leaves_control_lines_and_footer_zero(tmp_path: Path) -> None:
+    _, packets = libpcap_packets(write(tmp_path / "x.pcapng", "rtac"))
+    # Seconds, microseconds, event, control lines, footer.
+    assert packets[0][1] == struct.pack(">IIBBH", 1_700_000_000, 123_456, 2, 0, 0) + TELEGRAM
+
+
+# By hand from the draft: type, length, what is in it, options, length.
+SECTION = (
+    "0A0D0D0A 34000000 4D3C2B1A 0100 0000 FFFFFFFFFFFFFFFF"  # byte order, version 1.0, length not known
+    "0300 0500 4C696E7578 000000"  # shb_os
+    "0400 0300 736973 00"  # shb_userappl
+    "0000 0000 34000000"
+)
+LINE = (
+    "01000000 28000000 FC00 0000 00000000"  # link type 252, reserved, no limit of a packet's length
+    "0200 0400 74747930"  # if_name
+    "0900 0100 09 000000"  # if_tsresol: ns
+    "0000 0000 28000000"
+)
+PACKET = (
+    "06000000 24000000 02000000 01000000 02000000 03000000 03000000"  # interface, time, lengths
+    "616263 00 24000000"  # no options
+)
+
+
+@pytest.mark.parametrize(
+    ("block", "by_hand"),
+    [
+        (pcapng.section_header("sis", "Linux"), SECTION),
+        (pcapng.interface_description(Interface(252, "tty0")), LINE),
+        (pcapng.enhanced_packet(2, (1 << 32) + 2, b"abc"), PACKET),
+    ],
+    ids=["section", "interface", "packet"],
+)
+def test_a_block_is_as_the_draft_says(block: bytes, by_hand: str) -> None:
+    assert block.hex(" ") == bytes.fromhex(by_hand).hex(" ")
 
 
 def test_a_block_is_as_long_as_it_says() -> None:

@@ -25,6 +25,7 @@ from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
 from sistap.reader.contract import READ_SIZE
 from sistap.reader.device import MarkDecoder, PosixReader
+from sistap.reader.tuning import Tuning
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
@@ -675,7 +676,7 @@ def test_what_came_while_a_port_was_tuned_can_be_as_old_as_its_opening(
 ) -> None:
     clock = SteppedTime(monkeypatch)
 
-    class Slow(device.Tuning):
+    class Slow(Tuning):
         def __init__(self, port: str, descriptor: int, settings: LineSettings) -> None:
             bus.write(b"A")
             clock.now += 5_000_000

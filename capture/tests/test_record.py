@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sistap.line import PARITIES, Flag, LineSettings
-from sistap.record import HEADER, INTERVAL_MAX, MAX_CHARACTERS, Event, Framing, Record, Type, event, unpack
+from sistap.record import HEADER, INTERVAL_MAX, Event, Framing, Record, Type, event, unpack
 
 SETTINGS = LineSettings(19200)
 # Written down by hand from the layout: two characters, 19200 Bd 8E1, uncertainty 0.3 ms.
@@ -56,8 +58,46 @@ def records(draw: st.DrawFn) -> Record:
     return Record(time_ns, kind, line, settings, data, intervals, flags, uncertainty_ns, draw(st.sampled_from(Framing)))
 
 
+# The codes of the layout in plugin/README.md, which files that exist already hold.
+CODES = {
+    Type: {"FRAME": 0, "OTHER": 1, "EVENT": 2},
+    Framing: {"SIS": 0, "PROCEDURE_3964R": 1, "SILENCE": 255},
+    Event: {
+        "NONE": 0,
+        "CAPTURE_STARTED": 1,
+        "SETTINGS_CHANGED": 2,
+        "CHARACTERS_LOST": 3,
+        "ADAPTER_LOST": 4,
+        "MARKER": 5,
+        "CAPTURE_ENDED": 6,
+    },
+}
+WIRESHARKS_LARGEST_PACKET = 262_144
+WRAPPER = 16  # of link type 252, around a record
+
+
 def test_the_layout() -> None:
     assert RECORD.pack() == BY_HAND
+
+
+@pytest.mark.parametrize("codes", CODES, ids=lambda codes: codes.__name__)
+def test_the_codes_are_those_of_the_layout(codes: type[IntEnum]) -> None:
+    assert {code.name: code.value for code in codes} == CODES[codes]
+
+
+def test_an_interval_has_32_bits() -> None:
+    assert INTERVAL_MAX == 4_294_967_295
+
+
+def test_what_the_bytes_do_not_say() -> None:
+    record = unpack(BY_HAND)
+    assert (record.time_ns, record.checksum_bad) == (0, False)
+
+
+def test_the_errors_of_all_characters_together() -> None:
+    flags = [Flag.SAME_READ | Flag.BREAK, Flag.LOST_BEFORE, Flag.INTERVAL_UNKNOWN]
+    assert RECORD._replace(flags=bytes(flags)).errors == Flag.BREAK | Flag.LOST_BEFORE
+    assert RECORD._replace(flags=bytes([Flag.SAME_READ])).errors == Flag(0)
 
 
 @given(records())
@@ -82,6 +122,7 @@ def test_a_longer_header_of_a_later_version_is_skipped() -> None:
         BY_HAND[:19],
         b"\x02" + BY_HAND[1:],  # version
         BY_HAND[:1] + b"\x13" + BY_HAND[2:],  # header shorter than the fields
+        BY_HAND[:1] + b"\x13" + BY_HAND[2:-1],  # and as long as it says
         BY_HAND[:-1],
         BY_HAND + b"\0",
         BY_HAND[:16] + b"\x00\x03" + BY_HAND[18:],  # count
@@ -92,13 +133,17 @@ def test_what_does_not_fit_is_an_error(data: bytes) -> None:
         unpack(data)
 
 
-def test_more_characters_than_the_count_holds_are_refused() -> None:
-    data = bytes(MAX_CHARACTERS + 1)
+def of_size(count: int) -> Record:
+    return Record(0, Type.OTHER, 0, SETTINGS, bytes(count), [0] * count, bytes(count))
+
+
+def test_43_000_characters_fit_and_wireshark_takes_them() -> None:
+    assert len(of_size(43_000).pack()) + WRAPPER <= WIRESHARKS_LARGEST_PACKET
     with pytest.raises(OverflowError):
-        Record(0, Type.OTHER, 0, SETTINGS, data, [0] * len(data), data).pack()
+        of_size(43_001).pack()
 
 
 def test_an_event_is_cut_between_characters() -> None:
-    record = event(0, 0, SETTINGS, Event.MARKER, "x" * (MAX_CHARACTERS - 1) + "ä")
-    assert record.data == b"x" * (MAX_CHARACTERS - 1)
+    record = event(0, 0, SETTINGS, Event.MARKER, "x" * 42_999 + "ä")
+    assert record.data == b"x" * 42_999
     assert HEADER.unpack_from(record.pack())[-1] == Event.MARKER

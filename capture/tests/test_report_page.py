@@ -105,11 +105,11 @@ class Drawn:
         (axes,) = figure.axes
         self.words = [text.get_text() for text in axes.texts]
         paths = [patch.get_path() for patch in axes.patches if isinstance(patch, PathPatch)]
-        self.strokes = sorted(float(x) for path in paths for x in path.vertices[::2, 0])
-        areas = [
-            area for area in axes.collections if np.allclose(area.get_facecolor()[:, :3], to_rgb(plots.COLOURS["bad"]))
-        ]
-        self.red = [area.get_paths()[0].get_extents().intervalx.tolist() for area in areas if len(area.get_facecolor())]
+        self.strokes = sorted(float(x) for path in paths for x in np.asarray(path.vertices)[::2, 0])
+        red = to_rgb(plots.COLOURS["bad"])
+        coloured = [(area, np.asarray(area.get_facecolor())) for area in axes.collections]
+        areas = [area for area, colours in coloured if len(colours) and np.allclose(colours[:, :3], red)]
+        self.red = [area.get_paths()[0].get_extents().intervalx.tolist() for area in areas]
 
 
 def test_a_pause_that_exceeds_tza_is_red_from_character_to_character(report: Report) -> None:
@@ -145,7 +145,7 @@ def test_a_command_without_a_reaction_is_marked(report: Report) -> None:
 
 def test_every_character_is_a_stroke(report: Report) -> None:
     drawn = Drawn(report, 7)
-    expected = []
+    expected: list[float] = []
     for packet in drawn.window.packets:
         expected += accumulate(packet.intervals_s, initial=packet.time_s - drawn.window.start_s)
     assert drawn.strokes == pytest.approx(sorted(time * 1e3 for time in expected))

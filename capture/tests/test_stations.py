@@ -31,6 +31,7 @@ from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.making import make
 from sistap.bus.stations.memory import module
 from sistap.bus.stations.routing import Router
+from sistap.bus.stations.slave import Slave
 from sistap.bus.stations.station import Station
 from sistap.telegram import build, parse
 
@@ -367,7 +368,7 @@ def test_the_elements_of_a_parameter() -> None:
     assert ask(slave, 0x80, velocity.format("3C")) == "00 3C 03 00 00 00 00"
 
 
-COMMAND = {"S-0-0099": {}}
+COMMAND: dict[str, dict[str, object]] = {"S-0-0099": {}}
 WRITES: list[tuple[str, str, str]] = [
     ("04 03 00 24 00", "", "0009"),
     ("0C 03 00 24 00", "25 00", "1009"),
@@ -750,10 +751,16 @@ class Passing:
         return self.said[-1]
 
 
+def router(address: int, behind: Station) -> Router:
+    front = drive(address)
+    assert isinstance(front, Slave)
+    return Router(front, [behind])
+
+
 def test_routing_as_in_fig_2_10_to_2_15() -> None:
     end = EndStation()
-    middle = Passing(Router(drive(2), [end]))
-    answer = Router(drive(3), [middle]).react(octets("02 E1 05 05 02 03 10 03 02 08 F0 01 00"), 0)
+    middle = Passing(router(2, end))
+    answer = router(3, middle).react(octets("02 E1 05 05 02 03 10 03 02 08 F0 01 00"), 0)
     assert middle.heard == [octets("02 F4 04 04 01 03 03 02 08 F0 01 00")]
     assert end.heard == [octets("02 FA 03 03 00 03 02 08 F0 01 00")]
     assert middle.said == [octets("02 E3 04 04 11 03 03 02 08 00 01 F1")]

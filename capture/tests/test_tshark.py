@@ -15,7 +15,7 @@ def test_lines_come_while_it_runs_and_the_rest_is_not_waited_for() -> None:
     with Tshark("sh") as shell:
         lines = shell.lines(["-c", "echo first; exec sleep 1000"])
         assert next(lines) == "first"
-        lines.close()  # type: ignore[attr-defined] - a generator: it ends the program
+        lines.close()  # which ends the program
 
 
 def test_what_it_said_comes_after_the_last_line() -> None:

@@ -7,6 +7,7 @@ import os
 import pty
 import random
 import select
+import sys
 import threading
 import time
 import tty
@@ -15,6 +16,9 @@ from contextlib import suppress
 from time import monotonic_ns
 
 from sistap.reader.contract import READ_SIZE
+
+if sys.platform == "win32":
+    raise ImportError("Windows has no pseudo terminals")
 
 PATIENCE_NS = 1_000_000_000  # for a character to come back
 

@@ -7,6 +7,7 @@ import fcntl
 import os
 import select
 import struct
+import sys
 from time import monotonic_ns
 
 from sistap import ports, priority
@@ -17,6 +18,9 @@ from sistap.reader.contract import READ_SIZE, STEP_MS, PortLost
 from sistap.reader.opening import change_device, open_device
 from sistap.reader.trouble import lost_text
 from sistap.reader.tuning import Tuning
+
+if sys.platform == "win32":
+    raise ImportError("Windows has no terminals: sistap.reader.url reads its ports")
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct, of it the counters frame, overrun, parity, brk and
 # buf_overrun.

@@ -1,57 +1,38 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Opens ports through pyserial, so that they only listen."""
+"""Opens and configures serial devices of this machine, so that they only listen."""
 
 from __future__ import annotations
 
+import fcntl
 import struct
 import sys
+import termios
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from sistap.line import LineSettings
 from sistap.reader.contract import PortError
+from sistap.reader.listening import closed_serial
 from sistap.reader.trouble import device_trouble
 
-if sys.platform != "win32":
-    import fcntl
-    import termios
-
-    _STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which termios does not know
-    _PARITIES = {
-        "N": 0,
-        "E": termios.PARENB,
-        "O": termios.PARENB | termios.PARODD,
-        "M": termios.PARENB | termios.PARODD | _STICK_PARITY,
-        "S": termios.PARENB | _STICK_PARITY,
-    }
+if sys.platform == "win32":
+    raise ImportError("Windows has no terminals: sistap.reader.url opens its ports")
 
 if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
     import serial
 
-_URL_TIMEOUT_S = 0.05  # pyserial's own; changing it per read would configure the port each time
+_STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which termios does not know
+_PARITIES = {
+    "N": 0,
+    "E": termios.PARENB,
+    "O": termios.PARENB | termios.PARODD,
+    "M": termios.PARENB | termios.PARODD | _STICK_PARITY,
+    "S": termios.PARENB | _STICK_PARITY,
+}
 
 # Linux, <asm-generic/ioctls.h>: struct termios2, of it c_ospeed.
 _TCGETS2 = 0x802C542A
 _TERMIOS2 = struct.Struct("40xI")
-
-
-def closed_serial(port: str, settings: LineSettings) -> serial.Serial:
-    """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is."""
-    import serial
-
-    device: serial.Serial = serial.serial_for_url(
-        port,
-        do_not_open=True,
-        baudrate=settings.baud,
-        bytesize=settings.data_bits,
-        parity=settings.parity,
-        stopbits=settings.stop_half_bits / 2,
-        exclusive=True,
-        timeout=_URL_TIMEOUT_S,
-    )
-    device.dtr = False
-    device.rts = False
-    return device
 
 
 def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> serial.Serial:

@@ -8,6 +8,7 @@ port, and a reader that was late knows it. Threads of their own would wait for e
 from __future__ import annotations
 
 import select
+import sys
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -47,7 +48,7 @@ def together(readers: Sequence[Reader]) -> Iterator[Source]:
     pollable = [reader for reader in readers if isinstance(reader, Pollable)]
     if len(readers) == 1:
         yield readers[0]
-    elif len(pollable) == len(readers) and hasattr(select, "poll"):
+    elif sys.platform != "win32" and len(pollable) == len(readers):
         yield PolledReaders(pollable)
     else:
         threaded = ThreadedReaders(readers)
@@ -64,8 +65,9 @@ class PolledReaders:
         """Wait for these."""
         self._readers = {reader.fileno(): reader for reader in readers}
         self._poll = select.poll()
-        for descriptor in self._readers:
-            self._poll.register(descriptor, select.POLLIN)
+        if sys.platform != "win32":  # which never gets here
+            for descriptor in self._readers:
+                self._poll.register(descriptor, select.POLLIN)
         self._reads: deque[Read] = deque()
         self._lost: deque[PortLost] = deque()
 

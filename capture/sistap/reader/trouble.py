@@ -7,14 +7,19 @@ import errno
 import socket
 import stat
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from sistap.line import LineSettings
 
-if sys.platform != "win32":
+if sys.platform == "win32":
+    _NUMBERED: tuple[type[BaseException], ...] = (OSError,)
+else:
     import grp
     import pwd
     import termios
+
+    _NUMBERED = (OSError, termios.error)
 
 
 def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
@@ -80,7 +85,7 @@ def _errno(error: BaseException) -> int | None:
     """Find the number of an error that pyserial may have wrapped without it."""
     cause: BaseException | None = error
     while cause is not None:
-        if isinstance(cause, OSError | termios.error) and cause.args and isinstance(cause.args[0], int):
+        if isinstance(cause, _NUMBERED) and cause.args and isinstance(cause.args[0], int):
             return cause.args[0]
         cause = cause.__context__
     return None
@@ -100,14 +105,14 @@ def _permission_cure(port: str) -> str:
 
 
 def _group(number: int) -> str:
-    try:
-        return grp.getgrgid(number).gr_name
-    except KeyError:
-        return str(number)
+    if sys.platform != "win32":
+        with suppress(KeyError):
+            return grp.getgrgid(number).gr_name
+    return str(number)
 
 
 def _user(number: int) -> str:
-    try:
-        return pwd.getpwuid(number).pw_name
-    except KeyError:
-        return str(number)
+    if sys.platform != "win32":
+        with suppress(KeyError):
+            return pwd.getpwuid(number).pw_name
+    return str(number)

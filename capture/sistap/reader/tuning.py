@@ -10,6 +10,7 @@ import atexit
 import fcntl
 import os
 import struct
+import sys
 import termios
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -19,6 +20,9 @@ from typing import NamedTuple
 from sistap import ports
 from sistap.line import LineSettings
 from sistap.reader.latency import held_by_fifo_ns
+
+if sys.platform == "win32":
+    raise ImportError("Windows has none of these knobs")
 
 # Linux, <linux/serial.h>: the first members of struct serial_struct, of which the fifth is flags; the size is more
 # than it has anywhere.

@@ -10,7 +10,7 @@ from time import monotonic_ns
 from sistap.clock import CLOCK
 from sistap.line import LineSettings, Read
 from sistap.reader.contract import READ_SIZE, PortError, PortLost
-from sistap.reader.opening import closed_serial
+from sistap.reader.listening import closed_serial
 from sistap.reader.trouble import url_trouble
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 from collections import deque
 from contextlib import suppress
 from urllib.parse import urlsplit
@@ -97,6 +98,8 @@ def _connect(port: str) -> socket.socket:
         host, path = None, ""
     if host or not path:
         raise PortError(f"{port} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET")
+    if sys.platform == "win32":
+        raise PortError(f"{port}: Windows has no sockets that are files: start the bus with --listen HOST:PORT")
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connection.settimeout(CONNECT_TIMEOUT_S)
     connection.connect(path)

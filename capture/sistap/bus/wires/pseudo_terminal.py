@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import random
 import select
+import sys
 import termios
 import time
 import tty
@@ -19,6 +20,9 @@ from sistap.bus.playing.played import Played
 from sistap.bus.wires.pace import Pace
 from sistap.line import LineSettings
 from sistap.rates import RATES
+
+if sys.platform == "win32":
+    raise ImportError("Windows has no pseudo terminals")
 
 SETTLE_S = 0.5  # a listener opens, configures and flushes the port
 _LOOK_S = 0.02

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import random
 import select
+import sys
 import time
 import tty
 
@@ -13,11 +14,16 @@ from sistap.bus.playing.hearing import hear
 from sistap.bus.wires.pseudo_terminal import set_speed, speed
 from sistap.line import LineSettings
 
+if sys.platform == "win32":
+    raise ImportError("Windows has no pseudo terminals")
+
 _READ_SIZE = 4096
 
 
 class PseudoTerminalPort:
     """Its stations hear a master that has set another rate as on a wire: noise. So does he."""
+
+    name: str
 
     def __init__(self, settings: LineSettings, seed: int) -> None:
         """Make it, raw from the start. May raise OSError."""

@@ -188,6 +188,8 @@ def _host_port(address: str) -> tuple[str, int]:
 
 def _listen_path(path: Path) -> socket.socket:
     """Listen at a path; a socket that a bus left behind is replaced, anything else is not."""
+    if sys.platform == "win32":
+        raise ValueError(f"'{path}': Windows has no sockets that are files: say HOST:PORT (for example 127.0.0.1:0)")
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         if path.is_socket() and not _alive(path):
@@ -201,5 +203,7 @@ def _listen_path(path: Path) -> socket.socket:
 
 
 def _alive(path: Path) -> bool:
+    if sys.platform == "win32":
+        return False
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
         return probe.connect_ex(str(path)) == 0

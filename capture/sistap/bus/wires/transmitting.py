@@ -9,7 +9,7 @@ from contextlib import suppress
 from sistap import ports
 from sistap.line import LineSettings
 from sistap.reader import PortError, PortLost
-from sistap.reader.opening import closed_serial
+from sistap.reader.listening import closed_serial
 from sistap.reader.trouble import device_trouble, url_trouble
 
 if sys.platform == "win32":

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is mutated, and which tests have to notice: the table to edit when a module moves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Part(NamedTuple):
+    """A module of the engine, and the tests that hold its promises. Choose fast ones: they run for every mutant."""
+
+    module: str  # in capture/
+    tests: tuple[str, ...]  # in capture/tests/
+    functions: tuple[str, ...] = ()  # only inside these, if only a part of the module belongs to the engine
+
+
+# The part of a capture that makes records of reads.
+ASSEMBLING = (
+    "_loop",
+    "_finish",
+    "_take_waiting",
+    "_take",
+    "_take_settings",
+    "_line",
+    "_idle",
+    "_emit",
+    "_write",
+    "_event",
+    "_wall_ns",
+)
+
+PARTS = (
+    Part("sistap/framer.py", ("test_framer.py",)),
+    Part("sistap/record.py", ("test_record.py",)),
+    Part("sistap/order.py", ("test_order.py",)),
+    Part("sistap/session.py", ("test_assembling.py",), ASSEMBLING),
+    Part("sistap/output.py", ("test_output.py",)),
+    Part("sistap/pcapng.py", ("test_pcapng.py",)),
+    Part("sistap/writer.py", ("test_writer.py", "test_pcapng.py")),
+    Part("sistap/measurement.py", ("test_measurement.py",)),
+    Part("sistap/reader/latency.py", ("test_measurement.py",)),
+)

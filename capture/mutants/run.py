@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Do the tests notice small faults in the engine? Makes some (mutants) and counts those that a test catches."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import os
+import queue
+import random
+import secrets
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from covering import PARTS, Part
+from making import Mutant, difference, mutants, mutated
+
+DESCRIPTION = """\
+Make mutants of the engine, each with one small fault, and run the tests that cover it. Print each mutant that no test
+catches, with its line before and after, and the share caught. A mutant whose tests do not end counts as caught.
+"""
+
+EPILOG = """\
+exit status:
+  0  enough were caught
+  1  too few were caught
+  2  wrong usage, or the tests fail without any fault
+"""
+
+HERE = Path(__file__).resolve().parent
+CAPTURE = HERE.parent
+GOAL, ENOUGH = 0.95, 0.90  # the goal of the project; below the second the exit code is 1, as a sample varies
+WORKERS = 2
+PATIENCE, PATIENCE_S = 4, 15  # a mutant may take this many times as long as the tests without a fault, and this longer
+SURVIVED, FAILED, STOPPED, INTERNAL = range(4)  # exit codes of pytest; above: wrong usage, no tests
+
+
+class Broken(Exception):
+    """The tests cannot be run; str() is the one line to show."""
+
+
+class Chosen(NamedTuple):
+    """A mutant, and the part it is of."""
+
+    part: Part
+    source: str  # of the module, without the fault
+    mutant: Mutant
+
+    def __str__(self) -> str:
+        """Name it in one line: where, and what was changed."""
+        before, after = difference(self.source, self.mutant)
+        return f"{self.part.module}:{self.mutant.line}: {before}  ->  {after}"
+
+
+class Copy:
+    """A copy of the package and its tests in which one module at a time is a mutant."""
+
+    def __init__(self, folder: Path, of: Path = CAPTURE) -> None:
+        """Copy everything; what is beside capture/ is only read, and linked."""
+        self.capture = folder / "capture"
+        self._temporary = folder / "temporary"
+        self._running: subprocess.Popen[bytes] | None = None
+        left_out = shutil.ignore_patterns("__pycache__", ".*", "build") if of == CAPTURE else None
+        shutil.copytree(of, self.capture, ignore=left_out)
+        for beside in ("lua-fallback", "plugin", "test-captures"):
+            (folder / beside).symlink_to(CAPTURE.parent / beside)
+
+    def run(self, part: Part, limit_s: float | None = None, *, compiled: bool = False) -> int | None:
+        """Run the tests of a part; return the exit code of pytest, None if they did not end within the limit.
+
+        `compiled`: keep what Python has compiled; of a mutant it must not stay.
+        """
+        tests = [f"tests/{name}" for name in part.tests]
+        options = ["-x", "-q", "-p", "quick", "-p", "no:cacheprovider", "--basetemp", str(self._temporary)]
+        process = subprocess.Popen(
+            [sys.executable, "-m", "pytest", *options, *tests],
+            cwd=self.capture,
+            env=os.environ
+            | {
+                "PYTHONPATH": os.pathsep.join((str(self.capture), str(self.capture / "mutants"))),
+                "PYTHONDONTWRITEBYTECODE": "" if compiled else "1",
+            },
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self._running = process
+        try:
+            return process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            return None
+        finally:
+            self.stop()
+            process.wait()
+            self._running = None
+
+    def stop(self) -> None:
+        """End what runs, and what that has started."""
+        if self._running:
+            with suppress(ProcessLookupError):
+                os.killpg(self._running.pid, signal.SIGKILL)
+
+    @contextmanager
+    def with_fault(self, chosen: Chosen) -> Iterator[None]:
+        """Put the mutant in the place of its module."""
+        module = self.capture / chosen.part.module
+        Path(importlib.util.cache_from_source(str(module))).unlink(missing_ok=True)
+        module.write_text(mutated(chosen.source, chosen.mutant))
+        try:
+            yield
+        finally:
+            module.write_text(chosen.source)
+
+
+def choose(parts: Iterable[Part], count: int | None, seed: int) -> list[Chosen]:
+    """Choose so many of all mutants; all without a count."""
+    sources = {part: (CAPTURE / part.module).read_text() for part in parts}
+    every = [
+        Chosen(part, source, mutant) for part, source in sources.items() for mutant in mutants(source, part.functions)
+    ]
+    return every if count is None else random.Random(seed).sample(every, min(count, len(every)))
+
+
+def named(names: list[str]) -> list[Chosen]:
+    """Return all mutants of modules, or of lines such as sistap/framer.py:219."""
+    found = []
+    for name in names:
+        module, _, line = name.partition(":")
+        parts = [part for part in PARTS if part.module.endswith(module)]
+        found += [one for one in choose(parts, None, 0) if not line or one.mutant.line == int(line)]
+    return found
+
+
+def usual_times(copy: Copy, parts: set[Part]) -> dict[Part, float]:
+    """Run the tests of each part without a fault; return how long they take. Broken if they fail."""
+    times = {}
+    for part in sorted(parts):
+        begun = time.monotonic()
+        if code := copy.run(part, compiled=True):
+            raise Broken(f"pytest ends with {code} for {' '.join(part.tests)} without any fault: make them pass first")
+        times[part] = time.monotonic() - begun
+    return times
+
+
+def is_caught(copy: Copy, chosen: Chosen, usual_s: float) -> bool:
+    """Run the tests on a mutant; tell whether one of them fails or does not end."""
+    with copy.with_fault(chosen):
+        code = copy.run(chosen.part, PATIENCE * usual_s + PATIENCE_S)
+    if code is not None and code > INTERNAL:
+        raise Broken(f"pytest ends with {code} for {' '.join(chosen.part.tests)}")
+    return code != SURVIVED
+
+
+def survivors(all_chosen: list[Chosen], folder: Path, workers: int) -> list[Chosen]:
+    """Try all mutants, as many at a time as there are workers; return those that no test catches."""
+    first = Copy(folder / "0")
+    times = usual_times(first, {chosen.part for chosen in all_chosen})
+    copies = [first, *(Copy(folder / str(number), first.capture) for number in range(1, workers))]
+    free: queue.SimpleQueue[Copy] = queue.SimpleQueue()
+    for copy in copies:
+        free.put(copy)
+
+    def survives(chosen: Chosen) -> bool:
+        copy = free.get()
+        try:
+            caught = is_caught(copy, chosen, times[chosen.part])
+        finally:
+            free.put(copy)
+        if not caught:
+            print(f"not caught: {chosen}", flush=True)
+        return not caught
+
+    pool = ThreadPoolExecutor(workers)
+    try:
+        return [chosen for chosen, lives in zip(all_chosen, pool.map(survives, all_chosen), strict=True) if lives]
+    finally:  # also after Ctrl-C
+        pool.shutdown(wait=False, cancel_futures=True)
+        for copy in copies:
+            copy.stop()
+        pool.shutdown()
+
+
+def arguments() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(
+        description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=secrets.randbelow(10_000), help="which mutants; default: any")
+    parser.add_argument("--count", type=int, default=60, help="how many; default: 60")
+    parser.add_argument("--workers", type=int, default=WORKERS, help=f"how many at a time; default: {WORKERS}")
+    parser.add_argument("of", nargs="*", help="all mutants of these modules or lines, such as sistap/framer.py:219")
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Make mutants, print those that survive and the share caught."""
+    asked = arguments()
+    chosen = named(asked.of) if asked.of else choose(PARTS, asked.count, asked.seed)
+    if not chosen:
+        sys.exit("mutants: nothing can be changed there; covering.py has the modules")
+    begun = time.monotonic()
+    print(f"{len(chosen)} mutants" + ("" if asked.of else f", --seed {asked.seed}"), flush=True)
+    try:
+        with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+            alive = len(survivors(chosen, Path(folder), asked.workers))
+    except (Broken, KeyboardInterrupt) as broken:
+        print(f"mutants: {str(broken) or 'interrupted'}", file=sys.stderr)
+        return 2
+    share = 1 - alive / len(chosen)
+    took_s = time.monotonic() - begun
+    print(f"{len(chosen) - alive} of {len(chosen)} caught: {share:.1%} (goal {GOAL:.0%}), in {took_s:.0f} s")
+    return 0 if share >= ENOUGH else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

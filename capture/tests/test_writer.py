@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Files one after the other: each can be read alone, and says of its lines what is true when it begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pcapng import FileScanner
+from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
+
+from sistap.counters import Counters
+from sistap.line import LineSettings
+from sistap.output import Limits, Output
+from sistap.pcapng import LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.record import Event, Record, Type, event, unpack
+from sistap.writer import LINK_TYPES, PcapngWriter
+
+# python-pcapng warns of itself.
+pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
+
+WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
+SLOW, FAST = LineSettings(9600), LineSettings(57600)
+FIRST_NS, SECOND_NS, NOW_NS, LATER_NS = 1000, 2000, 9000, 9500
+
+
+def frame(line: int, time_ns: int, settings: LineSettings = SLOW) -> Record:
+    return Record(time_ns, Type.FRAME, line, settings, b"x" * 2000, [0] * 2000, bytes(2000))
+
+
+def started(line: int, time_ns: int) -> Record:
+    return event(time_ns, line, SLOW, Event.CAPTURE_STARTED, "from a test")
+
+
+class Writing:
+    """A writer of two lines in files of at least 1000 bytes, and what is in them."""
+
+    def __init__(
+        self, folder: Path, link_type: int = LINKTYPE_WIRESHARK_UPPER_PDU, *, files: int | None = None
+    ) -> None:
+        self.output = Output(str(folder / "x"), Limits(size=1000, several=True, files=files))
+        interfaces = {line: Interface(link_type, f"/dev/ttyS{line}") for line in (1, 2)}
+        self.writer = PcapngWriter(self.output, interfaces, Counters())
+        self.writer.begin(started(1, FIRST_NS), started(2, SECOND_NS))
+        self._folder = folder
+
+    def files(self) -> list[list[Any]]:
+        """End the last; all blocks of each."""
+        self.writer.end(LATER_NS)
+        self.output.close()
+        found = []
+        for path in sorted(self._folder.iterdir()):
+            with path.open("rb") as stream:
+                found.append(list(FileScanner(stream)))
+        return found
+
+
+def of(kind: type, blocks: list[Any]) -> list[Any]:
+    return [block for block in blocks if isinstance(block, kind)]
+
+
+def records(blocks: list[Any]) -> list[Record]:
+    return [unpack(block.packet_data[WRAPPER:]) for block in of(EnhancedPacket, blocks)]
+
+
+def test_each_file_describes_both_lines_though_one_is_silent(tmp_path: Path) -> None:
+    writing = Writing(tmp_path)
+    for time_ns in (SECOND_NS, NOW_NS):
+        assert writing.writer.write(frame(2, time_ns))
+    files = writing.files()
+    assert len(files) == 2
+    for blocks in files:
+        names = [block.options["if_name"] for block in blocks[1:3]]  # before all packets
+        assert names == ["/dev/ttyS1", "/dev/ttyS2"]
+        assert len(of(InterfaceDescription, blocks)) == 2
+        assert [block.interface_id for block in of(EnhancedPacket, blocks)] == [0, 1, 1]
+        assert [block.interface_id for block in of(InterfaceStatistics, blocks)] == [0, 1]
+
+
+def test_after_the_last_file_no_other_is_begun(tmp_path: Path) -> None:
+    writing = Writing(tmp_path, files=1)
+    for time_ns in (SECOND_NS, NOW_NS):
+        assert writing.writer.write(frame(2, time_ns))
+    writing.writer.look(LATER_NS)
+    (blocks,) = writing.files()
+    assert [record.event for record in records(blocks)] == [Event.CAPTURE_STARTED] * 2 + [Event.NONE] * 2
+
+
+def test_what_an_older_capture_left_is_gone(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(b"older" * 1000)
+    output = Output(str(path))
+    writer = PcapngWriter(output, {0: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "/dev/ttyS0")}, Counters())
+    writer.begin(started(0, FIRST_NS))
+    output.close()
+    with path.open("rb") as stream:
+        assert len(list(FileScanner(stream))) == 3
+
+
+def test_the_link_types() -> None:
+    """Those of tcpdump.org."""
+    users = {f"user{number}": 147 + number for number in range(16)}
+    assert {"upper-pdu": 252, "rtac": 250, **users} == LINK_TYPES
+
+
+def test_a_file_begins_with_the_settings_of_now(tmp_path: Path) -> None:
+    writing = Writing(tmp_path)
+    writing.writer.write(frame(2, SECOND_NS, FAST))
+    writing.writer.look(NOW_NS)
+    _, blocks = writing.files()
+    assert [(record.line, record.settings) for record in records(blocks)] == [(1, SLOW), (2, FAST)]
+    times = [block.timestamp_high << 32 | block.timestamp_low for block in of(EnhancedPacket, blocks)]
+    assert times == [NOW_NS, NOW_NS]
+
+
+def start_and_end_ns(statistics: Any) -> tuple[int, ...]:
+    raw = [statistics.options.get_raw(name) for name in ("isb_starttime", "isb_endtime")]
+    return tuple(int.from_bytes(value[:4], "little") << 32 | int.from_bytes(value[4:], "little") for value in raw)
+
+
+def test_statistics_count_from_the_start_of_the_capture(tmp_path: Path) -> None:
+    writing = Writing(tmp_path)
+    writing.writer.write(frame(2, SECOND_NS))
+    writing.writer.look(NOW_NS)
+    first, second = writing.files()
+    for blocks, end_ns in ((first, NOW_NS), (second, LATER_NS)):
+        for statistics in of(InterfaceStatistics, blocks):
+            assert start_and_end_ns(statistics) == (FIRST_NS, end_ns)
+
+
+def test_a_link_type_without_a_place_for_it_leaves_it_out(tmp_path: Path) -> None:
+    writing = Writing(tmp_path, LINKTYPE_USER0)
+    assert not writing.writer.write(frame(1, NOW_NS)._replace(type=Type.OTHER))
+    assert writing.writer.write(frame(1, NOW_NS))
+    (blocks,) = writing.files()
+    assert [block.packet_data for block in of(EnhancedPacket, blocks)] == [b"x" * 2000]
