@@ -62,7 +62,7 @@ def packets(tshark: Tshark, capture: Path, *options: str) -> list[str]:
     return [without_allowed(packet) for packet in _PACKET.findall(done.stdout)]
 
 
-def difference(expected: list[str], found: list[str], whose: Callable[[int], object] = str) -> str:
+def difference(expected: list[str], found: list[str], *, whose: Callable[[int], object] = str) -> str:
     """Tell how packets differ: nothing, or how many of them, and the first of them line by line.
 
     `whose` tells what to call a packet by its number.
@@ -86,5 +86,5 @@ def listed(tshark: Tshark, capture: Path, *options: str) -> list[str]:
 def check(plugin: Tshark, script: Tshark, capture: Path, *options: str, whose: Callable[[int], object] = str) -> None:
     """Dissect a capture with both. AssertionError tells the difference, if there is one."""
     for view in (packets, listed):
-        words = difference(view(plugin, capture, *options), view(script, capture, *options), whose)
+        words = difference(view(plugin, capture, *options), view(script, capture, *options), whose=whose)
         assert not words, words

@@ -68,7 +68,7 @@ def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> N
     expected, found = (
         re.split(r"^(?=Frame \d+:)", tshark.output(*shown), flags=re.MULTILINE) for tshark in (plugin, script)
     )
-    words = parity.difference(expected[1:], found[1:], group.whose)
+    words = parity.difference(expected[1:], found[1:], whose=group.whose)
     assert not words, words
 
 
