@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import enum
 import importlib.util
 import os
 import queue
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -42,11 +44,19 @@ CAPTURE = HERE.parent
 GOAL, ENOUGH = 0.95, 0.90  # the goal of the project; below the second the exit code is 1, as a sample varies
 WORKERS = 2
 PATIENCE, PATIENCE_S = 4, 15  # a mutant may take this many times as long as the tests without a fault, and this longer
-SURVIVED, FAILED, STOPPED, INTERNAL = range(4)  # exit codes of pytest; above: wrong usage, no tests
+SURVIVED, INTERNAL = 0, 3  # exit codes of pytest; above the second: wrong usage, no tests
 
 
 class Broken(Exception):
     """The tests cannot be run; str() is the one line to show."""
+
+
+class Fate(enum.Enum):
+    """What has become of a mutant."""
+
+    CAUGHT = enum.auto()
+    NO_END = enum.auto()  # caught, too, as somebody would notice
+    NOT_CAUGHT = enum.auto()
 
 
 class Chosen(NamedTuple):
@@ -138,7 +148,7 @@ def named(names: list[str]) -> list[Chosen]:
     for name in names:
         module, _, line = name.partition(":")
         parts = [part for part in PARTS if part.module.endswith(module)]
-        found += [one for one in choose(parts, None, 0) if not line or one.mutant.line == int(line)]
+        found += [one for one in choose(parts, None, 0) if line in ("", str(one.mutant.line))]
     return found
 
 
@@ -153,17 +163,19 @@ def usual_times(copy: Copy, parts: set[Part]) -> dict[Part, float]:
     return times
 
 
-def is_caught(copy: Copy, chosen: Chosen, usual_s: float) -> bool:
-    """Run the tests on a mutant; tell whether one of them fails or does not end."""
+def fate(copy: Copy, chosen: Chosen, usual_s: float) -> Fate:
+    """Run the tests on a mutant. Broken if they cannot be run."""
     with copy.with_fault(chosen):
         code = copy.run(chosen.part, PATIENCE * usual_s + PATIENCE_S)
-    if code is not None and code > INTERNAL:
+    if code is None:
+        return Fate.NO_END
+    if code > INTERNAL:
         raise Broken(f"pytest ends with {code} for {' '.join(chosen.part.tests)}")
-    return code != SURVIVED
+    return Fate.NOT_CAUGHT if code == SURVIVED else Fate.CAUGHT
 
 
-def survivors(all_chosen: list[Chosen], folder: Path, workers: int) -> list[Chosen]:
-    """Try all mutants, as many at a time as there are workers; return those that no test catches."""
+def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]:
+    """Try all mutants, as many at a time as there are workers; print those that no test catches, count all."""
     first = Copy(folder / "0")
     times = usual_times(first, {chosen.part for chosen in all_chosen})
     copies = [first, *(Copy(folder / str(number), first.capture) for number in range(1, workers))]
@@ -171,19 +183,19 @@ def survivors(all_chosen: list[Chosen], folder: Path, workers: int) -> list[Chos
     for copy in copies:
         free.put(copy)
 
-    def survives(chosen: Chosen) -> bool:
+    def try_one(chosen: Chosen) -> Fate:
         copy = free.get()
         try:
-            caught = is_caught(copy, chosen, times[chosen.part])
+            found = fate(copy, chosen, times[chosen.part])
         finally:
             free.put(copy)
-        if not caught:
+        if found is Fate.NOT_CAUGHT:
             print(f"not caught: {chosen}", flush=True)
-        return not caught
+        return found
 
     pool = ThreadPoolExecutor(workers)
     try:
-        return [chosen for chosen, lives in zip(all_chosen, pool.map(survives, all_chosen), strict=True) if lives]
+        return Counter(pool.map(try_one, all_chosen))
     finally:  # also after Ctrl-C
         pool.shutdown(wait=False, cancel_futures=True)
         for copy in copies:
@@ -191,36 +203,45 @@ def survivors(all_chosen: list[Chosen], folder: Path, workers: int) -> list[Chos
         pool.shutdown()
 
 
+def positive(text: str) -> int:
+    """Read a number above 0."""
+    if int(text) < 1:
+        raise ValueError
+    return int(text)
+
+
 def arguments() -> argparse.Namespace:
-    """Read the command line."""
+    """Read the command line; `chosen` are the mutants to try."""
     parser = argparse.ArgumentParser(
         description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=secrets.randbelow(10_000), help="which mutants; default: any")
-    parser.add_argument("--count", type=int, default=60, help="how many; default: 60")
-    parser.add_argument("--workers", type=int, default=WORKERS, help=f"how many at a time; default: {WORKERS}")
+    parser.add_argument("--count", type=positive, default=60, help="how many; default: 60")
+    parser.add_argument("--workers", type=positive, default=WORKERS, help=f"how many at a time; default: {WORKERS}")
     parser.add_argument("of", nargs="*", help="all mutants of these modules or lines, such as sistap/framer.py:219")
-    return parser.parse_args()
+    asked = parser.parse_args()
+    asked.chosen = named(asked.of) if asked.of else choose(PARTS, asked.count, asked.seed)
+    if not asked.chosen:
+        parser.error(f"nothing can be changed in {' '.join(asked.of)}: covering.py has the modules")
+    return asked
 
 
 def main() -> int:
     """Make mutants, print those that survive and the share caught."""
     asked = arguments()
-    chosen = named(asked.of) if asked.of else choose(PARTS, asked.count, asked.seed)
-    if not chosen:
-        sys.exit("mutants: nothing can be changed there; covering.py has the modules")
+    count = len(asked.chosen)
     begun = time.monotonic()
-    print(f"{len(chosen)} mutants" + ("" if asked.of else f", --seed {asked.seed}"), flush=True)
+    print(f"{count} mutants" + ("" if asked.of else f", --seed {asked.seed}"), flush=True)
     try:
         with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-            alive = len(survivors(chosen, Path(folder), asked.workers))
+            counted = fates(asked.chosen, Path(folder), asked.workers)
     except (Broken, KeyboardInterrupt) as broken:
         print(f"mutants: {str(broken) or 'interrupted'}", file=sys.stderr)
         return 2
-    share = 1 - alive / len(chosen)
-    took_s = time.monotonic() - begun
-    print(f"{len(chosen) - alive} of {len(chosen)} caught: {share:.1%} (goal {GOAL:.0%}), in {took_s:.0f} s")
-    return 0 if share >= ENOUGH else 1
+    caught = count - counted[Fate.NOT_CAUGHT]
+    took = f"{counted[Fate.NO_END]} of them as their tests did not end; {time.monotonic() - begun:.0f} s"
+    print(f"{caught} of {count} mutants caught: {caught / count:.1%} (goal {GOAL:.0%}), {took}")
+    return 0 if caught >= ENOUGH * count else 1
 
 
 if __name__ == "__main__":

@@ -340,12 +340,12 @@ class Capture:
     def _idle(self, now: int) -> None:
         for line in self._lines.values():
             records = line.framer.idle(now - line.arrived_ns)
-            if self._steering and records:
+            if self._steering:
                 nothing = Read(line.framer.line, self._wall_ns(), b"", b"")
                 self._steps.extend(self._steering.take(nothing, records))
             self._emit(records)
-        # What a framer holds is older than now, and a new file begins with the time now.
-        if self._order.empty and all(line.framer.empty for line in self._lines.values()):
+        # What a framer holds is older than now, and a new file begins with the time now. Without it no record waits.
+        if all(line.framer.empty for line in self._lines.values()):
             self._sink.look(self._wall_ns())
 
     def _emit(self, records: list[Record]) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,30 +12,34 @@ import pytest
 from specification import TELEGRAMS
 
 from sistap import session
-from sistap.console import Console
 from sistap.counters import Counters
 from sistap.line import LineSettings, Read
-from sistap.output import Output
-from sistap.reader import PortLost
+from sistap.output import Limits, Output
+from sistap.reader import PortLost, Reader
 from sistap.record import Event, Framing, Record, Type
+from sistap.remote import Marker, Remote
 from sistap.session import Capture, Conditions, Stop
 
 MS = 1_000_000
 SECOND = 1000 * MS
-EPOCH = 1_700_000_000 * SECOND  # of the line: the capture's clock begins at 0
+EPOCH = 1_700_000_000 * SECOND  # when a capture begins, by the clock of its line ...
+BOOTED = 77 * SECOND  # ... and by its own
 SETTINGS = LineSettings()
 GOOD, OTHER_GOOD = TELEGRAMS["8-20"], TELEGRAMS["8-21"]
 BEGINNING = b"\x02\x00\xff\xff"  # what may become a telegram, and holds back what follows
 
 
+Came = tuple[int, Read]  # how long the capture has been running, and what it reads then
+
+
 class Clock:
-    """The monotonic one of a capture."""
+    """The monotonic one of a capture; `ns` counts from its beginning."""
 
     def __init__(self) -> None:
         self.ns = 0
 
     def __call__(self) -> int:
-        return self.ns
+        return BOOTED + self.ns
 
 
 class ScriptedReader:
@@ -43,7 +48,7 @@ class ScriptedReader:
     name, adapter, timing = "/dev/ttyTEST", "adapter of a test", "uncertainty 1 us"
     notes: tuple[str, ...] = ()
 
-    def __init__(self, clock: Clock, script: Sequence[tuple[int, Read]], line: int = 0, end_ns: int = 0) -> None:
+    def __init__(self, clock: Clock, script: Sequence[Came], line: int = 0, end_ns: int = 0) -> None:
         self.settings = SETTINGS
         self.line = line
         self._clock = clock
@@ -68,7 +73,7 @@ class ScriptedReader:
 
 
 class Sink:
-    """Remembers what it was given, and when by the capture's clock."""
+    """Remembers what it was given, and how long the capture had been running."""
 
     def __init__(self, clock: Clock) -> None:
         self.written: list[tuple[int, Record]] = []
@@ -99,31 +104,69 @@ class Sink:
         return [(record.line, record.data) for record in self.records if record.type != Type.EVENT]
 
 
-class Taken:
-    """A capture that has run until its port was lost."""
+class Told:
+    """Remembers what a person would see, and how long the capture had been running."""
+
+    shows_progress = True
+
+    def __init__(self, clock: Clock) -> None:
+        self.said: list[tuple[int, str]] = []
+        self.alarms: list[str] = []
+        self.progress_at: list[int] = []
+        self._clock = clock
+
+    def say(self, text: str) -> None:
+        self.said.append((self._clock.ns, text))
+
+    def alarm(self, text: str) -> None:
+        self.alarms.append(text)
+
+    def progress(self, text: str) -> None:
+        self.progress_at.append(self._clock.ns)
+
+
+class Running:
+    """A capture, of one port if nothing else is said."""
 
     def __init__(
-        self, folder: Path, script: Sequence[tuple[int, Read]], conditions: Conditions, *, end_ns: int = 0
+        self, folder: Path, conditions: Conditions, *, output: Output | None = None, remote: Remote | None = None
     ) -> None:
         self.clock = Clock()
-        self.sink = Sink(self.clock)
-        self.counters = Counters()
-        output = Output(str(folder / "x"))
-        reader = ScriptedReader(self.clock, script, end_ns=end_ns)
+        self.sink, self.console, self.counters = Sink(self.clock), Told(self.clock), Counters()
+        self._output = output or Output(str(folder / "x"))
+        self._conditions = conditions
+        self._remote = remote
+        self.stop = Stop()
+
+    def run(self, script: Sequence[Came], *, end_ns: int = 0, readers: Sequence[Reader] = ()) -> int:
+        """Run until something ends it, at the latest the loss of the port; its exit code."""
         capture = Capture(
-            [reader], self.sink, output, self.counters, Console(), conditions, quiet=True, clock_ns=self.clock
+            readers or [ScriptedReader(self.clock, script, end_ns=end_ns)],
+            self.sink,
+            self._output,
+            self.counters,
+            self.console,
+            self._conditions,
+            quiet=True,
+            progress=True,
+            remote=self._remote,
+            clock_ns=self.clock,
         )
-        assert capture.run(Stop()) == 1  # a port was lost
-        output.close()
+        code = capture.run(self.stop)
+        self._output.close()
+        return code
 
 
-def came(at_ns: int, data: bytes, line: int = 0, settings: LineSettings | None = None) -> tuple[int, Read]:
+def came(at_ns: int, data: bytes, line: int = 0, settings: LineSettings | None = None) -> Came:
     """A read, and when it comes; the line's clock is another one."""
     return at_ns, Read(line, EPOCH + at_ns, data, bytes(len(data)), 1000, settings)
 
 
-def take(folder: Path, *script: tuple[int, Read], end_ns: int = 0, conditions: Conditions | None = None) -> Taken:
-    return Taken(folder, script, conditions or Conditions(), end_ns=end_ns)
+def take(folder: Path, *script: Came, end_ns: int = 0, conditions: Conditions | None = None) -> Running:
+    """Capture until the port is lost."""
+    running = Running(folder, conditions or Conditions())
+    assert running.run(script, end_ns=end_ns) == 1
+    return running
 
 
 # -- When ------------------------------------------------------------------------------------------------------------
@@ -179,6 +222,14 @@ def test_a_file_does_not_end_while_a_record_waits_for_the_other_line(tmp_path: P
     assert not [at_ns for at_ns, _ in taken.sink.looked if 100 * MS <= at_ns < 450 * MS]
 
 
+def test_the_other_line_does_not_keep_a_silent_one_waiting(tmp_path: Path) -> None:
+    waiting = came(100 * MS, BEGINNING + GOOD, line=1)
+    busy = [came(at_ns, b"x", line=2) for at_ns in range(150 * MS, 4000 * MS, 50 * MS)]
+    taken = take(tmp_path, waiting, *busy)
+    at_ns = next(at_ns for at_ns, record in taken.sink.written if record.data == GOOD)
+    assert 1100 * MS <= at_ns <= 2100 * MS  # a second of silence, and at most one until it is looked at
+
+
 # -- In which order --------------------------------------------------------------------------------------------------
 
 
@@ -222,35 +273,28 @@ def test_a_filter_leaves_out_frames_only_and_all_are_counted(tmp_path: Path) -> 
 
 
 def test_a_count_ends_it_within_a_read_and_all_are_counted(tmp_path: Path) -> None:
-    clock, counters = Clock(), Counters()
-    sink, output = Sink(clock), Output(str(tmp_path / "x"))
-    reader = ScriptedReader(clock, [came(MS, GOOD * 3)], end_ns=SECOND)
-    capture = Capture([reader], sink, output, counters, Console(), Conditions(count=2), quiet=True, clock_ns=clock)
-    assert capture.run(Stop()) == 0
-    assert sink.data == [(0, GOOD)] * 2
+    running = Running(tmp_path, Conditions(count=2))
+    assert running.run([came(MS, GOOD * 3)], end_ns=SECOND) == 0
+    assert running.sink.data == [(0, GOOD)] * 2
+    counters = running.counters
     assert (counters.received[0], counters.accepted[0], counters.characters) == (3, 2, 3 * len(GOOD))
-    output.close()
 
 
 def test_a_stop_takes_what_waits_for_no_longer_than_a_tenth_of_a_second(tmp_path: Path) -> None:
     """However fast it comes."""
-    clock = Clock()
-    stop = Stop()
+    running = Running(tmp_path, Conditions())
 
     class Flood(ScriptedReader):
         def read(self, timeout_s: float) -> Read | None:
             if timeout_s:
-                stop.request()
+                running.stop.request()
                 return None
-            clock.ns += 10 * MS
-            return came(clock.ns, GOOD)[1]
+            running.clock.ns += 10 * MS
+            return came(running.clock.ns, GOOD)[1]
 
-    sink, output = Sink(clock), Output(str(tmp_path / "x"))
-    capture = Capture([Flood(clock, [])], sink, output, Counters(), Console(), quiet=True, clock_ns=clock)
-    assert capture.run(stop) == 0
-    assert clock.ns == 100 * MS
-    assert sink.data == [(0, GOOD)] * 10
-    output.close()
+    assert running.run([], readers=[Flood(running.clock, [])]) == 0
+    assert running.clock.ns == 100 * MS
+    assert running.sink.data == [(0, GOOD)] * 10
 
 
 def test_lines_of_one_port_have_framers_of_their_own(tmp_path: Path) -> None:
@@ -260,6 +304,27 @@ def test_lines_of_one_port_have_framers_of_their_own(tmp_path: Path) -> None:
         (Framing.SILENCE, b"ab"),
         (Framing.SILENCE, b"cd"),
     ]
+
+
+def test_a_duration_ends_it_to_the_moment(tmp_path: Path) -> None:
+    running = Running(tmp_path, Conditions(duration_s=1))
+    assert running.run([], end_ns=5 * SECOND) == 0
+    assert running.clock.ns == SECOND
+
+
+def test_a_full_file_ends_it(tmp_path: Path) -> None:
+    running = Running(tmp_path, Conditions(), output=Output(str(tmp_path / "x"), Limits(size=0)))
+    assert running.run([came(MS, GOOD)]) == 0
+    assert running.sink.data == []
+
+
+def test_a_reader_of_the_output_who_goes_ends_it_though_nothing_comes(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    running = Running(tmp_path, Conditions(), output=Output(str(tmp_path / "pipe")))
+    os.close(reader)
+    assert running.run([], end_ns=5 * SECOND) == 1
+    assert running.console.alarms == [f"the reader of {tmp_path}/pipe is gone; the capture has ended"]
 
 
 # -- With which settings ---------------------------------------------------------------------------------------------
@@ -290,9 +355,7 @@ ACCEPT = TELEGRAMS["6-24"]
 
 
 @pytest.mark.parametrize("held_back", [b"", BEGINNING])
-def test_what_the_bus_is_told_is_followed_also_when_only_silence_completes_it(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], held_back: bytes
-) -> None:
+def test_what_the_bus_is_told_is_followed_also_when_only_silence_completes_it(tmp_path: Path, held_back: bytes) -> None:
     taken = take(
         tmp_path,
         came(10 * MS, held_back + TOLD + ACCEPT),
@@ -301,7 +364,48 @@ def test_what_the_bus_is_told_is_followed_also_when_only_silence_completes_it(
     )
     changed = [record for record in taken.sink.records if record.event == Event.SETTINGS_CHANGED]
     assert [record.data for record in changed] == [b"57600 Bd 8E1: 16 let all accept 57600 Bd"]
-    assert capfd.readouterr().err.count("sistap: 57600 Bd 8E1: 16 let all accept 57600 Bd\n") == 1
+    assert [text for _, text in taken.console.said] == ["57600 Bd 8E1: 16 let all accept 57600 Bd"]
+
+
+def test_settings_that_are_only_tried_are_noted_but_not_told(tmp_path: Path) -> None:
+    running = Running(tmp_path, Conditions(formats=("8E1", "8N1")))
+    running.run([came(10 * MS, b"x"), came(20 * MS, b"x", settings=LineSettings(19200))])
+    assert [record.event for record in running.sink.records if record.data != b"x"] == [Event.SETTINGS_CHANGED]
+    assert running.console.said == []
+
+
+# -- What people and programs are told, and ask for ------------------------------------------------------------------
+
+
+class Listener:
+    """A program that controls the capture, and asks for a marker at once."""
+
+    def __init__(self) -> None:
+        self._requests = [Marker("the axis stopped")]
+
+    def requests(self) -> list[Marker]:
+        requests, self._requests = self._requests, []
+        return requests
+
+    def show(self, counters: Counters, settings: LineSettings) -> None:
+        pass
+
+
+def test_a_marker_is_an_event(tmp_path: Path) -> None:
+    running = Running(tmp_path, Conditions(), remote=Listener())
+    running.run([came(10 * MS, GOOD)])
+    assert [(record.event, record.data) for record in running.sink.records if record.type == Type.EVENT] == [
+        (Event.MARKER, b"the axis stopped")
+    ]
+
+
+def test_progress_comes_every_second_and_a_hint_when_nothing_has_come_for_five(tmp_path: Path) -> None:
+    running = Running(tmp_path, Conditions())
+    running.run([], end_ns=7500 * MS)
+    assert running.console.progress_at == [second * SECOND for second in range(1, 8)]
+    ((at_ns, hint),) = running.console.said
+    assert at_ns == 5 * SECOND
+    assert hint.startswith("nothing received for 5 s")
 
 
 # -- Two ports -------------------------------------------------------------------------------------------------------
@@ -310,29 +414,22 @@ def test_what_the_bus_is_told_is_followed_also_when_only_silence_completes_it(
 class Either:
     """Two readers as one: of what is there, the earlier."""
 
-    def __init__(self, clock: Clock, script: Sequence[tuple[int, Read]], end_ns: int) -> None:
+    def __init__(self, clock: Clock, script: Sequence[Came], end_ns: int) -> None:
         self.read = ScriptedReader(clock, script, line=1, end_ns=end_ns).read
 
 
-def test_each_of_two_ports_is_counted_and_told_of_by_itself(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    clock = Clock()
-    readers = [ScriptedReader(clock, [], line) for line in (1, 2)]
+def test_each_of_two_ports_is_counted_and_told_of_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    running = Running(tmp_path, Conditions(duration_s=7.5))
+    readers = [ScriptedReader(running.clock, [], line) for line in (1, 2)]
     script = [came(i * 100 * MS, GOOD + b"text" * 10, line=2) for i in range(1, 70)]
 
     @contextmanager
     def together(readers: object) -> Iterator[Either]:
-        yield Either(clock, script, 8 * SECOND)
+        yield Either(running.clock, script, 8 * SECOND)
 
     monkeypatch.setattr(session, "together", together)
-    sink, output, counters = Sink(clock), Output(str(tmp_path / "x")), Counters()
-    conditions = Conditions(duration_s=7.5)
-    capture = Capture(readers, sink, output, counters, Console(), conditions, quiet=True, clock_ns=clock)
-    assert capture.run(Stop()) == 0
-    output.close()
-    said = capfd.readouterr().err
+    assert running.run([], readers=readers) == 0
     # Line 2 has characters, and among them telegrams: there is nothing to say of it.
-    assert said == "sistap: line 1: nothing received for 5 s: check the wiring (A, B and ground), the port and --baud\n"
-    assert counters.characters == 69 * (len(GOOD) + 40)
-    assert counters.telegrams == 69
+    assert [text.partition(":")[0] for _, text in running.console.said] == ["line 1"]
+    assert running.counters.characters == 69 * (len(GOOD) + 40)
+    assert running.counters.telegrams == 69

@@ -112,6 +112,12 @@ def test_the_reader_of_a_pipe_is_gone(tmp_path: Path) -> None:
         output.write(b"def")
 
 
+def test_a_file_has_no_reader_who_could_go(tmp_path: Path) -> None:
+    output = Output(str(tmp_path / "x"))
+    output.check()
+    output.close()
+
+
 def test_a_pipe_that_nobody_reads_does_not_hold_up_a_stop(tmp_path: Path) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
