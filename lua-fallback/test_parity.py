@@ -22,12 +22,13 @@ TABLE = "uat:sis_parameters:"  # the user's table of parameters: Lua cannot have
 def options(scenario: Scenario, passes: tuple[str, ...]) -> list[str]:
     """Give the options that both understand, with two passes so that the first of them has fields.
 
-    A script knows the interface from a field, and the first of two passes has none, unless a read filter needs them.
+    A script knows section and interface from fields, and the first of two passes has none, unless a read filter needs
+    them.
     """
     words = scenario.options
     given = [word for word in zip(words[::2], words[1::2], strict=True) if not word[1].startswith(TABLE)]
-    has_interfaces = any(item.interface for item in scenario.items)
-    reading = ("-R", "frame") if passes and has_interfaces else ()
+    has_lines = any(item.interface or item.section for item in scenario.items)
+    reading = ("-R", "frame") if passes and has_lines else ()
     return [*passes, *reading, *(word for pair in given for word in pair)]
 
 
