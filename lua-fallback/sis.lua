@@ -209,7 +209,7 @@ local function packet_time(pinfo, number)
   local time = packet_times[number]
 
   if not time then
-    time = floor(pinfo.rel_ts * 1e9 + 0.5)
+    time = T.elapsed(0, floor(pinfo.rel_ts * 1e9 + 0.5))
     packet_times[number] = time
   end
   return time
@@ -236,22 +236,29 @@ local function look_at(pinfo)
   packet.record = nil
 end
 
--- Which interface of the capture a packet came from; 0 where there is none, and in the first of two passes of tshark,
--- which has no fields for Lua unless a filter wants some.
-local frame_interface_id = Field.new("frame.interface_id")
-local interface_of, interface_id -- of the packet that was asked for last: every field that is looked at costs time
+-- Which section of the capture a packet came from, from 0, and which interface of the section; 0 where there is none,
+-- and in the first of two passes of tshark, which has no fields for Lua unless a filter wants some.
+local frame_section_number, frame_interface_id = Field.new("frame.section_number"), Field.new("frame.interface_id")
+local place_of, section, interface -- of the packet that was asked for last: every field that is looked at costs time
 
-at_init(function() interface_of = nil end)
+at_init(function() place_of = nil end)
 
-function S.interface()
+function S.place()
   local number = packet.number
 
-  if number ~= interface_of then
-    local found = frame_interface_id()
+  if number ~= place_of then
+    local found_section, found_interface = frame_section_number(), frame_interface_id()
 
-    interface_of, interface_id = number, found and found.value or 0
+    place_of = number
+    section = found_section and found_section.value - 1 or 0
+    interface = found_interface and found_interface.value or 0
   end
-  return interface_id
+  return section, interface
+end
+
+-- A line of the capture as a number: every section numbers its interfaces anew.
+function S.line_key(of_section, of_interface)
+  return of_section * 0x100000000 + of_interface
 end
 
 -- Which TCP connection a packet belongs to: its two ends, as text. Its number is a field, and the first pass of tshark
@@ -563,13 +570,47 @@ do
   end
 end
 
+--- sertap-time: times as numbers with an end, and as text that is the same in every locale.
+
+do
+  local LATEST = 9.15e18 -- ns, 290 years: a capture may claim any time
+
+  -- How long it is from one time to another, in ns, up to LATEST either way.
+  function T.elapsed(from, to)
+    return max(min(to - from, LATEST), -LATEST)
+  end
+
+  -- `value` / `divisor`, rounded, in units of the last decimal: 12345678 / 1000 with 3 decimals is "12.346". Made from
+  -- integers: %f would write a comma where the user's locale has one, and people compare and filter for these texts.
+  function T.decimal_text(value, divisor, decimals)
+    local magnitude, unit = math.abs(value), 10 ^ decimals
+    local rest = fmod(magnitude, divisor)
+    local digits = (magnitude - rest) / divisor + (rest > 0 and rest >= divisor / 2 and 1 or 0)
+    local fraction = fmod(digits, unit)
+
+    return strformat("%s%.0f.%0" .. decimals .. "d", value < 0 and "-" or "", (digits - fraction) / unit, fraction)
+  end
+
+  function T.ms_text(ns)
+    return T.decimal_text(ns, 1e3, 3) .. " ms"
+  end
+
+  function T.exact_ms_text(ns)
+    return T.decimal_text(ns, 1, 6) .. " ms"
+  end
+
+  function T.s_text(ns)
+    return T.decimal_text(ns, 1e6, 3) .. " s"
+  end
+end
+
 --- sertap-line: what is known of a line, record after record, in the first pass
 
 do
   local WINDOW_NS = 1e9 -- over which the load is taken
   local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
 
-  local lines -- by interface
+  local lines -- by key
   local line_of, spell_of -- by frame: its line, and the last spell of the line then
 
   at_init(function() lines, line_of, spell_of = {}, {}, {} end)
@@ -581,7 +622,7 @@ do
   end
 
   local function find_line()
-    local key = S.interface()
+    local key = S.line_key(S.place())
     local line = lines[key]
 
     if not line then
@@ -615,7 +656,7 @@ do
     ends[spell] = finish
     line.begins[spell] = finish - max(busy, duration + character)
     line.totals[spell] = line.totals[spell - 1] + busy
-    while ends[head] <= finish - WINDOW_NS do
+    while head < spell and ends[head] <= finish - WINDOW_NS do
       head = head + 1
     end
     line.heads[spell] = head
@@ -641,6 +682,7 @@ do
     local totals, first, finish = line.totals, line.begins[head], line.ends[spell]
     local busy, begin = totals[spell] - totals[head - 1], max(finish - WINDOW_NS, line.begins[1])
 
+    if finish <= begin then return end
     if first < begin then
       busy = busy - floor((totals[head] - totals[head - 1]) * (begin - first) / (line.ends[head] - first))
     end
@@ -822,7 +864,7 @@ do
   -- Unknown has no value: a filter for bad times would find it.
   local function add_uncertainty(tree, tvb, uncertainty)
     if uncertainty then
-      add_value(tree, FT.uncertainty, tvb, 12, 4, nstime(uncertainty), strformat("%.3f ms", uncertainty / 1e6))
+      add_value(tree, FT.uncertainty, tvb, 12, 4, nstime(uncertainty), T.ms_text(uncertainty))
     else
       add_subtree(tree, tvb, 12, 4, "Uncertainty of the times: unknown")
     end
@@ -974,7 +1016,7 @@ do
   end
 
   local function interval_text(interval, flag)
-    return strformat("%s%.3f ms", band(flag, K.INTERVAL_SATURATED) ~= 0 and "more than " or "", interval / 1e6)
+    return (band(flag, K.INTERVAL_SATURATED) ~= 0 and "more than " or "") .. T.ms_text(interval)
   end
 
   local function add_character(tree, tvb, record, index)
@@ -1010,7 +1052,7 @@ do
 
     set_generated(item)
     if record.uncertainty then
-      append_text(item, strformat(" (times uncertain by %.3f ms)", record.uncertainty / 1e6))
+      append_text(item, strformat(" (times uncertain by %s)", T.ms_text(record.uncertainty)))
     end
   end
 
@@ -2890,8 +2932,8 @@ do
       S.say(body, ", switching to phase %d", switch.to)
       return
     end
-    local taken = body.telegram.times.begin - switch.begin
-    local text = strformat("%.3f s", taken / 1e9)
+    local taken = T.elapsed(switch.begin, body.telegram.times.begin)
+    local text = T.s_text(taken)
     set_generated(add_value(body.tree, F.switch_time, body.tvb, 0, 0, nstime(taken), text))
     S.say(body, ", %s after %s", body.status == 0 and "reached" or "failed", text)
   end
@@ -2955,12 +2997,11 @@ do
   expert_field("repeated", "sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 
   local records -- by place in the packet, then by frame number
-  local lines, connections -- by number of the interface, and of TCP
+  local lines, connections -- by key of the line, and of TCP
   local stream_count
-  local routes -- streams with a command with subaddresses that waits: as keys
 
   at_init(function()
-    records, lines, connections, stream_count, routes = {}, {}, {}, 0, {}
+    records, lines, connections, stream_count = {}, {}, {}, 0
   end)
 
   local function new_bus(is_connection)
@@ -2979,17 +3020,17 @@ do
   end
 
   -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
-  local function line_number()
-    local record, interface = packet.record, S.interface()
+  local function bus_key()
+    local record, of_section, of_interface = packet.record, S.place()
 
-    return record and record.line == 2 and interface > 0 and interface - 1 or interface
+    return S.line_key(of_section, record and record.line == 2 and max(of_interface - 1, 0) or of_interface)
   end
 
   -- First pass: the line or connection that a packet belongs to.
   function S.exchange_bus(pinfo)
     local is_connection = packet.port_type == K.PORT_TYPE_TCP
     local known = is_connection and connections or lines
-    local key = is_connection and S.connection(pinfo) or line_number()
+    local key = is_connection and S.connection(pinfo) or bus_key()
 
     known[key] = known[key] or new_bus(is_connection)
     return known[key]
@@ -3058,39 +3099,13 @@ do
     exchange.transfer = before.transfer
   end
 
-  -- A router drops the first address and sends the rest on: is `bytes` what it made of `above`? Addresses of a telegram
-  -- are from the sender to the last subaddress: bytes 6 and following.
-  local function is_one_level_below(bytes, telegram, above)
-    local subaddresses = telegram.subaddress_count
-    local number = telegram.body_offset - K.STATIC_LENGTH - subaddresses
-    local control = byte(above, 5)
+  -- What a router made of a command that waits belongs to it.
+  local function find_route(exchange, telegram, bytes)
+    local above = S.route_take(telegram, bytes)
 
-    return #above == #bytes + 1
-      and band(control, 0x07) == subaddresses + 1
-      and byte(above, 6) == telegram.service
-      and (band(control, 0x08) ~= 0) == (number ~= 0)
-      and sub(above, 8) == sub(bytes, 7)
-  end
-
-  -- Of the commands that wait one level above, the oldest of which this is.
-  local function find_route(exchange, bytes, telegram)
-    local oldest
-
-    for stream in pairs(routes) do
-      for direction = 0, 1 do
-        local from = stream.from[direction]
-        local above = from.last
-
-        if above and not above.reaction_in and not above.forwarded
-          and not (oldest and oldest.command_in < above.command_in)
-          and is_one_level_below(bytes, telegram, from.bytes) then
-          oldest = above
-        end
-      end
-    end
-    if oldest then
-      exchange.routed_from = oldest.command_in
-      oldest.forwarded = exchange
+    if above then
+      exchange.routed_from = above.command_in
+      above.forwarded = exchange
     end
   end
 
@@ -3109,9 +3124,9 @@ do
       exchange.gave_up = before.command_in
     end
     if exchange.repeat_of then
-      exchange.wait = telegram.times.begin - from.last.command_end
+      exchange.wait = T.elapsed(from.last.command_end, telegram.times.begin)
     elseif not command_before.is_answered then
-      exchange.wait = telegram.times.begin - before.command_end
+      exchange.wait = T.elapsed(before.command_end, telegram.times.begin)
     end
   end
 
@@ -3132,13 +3147,14 @@ do
     if #bytes > declared then bytes = sub(bytes, 1, declared) end
     from.path = telegram.path
     if needs_reaction(telegram) then find_repeat(exchange, from, bytes, telegram) end
-    if next(routes) then find_route(exchange, bytes, telegram) end
+    find_route(exchange, telegram, bytes)
     if before then follow_command(exchange, before, telegram) end
     bus.last[telegram.sender] = exchange
+    if from.last then S.route_leave(from.last) end
     from.telegram = telegram
     from.bytes = bytes
     from.last = exchange
-    if telegram.subaddress_count > 0 then routes[stream] = true end
+    if telegram.subaddress_count > 0 then S.route_wait(exchange, telegram, bytes) end
     return exchange
   end
 
@@ -3187,9 +3203,9 @@ do
     if stream.bus.is_connection then
       exchange.next_command_in = nil -- there a master need not wait
     end
-    routes[stream] = nil
+    S.route_leave(exchange)
     if exchange.command_in ~= number then -- nil where both are in one packet
-      record.reaction_time = telegram.times.begin - exchange.command_end
+      record.reaction_time = T.elapsed(exchange.command_end, telegram.times.begin)
     end
     if exchange.forwarded then
       record.routed_from = exchange.forwarded.reaction_in
@@ -3296,7 +3312,7 @@ do
         strformat("The command was answered before, in frame %d", record.reaction_before))
     elseif record.reaction_time and tree then
       set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
-        strformat("%.3f ms", record.reaction_time / 1e6)))
+        T.ms_text(record.reaction_time)))
     end
   end
 
@@ -3312,6 +3328,79 @@ do
     elseif exchange then
       show_command(exchange, body)
     end
+  end
+end
+
+--- sis-routes: commands through routers: which command on one level became which on the next (chapter 2.2).
+--
+-- A router drops the first address and sends the rest on. So a command that waits is kept by what the next router would
+-- send: as many as there are, one look finds the one of which a router made another.
+
+do
+  -- Those where a command waits, by key; {key, count: of those that wait, first, last: numbers of its commands}.
+  local routes, route_count
+
+  at_init(function() routes, route_count = {}, 0 end)
+
+  -- What a router leaves as it is, of a telegram of which it has dropped so many addresses: 0, or 1 where it has yet to
+  -- do so. Two sections of a capture are two plants.
+  local function make_key(telegram, bytes, dropped)
+    local of_section = S.place()
+    local number = telegram.has_number and 1 or 0
+
+    return strformat("%d %d %d %d ", of_section, telegram.service, telegram.subaddress_count - dropped, number)
+      .. sub(bytes, 7 + dropped)
+  end
+
+  local function new_route(key)
+    routes[key] = {key = key, count = 0, first = 1, last = 0}
+    route_count = route_count + 1
+    return routes[key]
+  end
+
+  -- Forgets those at the beginning that have left.
+  local function skip_left(route)
+    while route.first <= route.last and route[route.first].route ~= route do
+      route[route.first] = nil
+      route.first = route.first + 1
+    end
+  end
+
+  -- A command with subaddresses waits for what the next router makes of it.
+  function S.route_wait(exchange, telegram, bytes)
+    local key = make_key(telegram, bytes, 1)
+    local route = routes[key] or new_route(key)
+
+    skip_left(route)
+    route.last = route.last + 1
+    route[route.last] = exchange
+    route.count = route.count + 1
+    exchange.route = route
+  end
+
+  -- A command was answered, or its master has sent the next one: it waits no longer, if it did.
+  function S.route_leave(exchange)
+    local route = exchange.route
+
+    if not route then return end
+    exchange.route = nil
+    route.count = route.count - 1
+    if route.count == 0 then
+      routes[route.key] = nil
+      route_count = route_count - 1
+    end
+  end
+
+  -- The oldest command that waits and of which a router may have made this one; it waits no longer. nil: none.
+  function S.route_take(telegram, bytes)
+    local route = route_count > 0 and routes[make_key(telegram, bytes, 0)]
+
+    if not route then return end
+    skip_left(route)
+    local oldest = route[route.first]
+
+    S.route_leave(oldest)
+    return oldest
   end
 end
 
@@ -3898,7 +3987,7 @@ do
 
   -- With a point in every locale: people filter for it.
   local function double_text(digits, value)
-    return (string.gsub(strformat("%." .. digits .. "g", value), ",", "."))
+    return (string.gsub(strformat("%." .. digits .. "g", value), "[^%w+-]+", "."))
   end
 
   -- Digits of a whole number with a point before the last ones.
@@ -4361,7 +4450,7 @@ do
 
   -- From the end of one telegram to the beginning of another.
   function S.span_between(end_earliest, end_, after)
-    return {least = after.begin_earliest - end_, most = after.begin_latest - end_earliest}
+    return {least = T.elapsed(end_, after.begin_earliest), most = T.elapsed(end_earliest, after.begin_latest)}
   end
 
   -- exceeded, ok or unresolved (see plugin/README.md); the limit in ns.
@@ -4584,7 +4673,7 @@ do
   local function ms_text(ns)
     local is_close = fmod(ns, MS) ~= 0 and fmod(ns + 500, MS) < 1000
 
-    return strformat(is_close and "%.6f ms" or "%.3f ms", ns / MS)
+    return is_close and T.exact_ms_text(ns) or T.ms_text(ns)
   end
 
   local function span_text(span)
@@ -4759,7 +4848,7 @@ do
     if t.busy and t.tree then
       local load = T.percent(t.busy, t.span)
 
-      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, strformat("%.1f %%", load)))
+      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, T.decimal_text(load * 10, 1, 1) .. " %"))
     end
   end
 
@@ -4845,10 +4934,10 @@ do
     local span = {least = 0, most = K.ANY_TIME}
 
     if times.begin_earliest and last.begin_earliest then
-      span.least = times.begin_earliest - last.begin_latest
-      span.most = times.begin_latest - last.begin_earliest
+      span.least = T.elapsed(last.begin_latest, times.begin_earliest)
+      span.most = T.elapsed(last.begin_earliest, times.begin_latest)
     end
-    return {frame = last.frame, ns = times.begin - last.begin, span = span}
+    return {frame = last.frame, ns = T.elapsed(last.begin, times.begin), span = span}
   end
 
   local function note_cycle(record, telegram, body)

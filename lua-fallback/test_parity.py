@@ -26,7 +26,8 @@ PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_
 def options(given: Sequence[str], passes: tuple[str, ...]) -> list[str]:
     """Give the options that both understand, with two passes so that the first of them has fields.
 
-    A script knows the interface from a field, and the first of two passes has none, unless a read filter needs them.
+    A script knows section and interface from fields, and the first of two passes has none, unless a read filter needs
+    them.
     """
     understood = [word for word in zip(given[::2], given[1::2], strict=True) if not word[1].startswith(TABLE)]
     reading = ("-R", "frame") if passes else ()

@@ -71,13 +71,20 @@ typedef gboolean compat_uat_bool;
     dissector_try_uint_new(table, key, tvb, pinfo, tree, TRUE, data)
 #endif
 
-/* Which interface of the capture a packet came from; 0 where there is none. */
+/* Which interface of its section a packet came from; 0 where there is none. */
 static inline uint32_t
 compat_interface(const packet_info *pinfo)
 {
     return pinfo->rec->presence_flags & WTAP_HAS_INTERFACE_ID
                ? pinfo->rec->rec_header.packet_header.interface_id
                : 0;
+}
+
+/* Which section of the capture a packet came from, from 0. Every section numbers its interfaces anew. */
+static inline uint32_t
+compat_section(const packet_info *pinfo)
+{
+    return pinfo->rec->presence_flags & WTAP_HAS_SECTION_NUMBER ? pinfo->rec->section_number : 0;
 }
 
 #endif

@@ -145,15 +145,15 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 
 /* Unknown has no value: a filter for bad times would find it. */
 static void
-add_uncertainty(proto_tree *tree, tvbuff_t *tvb, uint32_t uncertainty)
+add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
     nstime_t time = sertap_time(uncertainty);
 
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
         proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
     else
-        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &time, "%.3f ms",
-                                         uncertainty / 1e6);
+        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &time, "%s",
+                                         sertap_ms_text(pinfo->pool, uncertainty));
 }
 
 static void
@@ -168,7 +168,7 @@ show_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_re
         proto_item_append_text(ti, " (unknown)");
     add_format(tree, pinfo, tvb, record);
     proto_tree_add_item(tree, hf_framing, tvb, 11, 1, ENC_BIG_ENDIAN);
-    add_uncertainty(tree, tvb, record->uncertainty);
+    add_uncertainty(tree, pinfo, tvb, record->uncertainty);
 }
 
 /* Reads the header of a record, offsets 0 to 19. False where nothing after it can be told. */
@@ -281,7 +281,7 @@ interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
 {
     const char *more_than = flag & SERTAP_INTERVAL_SATURATED ? "more than " : "";
 
-    return wmem_strdup_printf(pinfo->pool, "%s%.3f ms", more_than, interval / 1e6);
+    return wmem_strconcat(pinfo->pool, more_than, sertap_ms_text(pinfo->pool, interval), NULL);
 }
 
 static void
@@ -323,7 +323,8 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
 
     proto_item_set_generated(ti);
     if (record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN)
-        proto_item_append_text(ti, " (times uncertain by %.3f ms)", record->uncertainty / 1e6);
+        proto_item_append_text(ti, " (times uncertain by %s)",
+                               sertap_ms_text(pinfo->pool, record->uncertainty));
 }
 
 /* Whether somebody sees the characters or filters for them. Most readings of a large file do neither, and a
@@ -443,20 +444,6 @@ sertap_character_ns(const sertap_record_t *record)
     int64_t half_bits = 2 + 2 * record->data_bits + (record->parity != 0 ? 2 : 0) + record->stop_half_bits;
 
     return record->baud != 0 ? half_bits * 500000000 / record->baud : 0;
-}
-
-int64_t
-sertap_ns(const nstime_t *time)
-{
-    return (int64_t)time->secs * 1000000000 + time->nsecs;
-}
-
-nstime_t
-sertap_time(int64_t ns)
-{
-    nstime_t time = {(time_t)(ns / 1000000000), (int)(ns % 1000000000)};
-
-    return time;
 }
 
 static void

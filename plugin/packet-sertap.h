@@ -4,7 +4,7 @@
 #ifndef PACKET_SERTAP_H
 #define PACKET_SERTAP_H
 
-#include "compat.h"
+#include "sertap-time.h"
 
 typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
 
@@ -60,10 +60,6 @@ unsigned sertap_index(const sertap_record_t *record, tvbuff_t *part);
 /* How long one character takes, start and stop bits included; 0 where the rate is not known. */
 int64_t sertap_character_ns(const sertap_record_t *record);
 
-/* A time since 1970. */
-int64_t sertap_ns(const nstime_t *time);
-nstime_t sertap_time(int64_t ns);
-
 /* First pass: packets of this record's interface so far that may hide a frame; 0: none. */
 typedef struct {
     uint32_t lost_in;     /* the last before or in which characters were lost */
@@ -75,6 +71,12 @@ sertap_disturbance_t sertap_disturbance(const sertap_record_t *record);
 /* First pass: in which part of the last second, or of the time since the line's first character, there were
  * characters on the line, in percent; negative: not known. */
 float sertap_load(const sertap_record_t *record);
+
+/* A line of the capture as a number: its section, and in the lower half its interface. */
+uint64_t sertap_line_key(const packet_info *pinfo);
+
+/* The lines of the capture in the order in which they came, from 0. Only of a packet with a record. */
+unsigned sertap_line_number(const packet_info *pinfo);
 
 /* First pass: takes a record into account. */
 void sertap_line_note(packet_info *pinfo, sertap_record_t *record);

@@ -4,6 +4,8 @@
 
 #include "packet-sertap.h"
 
+#include <math.h>
+
 #define WINDOW_NS INT64_C(1000000000) /* over which the load is taken */
 
 /* When a record kept the line busy; ns since 1970. */
@@ -11,32 +13,48 @@ typedef struct {
     int64_t begin, end, busy;
 } spell_t;
 
-/* The spells of the last window, oldest first. */
+/* The spells of the last window, oldest first. Never without one once there was one. */
 typedef struct {
     spell_t *spells;
     unsigned head, end, size;
-    int64_t busy;  /* of all of them */
+    uint64_t busy; /* of all of them; what a damaged capture adds up may be too much for a sign */
     int64_t begin; /* of the first character on the line */
 } window_t;
 
 typedef struct sertap_line {
+    uint64_t key;
+    unsigned number;
     sertap_disturbance_t disturbance;
     window_t window;
 } line_t;
 
-static wmem_map_t *lines; /* by interface */
+static wmem_map_t *lines; /* by key */
+
+uint64_t
+sertap_line_key(const packet_info *pinfo)
+{
+    return (uint64_t)compat_section(pinfo) << 32 | compat_interface(pinfo);
+}
 
 static line_t *
-find_line(packet_info *pinfo)
+find_line(const packet_info *pinfo)
 {
-    void *key = GUINT_TO_POINTER(compat_interface(pinfo));
-    line_t *line = wmem_map_lookup(lines, key);
+    uint64_t key = sertap_line_key(pinfo);
+    line_t *line = wmem_map_lookup(lines, &key);
 
     if (line == NULL) {
         line = wmem_new0(wmem_file_scope(), line_t);
-        wmem_map_insert(lines, key, line);
+        line->key = key;
+        line->number = wmem_map_size(lines);
+        wmem_map_insert(lines, &line->key, line);
     }
     return line;
+}
+
+unsigned
+sertap_line_number(const packet_info *pinfo)
+{
+    return find_line(pinfo)->number;
 }
 
 sertap_disturbance_t
@@ -90,9 +108,9 @@ note_spell(window_t *window, packet_info *pinfo, const sertap_record_t *record)
         window->begin = begin;
     make_room(window);
     window->spells[window->end++] = (spell_t){begin, end, busy};
-    window->busy += busy;
-    while (window->spells[window->head].end <= end - WINDOW_NS)
-        window->busy -= window->spells[window->head++].busy;
+    window->busy += (uint64_t)busy;
+    while (window->head + 1 < window->end && window->spells[window->head].end <= end - WINDOW_NS)
+        window->busy -= (uint64_t)window->spells[window->head++].busy;
 }
 
 void
@@ -105,25 +123,31 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
         note_spell(&line->window, pinfo, record);
 }
 
-/* Of the oldest spell only a part may lie in the window. */
+/* Of the oldest spell only a part may lie in the window. Where the clock went back nobody knows how long it
+ * was. */
 float
 sertap_load(const sertap_record_t *record)
 {
     const window_t *window = &record->known->window;
     const spell_t *first = window->spells + window->head;
-    int64_t end, begin, busy = window->busy;
+    double busy = (double)window->busy;
+    int64_t end, begin, span;
 
     if (window->head == window->end)
         return -1;
     end = window->spells[window->end - 1].end;
     begin = MAX(end - WINDOW_NS, window->begin);
+    span = sertap_elapsed(begin, end);
+    if (span <= 0)
+        return -1;
     if (first->begin < begin)
-        busy -= (int64_t)((double)first->busy * (begin - first->begin) / (first->end - first->begin));
-    return CLAMP((float)busy / (float)(end - begin), 0, 1) * 100;
+        busy -= floor((double)first->busy * sertap_elapsed(first->begin, begin) /
+                      sertap_elapsed(first->begin, first->end));
+    return CLAMP((float)busy / (float)span, 0, 1) * 100;
 }
 
 void
 sertap_line_register(void)
 {
-    lines = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    lines = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
 }

@@ -61,12 +61,13 @@ count_intervals(stats_tree *tree, const sertap_record_t *record)
 }
 
 static tap_packet_status
-packet(stats_tree *tree, packet_info *pinfo _U_, epan_dissect_t *edt _U_, const void *data,
-       tap_flags_t flags _U_)
+packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void *data, tap_flags_t flags _U_)
 {
     static const char *const types[] = {"Frames", "Other characters", "Events"};
     const sertap_record_t *record = data;
 
+    if (!sertap_can_be_counted(pinfo))
+        return TAP_PACKET_DONT_REDRAW;
     tick_stat_node(tree, "Records", 0, TRUE);
     if (record->type < array_length(types))
         tick_stat_node(tree, types[record->type], records_node, FALSE);

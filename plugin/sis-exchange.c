@@ -12,6 +12,7 @@
 #include "sis-address.h"
 #include "sis-bus.h"
 #include "sis-learned.h"
+#include "sis-routes.h"
 
 static int hf_stream = -1;
 static int hf_reaction_in = -1;
@@ -26,9 +27,8 @@ static expert_field ei_unasked = EI_INIT;
 static expert_field ei_answered_before = EI_INIT;
 static expert_field ei_repeat = EI_INIT;
 
-static wmem_map_t *buses;   /* by bus number */
-static wmem_map_t *streams; /* by bus number and both stations */
-static wmem_map_t *routes;  /* streams with a command with subaddresses that waits: as key and value */
+static wmem_map_t *buses;   /* by key */
+static wmem_map_t *streams; /* by bus and both stations */
 
 static bool
 is_connection(packet_info *pinfo)
@@ -38,43 +38,46 @@ is_connection(packet_info *pinfo)
 
 /* A capture has an interface a line; SIS over TCP a connection. The two directions of a full-duplex tap are
  * two interfaces, one after the other. */
-static uint32_t
-bus_number(packet_info *pinfo)
+static uint64_t
+bus_key(packet_info *pinfo)
 {
     const conversation_t *conversation = is_connection(pinfo) ? find_conversation_pinfo(pinfo, 0) : NULL;
-
     const sertap_record_t *record = sertap_record(pinfo);
-    uint32_t interface = compat_interface(pinfo);
+    uint64_t line = sertap_line_key(pinfo);
 
     if (conversation != NULL)
-        return UINT32_C(0x80000000) | conversation->conv_index;
-    return record != NULL && record->line == 2 && interface > 0 ? interface - 1 : interface;
+        return UINT64_C(1) << 63 | conversation->conv_index;
+    return record != NULL && record->line == 2 && compat_interface(pinfo) > 0 ? line - 1 : line;
 }
 
 sis_bus_t *
 sis_exchange_bus(packet_info *pinfo)
 {
-    void *key = GUINT_TO_POINTER(bus_number(pinfo));
-    sis_bus_t *bus = wmem_map_lookup(buses, key);
+    uint64_t key = bus_key(pinfo);
+    sis_bus_t *bus = wmem_map_lookup(buses, &key);
 
     if (bus == NULL) {
         bus = wmem_new0(wmem_file_scope(), sis_bus_t);
+        bus->key = key;
         bus->is_connection = is_connection(pinfo);
         bus->learned = sis_learned_new();
         bus->told = sis_told_new();
         bus->cycles = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
-        wmem_map_insert(buses, key, bus);
+        wmem_map_insert(buses, &bus->key, bus);
     }
     return bus;
 }
 
 /* Two stations, with what lies between them: a drive behind a router is not the router. */
 typedef struct {
-    uint32_t bus;
+    uint64_t bus;
     uint8_t low, high;
     uint8_t subaddress_count;
     uint8_t subaddresses[7];
+    uint8_t zero[6];
 } stream_key_t;
+
+_Static_assert(sizeof(stream_key_t) == 8 + 3 + 7 + 6, "the key is hashed byte by byte, so it has no gaps");
 
 static unsigned
 hash_stream_key(const void *key)
@@ -94,7 +97,7 @@ find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
     stream_key_t key = {0};
     sis_stream_t *stream;
 
-    key.bus = bus_number(pinfo);
+    key.bus = bus_key(pinfo);
     key.low = MIN(telegram->sender, telegram->receiver);
     key.high = MAX(telegram->sender, telegram->receiver);
     key.subaddress_count = telegram->subaddress_count;
@@ -170,56 +173,13 @@ find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direc
     exchange->transfer = before->transfer;
 }
 
-/* Addresses of a telegram from the sender to the last subaddress: bytes 6 and following. */
-static bool
-is_one_level_below(tvbuff_t *tvb, const sis_telegram_t *telegram, const uint8_t *above, unsigned length)
-{
-    unsigned subaddresses = telegram->subaddress_count,
-             number = telegram->body_offset - SIS_STATIC_LENGTH - subaddresses;
-    unsigned rest = telegram->declared - SIS_STATIC_LENGTH - subaddresses; /* number and useful data */
-
-    return length == telegram->declared + 1 && (above[4] & 0x07) == subaddresses + 1 &&
-           above[5] == telegram->service && ((above[4] & 0x08) != 0) == (number != 0) &&
-           is_equal(tvb, 6, above + 7, subaddresses + 2) &&
-           is_equal(tvb, SIS_STATIC_LENGTH + subaddresses, above + SIS_STATIC_LENGTH + subaddresses + 1,
-                    rest);
-}
-
-typedef struct {
-    tvbuff_t *tvb;
-    const sis_telegram_t *telegram;
-    sis_exchange_t *above; /* found: the oldest */
-} below_t;
-
-/* A router drops the first address and sends the rest on: is this what it made of a command that waits? */
+/* What a router made of a command that waits belongs to it. */
 static void
-compare_route(void *key _U_, void *value, void *data)
+find_route(sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    const sis_stream_t *stream = value;
-    below_t *below = data;
-
-    for (unsigned direction = 0; direction < 2; direction++) {
-        sis_exchange_t *above = stream->from[direction].last;
-
-        if (above == NULL || above->reaction_in != 0 || above->forwarded != NULL ||
-            (below->above != NULL && below->above->command_in < above->command_in))
-            continue;
-        if (is_one_level_below(below->tvb, below->telegram, stream->from[direction].bytes,
-                               stream->from[direction].length))
-            below->above = above;
-    }
-}
-
-static void
-find_route(sis_exchange_t *exchange, tvbuff_t *tvb, const sis_telegram_t *telegram)
-{
-    below_t below = {tvb, telegram, NULL};
-
-    wmem_map_foreach(routes, compare_route, &below);
-    if (below.above == NULL)
-        return;
-    exchange->above = below.above;
-    below.above->forwarded = exchange;
+    exchange->above = sis_route_take(tvb, pinfo, telegram);
+    if (exchange->above != NULL)
+        exchange->above->forwarded = exchange;
 }
 
 /* A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
@@ -236,9 +196,9 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
         exchange->gave_up_station = before->path[0];
     }
     if (exchange->first != NULL)
-        exchange->wait = telegram->times.begin - same->command_end;
+        exchange->wait = sertap_elapsed(same->command_end, telegram->times.begin);
     else if (!sis_is_answered(before->station))
-        exchange->wait = telegram->times.begin - before->command_end;
+        exchange->wait = sertap_elapsed(before->command_end, telegram->times.begin);
 }
 
 static sis_exchange_t *
@@ -266,17 +226,19 @@ begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram
         sis_is_answered(telegram->last_address) && telegram->service != SIS_TOKEN_PASSING;
     if (exchange->needs_reaction)
         find_repeat(exchange, stream, direction, tvb, telegram);
-    find_route(exchange, tvb, telegram);
+    find_route(exchange, tvb, pinfo, telegram);
     if (*master != NULL)
         follow_command(exchange, *master, telegram);
     *master = exchange;
 
+    if (stream->from[direction].last != NULL)
+        sis_route_leave(stream->from[direction].last);
     wmem_free(wmem_file_scope(), stream->from[direction].bytes);
     stream->from[direction].bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
     stream->from[direction].length = telegram->declared;
     stream->from[direction].last = exchange;
     if (telegram->subaddress_count > 0)
-        wmem_map_insert(routes, stream, stream);
+        sis_route_wait(exchange, tvb, pinfo, telegram);
     return exchange;
 }
 
@@ -344,9 +306,9 @@ end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_
         exchange->reaction_in = pinfo->num;
         if (stream->bus->is_connection)
             exchange->next_command_in = 0; /* there a master need not wait */
-        wmem_map_remove(routes, stream);
+        sis_route_leave(exchange);
         exchange->has_time = exchange->command_in != pinfo->num;
-        exchange->reaction_time = telegram->times.begin - exchange->command_end;
+        exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
         if (exchange->forwarded != NULL)
             record->routed_from = exchange->forwarded->reaction_in;
         return;
@@ -449,11 +411,12 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
     if (record->reaction_before != 0)
         expert_add_info_format(pinfo, root, &ei_answered_before,
                                "The command was answered before, in frame %u", record->reaction_before);
-    else if (exchange->has_time) {
+    else if (exchange->has_time && tree != NULL) {
         nstime_t time = sertap_time(exchange->reaction_time);
 
-        proto_item_set_generated(proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &time,
-                                                                  "%.3f ms", exchange->reaction_time / 1e6));
+        proto_item_set_generated(
+            proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &time, "%s",
+                                             sertap_ms_text(pinfo->pool, exchange->reaction_time)));
     }
 }
 
@@ -495,8 +458,8 @@ sis_exchange_register(void)
 {
     proto_register_field_array(proto_sis, fields, array_length(fields));
     expert_register_field_array(sis_experts, experts, array_length(experts));
-    buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
     streams =
         wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_stream_key, are_stream_keys_equal);
-    routes = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    sis_routes_register();
 }

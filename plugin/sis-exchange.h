@@ -15,6 +15,7 @@ typedef struct {
 
 /* One line, or one TCP connection. */
 typedef struct sis_bus {
+    uint64_t key;
     bool is_connection;
     uint32_t damaged_in; /* the last damaged telegram, or what may have been one; 0: none */
     uint32_t damaged_count;
@@ -48,10 +49,12 @@ typedef struct sis_exchange {
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
                               then */
     bool is_kept_reaction_seen;
-    uint32_t transfer;              /* of sequential telegrams, this is a step of it */
-    struct sis_exchange *first;     /* of the same commands, which this repeats; NULL: none */
-    struct sis_exchange *again;     /* the next repeat; NULL: none */
-    struct sis_exchange *above;     /* the same exchange one level above; NULL: none */
+    uint32_t transfer;          /* of sequential telegrams, this is a step of it */
+    struct sis_exchange *first; /* of the same commands, which this repeats; NULL: none */
+    struct sis_exchange *again; /* the next repeat; NULL: none */
+    struct sis_route *route;    /* it waits here for what the next router makes of it; NULL: it does not */
+    wmem_list_frame_t *place;   /* in the route */
+    struct sis_exchange *above; /* the same exchange one level above; NULL: none */
     struct sis_exchange *forwarded; /* and one level below */
     sis_request_t *request;
 } sis_exchange_t;

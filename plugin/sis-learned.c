@@ -13,8 +13,11 @@ typedef struct {
     uint8_t path_length; /* 3 is not 3/0 */
     uint8_t device;
     uint8_t type;
+    uint8_t zero;
     uint16_t number;
 } learned_key_t;
+
+_Static_assert(sizeof(learned_key_t) == 8 + 4 + 2, "the key is hashed byte by byte, so it has no gaps");
 
 static unsigned
 hash_key(const void *key)
@@ -37,9 +40,8 @@ sis_learned_new(void)
 static learned_key_t
 make_key(const sis_exchange_t *exchange, sis_ident_t ident, uint8_t device)
 {
-    learned_key_t key;
+    learned_key_t key = {0};
 
-    memset(&key, 0, sizeof key); /* what lies between the members is hashed, too */
     memcpy(key.path, exchange->path, sizeof key.path);
     key.path_length = exchange->path_length;
     key.device = device;

@@ -442,7 +442,9 @@ static void
 show_switch(sis_body_t *body)
 {
     const sis_record_t *record = body->record;
+    int64_t elapsed;
     nstime_t taken;
+    const char *text;
     proto_item *item;
 
     if (record->phase_switch.command_in == 0)
@@ -454,11 +456,12 @@ show_switch(sis_body_t *body)
         sis_say(body, ", switching to phase %u", record->phase_switch.to);
         return;
     }
-    taken = sertap_time(body->telegram->times.begin - record->phase_switch.begin);
-    item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%.3f s",
-                                            nstime_to_sec(&taken));
+    elapsed = sertap_elapsed(record->phase_switch.begin, body->telegram->times.begin);
+    taken = sertap_time(elapsed);
+    text = sertap_s_text(body->pinfo->pool, elapsed);
+    item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%s", text);
     proto_item_set_generated(item);
-    sis_say(body, ", %s after %.3f s", body->status == 0 ? "reached" : "failed", nstime_to_sec(&taken));
+    sis_say(body, ", %s after %s", body->status == 0 ? "reached" : "failed", text);
 }
 
 static void

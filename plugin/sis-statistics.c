@@ -105,6 +105,8 @@ tree_packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const
     const sis_telegram_t *telegram = data;
     wmem_allocator_t *pool = pinfo->pool;
 
+    if (!sertap_can_be_counted(pinfo))
+        return TAP_PACKET_DONT_REDRAW;
     tick_stat_node(tree, telegrams_name, 0, TRUE);
     if (!telegram->is_good) {
         tick_stat_node(tree, "Damaged", telegrams_node, FALSE);
@@ -140,11 +142,12 @@ srt_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *
 {
     srt_stat_table *table = g_array_index(((srt_data_t *)data)->srt_array, srt_stat_table *, 0);
     const sis_telegram_t *telegram = tapped;
-    nstime_t command;
+    nstime_t command, taken;
 
     if (!telegram->timing.has_reaction_time)
         return TAP_PACKET_DONT_REDRAW;
-    command = sertap_time(sertap_ns(&pinfo->abs_ts) - telegram->record->exchange->reaction_time);
+    taken = sertap_time(telegram->record->exchange->reaction_time);
+    nstime_delta(&command, &pinfo->abs_ts, &taken);
     add_srt_table_data(table, telegram->service, &command, pinfo);
     return TAP_PACKET_REDRAW;
 }

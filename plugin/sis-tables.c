@@ -13,6 +13,7 @@
 #include "sis-quantiles.h"
 
 #define NS_PER_MS 1e6
+#define NS_PER_US INT64_C(1000)
 
 #define ALL -1 /* in place of a station */
 
@@ -95,9 +96,9 @@ static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
 typedef struct {
     int station;
     sis_quantiles_t intervals;
-    int64_t busy;       /* ns */
+    uint64_t busy;      /* ns */
     int64_t begin, end; /* in the first row: of all characters, ns since 1970; 0: none yet */
-    uint64_t lines;     /* in the first row: interfaces seen, a bit each */
+    uint64_t lines;     /* in the first row: lines seen, a bit each */
 } row_t;
 
 static stat_tap_table *
@@ -148,19 +149,28 @@ count(const stat_tap_table *table, unsigned row, unsigned column, unsigned by)
     stat_tap_get_field_data(table, row, column)->value.uint_value += by;
 }
 
-/* Decimals are text, because the windows of 4.0 and 4.4 show six of them whatever a column says. Made again
- * only where the text changes; user_data is what it says, in units of its last digit. */
+/* Decimals are text, because the windows of 4.0 and 4.4 show six of them whatever a column says, with a comma
+ * in some locales. `digits` is in units of the last one. Made again only where the text changes; user_data is
+ * what it says. */
 static void
-set_decimal(const stat_tap_table *table, unsigned row, unsigned column, unsigned decimals, double value)
+set_decimal(const stat_tap_table *table, unsigned row, unsigned column, unsigned decimals, int64_t digits)
 {
     stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
-    double digits = round(value * pow(10, decimals));
+    char *text;
 
     if (item->value.string_value[0] != '\0' && item->user_data.float_value == digits)
         return;
+    text = sertap_decimal_text(NULL, digits, 1, decimals);
     g_free((char *)item->value.string_value);
-    item->value.string_value = g_strdup_printf("%9.*f", (int)decimals, value);
-    item->user_data.float_value = digits;
+    item->value.string_value = g_strdup_printf("%9s", text);
+    item->user_data.float_value = (double)digits;
+    wmem_free(NULL, text);
+}
+
+static void
+set_ms(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
+{
+    set_decimal(table, row, column, 3, (ns + NS_PER_US / 2) / NS_PER_US);
 }
 
 /* Empty where no interval has an exact time. */
@@ -169,16 +179,16 @@ set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const s
              const sis_quantile_t *quantile)
 {
     if (quantiles->count > 0)
-        set_decimal(table, row, column, 3, sis_quantile_ns(quantiles, quantile) / NS_PER_MS);
+        set_ms(table, row, column, sis_quantile_ns(quantiles, quantile));
 }
 
 static void
-raise_to(const stat_tap_table *table, unsigned row, unsigned column, double ms)
+raise_to(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
 {
     const stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
 
-    if (ms * 1e3 > item->user_data.float_value)
-        set_decimal(table, row, column, 3, ms);
+    if ((double)ns > item->user_data.float_value * NS_PER_US)
+        set_ms(table, row, column, ns);
 }
 
 static void
@@ -275,8 +285,7 @@ count_intervals(const stat_tap_table *table, unsigned row, const sis_telegram_t 
     set_quantile(table, row, TZA_P50, intervals, &intervals->p50);
     set_quantile(table, row, TZA_P99, intervals, &intervals->p99);
     if (longest->at > 0 && (longest->is_exact || longest->span.most != SIS_ANY_TIME))
-        raise_to(table, row, TZA_LONGEST,
-                 (longest->is_exact ? longest->recorded : longest->span.most) / NS_PER_MS);
+        raise_to(table, row, TZA_LONGEST, longest->is_exact ? longest->recorded : longest->span.most);
     if (telegram->timing.tza > 0 && telegram->timing.longest.verdict == SIS_TIME_EXCEEDED)
         count(table, row, TZA_EXCEEDED, 1);
     if (telegram->timing.tza > 0 && telegram->timing.longest.verdict == SIS_TIME_UNRESOLVED)
@@ -319,8 +328,8 @@ count_record(const stat_tap_table *table, packet_info *pinfo, const sertap_recor
 
     count(table, 0, BUS_CHARACTERS, record->count);
     count(table, 0, BUS_LINE, line_errors(record, 0, record->timed));
-    all->busy += sertap_character_ns(record) * record->count;
-    all->lines |= UINT64_C(1) << MIN(compat_interface(pinfo), 63);
+    all->busy += (uint64_t)sertap_character_ns(record) * record->count;
+    all->lines |= UINT64_C(1) << MIN(sertap_line_number(pinfo), 63);
     if (all->begin == 0)
         all->begin = begin;
     all->end = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
@@ -333,12 +342,13 @@ count_timing(const stat_tap_table *table, unsigned row, const sis_telegram_t *te
     const sis_exchange_t *exchange = telegram->record->exchange;
 
     if (timing->has_silence) {
-        raise_to(table, row, BUS_SILENCE, timing->silence / NS_PER_MS);
+        raise_to(table, row, BUS_SILENCE, timing->silence);
         count(table, row, BUS_SILENCES, timing->silence > SILENCE_NS);
     }
     if (timing->has_reaction_time)
         count(table, row, BUS_CYCLES,
-              telegram->times.end - exchange->command_end + exchange->command_duration > CYCLE_NS);
+              sertap_elapsed(exchange->command_end, telegram->times.end) + exchange->command_duration >
+                  CYCLE_NS);
     count(table, row, BUS_TZA, timing->tza > 0 && timing->longest.verdict == SIS_TIME_EXCEEDED);
     count(table, row, BUS_TRS, timing->trs > 0 && timing->trs_verdict == SIS_TIME_EXCEEDED);
 }
@@ -355,7 +365,7 @@ count_talker(stat_tap_table *table, const sis_telegram_t *telegram)
     count_timing(table, row, telegram);
     if (times->record == NULL)
         return;
-    row_at(table, row)->busy += sertap_character_ns(times->record) * times->count;
+    row_at(table, row)->busy += (uint64_t)sertap_character_ns(times->record) * times->count;
     count(table, row, BUS_LINE, line_errors(times->record, times->first, times->count));
 }
 
@@ -390,20 +400,28 @@ count_telegram(stat_tap_table *table, const sis_telegram_t *telegram)
         count_asked(table, exchange);
 }
 
+#define MOST_PERMILLE 1e9 /* that a damaged capture can claim */
+
+static int64_t
+permille(uint64_t busy, double span)
+{
+    return (int64_t)MIN(round(1000.0 * busy / span), MOST_PERMILLE);
+}
+
 /* Of several lines, such as two directions, the mean. */
 static void
 set_loads(const stat_tap_table *table)
 {
     const row_t *all = row_at(table, 0);
+    int64_t span = sertap_elapsed(all->begin, all->end);
     unsigned lines = 0;
 
-    if (all->end <= all->begin)
+    if (span <= 0)
         return;
     for (uint64_t rest = all->lines; rest != 0; rest &= rest - 1)
         lines++;
     for (unsigned i = 0; i < table->num_elements; i++)
-        set_decimal(table, i, BUS_LOAD, 1,
-                    100.0 * row_at(table, i)->busy / (double)(all->end - all->begin) / (i == 0 ? lines : 1));
+        set_decimal(table, i, BUS_LOAD, 1, permille(row_at(table, i)->busy, span * (i == 0 ? lines : 1.0)));
 }
 
 /* Called for every packet: the line's other characters have errors, too. */

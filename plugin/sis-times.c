@@ -213,7 +213,8 @@ sis_longest(const sis_times_t *times, int64_t limit)
 sis_span_t
 sis_span_between(int64_t end_earliest, int64_t end, const sis_times_t *after)
 {
-    sis_span_t span = {after->begin_earliest - end, after->begin_latest - end_earliest};
+    sis_span_t span = {sertap_elapsed(end, after->begin_earliest),
+                       sertap_elapsed(end_earliest, after->begin_latest)};
 
     return span;
 }

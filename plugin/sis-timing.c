@@ -6,6 +6,8 @@
 
 #include "sis-timing.h"
 
+#include <math.h>
+
 #include <epan/tap.h>
 
 #include "sis-address.h"
@@ -85,9 +87,9 @@ static const judgement_t tmas = {"Tmas",           &hf_tmas_limit,    &hf_tmas_s
 static const char *
 ms_text(const timing_t *t, int64_t ns)
 {
-    int digits = ns % MS != 0 && (ns + 500) % MS < 1000 ? 6 : 3;
+    bool is_close = ns % MS != 0 && (ns + 500) % MS < 1000;
 
-    return wmem_strdup_printf(t->pinfo->pool, "%.*f ms", digits, (double)ns / MS);
+    return is_close ? sertap_exact_ms_text(t->pinfo->pool, ns) : sertap_ms_text(t->pinfo->pool, ns);
 }
 
 static const char *
@@ -309,7 +311,8 @@ show_bus(const timing_t *t)
     }
     if (t->record->load >= 0)
         proto_item_set_generated(proto_tree_add_double_format_value(
-            t->tree, hf_bus_load, t->body->tvb, 0, 0, t->record->load, "%.1f %%", t->record->load));
+            t->tree, hf_bus_load, t->body->tvb, 0, 0, t->record->load, "%s %%",
+            sertap_decimal_text(t->pinfo->pool, lround(t->record->load * 10.0), 1, 1)));
 }
 
 static void
@@ -437,11 +440,12 @@ note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_
     } else {
         record->cycle = wmem_new(wmem_file_scope(), sis_cycle_t);
         record->cycle->frame = last->frame;
-        record->cycle->ns = telegram->times.begin - last->times.begin;
+        record->cycle->ns = sertap_elapsed(last->times.begin, telegram->times.begin);
         record->cycle->span = (sis_span_t){0, SIS_ANY_TIME};
         if (telegram->times.is_bounded && last->times.is_bounded)
-            record->cycle->span = (sis_span_t){telegram->times.begin_earliest - last->times.begin_latest,
-                                               telegram->times.begin_latest - last->times.begin_earliest};
+            record->cycle->span =
+                (sis_span_t){sertap_elapsed(last->times.begin_latest, telegram->times.begin_earliest),
+                             sertap_elapsed(last->times.begin_earliest, telegram->times.begin_latest)};
     }
     last->frame = body->pinfo->num;
     last->times = telegram->times;

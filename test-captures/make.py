@@ -57,7 +57,8 @@ class Item:
     settings: LineSettings = field(default_factory=LineSettings)
     uncertainty_ns: int = 310_000
     line: int = 0
-    interface: int = 0
+    section: int = 0
+    interface: int = 0  # of the section
     event: int = 0
     flags: dict[int, int] = field(default_factory=dict)  # by character, counted from 1
     pauses_ns: dict[int, int] = field(default_factory=dict)
@@ -115,7 +116,7 @@ class Scenario:
         self._defaults: dict[str, object] = {}
         self._stations = "16>3"
         self._silence_ns = SILENCE_NS
-        self._interfaces = [path.stem]
+        self._sections = [[path.stem]]  # names of the interfaces of each
         self._port = 4200
         self._sequence: dict[tuple[int, str], int] = {}
         for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -152,10 +153,15 @@ class Scenario:
     def _do_direction(self, rest: str) -> None:
         self._defaults["line"] = int(rest)
 
+    def _do_section(self, _rest: str) -> None:
+        self._sections.append([self.path.stem])
+        self._defaults |= {"section": len(self._sections) - 1, "interface": 0}
+
     def _do_interface(self, rest: str) -> None:
-        if rest not in self._interfaces:
-            self._interfaces.append(rest)
-        self._defaults["interface"] = self._interfaces.index(rest)
+        interfaces = self._sections[-1]
+        if rest not in interfaces:
+            interfaces.append(rest)
+        self._defaults["interface"] = interfaces.index(rest)
 
     def _do_silence(self, rest: str) -> None:
         self._silence_ns = round(float(rest) * 1e6)
@@ -243,11 +249,11 @@ class Scenario:
         """What the packets hold, without the link type's own header."""
         if self.link != "sertap":
             return [item.raw if item.raw is not None else item.data for item in self.items]
-        last: dict[tuple[int, int], int] = {}
+        last: dict[tuple[int, int, int], int] = {}
         payloads = []
         for item in self.items:
             has_times = item.kind != record.Type.EVENT and item.raw is None
-            line = item.interface, item.line
+            line = item.section, item.interface, item.line
             silence = item.time_ns - last[line] if line in last else None
             payloads.append(item.record(silence if has_times else None))
             if has_times:
@@ -265,15 +271,16 @@ class Scenario:
 
     def capture(self) -> bytes:
         """Make the whole capture file."""
-        interfaces = [pcapng.Interface(LINK_TYPES[self.link], name) for name in self._interfaces]
-        blocks = [
-            pcapng.section_header("test-captures/make.py", ""),
-            *map(pcapng.interface_description, interfaces),
-        ]
+        blocks: list[list[bytes]] = []
+        for names in self._sections:
+            interfaces = [pcapng.Interface(LINK_TYPES[self.link], name) for name in names]
+            head = pcapng.section_header("test-captures/make.py", "")
+            blocks.append([head, *map(pcapng.interface_description, interfaces)])
         for item, payload in zip(self.items, self._payloads(), strict=True):
             data = LINK_HEADERS[self.link](payload, item.time_ns)
-            blocks.append(pcapng.enhanced_packet(item.interface, item.time_ns, data, self._packet_flags(item)))
-        return b"".join(blocks)
+            packet = pcapng.enhanced_packet(item.interface, item.time_ns, data, self._packet_flags(item))
+            blocks[item.section].append(packet)
+        return b"".join(block for section in blocks for block in section)
 
     def dissection(self, tshark: Tshark, capture: Path) -> str:
         """What tshark, 4.0 to 4.6, says of it: a line a packet, and the trees to show, if any, under it."""

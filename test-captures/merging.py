@@ -14,8 +14,6 @@ from pathlib import Path
 from make import Scenario, scenarios
 from sistap import pcapng
 
-APART = "tcp"  # of the captures of one TCP connection, one is what the other goes on with
-
 
 @dataclass(frozen=True)
 class Group:
@@ -40,17 +38,22 @@ class Group:
 
 
 def groups() -> list[Group]:
-    """Return all captures but those of TCP, once without options, and once with the options of all of them."""
+    """Return all captures that can be joined, once without options, and once with the options of all of them."""
     all_of_them = [Scenario(path) for path in scenarios()]
-    together = [scenario for scenario in all_of_them if scenario.link != APART]
+    together = [scenario for scenario in all_of_them if not _is_apart(scenario)]
     paths = tuple(scenario.path for scenario in together)
     options = tuple(word for scenario in together for word in scenario.options)
     return [Group("plain", paths), Group("all-options", paths, options)]
 
 
 def apart() -> list[Group]:
-    """Return each capture of TCP alone."""
-    return [Group(path.stem, (path,)) for path in scenarios() if Scenario(path).link == APART]
+    """Return each of the other captures alone."""
+    return [Group(path.stem, (path,)) for path in scenarios() if _is_apart(Scenario(path))]
+
+
+def _is_apart(scenario: Scenario) -> bool:
+    """Tell whether joined captures would be one TCP connection, or lose their sections."""
+    return scenario.link == "tcp" or any(item.section for item in scenario.items)
 
 
 def _merged(paths: tuple[Path, ...]) -> Iterator[bytes]:

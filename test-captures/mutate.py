@@ -5,6 +5,9 @@
     python3 mutate.py --seconds 60            as long as that, each round with another seed
     python3 mutate.py --rounds 1 --seed 7     one round again
 
+The pcapng around the packets is mutated, too, but stays readable: times jump and claim any year, resolutions and
+options change, and packets are spread over sections and interfaces.
+
 The sanitized plugin (CMake target sis_sanitized) has to be the one in WIRESHARK_PLUGIN_DIR; its runtime is preloaded
 into tshark, and Wireshark's own allocator is set to plain malloc, so that the sanitizer sees the end of every block.
 """
@@ -29,6 +32,13 @@ from sistap.tshark import Tshark, TsharkError  # noqa: E402
 
 MUTANTS_PER_ROUND = 4000
 INTERESTING = (0x00, 0x01, 0x02, 0x07, 0x08, 0x0F, 0x10, 0x7F, 0x80, 0xF0, 0xFE, 0xFF)
+
+START_NS = 1_700_000_000_000_000_000
+PACKETS_PER_SECTION = 200
+RESOLUTIONS = (9, 9, 9, 6, 3, 0, 12, 0x80, 0x80 | 10, 0x80 | 30, 0x80 | 62)  # if_tsresol: 10^-n s, with bit 7 2^-n s
+FAR_TIMES = (0, 1, 2**31, 2**32, 2**53, 2**62, 2**63 - 1, 2**63, 2**63 + 1, 2**64 - 1)  # in units of the resolution
+STEPS = (0, 1, 1_000, 1_000_000, 1_000_000, 20_000_000, 999_999_999, 1_000_000_000, 5_000_000_000, -1, -2_000_000_000)
+OFFSETS = (0, 1, -1, 2**31, 2**33, -(2**33), 2**62, -(2**63))  # if_tsoffset: seconds
 
 
 def packets(capture: Path) -> Iterator[tuple[int, bytes]]:
@@ -69,18 +79,73 @@ def mutant(chance: random.Random, head: bytes, body: bytes) -> bytes:
     return head + bytes(changed)
 
 
-def round_capture(seed: int, link_type: int, originals: list[bytes], count: int = MUTANTS_PER_ROUND) -> bytes:
-    """Make one capture of mutants."""
-    chance = random.Random(seed)
-    blocks = [
-        pcapng.section_header("mutate.py", ""),
-        pcapng.interface_description(pcapng.Interface(link_type, "m")),
-    ]
-    for number in range(count):
+def padded(data: bytes) -> bytes:
+    """Fill up to a multiple of four."""
+    return data + bytes(-len(data) % 4)
+
+
+def block(kind: int, body: bytes, options: dict[int, bytes]) -> bytes:
+    """Make a block of a pcapng with any options."""
+    packed = b"".join(struct.pack("<HH", code, len(value)) + padded(value) for code, value in options.items())
+    length = 16 + len(body) + len(packed)
+    return struct.pack("<II", kind, length) + body + packed + bytes(4) + struct.pack("<I", length)
+
+
+def interface_block(chance: random.Random, link_type: int, *, far: bool) -> bytes:
+    """Describe an interface; where far times are wanted, its clock has any resolution and offset."""
+    resolution = chance.choice(RESOLUTIONS) if far else 9
+    options = {2: chance.randbytes(chance.randrange(9)).hex().encode(), 9: bytes([resolution])}
+    if far and chance.random() < 0.2:
+        options[14] = struct.pack("<q", chance.choice(OFFSETS))
+    if chance.random() < 0.2:
+        options[chance.randrange(100, 200)] = chance.randbytes(chance.randrange(40))  # codes that nobody knows
+    return block(pcapng.INTERFACE_DESCRIPTION, struct.pack("<HHI", link_type, 0, 0), options)
+
+
+def packet_block(chance: random.Random, interface: int, time: int, data: bytes) -> bytes:
+    """Make a packet; some have flags, a comment, a count of lost packets, or what nobody knows."""
+    options = {}
+    if chance.random() < 0.2:
+        options[chance.choice((1, 3, 7, 99))] = chance.randbytes(chance.randrange(1, 20)).hex().encode()
+    if chance.random() < 0.2:
+        options[2] = chance.randbytes(4)
+    if chance.random() < 0.1:
+        options[4] = chance.randbytes(8)
+    head = struct.pack("<IIIII", interface, time >> 32, time & 0xFFFFFFFF, len(data), len(data))
+    return block(pcapng.ENHANCED_PACKET, head + padded(data), options)
+
+
+def times(chance: random.Random, *, far: bool) -> Iterator[int]:
+    """Go on for ever in steps; where far times are wanted, some clocks jump anywhere."""
+    now, is_wild = START_NS, far and chance.random() < 0.5
+    while True:
+        yield now % 2**64
+        now += chance.choice(STEPS)
+        if is_wild and chance.random() < 0.2:
+            now = chance.choice((*FAR_TIMES, START_NS, chance.randrange(2**64)))
+
+
+def section(chance: random.Random, link_type: int, originals: list[bytes], *, far: bool) -> bytes:
+    """Make a section of mutants, on up to three interfaces."""
+    interfaces = chance.choice((1, 1, 1, 2, 3))
+    clock = times(chance, far=far)
+    blocks = [pcapng.section_header("mutate.py", "")]
+    blocks += [interface_block(chance, link_type, far=far) for _ in range(interfaces)]
+    for _ in range(PACKETS_PER_SECTION):
         data = chance.choice(originals)
         keep = protected(link_type, data)
-        blocks.append(pcapng.enhanced_packet(0, number * 1_000_000, mutant(chance, data[:keep], data[keep:])))
+        changed = mutant(chance, data[:keep], data[keep:])
+        blocks.append(packet_block(chance, chance.randrange(interfaces), next(clock), changed))
     return b"".join(blocks)
+
+
+def round_capture(
+    seed: int, link_type: int, originals: list[bytes], count: int = MUTANTS_PER_ROUND, *, far: bool = True
+) -> bytes:
+    """Make one capture of so many mutants, whole sections of them, of any time or of one that exists."""
+    chance = random.Random(seed)
+    sections = count // PACKETS_PER_SECTION
+    return b"".join(section(chance, link_type, originals, far=far) for _ in range(sections))
 
 
 def runtime() -> str:
@@ -136,26 +201,28 @@ SANITIZERS = {
 }
 
 
-def dissect(tshark: Tshark, capture: Path, options: list[str]) -> str | None:
-    """Dissect in all the ways that take another path; give what went wrong, or None."""
-    for layers in (
-        ["-V"],
-        ["-2"],
-        STATISTICS,
-    ):
+# All the ways that take another path; and one start of tshark that takes most of them.
+WAYS = (["-V"], ["-2"], STATISTICS)
+QUICK_WAYS = (["-2", "-V", *STATISTICS[1:]],)
+QUICK_MUTANTS = 400
+
+
+def dissect(tshark: Tshark, capture: Path, options: list[str], *, quick: bool) -> str | None:
+    """Dissect; give what went wrong, or None."""
+    for layers in QUICK_WAYS if quick else WAYS:
         done = tshark.run(["-r", str(capture), *options, *layers], extra_environment=SANITIZERS)
         if done.returncode != 0 or any(word in done.stderr + done.stdout for word in FAULTS):
             return f"{' '.join(options + layers)}: exit {done.returncode}\n{done.stderr[-4000:]}"
     return None
 
 
-def run_round(tshark: Tshark, seed: int, by_link: dict[int, list[bytes]]) -> bool:
+def run_round(tshark: Tshark, seed: int, by_link: dict[int, list[bytes]], *, quick: bool) -> bool:
     """One round over all link types; False, with the capture kept, if something went wrong."""
     for link_type, originals in by_link.items():
         with tempfile.NamedTemporaryFile(suffix=".pcapng", delete=False) as file:
-            file.write(round_capture(seed, link_type, originals))
+            file.write(round_capture(seed, link_type, originals, QUICK_MUTANTS if quick else MUTANTS_PER_ROUND))
         for options in OPTIONS[link_type]:
-            fault = dissect(tshark, Path(file.name), options)
+            fault = dissect(tshark, Path(file.name), options, quick=quick)
             if fault is not None:
                 print(f"seed {seed}, {file.name}: {fault}")
                 return False
@@ -169,6 +236,9 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=0, help="start new rounds for so long")
     parser.add_argument("--rounds", type=int, default=1, help="rounds at least (default 1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the first round (default 1)")
+    parser.add_argument(
+        "--quick", action="store_true", help=f"{QUICK_MUTANTS} packets a round and capture, in one start of tshark"
+    )
     arguments = parser.parse_args()
     by_link: dict[int, list[bytes]] = {}
     for capture in sorted(HERE.rglob("*.pcapng")):
@@ -183,13 +253,14 @@ def main() -> int:
                 print(first.stderr[-4000:], file=sys.stderr)
                 raise TsharkError("nothing is dissected: is the sanitized plugin in WIRESHARK_PLUGIN_DIR?")
             while rounds < arguments.rounds or time.monotonic() < end:
-                if not run_round(tshark, arguments.seed + rounds, by_link):
+                if not run_round(tshark, arguments.seed + rounds, by_link, quick=arguments.quick):
                     return 1
                 rounds += 1
     except TsharkError as error:
         print(f"mutate.py: {error}", file=sys.stderr)
         return 2
-    print(f"{rounds} rounds, {rounds * MUTANTS_PER_ROUND * len(by_link)} damaged packets, nothing found")
+    mutants = rounds * len(by_link) * (QUICK_MUTANTS if arguments.quick else MUTANTS_PER_ROUND)
+    print(f"{rounds} rounds, {mutants} damaged packets, nothing found")
     return 0
 
 

@@ -3,8 +3,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
+
+from bad_input import write
+from sistap.telegram import build
 from sistap.tshark import Tshark
-from tables import Table, check
+from tables import Table, check, shown
 
 FIELDS = "reaction_in command_in reaction_time repeat_of routed_from"
 EXPERTS = "command.unanswered command.repeat reaction.unasked reaction.again"
@@ -210,6 +216,14 @@ ROUTES_INTERLEAVED: Table = {
     6: "command_in=1; routed_from=5",
     7: "command_in=4",
     8: "command_in=3; routed_from=7",
+    10: "reaction_in=12",
+    12: "command_in=10",
+    13: "reaction_in=14; routed_from=9",
+    14: "command_in=13",
+    15: "routed_from=11",
+    16: "reaction_in=18",
+    18: "command_in=16",
+    19: "routed_from=17",
 }
 
 EXCHANGES_SWAPPED: Table = {
@@ -228,6 +242,24 @@ DUPLEX: Table = {
     4: "command_in=3; reaction_time=0.025000000; silence_before=0.060312497; tza.set_in=1; tza.verdict=0",
     5: "reaction_in=6; silence_before=0.061458330; tza.set_in=1; tza.verdict=1; tza.exceeded",
     6: "command_in=5; reaction_time=0.025000000; silence_before=0.068874998; tza.set_in=1; tza.verdict=0",
+}
+
+# What the first section told and asked is unknown in the second
+SECTIONS: Table = {
+    1: "stream=0; reaction_in=2; parameter.name=Velocity data scaling type",
+    2: "stream=0; command_in=1; parameter.name=Velocity data scaling type",
+    3: "stream=0; reaction_in=4; parameter.name=Speed",
+    4: "stream=0; command_in=3; parameter.name=Speed",
+    5: "stream=1",
+    6: "stream=1",
+    7: "stream=0; tza.set_in=5; command.unanswered",
+    8: "stream=2; tza.set_in=5; unanswered_before=7",
+    9: "reaction.unasked",
+    10: "stream=4",
+    11: "stream=3; reaction_in=12; parameter.name=Velocity data scaling type",
+    12: "stream=3; command_in=11; parameter.name=Velocity data scaling type",
+    13: "stream=5; reaction_in=14",
+    14: "stream=5; command_in=13",
 }
 
 
@@ -254,3 +286,25 @@ def test_exchanges_swapped(tshark: Tshark) -> None:
 def test_two_directions_are_one_bus(tshark: Tshark) -> None:
     fields = "reaction_in command_in reaction_time silence_before tza.set_in tza.verdict"
     check(tshark, "duplex", fields, "tza.exceeded command.unanswered reaction.unasked", DUPLEX)
+
+
+def test_sections_are_buses_of_their_own(tshark: Tshark) -> None:
+    fields = "stream reaction_in command_in routed_from unanswered_before tza.set_in parameter.name"
+    check(tshark, "sections", fields, "command.unanswered reaction.unasked", SECTIONS)
+
+
+def check_many_routes(tshark: Tshark, count: int, capture: Path) -> None:
+    """Let commands wait for their routers; the first and the last of them are passed on, each only once."""
+    routes = [bytes(1 + number // 120**place % 120 for place in range(3)) for number in range(count)]
+    waiting = [build(0x12, 16, 3, subaddresses=route) for route in routes]
+    passed_on = [build(0x12, 3, route[0], subaddresses=route[1:]) for route in (routes[0], routes[-1])]
+    write(capture, [*waiting, *passed_on, *passed_on])
+    frames = shown(tshark, capture, "routed_from")
+    found = {number: cells["routed_from"] for number, cells in frames.items() if cells}
+    assert found == {count + 1: "1", count + 2: str(count)}
+
+
+@pytest.mark.timeout(120)
+def test_many_commands_wait_for_their_routers(tshark: Tshark, tmp_path: Path) -> None:
+    """Looking through all of them for every command would take minutes."""
+    check_many_routes(tshark, 100_000, tmp_path / "many.pcapng")

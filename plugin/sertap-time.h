@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Times as numbers that cannot overflow, and as text that is the same in every locale. */
+
+#ifndef SERTAP_TIME_H
+#define SERTAP_TIME_H
+
+#include "compat.h"
+
+/* Times are ns since 1970. This is the latest, in the year 2259; with a minus it is the earliest, in 1680.
+ * The end of int64_t is far enough away: the length of a record and its uncertainty can be added without
+ * care. */
+#define SERTAP_LATEST INT64_C(9150000000000000000)
+
+/* A packet's time, or the nearest that there is. */
+int64_t sertap_ns(const nstime_t *time);
+
+/* How long it is from one time to another, in ns, up to SERTAP_LATEST either way. Every difference of two
+ * times goes through here. */
+int64_t sertap_elapsed(int64_t from, int64_t to);
+
+nstime_t sertap_time(int64_t ns);
+
+/* Whether Wireshark's statistics trees survive this packet: they look for bursts, and crash millions of years
+ * after the first packet. */
+bool sertap_can_be_counted(const packet_info *pinfo);
+
+/* `value` / `divisor`, rounded, in units of the last decimal: 12345678 / 1000 with 3 decimals is "12.346". */
+char *sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals);
+
+/* "12.346 ms", and "12.345678 ms". */
+const char *sertap_ms_text(wmem_allocator_t *scope, int64_t ns);
+const char *sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns);
+
+/* "12.346 s". */
+const char *sertap_s_text(wmem_allocator_t *scope, int64_t ns);
+
+#endif

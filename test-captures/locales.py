@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Makes a locale with a decimal comma for tshark, whether the machine has one or not."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sistap.tshark import Tshark
+
+NAME = "de_DE.UTF-8"
+
+
+@contextmanager
+def german() -> Iterator[dict[str, str]]:
+    """Return the environment in which a program speaks German, as long as the context lasts."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)  # tshark may run as nobody
+        command = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / NAME)]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        assert (folder / NAME / "LC_NUMERIC").exists(), f"apt-get install locales; localedef says: {done.stderr}"
+        yield {"LC_ALL": NAME, "LOCPATH": name}
+
+
+def said(tshark: Tshark, environment: dict[str, str], *arguments: str) -> str:
+    """Run tshark in an environment and return its stdout."""
+    done = tshark.run(arguments, extra_environment=environment)
+    assert done.returncode == 0, done.stderr
+    return done.stdout

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A warning of a new compiler stops whoever develops the plugin, never whoever only builds it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+HOUSE = Path(__file__).parent.parent
+AS_ERRORS = "-DCMAKE_COMPILE_WARNING_AS_ERROR=ON"
+
+
+def compilers_options(build: Path, *options: str) -> list[set[str]]:
+    """Return what the compiler is told for each of its calls."""
+    command = ["cmake", "-S", str(HOUSE), "-B", str(build), "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", *options]
+    subprocess.run(command, check=True, capture_output=True)
+    calls = json.loads((build / "compile_commands.json").read_text())
+    return [set(call["command"].split()) for call in calls]
+
+
+def test_plain_build(tmp_path: Path) -> None:
+    calls = compilers_options(tmp_path)
+    assert calls
+    assert all({"-Wall", "-Wextra"} < call for call in calls)
+    assert not any("-Werror" in call for call in calls)
+
+
+def test_build_of_who_develops(tmp_path: Path) -> None:
+    assert all("-Werror" in call for call in compilers_options(tmp_path, AS_ERRORS))
+
+
+@pytest.mark.parametrize("script", ["bootstrap", "test-captures/wiresharks"])
+def test_scripts_want_errors(script: str) -> None:
+    text = (HOUSE / script).read_text().replace("\\\n", "")
+    lines = [line for line in text.splitlines() if "cmake -S" in line]
+    assert lines
+    assert all(AS_ERRORS in line for line in lines)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A capture may claim any time: all of it is dissected, and a time too far away counts as the nearest that is not."""
+
+from __future__ import annotations
+
+import itertools
+import struct
+from pathlib import Path
+
+import pytest
+
+import mutate
+from make import START_NS
+from sistap import pcapng
+from sistap.line import LineSettings
+from sistap.record import Record, Type
+from sistap.telegram import build
+from sistap.tshark import Tshark
+from tables import shown
+
+S = 1_000_000_000
+LATEST_NS = 9_150_000_000 * S  # plugin/README.md
+FAR_NS = (0, 1, START_NS, LATEST_NS - 1, LATEST_NS, 2**63 - 1, 2**63, 2**63 + 1, 2**64 - 1)
+FAR_S = (0, START_NS // S, 2**31, 2**33, 2**34, 2**53, 2**62, 2**63 - 1, 2**63, 2**64 - 1)
+
+SETTINGS = LineSettings(115200)
+
+
+def packet(telegram: bytes) -> bytes:
+    """Make the record of a telegram whose characters came one by one."""
+    count = len(telegram)
+    made = Record(0, Type.FRAME, 0, SETTINGS, telegram, [SETTINGS.character_ns] * count, bytes(count), 0)
+    return pcapng.upper_pdu("sertap", made.pack())
+
+
+COMMAND, REACTION = build(0x12, 16, 3), build(0x12, 16, 3, b"\x00\x04", reaction=True)
+DURATION_NS = (len(COMMAND) - 1) * SETTINGS.character_ns
+
+
+def exchanges(pairs: list[tuple[int, ...]], resolution: int) -> bytes:
+    """Make a capture of commands and reactions with these pairs of times, in units of 10 ** -resolution s."""
+    link_type = struct.pack("<HHI", pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, 0, 0)
+    blocks = [
+        pcapng.section_header("", ""),
+        mutate.block(pcapng.INTERFACE_DESCRIPTION, link_type, {9: bytes([resolution])}),
+    ]
+    for times in pairs:
+        for time, telegram in zip(times, (COMMAND, REACTION), strict=True):
+            blocks.append(pcapng.enhanced_packet(0, time, packet(telegram)))
+    return b"".join(blocks)
+
+
+def elapsed(command_ns: int, reaction_ns: int) -> int:
+    """Work out the reaction time, in ns."""
+    command_ns, reaction_ns = min(command_ns, LATEST_NS), min(reaction_ns, LATEST_NS)
+    return max(-LATEST_NS, min(reaction_ns - command_ns - DURATION_NS, LATEST_NS))
+
+
+def seconds(ns: int) -> str:
+    """Write it as tshark does."""
+    return f"{'-' if ns < 0 else ''}{abs(ns) // S}.{abs(ns) % S:09d}"
+
+
+def test_reaction_times(tshark: Tshark, tmp_path: Path) -> None:
+    pairs = list(itertools.product(FAR_NS, repeat=2))
+    capture = tmp_path / "far.pcapng"
+    capture.write_bytes(exchanges(pairs, 9))
+    found = [cells["reaction_time"] for cells in shown(tshark, capture, "reaction_time").values() if cells]
+    assert found == [seconds(elapsed(*pair)) for pair in pairs]
+
+
+@pytest.mark.parametrize("times", [FAR_NS, FAR_S], ids=["nanoseconds", "seconds"])
+@pytest.mark.parametrize("layers", [["-V"], ["-2"], mutate.STATISTICS], ids=["trees", "two_passes", "statistics"])
+def test_every_packet_is_dissected(times: tuple[int, ...], layers: list[str], tshark: Tshark, tmp_path: Path) -> None:
+    pairs = list(itertools.product(times, repeat=2))
+    capture = tmp_path / "far.pcapng"
+    capture.write_bytes(exchanges(pairs, 9 if times is FAR_NS else 0))
+    text = tshark.output("-r", str(capture), "-o", "sis.tza_ms:3", "-o", "sis.trs_ms:30", *layers)
+    if layers == ["-2"]:
+        assert len(text.splitlines()) == len(pairs) * 2
+    assert "Dissector bug" not in text
+    assert "Malformed" not in text
