@@ -12,12 +12,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from sistap import measurement, ports, priority
+from sistap import measurement, ports, priority, state
 from sistap.console import Console
 from sistap.exits import FAILED, USAGE
 from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.rates import RATES
-from sistap.session import Stop
 
 if sys.platform != "win32":
     from sistap.reader import delay
@@ -79,7 +78,6 @@ def run(args: argparse.Namespace) -> int:
     if sys.platform == "win32":
         console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
         return FAILED
-    Stop()  # so that a signal ends it as Ctrl-C does, the port put back
     try:
         settings = _checked(args)
     except ValueError as error:
@@ -166,7 +164,8 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
     try:
         path = measurement.store(result)
     except (OSError, RuntimeError) as error:
-        console.say(f"the result cannot be kept: {error}: name a folder of your own with XDG_STATE_HOME")
+        cure = "" if state.is_root() else ": name a folder of your own with XDG_STATE_HOME"
+        console.say(f"the result cannot be kept: {error}{cure}")
         return FAILED
     print(f"\nkept in {_short(path)}: captures under these conditions ({', '.join(conditions.values())}) use it")
     return 0
