@@ -22,7 +22,8 @@ from sistap.reader import Reader, open_reader
 from sistap.record import Record, Type
 from sistap.remote import Remote
 from sistap.scan import FORMATS
-from sistap.session import Capture, Conditions, Sink, Stop
+from sistap.session import Capture, Conditions, Sink
+from sistap.terminal.stop import Stop
 from sistap.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
@@ -243,11 +244,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Capture as told; give the exit code. May raise PortError."""
-    stop = Stop()
+    stop = Stop.current()
     console = Console()
     try:
         plan = checked(args)
-        output = Output(args.file or STANDARD_OUTPUT, _limits(args), lambda: stop.requested, console.say)
+        output = Output(args.file or STANDARD_OUTPUT, _limits(args), lambda: stop.asked, console.say)
     except (Refused, FilterError, OutputRefused) as error:
         console.alarm(str(error))
         return 2

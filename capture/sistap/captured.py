@@ -16,6 +16,8 @@ _LARGEST = 1 << 24  # bytes of a block; Wireshark refuses packets far smaller
 _NAME = 12  # the tag of an exported PDU that names its dissector
 _RESOLUTION = 9  # the option if_tsresol
 _MICROSECONDS = 6  # decimal places, where the option is missing
+_FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}  # bytes of a body
+_CURE = "open and save it in Wireshark"
 
 
 class NotCaptured(ValueError):
@@ -64,11 +66,13 @@ def _blocks(file: BinaryIO, path: Path) -> Iterator[tuple[int, str, bytes]]:
             raise NotCaptured(f"{path} is no pcapng file: open it in Wireshark and save it as pcapng")
         kind, length = struct.unpack(f"{order}II", head)
         if length % 4 or not 12 <= length <= _LARGEST:
-            raise NotCaptured(f"{path} is damaged: a block says it has {length} bytes; open and save it in Wireshark")
-        body = file.read(length - 8)
-        if len(body) < length - 8:
+            raise NotCaptured(f"{path} is damaged: a block says it has {length} bytes; {_CURE}")
+        body = file.read(length - 8)[:-4]
+        if len(body) < length - 12:
             return
-        yield kind, order, body[:-4]
+        if len(body) < _FIXED.get(kind, 0):
+            raise NotCaptured(f"{path} is damaged: a block of kind {kind} has only {len(body)} bytes; {_CURE}")
+        yield kind, order, body
 
 
 def _interface(order: str, body: bytes) -> _Interface:
@@ -77,7 +81,7 @@ def _interface(order: str, body: bytes) -> _Interface:
     place = 8
     while place + 4 <= len(body):
         code, length = struct.unpack_from(f"{order}HH", body, place)
-        if code == _RESOLUTION and length == 1:
+        if code == _RESOLUTION and length == 1 and place + 4 < len(body):
             decimals = body[place + 4]
         place += 4 + length + -length % 4
     return _Interface(link_type, decimals)

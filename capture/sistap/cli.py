@@ -11,9 +11,10 @@ from collections.abc import Sequence
 
 import sistap
 from sistap.console import Console
-from sistap.exits import FAILED, PORT
-from sistap.output import leave_standard_output
+from sistap.exits import DONE, FAILED, PORT
+from sistap.output import end_standard_output, leave_standard_output
 from sistap.reader import PortError, PortLost
+from sistap.terminal.stop import Stop, Stopped
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {
@@ -53,32 +54,60 @@ exit status:
 """
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `sistap` with these arguments (those of the process); give the exit code."""
+def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> int:
+    """Run `sistap` with these arguments (those of the process); return the exit code.
+
+    `stop` is that of a process that ends with the command. Without it, signals are as before when this returns.
+    """
+    stop = stop or Stop()
     _open_standard_streams()
     try:
-        try:
-            return _run(sys.argv[1:] if arguments is None else arguments)
-        finally:
-            sys.stdout.flush()
-    except KeyboardInterrupt:
-        return 0
-    except OSError as error:
+        return _flushed(sys.argv[1:] if arguments is None else arguments, stop)
+    except Stopped:
+        return _stopped(stop)
+    except Exception as error:
+        if stop.asked and stop.at_once:  # C code of libraries makes an ImportError and the like of Stopped
+            return _stopped(stop)
+        return _failed(error)
+
+
+def _failed(error: Exception) -> int:
+    """Say in one line what went wrong; return the exit code. Raise it again if that is nothing to be expected."""
+    if isinstance(error, OSError):
         leave_standard_output()
         if not isinstance(error, BrokenPipeError):
             Console().say(str(error))
         return FAILED
-    except ModuleNotFoundError as error:
-        if not error.name or error.name.partition(".")[0] != "serial":
-            raise
+    if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] == "serial":
         Console().say(
             f"pyserial is missing for {sys.executable}: `{sys.executable} -m pip install pyserial`, "
             "or install the package python3-serial and run sistap with the system's own python3"
         )
         return FAILED
+    raise error
 
 
-def _run(arguments: Sequence[str]) -> int:
+def _stopped(stop: Stop) -> int:
+    """End it without another word; return the exit code."""
+    stop.end()
+    end_standard_output()
+    return DONE
+
+
+def _flushed(arguments: Sequence[str], stop: Stop) -> int:
+    """Run, then write what is left in the buffer of standard output, unless it was stopped: that may not wait."""
+    try:
+        code = _run(arguments, stop)
+    except Stopped:
+        raise
+    except BaseException:
+        sys.stdout.flush()
+        raise
+    sys.stdout.flush()
+    return code
+
+
+def _run(arguments: Sequence[str], stop: Stop) -> int:
     parser = argparse.ArgumentParser(
         "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -92,7 +121,9 @@ def _run(arguments: Sequence[str]) -> int:
             module.add_arguments(command)
     args = parser.parse_args(arguments)
     try:
-        code: int = module.run(args)
+        with stop:
+            code: int = module.run(args)
+            sys.stdout.flush()  # while a signal can still end the waiting for whoever reads
     except (PortError, PortLost) as error:
         Console().say(str(error))
         code = PORT if isinstance(error, PortError) else FAILED

@@ -15,7 +15,6 @@ from sistap import measurement, ports, priority
 from sistap.bpf import Filter, FilterError
 from sistap.line import LineSettings
 from sistap.reader import PortError, open_reader
-from sistap.session import Stop
 from sistap.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 
 DESCRIPTION = """\
@@ -76,7 +75,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @priority.real_time()
 def run(args: argparse.Namespace) -> int:
     """Print a line for each point; give the exit code."""
-    Stop()  # so that a signal ends it as Ctrl-C does, the port put back
     code = 0
     for look in _LOOKS:
         for point in look():

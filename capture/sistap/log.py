@@ -18,7 +18,6 @@ from sistap.annotate.writing import Incomplete, NotOpened, opened
 from sistap.console import Console
 from sistap.exits import DONE, FAILED, USAGE
 from sistap.report.dissection import EVENT, NotACapture, damage
-from sistap.session import Stop
 from sistap.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
@@ -56,7 +55,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the log; gives the exit code."""
-    Stop()  # so that a signal ends tshark and removes its files, as Ctrl-C does
     console = Console()
     try:
         written, left_out = _write(args, console)

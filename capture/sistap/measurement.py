@@ -8,10 +8,8 @@ measured, all of them; whatever else is in the file is passed over with one line
 from __future__ import annotations
 
 import json
-import os
 import platform
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -53,6 +51,8 @@ def load() -> tuple[list[Result], str]:
         path = file()
         if not path.exists():
             return [], ""
+        if state.is_root():
+            state.check(path)
         return _parse(_text(path)), ""
     except (ValueError, TypeError, KeyError, RecursionError):
         return [], f"{path} is not what `sistap selftest` writes and is ignored: run it again to replace the file"
@@ -65,15 +65,7 @@ def store(result: Result) -> Path:
     path = file()
     others = [old for old in load()[0] if (old.place, old.conditions) != (result.place, result.conditions)]
     kept = [old._asdict() for old in [*others, result][-_KEPT:]]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        new.write_text(json.dumps({"results": kept}, indent=2) + "\n")
-        new.replace(path)
-    finally:
-        with suppress(OSError):
-            new.unlink()
-    return path
+    return state.save(path.name, (json.dumps({"results": kept}, indent=2) + "\n").encode())
 
 
 def fitting(results: Iterable[Result], place: str, now: Conditions) -> tuple[Result | None, str]:

@@ -72,6 +72,25 @@ def leave_standard_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
+def end_standard_output() -> None:
+    """Write what is left in its buffer if that need not wait for the reader, else drop it: the command was stopped."""
+    try:
+        if _takes_some(1):
+            sys.stdout.flush()
+            return
+    except OSError:
+        pass
+    leave_standard_output()
+
+
+def _takes_some(descriptor: int) -> bool:
+    if not hasattr(select, "poll"):  # Windows
+        return True
+    poll = select.poll()
+    poll.register(descriptor, select.POLLOUT)
+    return bool(poll.poll(_WAIT_MS))
+
+
 def never_waiting(descriptor: int) -> int:
     """Duplicate a standard stream; if it is a terminal, so that a write does not wait where the terminal is stopped.
 

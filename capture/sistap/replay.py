@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.bus.ending import Refusal, stoppable
+from sistap.bus.ending import Refusal
 from sistap.bus.playing.played import Character, Played
 from sistap.bus.wires import choice
 from sistap.bus.wires.pace import Pace
@@ -68,8 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play the capture until its end or a signal; give the exit code. May raise PortError or PortLost."""
     try:
-        with stoppable():
-            _play(args)
+        _play(args)
     except Refusal as refusal:
         print(f"sistap replay: {refusal}", file=sys.stderr)
         return refusal.code

@@ -12,12 +12,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from sistap import measurement, ports, priority
+from sistap import measurement, ports, priority, state
 from sistap.console import Console
 from sistap.exits import FAILED, USAGE
 from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.rates import RATES
-from sistap.session import Stop
 
 DESCRIPTION = """\
 Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
@@ -75,7 +74,6 @@ def run(args: argparse.Namespace) -> int:
         return FAILED
     from sistap.reader import delay  # here, as Windows has no such module
 
-    Stop()  # so that a signal ends it as Ctrl-C does, the port put back
     try:
         settings = _checked(args)
     except ValueError as error:
@@ -167,7 +165,8 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
     try:
         path = measurement.store(result)
     except (OSError, RuntimeError) as error:
-        console.say(f"the result cannot be kept: {error}: name a folder of your own with XDG_STATE_HOME")
+        cure = "" if state.is_root() else ": name a folder of your own with XDG_STATE_HOME"
+        console.say(f"the result cannot be kept: {error}{cure}")
         return FAILED
     print(f"\nkept in {_short(path)}: captures under these conditions ({', '.join(conditions.values())}) use it")
     return 0

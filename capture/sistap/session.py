@@ -4,13 +4,10 @@
 from __future__ import annotations
 
 import gc
-import signal
-import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from types import FrameType
 from typing import Protocol
 
 import sistap
@@ -29,35 +26,10 @@ from sistap.record import Event, Framing, Record, Type, event
 from sistap.remote import Marker, Remote
 from sistap.scan import FORMATS
 from sistap.steering import Steering, Step
+from sistap.terminal.stop import Stop
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
 TICK_NS = 1_000_000_000  # how often hints and progress are looked at
-
-
-class Stop:
-    """Ends a capture on SIGINT, on SIGTERM, and on SIGHUP (the terminal is gone) unless nohup had it ignored.
-
-    The handlers are our own because a job that a script starts with & inherits SIGINT ignored, and Python leaves it so.
-    Until the capture runs (opening a fifo waits for its reader) they end the program as Ctrl-C does.
-    """
-
-    def __init__(self) -> None:
-        """Install the handlers."""
-        self.requested = False
-        self.running = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._handle)
-        if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-            signal.signal(signal.SIGHUP, self._handle)
-
-    def request(self) -> None:
-        """End it."""
-        self.requested = True
-
-    def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.request()
-        if not self.running:
-            raise KeyboardInterrupt
 
 
 class Sink(Protocol):
@@ -167,7 +139,7 @@ class Capture:
         descriptions = {number: self._description(line) for number, line in self._lines.items()}
         said = f"sistap {sistap.__version__}; "
         self._sink.begin(*(self._event(n, Event.CAPTURE_STARTED, said + text) for n, text in descriptions.items()))
-        stop.running = True
+        stop.at_once = False
         if not self._quiet:
             for number, text in descriptions.items():
                 self._console.say(f"capturing on {self._which(number)}{text}")
@@ -195,7 +167,7 @@ class Capture:
         tick = started + TICK_NS
         end = started + duration_s * 1e9 if duration_s is not None else None
         while not (
-            stop.requested
+            stop.asked
             or self._output.done
             or not self._readers
             or (count is not None and counters.written >= count)
@@ -216,7 +188,7 @@ class Capture:
                 self._steer(self._steering)
             if self._remote:
                 self._serve(self._remote)
-        if stop.requested:
+        if stop.asked:
             for _ in self._readers:
                 with suppress(PortLost):  # at the same time, by the same Ctrl-C
                     self._take_waiting(self._source.read)

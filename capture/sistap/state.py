@@ -1,13 +1,106 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where sistap keeps what it has to remember from one run to the next."""
+"""Where sistap keeps what it has to remember from one run to the next, and how it writes that.
+
+Root keeps it in a fixed folder that nobody else may write to. An environment must not name another one: `sudo -E` has
+that of an ordinary user, who could put there what root then reads, or a link through which root then writes.
+"""
 
 from __future__ import annotations
 
 import os
+import stat
+import tempfile
+from contextlib import suppress
 from pathlib import Path
+
+from sistap.terminal.stop import held
+
+ROOT = 0  # user
+FOR_ROOT = Path("/var/lib/sistap")
+HOME_OF_ROOT = "~root"  # whatever the environment says
+
+
+class StateError(RuntimeError):
+    """The folder cannot be used; the text is one line that names the cure."""
+
+
+def is_root() -> bool:
+    """Tell whether this is root, who acts for all users."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
 def folder() -> Path:
-    """Say which folder (XDG base directories); it may not exist. RuntimeError if this user has no home."""
+    """Return the folder; it may not exist. StateError if others could have written what is in root's.
+
+    RuntimeError if an ordinary user has no home.
+    """
+    if not is_root():
+        return of_environment()
+    check(FOR_ROOT)
+    return FOR_ROOT
+
+
+def of_environment() -> Path:
+    """Return the folder that the environment names (XDG base directories). RuntimeError if this user has no home."""
     state = os.environ.get("XDG_STATE_HOME", "")
     return (Path(state) if Path(state).is_absolute() else Path.home() / ".local/state") / "sistap"
+
+
+def old_folders() -> list[Path]:
+    """Return where earlier versions kept what is root's: in the home of root, or of whoever has called sudo -E."""
+    places = []
+    with suppress(RuntimeError):
+        places.append(Path(HOME_OF_ROOT).expanduser() / ".local/state/sistap")
+    with suppress(RuntimeError):
+        places.append(of_environment())
+    return places
+
+
+def check(path: Path) -> None:
+    """Raise StateError if somebody else than root could write a file or folder of root's, where there is one."""
+    with suppress(FileNotFoundError):
+        found = path.lstat()
+        if stat.S_ISLNK(found.st_mode) or not _only_root_writes(found):
+            raise StateError(
+                f"{path} is not used, because others than root could have written it: look at what is in it, then "
+                f"`chown root {path}; chmod go-w {path}`, or delete it"
+            )
+
+
+def is_roots_alone(path: Path) -> bool:
+    """Tell whether nobody but root could have put a file where it is, going down from /."""
+    for step in reversed((path, *path.parents)):
+        found = step.lstat()
+        is_shared = step != path and found.st_mode & stat.S_ISVTX  # as /tmp: everybody adds, only owners remove
+        if stat.S_ISLNK(found.st_mode) or not (_only_root_writes(found) or (is_shared and found.st_uid in (0, ROOT))):
+            return False
+    return True
+
+
+def _only_root_writes(found: os.stat_result) -> bool:
+    return found.st_uid in (0, ROOT) and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def save(name: str, content: bytes) -> Path:
+    """Write a whole file into the folder, or none; return its path. StateError, RuntimeError, OSError."""
+    path = folder()
+    path.mkdir(mode=0o755 if is_root() else 0o777, parents=True, exist_ok=True)
+    replace(folder() / name, content)
+    return path / name
+
+
+def replace(file: Path, content: bytes, *, executable: bool = False) -> None:
+    """Write a whole file, or none; a new one in place of the old: a running Wireshark may have that one mapped.
+
+    The new one has a name that nobody can foresee and is opened only if it is not there, so no link leads elsewhere.
+    """
+    with held():
+        descriptor, new = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
+        try:
+            with open(descriptor, "wb") as stream:
+                stream.write(content)
+            Path(new).chmod(0o755 if executable else 0o644)
+            Path(new).replace(file)
+        finally:
+            with suppress(OSError):
+                Path(new).unlink()

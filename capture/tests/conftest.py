@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the tests must not take from whoever runs them: signals as they were left, and the results of self-tests."""
+"""What the tests must not take from whoever runs them: signals as they were left, and the results of self-tests.
+
+And what they need of the system.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +19,8 @@ from sharkd import Sharkd
 settings.register_profile("quick", max_examples=25, deadline=None)
 settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile("quick")
+
+import sistap.state
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -33,7 +39,19 @@ def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
     """A state folder (XDG_STATE_HOME) of the test's own, empty."""
     folder = tmp_path_factory.mktemp("state")
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
+    monkeypatch.setattr(sistap.state, "FOR_ROOT", folder / "sistap")
+    monkeypatch.setattr(sistap.state, "ROOT", os.getuid())  # whoever runs the tests can play root
+    monkeypatch.setattr(sistap.state, "HOME_OF_ROOT", str(folder / "root"))
     return folder
+
+
+@pytest.fixture
+def full() -> Path:
+    """The device that is always full. A file of that name would take everything, and a test that fills it never end."""
+    path = Path("/dev/full")
+    if not path.is_char_device():
+        pytest.skip("/dev/full is no character device here")
+    return path
 
 
 @pytest.fixture(autouse=True)

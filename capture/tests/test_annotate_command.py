@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import os
 import re
+import select
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,8 +22,10 @@ from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket
 
-from sistap import pcapng
+from sistap import cli, pcapng
+from sistap.annotate import command
 from sistap.record import Record, Type, unpack
+from sistap.tshark import Tshark
 
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
 WRAPPER = len(pcapng.upper_pdu("sertap", b""))
@@ -82,6 +86,25 @@ def test_a_file(log: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("form", ["text", "html"])
+def test_what_is_written_to_a_log_meanwhile_is_left_out(
+    log: Path, form: str, monkeypatch: pytest.MonkeyPatch, capfdbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    """A log that somebody still writes grows by as many lines as it likes, here before the first answer of tshark."""
+    assert cli.main(["annotate", str(log), "--format", form]) == 0
+    before = capfdbinary.readouterr().out
+
+    class Growing(command.WholeCapture):
+        def __init__(self, tshark: Tshark, capture: Path) -> None:
+            with log.open("ab") as file:
+                file.write(b"\r\n" + f"{PHASE.hex(' ')}\r\n".encode() * 1000)
+            super().__init__(tshark, capture)
+
+    monkeypatch.setattr(command, "WholeCapture", Growing)
+    assert cli.main(["annotate", str(log), "--format", form]) == 0
+    assert capfdbinary.readouterr() == (before, b"")
+
+
 def test_a_pipe_knows_only_what_came(log: Path) -> None:
     # The first command is in vain, and only the second tells.
     log.write_text(f"{READ_PHASE.hex(' ')}\n{SET_RATE.hex(' ')}\n{READ_PHASE.hex(' ')}\n{PHASE.hex(' ')}\n")
@@ -135,6 +158,22 @@ def test_a_signal_ends_it(number: signal.Signals) -> None:
         assert process.stdout.readline() == b"waiting\n"
         process.send_signal(number)
         assert process.wait() == 0
+
+
+def test_a_reader_who_does_not_read_does_not_hold_up_a_stop(log: Path) -> None:
+    """annotate LOG | less, and then Ctrl-C."""
+    log.write_bytes(f"{PHASE.hex(' ')}\n".encode() * 1500)
+    ours, theirs = os.pipe()
+    with subprocess.Popen([*ANNOTATE, str(log)], stdout=theirs, stderr=subprocess.PIPE) as process:
+        assert process.stderr
+        while select.select([], [theirs], [], 0)[1]:
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0
+        assert process.stderr.read() == b""
+    os.close(ours)
+    os.close(theirs)
 
 
 def test_a_named_pipe_is_read_once(tmp_path: Path, log: Path) -> None:
@@ -218,13 +257,13 @@ def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
     assert run(tmp_path, log, "-w", "x", "--format", "html").returncode == 2
 
 
-def test_a_full_disk(tmp_path: Path, log: Path) -> None:
-    refused(run(tmp_path, log, "-o", "/dev/full"), 1, "/dev/full is incomplete: No space left", "-o")
-    refused(run(tmp_path, log, "-w", "/dev/full"), 1, "/dev/full: No space left")
+def test_a_full_disk(tmp_path: Path, log: Path, full: Path) -> None:
+    refused(run(tmp_path, log, "-o", full), 1, "/dev/full is incomplete: No space left", "-o")
+    refused(run(tmp_path, log, "-w", full), 1, "/dev/full: No space left")
     buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
-    with open("/dev/full", "wb") as full:
+    with full.open("wb") as output:
         done = subprocess.run(
-            [*ANNOTATE, str(log)], stdout=full, stderr=subprocess.PIPE, env=buffered, check=False, timeout=120
+            [*ANNOTATE, str(log)], stdout=output, stderr=subprocess.PIPE, env=buffered, check=False, timeout=120
         )
     refused(done, 1, "standard output is incomplete: No space left", "-o")
 

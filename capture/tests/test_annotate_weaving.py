@@ -6,6 +6,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterable
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -13,11 +14,13 @@ from hypothesis import strategies as st
 from logs import LOGS
 from specification import TELEGRAMS
 
-from sistap.annotate.annotating import Passage, weave
+from sistap.annotate.annotating import Passage, record, weave, weave_recorded
 from sistap.annotate.explaining import Said
 from sistap.annotate.lines import Line, lines
 from sistap.annotate.reading import AnyReader
+from sistap.annotate.spool import Spool
 from sistap.annotate.weaving import TextWeaver, sentence
+from sistap.annotate.writing import Incomplete
 from sistap.record import Record
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
@@ -33,13 +36,25 @@ class Sayer:
         self.records.append(record)
 
     def get(self) -> Said:
-        record = self.records.pop(0)
-        return Said(f"{record.type.name} {record.data.hex()}", True, None, False)
+        told = self.records.pop(0)
+        return Said(f"{told.type.name} {told.data.hex()}", True, None, False)
 
 
 def woven(batches: Iterable[list[Line]]) -> bytes:
     output = io.BytesIO()
     weave(batches, Passage(AnyReader()), Sayer(), TextWeaver(output.write), output.flush)
+    return output.getvalue()
+
+
+def kept_and_woven(batches: list[list[Line]]) -> bytes:
+    """By way of a spool, as a file is."""
+    output, sayer = io.BytesIO(), Sayer()
+    reading = Passage(AnyReader())
+    cuts = [cut for batch in batches for line in batch for cut in reading.feed(line).cuts]
+    sayer.records = [cut.record for cut in [*cuts, *reading.end()]]
+    with Spool() as spool:
+        record(batches, Passage(AnyReader()), "a log", lambda _: None, spool)
+        weave_recorded(spool.batches(lambda _: None), sayer, TextWeaver(output.write), output.flush)
     return output.getvalue()
 
 
@@ -76,6 +91,20 @@ def test_without_the_explanations_it_is_the_log(log: str, encoding: str, pauses:
         batches.append([line])
     assert without(woven(batches)) == data
     assert without(woven([list(lines([data]))])) == data
+
+
+@given(_LOG, st.sampled_from(["utf-8", "latin-1", "utf-16"]), st.integers(1, 40))
+def test_what_was_kept_meanwhile_is_explained_as_what_comes(log: str, encoding: str, together: int) -> None:
+    every = list(lines([log.encode(encoding, "replace")]))
+    batches = [every[start : start + together] for start in range(0, len(every), together)]
+    assert kept_and_woven(batches) == woven(batches)
+
+
+def test_no_room_to_keep_it(full: Path) -> None:
+    with Spool() as spool:
+        spool._file = full.open("w+b")
+        with pytest.raises(Incomplete, match="cannot keep the log: No space left on device; .* TMPDIR$"):
+            spool.put([(line, [], []) for line in lines([b"one line"])])
 
 
 @given(st.binary())

@@ -35,6 +35,7 @@ from sistap.pcapng import Interface
 from sistap.reader import PortError, PortLost, latency
 from sistap.reader.device import PosixReader
 from sistap.record import Event, Framing, Record, Type, unpack
+from sistap.terminal.stop import Stop
 from sistap.writer import PcapngWriter
 
 START_NS = 1_700_000_000_000_000_000
@@ -532,7 +533,7 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
             clock.ns += 500_000_000
             return None
 
-    stop = session.Stop()
+    stop = Stop()
     output = Output(str(tmp_path / "x"))
     conditions = session.Conditions(duration_s=7)
     running = session.Capture(
@@ -567,7 +568,7 @@ def test_a_wall_clock_that_is_set_is_an_event(
     reader, counters = Idle([]), Counters()
     sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
     session.Capture([reader], sink, output, counters, Console(), session.Conditions(duration_s=4), clock_ns=clock).run(
-        session.Stop()
+        Stop()
     )
     output.close()
     _, event = records(path)
@@ -596,7 +597,7 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
     conditions = session.Conditions(duration_s=3)
     session.Capture(
         [Busy([])], capture.LineSink(output), output, Counters(), Console(), conditions, clock_ns=clock
-    ).run(session.Stop())
+    ).run(Stop())
     output.close()
     assert seen[-1] > 0  # before the end
 
@@ -701,6 +702,20 @@ def test_live_into_a_pipe(tap: Tap, tmp_path: Path) -> None:
     assert err.decode().endswith("written to standard output\n")
 
 
+def test_what_a_shell_appends_to_is_kept(tap: Tap, tmp_path: Path) -> None:
+    """capture -w - >> FILE."""
+    path = tmp_path / "x.pcapng"
+    path.write_bytes(b"an older capture")
+    with path.open("ab") as file:
+        tap.start("-w", "-", "-c", "1", stdout=file)
+    tap.send(ALL[0])
+    assert tap.end()[0] == 0
+    older, added = path.read_bytes()[:16], path.read_bytes()[16:]
+    assert older == b"an older capture"
+    path.write_bytes(added)
+    assert frames(path) == [ALL[0]]
+
+
 def test_kill_9_leaves_whole_packets(tap: Tap, tmp_path: Path) -> None:
     path = tmp_path / "x.pcapng"
     process = tap.start("-w", str(path))
@@ -725,8 +740,8 @@ def test_a_full_disk_leaves_whole_packets(tap: Tap, tmp_path: Path) -> None:
     assert kept == (ALL * 2)[: len(kept)]
 
 
-def test_dev_full(tap: Tap) -> None:
-    tap.start("-w", "/dev/full")
+def test_dev_full(tap: Tap, full: Path) -> None:
+    tap.start("-w", str(full))
     code, _, err = tap.end()
     assert code == 1
     assert "sistap: /dev/full: No space left on device" in err and "Traceback" not in err
@@ -942,10 +957,10 @@ def test_nohup_keeps_it_running(tap: Tap, tmp_path: Path) -> None:
     assert tap.end()[0] == 0
 
 
-def test_a_full_disk_for_what_it_says_changes_no_exit_code(tap: Tap, tmp_path: Path) -> None:
+def test_a_full_disk_for_what_it_says_changes_no_exit_code(tap: Tap, tmp_path: Path, full: Path) -> None:
     tap.port = str(tmp_path / "ttyUSB9")
-    with open("/dev/full", "wb") as full:
-        assert launch(tap, stderr=full).wait(DEADLINE_S) == 3
+    with full.open("wb") as said:
+        assert launch(tap, stderr=said).wait(DEADLINE_S) == 3
 
 
 WITHOUT_PYSERIAL = "import sys; sys.modules['serial'] = None; from sistap.cli import main; sys.exit(main(sys.argv[1:]))"

@@ -35,6 +35,7 @@ from sistap.output import Limits, Output
 from sistap.pcapng import Interface
 from sistap.reader.virtual import WireReader
 from sistap.record import Event, Type
+from sistap.terminal.stop import Stop
 from sistap.writer import PcapngWriter
 
 # python-pcapng warns of itself.
@@ -115,7 +116,7 @@ def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
             counters = Counters()
             sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
             capture = session.Capture([reader], sink, output, counters, Console(), clock_ns=lambda: machine.monotonic)
-            assert capture.run(session.Stop()) == 1  # the bus has ended
+            assert capture.run(Stop()) == 1  # the bus has ended
             output.close()
         reader.close()
         assert bus.wait(TIMEOUT_S) == 0

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """`sistap install` and `uninstall`: which dissector, what is said, and, with the real Wireshark, that it all works."""
 
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
-import sistap
+import sistap.state
 from sistap import cli
 from sistap.install import command, sources
 from sistap.tshark import NOBODY, TsharkError
@@ -237,6 +240,73 @@ def test_uninstall_goes_on_after_what_cannot_be_removed(root: Path, run: Run, mo
     assert files(root) == {"Personal/extcap/sistap"}
     assert run("uninstall")[0] == 0
     assert not root.exists()
+
+
+def test_what_was_put_when_signals_come_is_on_the_list(
+    root: Path, run: Run, state: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace = sistap.state.replace
+    counts = iter(range(100))
+
+    def interrupted(file: Path, content: bytes, *, executable: bool = False) -> None:
+        replace(file, content, executable=executable)
+        if next(counts) == 3:
+            for number in (signal.SIGINT, signal.SIGTERM) * 15:
+                signal.raise_signal(number)
+
+    monkeypatch.setattr(sistap.state, "replace", interrupted)
+    code, out, _ = run("install")
+    (listed,) = state.rglob("*.json")
+    assert code == 0
+    assert {str(root / name) for name in files(root)} == set(json.loads(listed.read_text())["files"])
+    assert out.count("\nput ") == len(files(root))
+
+
+def test_uninstall_leaves_what_a_list_names_elsewhere(root: Path, run: Run, state: Path, tmp_path: Path) -> None:
+    run("install")
+    secret = tmp_path / "secret"
+    secret.write_text("of somebody")
+    lists = [*state.rglob("*.json")]
+    named = json.loads(lists[0].read_text())
+    named["files"][str(secret)] = sha256(secret.read_bytes()).hexdigest()
+    lists[0].write_text(json.dumps(named))
+    for _ in range(2):
+        code, _, err = run("uninstall")
+        assert (code, err.count("\n")) == (1, 1)
+        assert err.startswith(f"sistap: kept {secret}: {lists[0]} names it, but it is in none of Wireshark's folders")
+    assert secret.exists()
+    assert not root.exists()
+    assert f"kept {secret}: " in run("install")[1]
+    assert secret.exists()
+
+
+def test_root_believes_no_list_that_an_environment_names(
+    root: Path, run: Run, state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`sudo -E` has the environment of an ordinary user."""
+    run("install")
+    (state / "sistap/installed.json").rename(state / "sistap/installed-for-all.json")
+    (state / "sistap").chmod(0o777)
+    before = files(root)
+    become(monkeypatch, 0)
+    monkeypatch.setattr(sistap.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
+    code, out, err = run("uninstall")
+    assert (code, out) == (1, "nothing to remove: nothing was installed for all users\n")
+    assert f"{state}/sistap/installed-for-all.json is not used, because others than root could have written" in err
+    assert files(root) == before
+
+
+def test_uninstall_without_wireshark(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    run("install")
+    before = files(root)
+
+    def missing(*, drop_rights: bool) -> None:
+        raise TsharkError("tshark is not on PATH")
+
+    monkeypatch.setattr(command, "Tshark", missing)
+    said = "sistap: nothing is removed, as only tshark knows which folders are Wireshark's: tshark is not on PATH\n"
+    assert run("uninstall") == (1, "", said)
+    assert files(root) == before
 
 
 def test_root_installs_for_all(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

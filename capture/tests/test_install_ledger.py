@@ -1,16 +1,34 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What was put where is remembered, and nobody else's file is touched."""
 
+import json
+import os
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
-from sistap.install.ledger import Ledger, LedgerError
+import sistap.state
+from sistap.install.folders import Own
+from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.state import StateError
 
 
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
     return tmp_path / "wireshark"
+
+
+@pytest.fixture
+def own(place: Path) -> Own:
+    """Wireshark's folders: all of them are in `place`."""
+    named = {
+        "configuration": place,
+        "Plugins": place / "plugins/4.0",
+        "Lua Plugins": place / "plugins",
+        "Extcap path": place / "extcap",
+    }
+    return Own("".join(f"Personal {name}:\t{folder}\n" for name, folder in named.items()), for_all=False)
 
 
 def again(ledger: Ledger) -> Ledger:
@@ -23,7 +41,7 @@ def tree(folder: Path) -> set[str]:
     return {str(file.relative_to(folder)) for file in folder.rglob("*")}
 
 
-def test_all_that_was_put_is_removed_again(place: Path) -> None:
+def test_all_that_was_put_is_removed_again(place: Path, own: Own) -> None:
     before = tree(place.parent)
     ledger = Ledger(for_all=False)
     script, plugin = place / "extcap/sistap", place / "plugins/4.0/epan/sis.so"
@@ -32,20 +50,20 @@ def test_all_that_was_put_is_removed_again(place: Path) -> None:
     assert (script.stat().st_mode & 0o777, plugin.stat().st_mode & 0o777) == (0o755, 0o644)
     ledger = again(ledger)
     assert ledger.files == [script, plugin]
-    assert [ledger.remove(file) for file in ledger.files] == [f"removed  {script}", f"removed  {plugin}"]
-    ledger.remove_folders()
+    assert [ledger.remove(file, own) for file in ledger.files] == [f"removed  {script}", f"removed  {plugin}"]
+    ledger.remove_folders(own)
     ledger.save()
     assert tree(place.parent) == before
     assert not ledger.path.parent.exists()
 
 
-def test_folders_that_were_there_stay(place: Path) -> None:
+def test_folders_that_were_there_stay(place: Path, own: Own) -> None:
     place.mkdir()
     ledger = Ledger(for_all=False)
     ledger.put(place / "extcap/sistap", b"")
     ledger = again(ledger)
-    ledger.remove(place / "extcap/sistap")
-    ledger.remove_folders()
+    ledger.remove(place / "extcap/sistap", own)
+    ledger.remove_folders(own)
     assert tree(place.parent) == {"wireshark"}
 
 
@@ -63,15 +81,15 @@ def test_what_is_new_takes_the_place_of_the_old_at_once(place: Path) -> None:
     assert tree(place) == {"sis.so"}
 
 
-def test_what_somebody_has_changed_is_kept(place: Path) -> None:
+def test_what_somebody_has_changed_is_kept(place: Path, own: Own) -> None:
     file = place / "preferences"
     ledger = Ledger(for_all=False)
     ledger.put(file, b"ours")
     file.write_bytes(b"theirs")
     ledger = again(ledger)
     assert ledger.put(file, b"newer").startswith(f"kept     {file}: ")
-    assert ledger.remove(file) == f"kept     {file}: it was changed since it was put there"
-    assert ledger.remove_folders() == [f"kept     {place}: others have put preferences there"]
+    assert ledger.remove(file, own) == f"kept     {file}: it was changed since it was put there"
+    assert ledger.remove_folders(own) == [f"kept     {place}: others have put preferences there"]
     assert file.read_bytes() == b"theirs"
     assert again(ledger).files == []
 
@@ -94,33 +112,32 @@ def test_the_same_file_put_by_somebody_else_is_not_ours(place: Path) -> None:
     assert again(ledger).files == []
 
 
-def test_what_somebody_has_put_beside_it_is_kept(place: Path) -> None:
+def test_what_somebody_has_put_beside_it_is_kept(place: Path, own: Own) -> None:
     ledger = Ledger(for_all=False)
     ledger.put(place / "SIS/preferences", b"")
     (place / "SIS/recent").touch()  # Wireshark, when the profile was used
-    ledger.remove(place / "SIS/preferences")
-    assert ledger.remove_folders() == [f"kept     {place / 'SIS'}: others have put recent there"]
+    ledger.remove(place / "SIS/preferences", own)
+    assert ledger.remove_folders(own) == [f"kept     {place / 'SIS'}: others have put recent there"]
     assert tree(place) == {"SIS", "SIS/recent"}
 
 
-def test_what_is_gone_already_is_no_trouble(place: Path) -> None:
+def test_what_is_gone_already_is_no_trouble(place: Path, own: Own) -> None:
     ledger = Ledger(for_all=False)
     ledger.put(place / "a/sistap", b"")
     (place / "a/sistap").unlink()
     (place / "a").rmdir()
-    assert ledger.remove(place / "a/sistap").startswith(f"gone     {place / 'a/sistap'}")
-    assert ledger.remove_folders() == [f"removed  {place}"]
+    assert ledger.remove(place / "a/sistap", own).startswith(f"gone     {place / 'a/sistap'}")
+    assert ledger.remove_folders(own) == [f"removed  {place}"]
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ledger = Ledger(for_all=False)
     ledger.put(place / "sis.so", b"old")
 
-    def full(self: Path, data: bytes) -> int:
-        self.touch()
+    def full(self: Path, mode: int) -> None:
         raise OSError(28, "No space left on device", str(self))
 
-    monkeypatch.setattr(Path, "write_bytes", full)
+    monkeypatch.setattr(Path, "chmod", full)
     with pytest.raises(OSError, match="No space left"):
         ledger.put(place / "sis.so", b"new")
     assert tree(place) == {"sis.so"}
@@ -142,3 +159,117 @@ def test_a_list_that_is_something_else(text: str) -> None:
     path.write_bytes(text.encode(errors="surrogateescape"))
     with pytest.raises(LedgerError, match="is not what `sistap install` writes"):
         Ledger(for_all=False)
+
+
+def listed(*files: Path, folders: tuple[Path, ...] = (), at: Path | None = None) -> Path:
+    """Write a list as somebody could who knows how: with the sums of the files."""
+    path = at or Ledger(for_all=False).path
+    path.parent.mkdir(parents=True, exist_ok=True)
+    sums = {str(file): sha256(file.read_bytes()).hexdigest() for file in files}
+    path.write_text(json.dumps({"files": sums, "folders": [str(folder) for folder in folders]}))
+    return path
+
+
+@pytest.mark.parametrize("named", ["elsewhere/secret", "wireshark/../elsewhere/secret", "wireshark/link/secret"])
+def test_nothing_outside_of_wiresharks_folders_is_removed(place: Path, own: Own, named: str) -> None:
+    secret = place.parent / "elsewhere/secret"
+    secret.parent.mkdir()
+    secret.write_text("of root")
+    place.mkdir()
+    (place / "link").symlink_to(secret.parent)
+    path = listed(place.parent / named)
+    ledger = Ledger(for_all=False)
+    (file,) = ledger.files
+    with pytest.raises(
+        ElsewhereError, match=f"^kept {file}: {path} names it, but it is in none of Wireshark's folders"
+    ):
+        ledger.remove(file, own)
+    assert secret.exists()
+    assert again(ledger).files == [file]
+
+
+def test_no_folder_outside_of_them_is_removed(place: Path, own: Own) -> None:
+    elsewhere = place.parent / "elsewhere"
+    elsewhere.mkdir()
+    path = listed(folders=(elsewhere,))
+    (line,) = Ledger(for_all=False).remove_folders(own)
+    assert line.startswith(f"kept     {elsewhere}: {path} names it, ")
+    assert elsewhere.exists()
+
+
+def test_a_link_in_the_place_of_a_file_is_kept(place: Path, own: Own) -> None:
+    place.mkdir()
+    target, link = place.parent / "target", place / "sis.lua"
+    target.write_text("the same")
+    link.symlink_to(target)
+    listed(link)
+    ledger = Ledger(for_all=False)
+    assert ledger.remove(link, own) == f"kept     {link}: it was changed since it was put there"
+    assert target.exists() and link.is_symlink()
+
+
+def test_no_link_leads_to_another_file_while_one_is_written(place: Path) -> None:
+    """Whoever may write to a folder can foresee a name that is made of the number of the process."""
+    place.mkdir()
+    victim = place.parent / "victim"
+    victim.write_text("precious")
+    ledger = Ledger(for_all=False)
+    ledger.path.parent.mkdir(parents=True)
+    for folder, name in ((place, "sis.so"), (ledger.path.parent, ledger.path.name)):
+        (folder / f".{name}.{os.getpid()}").symlink_to(victim)
+    ledger.put(place / "sis.so", b"new")
+    ledger.save()
+    assert victim.read_text() == "precious"
+
+
+@pytest.fixture
+def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Be root; his folder is returned, it does not exist yet."""
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    monkeypatch.setattr(sistap.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
+    return sistap.state.FOR_ROOT
+
+
+def test_root_does_not_take_a_list_of_somebody_else(root: Path, state: Path, place: Path) -> None:
+    """As `sudo -E` has it in its environment."""
+    place.mkdir()
+    (place / "sis.so").touch()
+    old = listed(place / "sis.so", at=state / "sistap/installed-for-all.json")
+    old.parent.chmod(0o777)
+    ledger = Ledger(for_all=True)
+    assert ledger.files == []
+    (note,) = ledger.notes
+    assert note.startswith(f"{old} is not used, because others than root could have written it: look at what is in it")
+    assert f"`sudo install -D -m 644 {old} {root}/installed-for-all.json`" in note
+    ledger.put(place / "sistap", b"")
+    ledger.save()
+    assert tree(root) == {"installed-for-all.json"}
+    assert old.exists()
+
+
+def test_root_takes_over_a_list_that_only_root_could_write(root: Path, state: Path, place: Path) -> None:
+    place.mkdir()
+    (place / "sis.so").touch()
+    old = listed(place / "sis.so", at=state / "root/.local/state/sistap/installed-for-all.json")
+    ledger = Ledger(for_all=True)
+    assert (ledger.files, ledger.notes) == ([place / "sis.so"], [])
+    ledger.save()
+    assert not old.exists()
+    assert Ledger(for_all=True).files == [place / "sis.so"]
+    assert tree(root) == {"installed-for-all.json"}
+
+
+@pytest.mark.parametrize("who", ["a folder for all", "a link", "a list for all"])
+def test_a_folder_of_root_that_others_could_write_is_not_used(root: Path, tmp_path: Path, who: str) -> None:
+    real = tmp_path / "elsewhere" if who == "a link" else root
+    path = listed(at=real / "installed-for-all.json")
+    root.parent.mkdir(parents=True, exist_ok=True)
+    if who == "a link":
+        root.symlink_to(real)
+    else:
+        (root if who == "a folder for all" else path).chmod(0o666 if who == "a list for all" else 0o777)
+    with pytest.raises(StateError, match="is not used, because others than root could have written it: .*chmod go-w"):
+        Ledger(for_all=True)
+    if who != "a list for all":
+        with pytest.raises(StateError):
+            sistap.state.save("selftest.json", b"")

@@ -88,6 +88,11 @@ def test_what_is_no_record_of_the_tap(tmp_path: Path) -> None:
     refused(run(tmp_path, "log", bare), 2, "no records of sistap")
 
 
+def test_a_full_disk(tmp_path: Path, full: Path) -> None:
+    capture = write(tmp_path / "x.pcapng", BUS)
+    refused(run(tmp_path, "log", capture, "-o", full), 1, "/dev/full", "No space left")
+
+
 def test_what_cannot_be_opened(tmp_path: Path) -> None:
     capture = write(tmp_path / "x.pcapng", BUS)
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
@@ -95,7 +100,6 @@ def test_what_cannot_be_opened(tmp_path: Path) -> None:
     refused(run(tmp_path, "log", "nothing"), 2, "cannot read nothing")
     refused(run(tmp_path, "log", capture, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
     refused(run(tmp_path, "log", capture, "-o", capture), 2, "is the capture itself")
-    refused(run(tmp_path, "log", capture, "-o", "/dev/full"), 1, "/dev/full", "No space left")
     refused(run(tmp_path, "log", capture, PATH=str(tmp_path)), 1, "tshark is not on PATH")
     (tmp_path / "plugins").mkdir()
     refused(run(tmp_path, "log", capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")

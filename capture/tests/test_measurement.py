@@ -69,6 +69,7 @@ def test_it_does_not_grow_for_ever() -> None:
 
 def test_where_it_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """XDG base directories: ~/.local/state by default; a folder that is not absolute counts for none."""
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setenv("HOME", str(tmp_path))
     for value in ("", "state"):
         monkeypatch.setenv("XDG_STATE_HOME", value)
@@ -164,6 +165,7 @@ def test_nobody_has_no_home(monkeypatch: pytest.MonkeyPatch) -> None:
     def homeless() -> Path:
         raise RuntimeError("Could not determine home directory.")
 
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setenv("XDG_STATE_HOME", "")
     monkeypatch.setattr(Path, "home", homeless)
     assert len(latency.known().notes) == 1

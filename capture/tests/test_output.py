@@ -65,8 +65,8 @@ def test_a_full_disk_leaves_whole_blocks(tmp_path: Path) -> None:
     assert path.read_bytes() == b"x" * 900
 
 
-def test_no_space_left() -> None:
-    output = Output("/dev/full")
+def test_no_space_left(full: Path) -> None:
+    output = Output(str(full))
     output.begin()
     with pytest.raises(OutputError, match="/dev/full: No space left on device"):
         output.write(b"x")

@@ -230,6 +230,7 @@ DAMAGED = frame(0, b"abc", [0, 1, 1])
             "is damaged: a block says it has 13 bytes",
         ),
         (pcapng.section_header("", "") + struct.pack("<II", 6, 1 << 30), "is damaged: a block says"),
+        (pcapng.section_header("", "") + struct.pack("<IIII", 6, 16, 0, 16), "is damaged: a block of kind 6 has only"),
     ],
 )
 def test_files_that_are_no_capture(tmp_path: Path, content: bytes, line: str) -> None:
@@ -239,6 +240,40 @@ def test_files_that_are_no_capture(tmp_path: Path, content: bytes, line: str) ->
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr.startswith(f"sistap replay: {file} {line}")
     assert result.stderr.count("\n") == 1
+
+
+SECTION, INTERFACE, PACKET = 0x0A0D0D0A, 1, 6
+FIXED = {SECTION: 16, INTERFACE: 8, PACKET: 20}  # bytes, draft-ietf-opsawg-pcapng
+
+
+def block(kind: int, body: bytes) -> bytes:
+    length = struct.pack("<I", 12 + len(body))
+    return struct.pack("<I", kind) + length + body + length
+
+
+@pytest.mark.parametrize("kind", FIXED)
+def test_a_block_that_is_shorter_than_its_fixed_part(tmp_path: Path, kind: int) -> None:
+    """All lengths that one can have."""
+    head = struct.pack("<I", 0x1A2B3C4D) if kind == SECTION else b""  # says which byte order it is
+    whole = pcapng.section_header("", "") + pcapng.interface_description(pcapng.Interface(252, "x"))
+    before = b"" if kind == SECTION else pcapng.section_header("", "") if kind == INTERFACE else whole
+    for size in range(len(head), FIXED[kind], 4):
+        file = tmp_path / "x"
+        file.write_bytes(before + block(kind, head.ljust(size, b"\0")) + whole)
+        with pytest.raises(NotCaptured, match=f"x is damaged: a block of kind {kind} has only {size} bytes; open and"):
+            look(file)
+
+
+def test_an_option_without_its_value_is_passed_over(tmp_path: Path) -> None:
+    """The resolution of time stamps, at the end of its block."""
+    file = write(tmp_path / "x", DAMAGED)
+    content = file.read_bytes()
+    described = pcapng.interface_description(pcapng.Interface(252, "x"))
+    cut = block(INTERFACE, struct.pack("<HHI", 252, 0, 0) + struct.pack("<HH", 9, 1))
+    assert described in content
+    file.write_bytes(content.replace(described, cut))
+    (found,) = records(file)
+    assert found.data == DAMAGED.data
 
 
 def test_captures_without_what_is_to_be_played(tmp_path: Path) -> None:

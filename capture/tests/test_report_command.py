@@ -103,7 +103,10 @@ def test_where_nothing_can_be_written(tmp_path: Path, capture: Path) -> None:
     before = capture.read_bytes()
     refused(report(tmp_path, capture, "-o", capture, "--format", "text"), 2, "is the capture itself")
     assert capture.read_bytes() == before
-    refused(report(tmp_path, capture, "--format", "text", "-o", "/dev/full"), 1, "/dev/full", "No space left", "-o")
+
+
+def test_a_full_disk(tmp_path: Path, capture: Path, full: Path) -> None:
+    refused(report(tmp_path, capture, "--format", "text", "-o", full), 1, "/dev/full", "No space left", "-o")
 
 
 @pytest.fixture

@@ -261,6 +261,7 @@ def test_a_result_that_cannot_be_kept_is_shown(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (tmp_path / "file").touch()
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
     monkeypatch.setattr(delay, "through_pty", lambda duration_ns: array("q", [1000] * 1000))
     assert run() == 1

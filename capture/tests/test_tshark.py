@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.tshark import Tshark, TsharkError
+from sistap.tshark import NOBODY, Tshark, TsharkError
 
 
 def test_lines_come_while_it_runs_and_the_rest_is_not_waited_for() -> None:
@@ -35,11 +35,72 @@ def test_much_on_stderr_does_not_block_it() -> None:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root needs a copy")
-def test_no_room_for_the_copy(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(source: Path, copy: Path) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device", str(source))
+def test_no_room_for_the_copy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def full(source: object, copy: object, size: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
 
+    (tmp_path / "day.pcapng").touch()
+    monkeypatch.chdir(tmp_path)
     with Tshark("sh") as shell:
-        monkeypatch.setattr(shutil, "copyfile", full)
+        monkeypatch.setattr(shutil, "copyfileobj", full)
         with pytest.raises(TsharkError, match=r"no room for a copy of day\.pcapng.* TMPDIR$"):
             shell.output("-r", "day.pcapng")
+
+
+only_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root runs tshark as somebody else")
+SECRET = b"of root alone"
+
+
+@pytest.fixture
+def secret(tmp_path: Path) -> Path:
+    path = tmp_path / "secret.pcapng"
+    path.write_bytes(SECRET)
+    path.chmod(0o600)
+    return path
+
+
+def run_on(capture: Path, command: str) -> list[str]:
+    """The arguments of a shell that finds the capture after -r as $2, as tshark would."""
+    return ["-c", command, "sh", "-r", str(capture)]
+
+
+@only_root
+def test_only_root_and_nobody_may_read_a_copy(secret: Path) -> None:
+    with Tshark("sh") as shell:
+        said = shell.output(*run_on(secret, 'stat -c "%u %a" . "$2"; cat "$2"')).splitlines()
+    assert said == [f"{NOBODY} 700", f"{NOBODY} 600", SECRET.decode()]
+
+
+@only_root
+def test_each_capture_has_a_copy_of_its_own_that_goes_with_its_tshark(secret: Path) -> None:
+    other = secret.with_name("other")
+    other.write_bytes(b"another")
+    command = 'echo "$2"; exec sleep 1000'
+    with Tshark("sh") as shell:
+        both = [shell.lines(run_on(capture, command)) for capture in (secret, other)]
+        first, second = (Path(next(lines)) for lines in both)
+        assert (first.read_bytes(), second.read_bytes()) == (SECRET, b"another")
+        both[0].close()  # type: ignore[attr-defined] - a generator
+        assert [path.name for path in first.parent.glob("capture*")] == [second.name]
+    assert not first.parent.exists()
+
+
+@only_root
+def test_no_link_leads_a_copy_elsewhere(secret: Path, tmp_path: Path) -> None:
+    """The folder belongs to nobody, and others may be nobody, too."""
+    victim = tmp_path / "victim"
+    victim.write_text("precious")
+    with Tshark("sh") as shell:
+        shell.output("-c", f"for name in capture capture-1 capture-2; do ln -s {victim} $name; done")
+        assert shell.output(*run_on(secret, 'cat "$2"')) == SECRET.decode()
+    assert victim.read_text() == "precious"
+
+
+@only_root
+def test_plugins_that_only_root_may_read_are_seen(tmp_path: Path) -> None:
+    folder = tmp_path / "plugins/4.0/epan"
+    folder.mkdir(parents=True)
+    (folder / "x.so").write_text("a plugin")
+    (folder / "x.so").chmod(0o600)
+    with Tshark("sh", plugins=tmp_path / "plugins") as shell:
+        assert shell.output("-c", "cat $WIRESHARK_PLUGIN_DIR/4.0/epan/x.so") == "a plugin"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Leads a log from its lines to its explanation: a file in two readings, a pipe in one."""
+"""Leads a log from its lines to its explanation: a file by way of a spool and a capture, a pipe as it comes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 from sistap.annotate.capturing import Blocks
 from sistap.annotate.cutting import Cut, Cutter
-from sistap.annotate.explaining import Explainer
+from sistap.annotate.explaining import Explainer, Sayer
 from sistap.annotate.lines import Line
-from sistap.annotate.reading import Reader
+from sistap.annotate.reading import Piece, Reader
+from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.weaving import Weaver
 from sistap.record import Type
 
@@ -21,15 +22,20 @@ Trouble = Callable[[int, str], None]  # told the number of a line, and why it ca
 class Found(NamedTuple):
     """What a line holds, and what is complete by it."""
 
-    size: int  # bytes
+    pieces: list[Piece]
     cuts: list[Cut]
+
+    @property
+    def size(self) -> int:
+        """The number of bytes in the line."""
+        return sum(len(piece.run.data) for piece in self.pieces)
 
 
 class Passage:
-    """One reading of a log, from its first line to its last; the same log gives the same each time."""
+    """The reading of a log, from its first line to its last."""
 
     def __init__(self, reader: Reader, trouble: Trouble = lambda _, __: None) -> None:
-        """Nothing has been read."""
+        """Read with this reader; `trouble` is told of lines that cannot be read."""
         self._reader = reader
         self._trouble = trouble
         self._cutter = Cutter()
@@ -45,10 +51,10 @@ class Passage:
         cuts: list[Cut] = []
         for piece in pieces:
             cuts += self._cutter.feed(piece)
-        size = sum(len(piece.run.data) for piece in pieces)
+        found = Found(pieces, self._counted(cuts))
         self.lines += 1
-        self.bytes += size
-        return Found(size, self._counted(cuts))
+        self.bytes += found.size
+        return found
 
     def end(self) -> list[Cut]:
         """Give what is left."""
@@ -59,27 +65,51 @@ class Passage:
         return cuts
 
 
-def record(batches: Batches, passage: Passage, log: str, write: Callable[[bytes], object]) -> None:
-    """Write a log as a capture, block by block."""
+def record(
+    batches: Batches, passage: Passage, log: str, write: Callable[[bytes], object], spool: Spool | None = None
+) -> None:
+    """Write a log as a capture, block by block, and keep the log itself in a spool. May raise Incomplete."""
     blocks = Blocks(log)
     for batch in batches:
+        entries = []
         for line in batch:
-            for cut in passage.feed(line).cuts:
+            pieces, cuts = passage.feed(line)
+            entries.append((line, pieces, cuts))
+            for cut in cuts:
                 write(blocks.packet(cut.record))
-    for cut in passage.end():
+        if spool and entries:
+            spool.put(entries)
+    rest = passage.end()
+    for cut in rest:
         write(blocks.packet(cut.record))
+    if spool:
+        spool.put([(None, [], rest)])
+
+
+def weave_recorded(batches: Iterable[list[Entry]], sayer: Sayer, weaver: Weaver, flush: Callable[[], object]) -> None:
+    """Write a log that `record` has kept, with its explanations. May raise TsharkError."""
+    for batch in batches:
+        for line, size, complete in batch:
+            if line:
+                weaver.add(line, size)
+            for parts in complete:
+                weaver.explain(parts, sayer.get())
+        weaver.release()
+        flush()
+    weaver.end()
+    flush()
 
 
 def weave(
     batches: Batches, passage: Passage, explainer: Explainer, weaver: Weaver, flush: Callable[[], object]
 ) -> None:
-    """Write a log with its explanations. May raise TsharkError."""
+    """Write a log with its explanations while it comes. May raise TsharkError."""
     for batch in batches:
         cuts: list[Cut] = []
         for line in batch:
-            size, complete = passage.feed(line)
-            weaver.add(line, size)
-            cuts += complete
+            found = passage.feed(line)
+            weaver.add(line, found.size)
+            cuts += found.cuts
         _explain(cuts, explainer, weaver)
         weaver.release(everything=not batch)
         flush()
@@ -93,4 +123,4 @@ def _explain(cuts: list[Cut], explainer: Explainer, weaver: Weaver) -> None:
     for cut in cuts:
         explainer.put(cut.record)
     for cut in cuts:
-        weaver.explain(cut, explainer.get())
+        weaver.explain(cut.parts, explainer.get())

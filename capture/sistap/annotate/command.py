@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import shutil
-import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -18,13 +16,14 @@ from sistap.annotate.page import PageWeaver
 from sistap.annotate.pattern import PatternReader
 from sistap.annotate.reading import AnyReader, Reader
 from sistap.annotate.sources import SourceError
+from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
 from sistap.annotate.writing import Incomplete, NotOpened, opened
 from sistap.console import Console
 from sistap.exits import DONE, FAILED, USAGE
 from sistap.output import Output, OutputError, OutputRefused, ReaderGone
-from sistap.session import Stop
+from sistap.terminal import temporary
 from sistap.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
@@ -37,8 +36,8 @@ are. What is no telegram stays as it is: without the lines that begin with "^--"
 """
 
 EPILOG = """\
-A FILE of a log can be read twice, so that a command without a reaction is known. A pipe (-) is explained while it is
-written, each telegram as soon as it is complete.
+A FILE is explained when all of it has been read, so that a command without a reaction is known; what is written to it
+later is not in the output. A pipe (-) is explained while it is written, each telegram as soon as it is complete.
 
 examples:
   sistap annotate docklight.txt                    the log and its explanation
@@ -92,7 +91,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Explain a log; gives the exit code."""
-    Stop()  # so that a signal ends tshark and removes its files, as Ctrl-C does
     console = Console()
     troubles = Troubles(console.say)
     passage = Passage(args.reader(), troubles.add)
@@ -151,10 +149,14 @@ def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable
     return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
 
 
+def _batches(args: argparse.Namespace, console: Console) -> annotating.Batches:
+    """Read the log, once: it may grow meanwhile."""
+    return sources.from_pipe(args.log) if _is_pipe(args) else sources.from_file(args.log, _progress(console, "read"))
+
+
 def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> None:
     """Write the capture."""
-    is_pipe = _is_pipe(args)
-    batches = sources.from_pipe(args.log) if is_pipe else sources.from_file(args.log, _progress(console, "read"))
+    batches = _batches(args, console)
     output = Output(args.capture)
     try:
         output.begin()
@@ -166,40 +168,29 @@ def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> No
 def _explain(args: argparse.Namespace, passage: Passage, console: Console) -> None:
     """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
 
-    A page has what only a later telegram tells, so that a pipe becomes a file first.
+    A page has what only a later telegram tells, so it waits for the end of a pipe.
     """
     with ExitStack() as stack:
         tshark = stack.enter_context(Tshark())
-        if not _is_pipe(args):
-            _explain_file(args, args.log, passage, console, tshark)
-        elif args.format == "html":
-            _explain_file(args, _saved(args.log, stack), passage, console, tshark)
+        if not _is_pipe(args) or args.format == "html":
+            _explain_whole(args, passage, console, tshark)
         else:
             running = stack.enter_context(Running(tshark, _name(args)))
             file = stack.enter_context(opened(args.output))
             annotating.weave(sources.from_pipe(args.log), passage, running, TextWeaver(file.write), file.flush)
 
 
-def _explain_file(args: argparse.Namespace, log: str, passage: Passage, console: Console, tshark: Tshark) -> None:
+def _explain_whole(args: argparse.Namespace, passage: Passage, console: Console, tshark: Tshark) -> None:
     with ExitStack() as stack:
-        capture = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sistap-"))) / "log.pcapng"
-        batches = sources.from_file(log, _progress(console, "read"))
+        capture = stack.enter_context(temporary.folder()) / "log.pcapng"
+        spool = stack.enter_context(Spool())
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:
-            annotating.record(batches, passage, _name(args), blocks.write)
-        explainer = WholeCapture(tshark, capture)
+            annotating.record(_batches(args, console), passage, _name(args), blocks.write, spool)
+        sayer = WholeCapture(tshark, capture)
         file = stack.enter_context(opened(args.output))
         weaver: Weaver = TextWeaver(file.write)
         if args.format == "html":
             weaver = PageWeaver(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))
         # On a terminal that shows the log itself, it would stand in between.
-        batches = sources.from_file(log, _progress(console, "explained", is_shown=not file.isatty()))
-        annotating.weave(batches, Passage(args.reader()), explainer, weaver, file.flush)
-
-
-def _saved(log: str, stack: ExitStack) -> str:
-    """Save what a pipe has until its end; give the name of the file."""
-    copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sistap-"))  # noqa: SIM115 - the stack closes it
-    with open(0 if log == "-" else log, "rb", closefd=log != "-") as pipe:
-        shutil.copyfileobj(pipe, copy)
-    copy.flush()
-    return copy.name
+        batches = spool.batches(_progress(console, "explained", is_shown=not file.isatty()))
+        annotating.weave_recorded(batches, sayer, weaver, file.flush)

@@ -30,6 +30,35 @@ class Part(NamedTuple):
     first: int
     end: int
 
+    @property
+    def data(self) -> bytes:
+        """The bytes."""
+        return self.piece.run.data[self.first : self.end]
+
+
+class Pieces:
+    """The pieces of one direction of which no record has been made, in their order."""
+
+    def __init__(self) -> None:
+        """Begin without any."""
+        self._parts: deque[Part] = deque()
+
+    def add(self, piece: Piece) -> None:
+        """Take the next piece."""
+        self._parts.append(Part(piece, 0, len(piece.run.data)))
+
+    def take(self, count: int) -> list[Part]:
+        """Return where the next bytes stand, and forget them."""
+        parts = []
+        while count:
+            piece, first, end = self._parts.popleft()
+            taken = min(count, end - first)
+            parts.append(Part(piece, first, first + taken))
+            if first + taken < end:
+                self._parts.appendleft(Part(piece, first + taken, end))
+            count -= taken
+        return parts
+
 
 class Cut(NamedTuple):
     """A record, and the bytes of the log of which it is made."""
@@ -44,11 +73,11 @@ class _Stream:
     def __init__(self, direction: int) -> None:
         self.framer = SisFramer(direction, _SETTINGS)
         self.time_ns = 0
-        self._pieces: deque[Part] = deque()  # of which no record has been made
+        self._pieces = Pieces()
 
     def add(self, piece: Piece, uncertainty_ns: int) -> list[Cut]:
         count = len(piece.run.data)
-        self._pieces.append(Part(piece, 0, count))
+        self._pieces.add(piece)
         if piece.stamp is None:
             flags = bytes([Flag.INTERVAL_UNKNOWN]) * count
         else:
@@ -61,18 +90,7 @@ class _Stream:
         return self.cuts(records)
 
     def cuts(self, records: list[Record]) -> list[Cut]:
-        return [Cut(record, self._take(len(record.data))) for record in records]
-
-    def _take(self, count: int) -> list[Part]:
-        parts = []
-        while count:
-            piece, first, end = self._pieces.popleft()
-            taken = min(count, end - first)
-            parts.append(Part(piece, first, first + taken))
-            if first + taken < end:
-                self._pieces.appendleft(Part(piece, first + taken, end))
-            count -= taken
-        return parts
+        return [Cut(record, self._pieces.take(len(record.data))) for record in records]
 
 
 class Cutter:

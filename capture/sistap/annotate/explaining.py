@@ -37,14 +37,18 @@ class Said(NamedTuple):
     unanswered: bool
 
 
-class Explainer(Protocol):
-    """Gives what is said of records, in their order."""
+class Sayer(Protocol):
+    """Says of records what they are, in their order."""
+
+    def get(self) -> Said:
+        """Return what is said of the next record. May raise TsharkError."""
+
+
+class Explainer(Sayer, Protocol):
+    """A sayer that has to be told the records first."""
 
     def put(self, record: Record) -> None:
         """Take the next record."""
-
-    def get(self) -> Said:
-        """Give what is said of the next of them. May raise TsharkError."""
 
 
 class Fields:
@@ -94,11 +98,8 @@ class WholeCapture:
         self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
         next(self._lines, None)
 
-    def put(self, record: Record) -> None:
-        """Nothing to do: it is in the capture."""
-
     def get(self) -> Said:
-        """Give what is said of the next record."""
+        """Return what is said of the next record."""
         try:
             return self._fields.read(next(self._lines))
         except StopIteration:

@@ -10,7 +10,7 @@ from itertools import groupby
 
 import sistap
 from sistap.annotate import meanings
-from sistap.annotate.cutting import Cut
+from sistap.annotate.cutting import Part
 from sistap.annotate.explaining import Said
 from sistap.annotate.lines import Line
 from sistap.annotate.meanings import Meaning, Meanings
@@ -66,18 +66,18 @@ class PageWeaver:
         """Take the next line."""
         self._waitings.add(line, count)
 
-    def explain(self, cut: Cut, said: Said) -> None:
+    def explain(self, parts: list[Part], said: Said) -> None:
         """Mark the bytes in their lines, and put the explanation under the last."""
-        found = iter(self._meanings.get(cut.record.data))
-        for piece, first, end in cut.parts:
+        found = iter(self._meanings.get(b"".join(part.data for part in parts)))
+        for piece, first, end in parts:
             spans = piece.spans[first:end]
             for (start, stop), meaning in zip(spans, found, strict=False):
                 shown = meaning or Meaning(_OTHER, "" if said.is_telegram else "no telegram")
                 self._marked[piece.line.number].append((start, stop, shown))
-        waiting = self._waitings.take(cut)
-        text = explanation(cut, said, late=waiting is None)
+        waiting = self._waitings.take(parts)
+        text = explanation(parts, said, late=waiting is None)
         if waiting := waiting or self._waitings.last():
-            waiting.explanations.append(place(cut, text))
+            waiting.explanations.append(place(parts, text))
 
     def release(self, *, everything: bool = False) -> None:
         """Write the lines that wait for nothing more, or all."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from sistap.annotate.cutting import Cut
+from sistap.annotate.cutting import Part
 from sistap.annotate.explaining import Said
 from sistap.annotate.lines import Line
 from sistap.annotate.reading import EXPLANATION
@@ -27,8 +27,8 @@ class Weaver(Protocol):
     def add(self, line: Line, count: int) -> None:
         """Take the next line and the number of bytes that were found in it."""
 
-    def explain(self, cut: Cut, said: Said) -> None:
-        """Take what is said of a telegram, or of other characters, that ends in a line that was added."""
+    def explain(self, parts: list[Part], said: Said) -> None:
+        """Take what is said of a telegram, or of other characters: of parts that end in a line that was added."""
 
     def release(self, *, everything: bool = False) -> None:
         """Write the lines that wait for nothing more, or all."""
@@ -60,10 +60,10 @@ class Waitings:
         self._queue.append(waiting)
         self._by_line[line.number] = waiting
 
-    def take(self, cut: Cut) -> Waiting | None:
-        """Count what is explained now; give the line where it ends, None if that is written already."""
+    def take(self, parts: list[Part]) -> Waiting | None:
+        """Count what is explained now; return the line where it ends, None if that is written already."""
         waiting = None
-        for piece, first, end in cut.parts:
+        for piece, first, end in parts:
             waiting = self._by_line.get(piece.line.number)
             if waiting:
                 waiting.unexplained -= end - first
@@ -108,16 +108,16 @@ class TextWeaver:
         self._ending = self._ending or line.ending or line.encode("\n")
         self._waitings.add(line, count)
 
-    def explain(self, cut: Cut, said: Said) -> None:
+    def explain(self, parts: list[Part], said: Said) -> None:
         """Put it under its line; if that is written already, under the newest."""
-        waiting = self._waitings.take(cut)
-        text = explanation(cut, said, late=waiting is None)
+        waiting = self._waitings.take(parts)
+        text = explanation(parts, said, late=waiting is None)
         if waiting:
-            waiting.explanations.append(place(cut, text))
+            waiting.explanations.append(place(parts, text))
         elif newest := self._waitings.last():
             newest.explanations.append((0, text))
         else:
-            line = cut.parts[-1].piece.line
+            line = parts[-1].piece.line
             self._write(line.encode(EXPLANATION + text) + self._ending)
 
     def release(self, *, everything: bool = False) -> None:
@@ -152,32 +152,35 @@ def sentence(said: Said, resolution_ns: int | None) -> str:
     return text
 
 
-def explanation(cut: Cut, said: Said, *, late: bool) -> str:
+def explanation(parts: list[Part], said: Said, *, late: bool) -> str:
     """Explain a telegram, or other characters, of a log; `late`: its line is written already."""
-    stamp = cut.parts[0].piece.stamp
-    return _note(cut, late=late) + sentence(said, stamp.resolution_ns if stamp else None)
+    stamp = parts[0].piece.stamp
+    return _note(parts, late=late) + sentence(said, stamp.resolution_ns if stamp else None)
 
 
-def _note(cut: Cut, *, late: bool) -> str:
+def _note(parts: list[Part], *, late: bool) -> str:
     """Say which lines it is of, where that is not to be seen."""
-    first, last = cut.parts[0].piece.line.number, cut.parts[-1].piece.line.number
+    first, last = parts[0].piece.line.number, parts[-1].piece.line.number
     if first != last:
         return f"(lines {first} to {last}) "
     return f"(line {first}) " if late else ""
 
 
-def place(cut: Cut, text: str) -> tuple[int, str]:
-    """Give the column of its first byte in the line where it ends, and the text."""
-    piece, first, _ = cut.parts[-1]
+def place(parts: list[Part], text: str) -> tuple[int, str]:
+    """Return the column of its first byte in the line where it ends, and the text."""
+    piece, first, _ = parts[-1]
     column = piece.run.start if first == 0 else piece.spans[first][0]
     return (column, text) if column <= _WIDEST else (column, f"(column {column + 1}) {text}")
 
 
 def indent(text: str, column: int) -> str:
-    """Give spaces and tabs up to a column."""
+    """Return spaces and tabs up to a column."""
     if column > _WIDEST:
         return ""
-    return "".join(map(_blank, text[:column]))
+    before = text[:column]
+    if before.isascii() and "\t" not in before:  # as nearly always
+        return " " * len(before)
+    return "".join(map(_blank, before))
 
 
 def _blank(character: str) -> str:

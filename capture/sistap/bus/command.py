@@ -11,7 +11,7 @@ import sys
 from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 
-from sistap.bus.ending import Refusal, Stop, stoppable
+from sistap.bus.ending import Refusal
 from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
 from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, Scenario, character_format, load
@@ -24,6 +24,7 @@ from sistap.exits import DONE, FAILED, USAGE
 from sistap.line import LineSettings
 from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
 from sistap.rates import RATES
+from sistap.terminal.stop import Stop
 
 DESCRIPTION = """\
 Play a SIS bus: masters that ask, stations that answer, and what goes wrong between them, as a scenario says. It begins
@@ -87,10 +88,9 @@ def run(args: argparse.Namespace) -> int:
     if args.list:
         return _list()
     try:
-        with stoppable() as stop:
-            played, settings, how = _checked(args)
-            with _log(args.log) as log:
-                _play(args, played, settings, how, log, stop)
+        played, settings, how = _checked(args)
+        with _log(args.log) as log:
+            _play(args, played, settings, how, log, Stop.current())
     except Refusal as refusal:
         print(f"sistap bus: {refusal}", file=sys.stderr)
         return refusal.code

@@ -18,7 +18,7 @@ from sistap.extcap.toolbar import Toolbar
 from sistap.output import Output, OutputRefused
 from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.reader import PortError
-from sistap.session import Stop
+from sistap.terminal.stop import Stop
 from sistap.writer import PcapngWriter
 
 
@@ -26,10 +26,10 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
     """Capture until Wireshark ends it; give the exit code."""
     if args.uncertainty == dialog.SELFTEST and args.extcap_interface != DEMO:
         _measure(toolbar)
-    stop = Stop()
-    toolbar.when_left(stop.request)
+    stop = Stop.current()
+    toolbar.when_left(stop.ask)
     try:
-        output = Output(args.fifo, stopped=lambda: stop.requested)
+        output = Output(args.fifo, stopped=lambda: stop.asked)
     except OutputRefused as error:
         toolbar.alarm(str(error))
         return USAGE

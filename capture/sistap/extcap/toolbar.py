@@ -24,6 +24,7 @@ from sistap.extcap.sentences import sentence
 from sistap.line import LineSettings
 from sistap.rates import RATES
 from sistap.remote import Marker, Rate
+from sistap.terminal.stop import Stopped
 
 PATIENCE_S = 5  # for Wireshark to open its ends of the pipes
 FAREWELL_S = 0.5  # for it to take the last messages
@@ -93,7 +94,7 @@ class Toolbar:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Let Wireshark have everything. It would hang in opening a pipe whose other end had come and gone."""
-        if kind is not KeyboardInterrupt:
+        if kind is not Stopped:
             self._attached.wait(PATIENCE_S)
         self._messages.put(None)
         self._speaker.join(FAREWELL_S)

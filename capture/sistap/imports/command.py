@@ -19,7 +19,7 @@ from sistap.imports.source import Refused, Source, Told
 from sistap.line import UNCERTAINTY_UNKNOWN
 from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
 from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.session import Stop
+from sistap.terminal.stop import Stop
 from sistap.tshark import TsharkError
 from sistap.writer import PcapngWriter
 
@@ -79,14 +79,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Import; gives the exit code."""
-    stop = Stop()
+    stop = Stop.current()
     console = Console()
     try:
         told = _told(args)
         with ExitStack() as tools:
             source = opened(args.file, told, tools)
-            output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.requested)))
-            stop.running = True
+            output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.asked)))
+            stop.at_once = False
             return _convert(args, source, output, stop, console)
     except (Refused, OutputRefused) as error:
         console.say(str(error))
@@ -119,9 +119,9 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
     }
     conversion = Conversion(source, PcapngWriter(output, interfaces, counters), counters, args.file.name)
     try:
-        conversion.run(lambda: stop.requested, console.progress if console.shows_progress else _silent)
+        conversion.run(lambda: stop.asked, console.progress if console.shows_progress else _silent)
     except TsharkError:
-        if not stop.requested:  # else the same Ctrl-C has ended it
+        if not stop.asked:  # else the same Ctrl-C has ended it
             raise
     if source.warning:
         console.say(f"{args.file}: {source.warning}")

@@ -14,7 +14,9 @@ from typing import NamedTuple
 from sistap.console import Console
 from sistap.exits import FAILED, USAGE
 from sistap.install import folders, module, sources
-from sistap.install.ledger import Ledger, LedgerError
+from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.state import is_root
+from sistap.terminal.stop import held
 from sistap.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
 DESCRIPTION = """\
@@ -81,11 +83,6 @@ def _existing_file(text: str) -> Path:
     return Path(text)
 
 
-def is_root() -> bool:
-    """Tell whether Wireshark's folders for all users are the ones to use."""
-    return hasattr(os, "geteuid") and os.geteuid() == 0
-
-
 def _install(plugin: Path | None, console: Console) -> int:
     for_all = is_root()
     with Tshark(drop_rights=False) as tshark:
@@ -93,6 +90,8 @@ def _install(plugin: Path | None, console: Console) -> int:
         named = tshark.output("-G", "folders")
         there = loaded(tshark.run(["-G", "plugins"]).stdout)
     ledger = Ledger(for_all=for_all)
+    for note in ledger.notes:
+        console.say(note)
     print(f"Wireshark {wireshark.text}, for {_FOR_ALL if for_all else 'this user'}", flush=True)
     places = folders.parse(named, for_all=for_all)
     files = list(_others(places))
@@ -103,14 +102,16 @@ def _install(plugin: Path | None, console: Console) -> int:
         print(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there", flush=True)
     else:
         files.append(_dissector(plugin, wireshark, places, console))
-    try:
-        for line in _bring_up_to_date(ledger, files):
-            print(line, flush=True)
-    finally:
-        ledger.save()
+    _bring_up_to_date(ledger, files, folders.Own(named, for_all=for_all))
     if for_all:
         _warn_of_others_rights(console)
     return _check(console)
+
+
+def own_folders() -> folders.Own:
+    """Ask Wireshark which folders are its own: as root those for all users. TsharkError, folders.FoldersError."""
+    with Tshark(drop_rights=False) as tshark:
+        return folders.Own(tshark.output("-G", "folders"), for_all=is_root())
 
 
 def _supported_version(tshark: Tshark) -> Version:
@@ -155,15 +156,32 @@ def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]
             yield file
 
 
-def _bring_up_to_date(ledger: Ledger, files: list[File]) -> Iterator[str]:
-    """Put what is new, remove what an earlier install has put elsewhere (sis.lua, another Wireshark)."""
+def _bring_up_to_date(ledger: Ledger, files: list[File], own: folders.Own) -> None:
+    """Put what is new, remove what an earlier install has put elsewhere (sis.lua, another Wireshark). OSError."""
+    lines: list[str] = []
+    try:
+        with held():  # what was put is on the list, whenever a signal comes
+            try:
+                for line in _changes(ledger, files, own):
+                    lines.append(line)
+            finally:
+                ledger.save()
+    finally:
+        for line in lines:
+            print(line, flush=True)
+
+
+def _changes(ledger: Ledger, files: list[File], own: folders.Own) -> Iterator[str]:
     wanted = {file.target for file in files}
     for old in ledger.files:
         if old not in wanted:
-            yield ledger.remove(old)
+            try:
+                yield ledger.remove(old, own)
+            except ElsewhereError as error:
+                yield str(error)
     for file in files:
         yield ledger.put(file.target, file.content, executable=file.executable)
-    yield from ledger.remove_folders()
+    yield from ledger.remove_folders(own)
 
 
 def _warn_of_others_rights(console: Console) -> None:

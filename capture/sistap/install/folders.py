@@ -38,11 +38,39 @@ _GLOBAL = {
 
 def parse(text: str, *, for_all: bool) -> Folders:
     """Find the folders of this user, or those for all users, in the output of `tshark -G folders`. FoldersError."""
+    named = _named(text)
+    return Folders(**{kind: _first(named, places) for kind, places in (_GLOBAL if for_all else _PERSONAL).items()})
+
+
+class Own:
+    """The folders that are Wireshark's own, of this user or for all users: nothing outside of them is removed."""
+
+    def __init__(self, text: str, *, for_all: bool) -> None:
+        """Take the output of `tshark -G folders`. FoldersError if it does not name them."""
+        parse(text, for_all=for_all)
+        named = _named(text)
+        names = {name for places in (_GLOBAL if for_all else _PERSONAL).values() for name, _ in places}
+        self._folders = [Path(named[name]).resolve() for name in sorted(names) if named.get(name)]
+
+    def have(self, file: Path) -> bool:
+        """Tell whether a file is in one of them, or further down, whatever links lead there."""
+        folder = file.parent.resolve()
+        return file.is_absolute() and any(folder.is_relative_to(own) for own in self._folders)
+
+    def are_below(self, folder: Path) -> bool:
+        """Tell whether a folder is one of them, above one or in one: install makes what is missing on the way."""
+        place = folder.resolve()
+        return folder.is_absolute() and any(
+            place.is_relative_to(own) or own.is_relative_to(place) for own in self._folders
+        )
+
+
+def _named(text: str) -> dict[str, str]:
     named: dict[str, str] = {}
     for line in text.splitlines():
         name, _, path = line.partition(":")
         named.setdefault(name.strip(), path.strip())
-    return Folders(**{kind: _first(named, places) for kind, places in (_GLOBAL if for_all else _PERSONAL).items()})
+    return named
 
 
 def _first(named: dict[str, str], places: tuple[tuple[str, str], ...]) -> Path:

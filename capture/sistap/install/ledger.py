@@ -1,46 +1,74 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What `sistap install` has put where, so that it and `uninstall` touch nothing else.
 
-A file is ours as long as it is byte for byte what was put there. What somebody has changed since, or what was there
-before, is left alone, with a line that says so.
+A file is ours as long as it is byte for byte what was put there, in one of Wireshark's own folders. What somebody has
+changed since, what was there before, and what the list names elsewhere is left alone, with a line that says so.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
 from contextlib import suppress
 from pathlib import Path
 
 from sistap import state
+from sistap.install.folders import Own
 
 
 class LedgerError(Exception):
     """The list cannot be used; the text is the one line to show."""
 
 
+class ElsewhereError(Exception):
+    """The list names what is not in Wireshark's folders; the text is the one line to show."""
+
+
 class Ledger:
     """The list of the files and folders that were made; of this user, or as root of all users."""
 
     def __init__(self, *, for_all: bool) -> None:
-        """Read the list, if there is one. LedgerError, OSError; RuntimeError if this user has no home."""
-        self.path = state.folder() / ("installed-for-all.json" if for_all else "installed.json")
+        """Read the list, if there is one. LedgerError, OSError; RuntimeError if there can be none."""
+        name = "installed-for-all.json" if for_all else "installed.json"
+        self.path = state.folder() / name
+        self.notes: list[str] = []  # lines about lists of earlier versions
         self._files: dict[str, str] = {}  # path: SHA-256
         self._folders: list[str] = []  # in the order in which they were made
         self._left: set[Path] = set()  # folders out of which a file was removed
+        self._old: Path | None = None  # the list of an earlier version that was taken over
         if self.path.exists():
-            self._load()
+            if state.is_root():
+                state.check(self.path)
+            self._load(self.path)
+        elif state.is_root():
+            self._take_over(name)
 
-    def _load(self) -> None:
+    def _load(self, path: Path) -> None:
         try:
-            entries = json.loads(self.path.read_text())
-            self._files = {str(path): str(digest) for path, digest in entries["files"].items()}
+            entries = json.loads(path.read_text())
+            self._files = {str(file): str(digest) for file, digest in entries["files"].items()}
             self._folders = [str(folder) for folder in entries["folders"]]
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            raise LedgerError(
-                f"{self.path} is not what `sistap install` writes: delete it, then install again"
-            ) from None
+            raise LedgerError(f"{path} is not what `sistap install` writes: delete it, then install again") from None
+
+    def _take_over(self, name: str) -> None:
+        """Read the list of root that earlier versions kept in a home, if nobody else could have written it."""
+        for old in (folder / name for folder in state.old_folders()):
+            if not old.exists():
+                continue
+            if state.is_roots_alone(old):
+                self._load(old)
+                self._old = old
+                return
+            self.notes.append(
+                f"{old} is not used, because others than root could have written it: look at what is in it; if all of "
+                f"it is what was installed, `sudo install -D -m 644 {old} {self.path}`, then delete it"
+            )
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to remove."""
+        return not self._files and not self._folders
 
     @property
     def files(self) -> list[Path]:
@@ -49,14 +77,14 @@ class Ledger:
 
     def save(self) -> None:
         """Write the list; remove it when nothing is left. OSError."""
-        if not self._files and not self._folders:
-            self.path.unlink(missing_ok=True)
-            with suppress(OSError):  # there are other results, or there never was a list
-                self.path.parent.rmdir()
-            return
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        text = json.dumps({"files": self._files, "folders": self._folders}, indent=2) + "\n"
-        _replace(self.path, text.encode(), executable=False)
+        if self.is_empty:
+            _remove(self.path)
+        else:
+            text = json.dumps({"files": self._files, "folders": self._folders}, indent=2) + "\n"
+            state.save(self.path.name, text.encode())
+        if self._old:
+            _remove(self._old)
+            self._old = None
 
     def put(self, file: Path, content: bytes, *, executable: bool = False) -> str:
         """Make a file what it should be, unless it is not ours; give the line that says what happened. OSError."""
@@ -67,12 +95,17 @@ class Ledger:
             cure = "delete it and install again to have the one of this sistap"
             return f"kept     {file}: it was not put there by `sistap install`, or changed since; {cure}"
         self._make_folders(file.parent)
-        _replace(file, content, executable=executable)
+        state.replace(file, content, executable=executable)
         self._files[str(file)] = _digest(content)
         return f"{'put' if is_new else 'renewed':8} {file}"
 
-    def remove(self, file: Path) -> str:
-        """Remove a file that is ours; give the line that says what happened. OSError, then it stays on the list."""
+    def remove(self, file: Path, own: Own) -> str:
+        """Remove a file that is ours; return the line that says what happened.
+
+        OSError, or ElsewhereError if it is not in Wireshark's `own` folders: then it stays on the list.
+        """
+        if not own.have(file):
+            raise ElsewhereError(f"kept {file}: {self._elsewhere()}")
         if not file.exists():
             line = f"gone     {file}: somebody has removed it already"
         elif self._is_ours(file):
@@ -84,12 +117,15 @@ class Ledger:
         self._left.add(file.parent)
         return line
 
-    def remove_folders(self) -> list[str]:
+    def remove_folders(self, own: Own) -> list[str]:
         """Remove the folders that were made and are empty now; lines, also for what is left beside removed files."""
         lines = []
         in_use = {parent for file in self.files for parent in file.parents}
         for folder in [Path(folder) for folder in reversed(self._folders)]:
             if folder in in_use:
+                continue
+            if not own.are_below(folder):
+                lines.append(f"kept     {folder}: {self._elsewhere()}")
                 continue
             self._folders.remove(str(folder))
             others = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
@@ -100,7 +136,12 @@ class Ledger:
                 lines.append(f"kept     {folder}: others have put {', '.join(others)} there")
         return lines
 
+    def _elsewhere(self) -> str:
+        return f"{self.path} names it, but it is in none of Wireshark's folders; if it is yours, delete it yourself"
+
     def _is_ours(self, file: Path) -> bool:
+        if not file.is_file() or file.is_symlink():
+            return False
         return _digest(file.read_bytes()) == self._files.get(str(file))
 
     def _make_folders(self, folder: Path) -> None:
@@ -114,13 +155,8 @@ def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _replace(file: Path, content: bytes, *, executable: bool) -> None:
-    """Write a whole file, or none; a new one in place of the old: a running Wireshark may have that one mapped."""
-    new = file.with_name(f".{file.name}.{os.getpid()}")
-    try:
-        new.write_bytes(content)
-        new.chmod(0o755 if executable else 0o644)
-        new.replace(file)
-    finally:
-        with suppress(OSError):
-            new.unlink()
+def _remove(ledger: Path) -> None:
+    """Remove a list, and its folder if nothing else is there."""
+    ledger.unlink(missing_ok=True)
+    with suppress(OSError):
+        ledger.parent.rmdir()

@@ -6,19 +6,23 @@ from __future__ import annotations
 import argparse
 
 from sistap.console import Console
-from sistap.exits import FAILED
-from sistap.install.command import is_root
-from sistap.install.ledger import Ledger, LedgerError
+from sistap.exits import DONE, FAILED
+from sistap.install import command, folders
+from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.state import is_root
+from sistap.terminal.stop import held
+from sistap.tshark import TsharkError
 
 DESCRIPTION = """\
 Remove what `sistap install` has put on this machine, and the folders that it made; as root, what was installed for all
-users. Says in a line each what it did. What somebody has changed since, or put beside it, is kept.
+users. Says in a line each what it did. What somebody has changed since, or put beside it, is kept. Nothing is removed
+outside of Wireshark's own folders, which tshark names.
 """
 
 EPILOG = """\
 exit status:
   0  done, also if nothing was installed
-  1  something could not be removed
+  1  something could not be removed, or tshark is missing
   2  wrong usage
 """
 
@@ -30,23 +34,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Remove; print a line for each file; give the exit code."""
+    """Remove; print a line for each file; return the exit code."""
     console = Console()
-    code = 0
     try:
         ledger = Ledger(for_all=is_root())
+        for note in ledger.notes:
+            console.say(note)
         if not ledger.files:
             print(f"nothing to remove: nothing was installed for {'all users' if is_root() else 'this user'}")
-        for file in ledger.files:
-            try:
-                print(ledger.remove(file))
-            except OSError as error:
-                console.say(str(error))
-                code = FAILED
-        for line in ledger.remove_folders():
-            print(line)
-        ledger.save()
+        removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
+    except (TsharkError, folders.FoldersError) as error:
+        console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")
+        return FAILED
     except (LedgerError, RuntimeError, OSError) as error:
         console.say(str(error))
         return FAILED
-    return code
+    return DONE if removed and not ledger.notes else FAILED
+
+
+def _remove(ledger: Ledger, own: folders.Own, console: Console) -> bool:
+    """Remove what is on the list; tell whether all of it could be. OSError if the list cannot be written."""
+    lines: list[str] = []
+    troubles: list[str] = []
+    with held():  # what is on the list is there, whenever a signal comes
+        for file in ledger.files:
+            try:
+                lines.append(ledger.remove(file, own))
+            except (ElsewhereError, OSError) as error:
+                troubles.append(str(error))
+        lines += ledger.remove_folders(own)
+        ledger.save()
+    for line in lines:
+        print(line)
+    for trouble in troubles:
+        console.say(trouble)
+    return not troubles

@@ -17,7 +17,7 @@ from sistap.report import plain, windows
 from sistap.report.dissection import NotACapture
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
-from sistap.session import Stop
+from sistap.terminal.stop import held
 from sistap.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
@@ -52,15 +52,17 @@ class Format(NamedTuple):
 
 
 def _page(report: Report) -> bytes:
-    # Imported late, as below: it needs matplotlib.
-    from sistap.report.page import page
+    # Imported late, as below: it needs matplotlib, whose C code makes an ImportError of whatever comes meanwhile.
+    with held():
+        from sistap.report.page import page
 
     return page(report).encode()
 
 
 def _picture(kind: str) -> Callable[[Report], bytes]:
     def draw(report: Report) -> bytes:
-        from sistap.report.plots import picture
+        with held():
+            from sistap.report.plots import picture
 
         return picture(report, kind)
 
@@ -120,7 +122,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the report; gives the exit code."""
-    Stop()  # so that a signal ends tshark and removes its files, as Ctrl-C does
     console = Console()
     try:
         name = _format(args)
@@ -162,7 +163,8 @@ def _check_files(args: argparse.Namespace) -> None:
 def _check_matplotlib() -> None:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home it warns of a slow start
     try:
-        import matplotlib  # noqa: F401, PLC0415
+        with held():
+            import matplotlib  # noqa: F401, PLC0415
     except ImportError:
         raise _Failed(
             f"matplotlib is missing for {sys.executable}: `pip install 'sistap[report]'`, or install the package "

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A log and what was found in it, kept on disk until all of it has been dissected.
+
+A log is read only once: it may grow meanwhile, and finding the bytes is most of the work. What is kept is enough to
+write the log again with its explanations. It is one blob a batch, of plain tuples, because they are read back fastest.
+"""
+
+from __future__ import annotations
+
+import pickle
+import tempfile
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+from sistap.annotate.cutting import Cut, Part, Pieces
+from sistap.annotate.hexadecimal import Run
+from sistap.annotate.lines import Line
+from sistap.annotate.reading import Piece
+from sistap.annotate.stamps import Stamp
+from sistap.annotate.writing import Incomplete
+
+_SIZE = 8  # bytes in front of a blob
+
+
+class Entry(NamedTuple):
+    """A line with its number of bytes, and where the telegrams and other characters stand that are complete by it."""
+
+    line: Line | None  # None: behind the last one
+    size: int
+    complete: list[list[Part]]
+
+
+class Spool:
+    """Keeps a log. Use it in a `with`; the file has no name, so nothing is left behind."""
+
+    def __init__(self) -> None:
+        """Make the file, where TMPDIR says."""
+        self._file = tempfile.TemporaryFile(prefix="sistap-")  # noqa: SIM115 - closed by __exit__
+
+    def __enter__(self) -> Spool:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Forget everything."""
+        with suppress(OSError):  # what found no room is still in the buffer
+            self._file.close()
+
+    def put(self, entries: Iterable[tuple[Line | None, list[Piece], list[Cut]]]) -> None:
+        """Keep a batch: lines with their pieces, and what is complete by them. Incomplete if there is no room."""
+        blob = pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL)
+        try:
+            self._file.write(len(blob).to_bytes(_SIZE, "little") + blob)
+            self._file.flush()
+        except OSError as error:
+            raise Incomplete(
+                f"{tempfile.gettempdir()} cannot keep the log: {error.strerror}; make room, or name a larger folder "
+                "with TMPDIR"
+            ) from None
+
+    def batches(self, progress: Callable[[float], None]) -> Iterator[list[Entry]]:
+        """Return the batches as they were put; `progress` is told the part that has been read, 0 to 1."""
+        size = self._file.tell() or 1
+        self._file.seek(0)
+        unpacker = _Unpacker()
+        while head := self._file.read(_SIZE):
+            blob = self._file.read(int.from_bytes(head, "little"))
+            yield [unpacker.entry(packed) for packed in pickle.loads(blob)]
+            progress(self._file.tell() / size)
+
+
+_PackedLine = tuple[bytes, bytes, str, str]
+_PackedPiece = tuple[int, bool, tuple[Any, ...], tuple[Any, ...] | None]  # direction, continues, run, stamp
+_Packed = tuple[_PackedLine | None, list[_PackedPiece], list[tuple[int, int]]]
+
+
+def _packed(line: Line | None, pieces: list[Piece], cuts: list[Cut]) -> _Packed:
+    return (
+        (line.raw, line.ending, line.text, line.encoding) if line else None,
+        [
+            (piece.direction, piece.continues, tuple(piece.run), tuple(piece.stamp) if piece.stamp else None)
+            for piece in pieces
+        ],
+        # Where its bytes stand is counted again: each record has the next bytes of its direction.
+        [(cut.record.line, len(cut.record.data)) for cut in cuts],
+    )
+
+
+class _Unpacker:
+    """Makes entries of what was packed, in the same order."""
+
+    def __init__(self) -> None:
+        self._number = 0
+        self._pieces: defaultdict[int, Pieces] = defaultdict(Pieces)  # by direction
+
+    def entry(self, packed: _Packed) -> Entry:
+        packed_line, pieces, cuts = packed
+        line = None
+        size = 0
+        if packed_line:
+            self._number += 1
+            line = Line(self._number, *packed_line)
+            for direction, continues, run, stamp in pieces:
+                size += len(run[-1])
+                piece = Piece(line, Run(*run), direction, Stamp(*stamp) if stamp else None, continues)
+                self._pieces[direction].add(piece)
+        return Entry(line, size, [self._pieces[direction].take(count) for direction, count in cuts])
