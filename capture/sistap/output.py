@@ -84,7 +84,7 @@ def end_standard_output() -> None:
 
 
 def _takes_some(descriptor: int) -> bool:
-    if not hasattr(select, "poll"):  # Windows
+    if sys.platform == "win32":  # it has no poll
         return True
     poll = select.poll()
     poll.register(descriptor, select.POLLOUT)

@@ -15,12 +15,12 @@ import pytest
 from hypothesis import settings
 from sharkd import Sharkd
 
+import sistap.state
+
 # `test` tries fewer examples than `check`; a busy machine is no failure of either.
 settings.register_profile("quick", max_examples=25, deadline=None)
 settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile("quick")
-
-import sistap.state
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)

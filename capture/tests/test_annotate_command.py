@@ -24,6 +24,7 @@ from pcapng.blocks import EnhancedPacket
 
 from sistap import cli, pcapng
 from sistap.annotate import command
+from sistap.annotate.explaining import WholeCapture
 from sistap.record import Record, Type, unpack
 from sistap.tshark import Tshark
 
@@ -94,7 +95,7 @@ def test_what_is_written_to_a_log_meanwhile_is_left_out(
     assert cli.main(["annotate", str(log), "--format", form]) == 0
     before = capfdbinary.readouterr().out
 
-    class Growing(command.WholeCapture):
+    class Growing(WholeCapture):
         def __init__(self, tshark: Tshark, capture: Path) -> None:
             with log.open("ab") as file:
                 file.write(b"\r\n" + f"{PHASE.hex(' ')}\r\n".encode() * 1000)

@@ -18,7 +18,8 @@ from sistap.output import Limits, Output
 from sistap.reader import PortLost, Reader
 from sistap.record import Event, Framing, Record, Type
 from sistap.remote import Marker, Remote
-from sistap.session import Capture, Conditions, Stop
+from sistap.session import Capture, Conditions
+from sistap.terminal.stop import Stop
 
 MS = 1_000_000
 SECOND = 1000 * MS
@@ -287,7 +288,7 @@ def test_a_stop_takes_what_waits_for_no_longer_than_a_tenth_of_a_second(tmp_path
     class Flood(ScriptedReader):
         def read(self, timeout_s: float) -> Read | None:
             if timeout_s:
-                running.stop.request()
+                running.stop.ask()
                 return None
             running.clock.ns += 10 * MS
             return came(running.clock.ns, GOOD)[1]

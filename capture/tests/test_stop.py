@@ -95,7 +95,8 @@ def test_two_at_once_do_not_meet_in_c_code_that_goes_on() -> None:
         partial(os.stat, "/"),
     ]
     with pytest.raises(Stopped), Stop():
-        deque(map(operator.call, two_then_stat), maxlen=0)  # all of it in C, so that no handler runs before
+        # All of it in C, so that no handler runs before.
+        deque(map(operator.call, two_then_stat), maxlen=0)  # type: ignore[arg-type]
 
 
 def test_other_failures_that_nobody_could_catch_are_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,7 +80,7 @@ def test_each_capture_has_a_copy_of_its_own_that_goes_with_its_tshark(secret: Pa
         both = [shell.lines(run_on(capture, command)) for capture in (secret, other)]
         first, second = (Path(next(lines)) for lines in both)
         assert (first.read_bytes(), second.read_bytes()) == (SECRET, b"another")
-        both[0].close()  # type: ignore[attr-defined] - a generator
+        both[0].close()
         assert [path.name for path in first.parent.glob("capture*")] == [second.name]
     assert not first.parent.exists()
 
