@@ -15,7 +15,7 @@
 int64_t sertap_ns(const nstime_t *time);
 
 /* How long it is from one time to another, in ns, up to SERTAP_LATEST either way. Every difference of two
- * times goes through here. */
+ * packets' times goes through here. */
 int64_t sertap_elapsed(int64_t from, int64_t to);
 
 nstime_t sertap_time(int64_t ns);

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 import tty
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from queue import SimpleQueue
 from typing import BinaryIO, NamedTuple
@@ -36,6 +36,17 @@ RATE, MARKER, COUNTERS, LOG = range(4)
 INITIALIZED, SET, ADD = 0, 1, 2
 
 
+SISTAP = [sys.executable, "-m", "sistap"]
+# The same, but root keeps what it has measured in the folder that comes next: no environment could tell it to.
+KEEPING = """\
+import sys
+from pathlib import Path
+from sistap import cli, state
+state.FOR_ROOT = Path(sys.argv.pop(1))
+sys.exit(cli.main())
+"""
+
+
 class Message(NamedTuple):
     control: int
     command: int
@@ -50,7 +61,9 @@ def record_of(packet: bytes) -> Record:
 class Wireshark:
     """Starts a capture, and has the other ends of its pipes."""
 
-    def __init__(self, folder: Path, interface: str, *options: str, toolbar: bool = True) -> None:
+    def __init__(
+        self, folder: Path, interface: str, *options: str, toolbar: bool = True, sistap: Sequence[str] = SISTAP
+    ) -> None:
         self.folder = folder
         pipes = {"--fifo": folder / "capture"}
         if toolbar:
@@ -59,7 +72,7 @@ class Wireshark:
             os.mkfifo(pipe)
         named = [str(word) for pipe in pipes.items() for word in pipe]
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "sistap", "extcap", "--capture", "--extcap-interface", interface, *named, *options],
+            [*sistap, "extcap", "--capture", "--extcap-interface", interface, *named, *options],
             cwd=CAPTURE,
             stderr=subprocess.PIPE,
             text=True,
@@ -286,7 +299,11 @@ def test_a_wireshark_that_opens_the_toolbar_late_is_waited_for(tmp_path: Path, s
 
 
 def test_a_self_test_before_the_capture_says_how_exact_it_is(
-    tmp_path: Path, line: tuple[int, str], started: list[Wireshark]
+    tmp_path: Path, line: tuple[int, str], started: list[Wireshark], state: Path
 ) -> None:
-    started.append(wireshark := Wireshark(tmp_path, line[1], "--uncertainty", "selftest", toolbar=False))
+    keeping = [sys.executable, "-c", KEEPING, str(state / "sistap")]
+    started.append(
+        wireshark := Wireshark(tmp_path, line[1], "--uncertainty", "selftest", toolbar=False, sistap=keeping)
+    )
     assert b"measured by selftest on" in wireshark.event(Event.CAPTURE_STARTED).data
+    assert (state / "sistap/selftest.json").exists()
