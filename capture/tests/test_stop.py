@@ -151,15 +151,19 @@ def work() -> None:
 
 @pytest.fixture
 def leftovers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
-    """Tell which files and children there are."""
+    """Tell which files there are, and which children that this process had not before: other tests keep some."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.delenv("WIRESHARK_PLUGIN_DIR", raising=False)
     for number in NUMBERS:  # as it is again when a command has ended
         signal.signal(number, signal.SIG_IGN)
 
+    def children() -> set[str]:
+        return {child for path in Path("/proc/self/task").glob("*/children") for child in path.read_text().split()}
+
+    before = children()
+
     def find() -> list[str]:
-        children = [path.read_text() for path in Path("/proc/self/task").glob("*/children")]
-        return [str(path) for path in tmp_path.rglob("*")] + "".join(children).split()
+        return [str(path) for path in tmp_path.rglob("*")] + sorted(children() - before)
 
     return find
 
