@@ -247,6 +247,12 @@ def test_root_does_not_take_a_list_of_somebody_else(root: Path, state: Path, pla
     assert old.exists()
 
 
+def test_root_hears_nothing_of_a_list_that_is_not_there(root: Path, state: Path) -> None:
+    state.chmod(0o777)
+    ledger = Ledger(for_all=True)
+    assert (ledger.files, ledger.notes) == ([], [])
+
+
 def test_root_takes_over_a_list_that_only_root_could_write(root: Path, state: Path, place: Path) -> None:
     place.mkdir()
     (place / "sis.so").touch()

@@ -54,9 +54,12 @@ class Ledger:
     def _take_over(self, name: str) -> None:
         """Read the list of root that earlier versions kept in a home, if nobody else could have written it."""
         for old in (folder / name for folder in state.old_folders()):
-            if not old.exists():
+            try:
+                old.lstat()
+                is_good = state.is_roots_alone(old)
+            except OSError:  # it is not there, or is where not even root may look
                 continue
-            if state.is_roots_alone(old):
+            if is_good:
                 self._load(old)
                 self._old = old
                 return
