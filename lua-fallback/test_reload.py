@@ -7,6 +7,8 @@ import re
 import shutil
 from pathlib import Path
 
+import pytest
+
 from make import HERE
 from mutate import packets
 from parity import SCRIPT
@@ -53,15 +55,22 @@ def sessions(tshark: Tshark, name: str, folder: Path) -> tuple[list[list[str]], 
     return lists, [int(size) for size in re.findall(r"^memory (\d+)$", done.stderr, re.MULTILINE)]
 
 
-def test_nothing_is_left(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "name",
+    [
+        "exchanges",
+        "timing-limits",
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("sequences", "parameters")),
+    ],
+)
+def test_nothing_is_left(name: str, tmp_path: Path) -> None:
     folder = tmp_path / "plugins"
     folder.mkdir()
     shutil.copy(SCRIPT, folder)
     (folder / "z.lua").write_text(PROBE)
     with Tshark(plugins=folder) as tshark:
-        for name in ("exchanges", "sequences", "parameters", "timing-limits"):
-            lists, sizes = sessions(tshark, name, tmp_path)
-            assert all(session == lists[0] for session in lists), name
-            half = len(sizes) // 2
-            assert half >= SESSIONS // 2
-            assert max(sizes[half:]) < max(sizes[:half]) + BYTES_ANYHOW, (name, sizes)
+        lists, sizes = sessions(tshark, name, tmp_path)
+    assert all(session == lists[0] for session in lists)
+    half = len(sizes) // 2
+    assert half >= SESSIONS // 2
+    assert max(sizes[half:]) < max(sizes[:half]) + BYTES_ANYHOW, sizes
