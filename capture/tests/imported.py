@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
+
 from sistap import cli, pcapng
 from sistap.record import Record, Type, unpack
+from sistap.tshark import Tshark
 
 
 class Imported(NamedTuple):
@@ -20,10 +24,33 @@ class Imported(NamedTuple):
     events: list[str]
 
 
+@contextmanager
+def _each_reading_once() -> Iterator[None]:
+    """Answer from memory where tshark is asked the same of the same capture: an import reads a USB capture twice."""
+    said: dict[tuple[bytes, tuple[str, ...]], list[str]] = {}
+    ask = Tshark.lines
+
+    def lines(self: Tshark, arguments: Sequence[str]) -> Generator[str, None, None]:
+        key = Path(arguments[arguments.index("-r") + 1]).read_bytes(), tuple(arguments)
+        if key not in said:
+            rows = []
+            for row in ask(self, arguments):
+                rows.append(row)
+                yield row
+            said[key] = rows
+        else:
+            yield from said[key]
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(Tshark, "lines", lines)
+        yield
+
+
 def run(source: Path, *options: str) -> Imported:
     """Import a file."""
     out = source.with_name(source.name + ".imported")
-    code = cli.main(["import", str(source), "-w", str(out), *options])
+    with _each_reading_once():
+        code = cli.main(["import", str(source), "-w", str(out), *options])
     records = list(_records(out.read_bytes())) if out.exists() else []
     events = [record.data.decode() for record in records if record.type == Type.EVENT]
     return Imported(code, [record for record in records if record.type != Type.EVENT], events)
