@@ -60,7 +60,11 @@ def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: T
     parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
 
 
-@pytest.mark.parametrize("group", [*groups(), *apart()], ids=lambda group: group.name)
+@pytest.mark.parametrize(
+    "group",
+    [PLAIN, pytest.param(WITH_OPTIONS, marks=pytest.mark.thorough), *apart()],
+    ids=lambda group: group.name,
+)
 def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """What people read: generated items stand in brackets here."""
     capture = tmp_path / "merged.pcapng"
