@@ -34,7 +34,9 @@ sizes = pytest.mark.parametrize("count", [FEW, pytest.param(ALL, marks=pytest.ma
 
 
 @sizes
-@pytest.mark.parametrize("reaction", [False, True], ids=["commands", "reactions"])
+@pytest.mark.parametrize(
+    "reaction", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["commands", "reactions"]
+)
 def test_useful_data(count: int, reaction: bool, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Of every service and every example, too short and too long."""
     capture = tmp_path / "bad.pcapng"
@@ -78,7 +80,12 @@ def mutants(link_type: int, count: int, *, far: bool) -> bytes:
 )
 @pytest.mark.parametrize(
     ("link_type", "options"),
-    [(link_type, options) for link_type, ways in mutate.OPTIONS.items() for options in ways],
+    [
+        pytest.param(link_type, options, marks=[] if number == 0 else pytest.mark.thorough)
+        for number, (link_type, options) in enumerate(
+            (link_type, options) for link_type, ways in mutate.OPTIONS.items() for options in ways
+        )
+    ],
     ids=lambda value: "_".join(value) or "none" if isinstance(value, list) else None,
 )
 def test_mutants(  # noqa: PLR0913, PLR0917
@@ -89,7 +96,9 @@ def test_mutants(  # noqa: PLR0913, PLR0917
     parity.check(plugin, script, capture, *options)
 
 
-@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
+@pytest.mark.parametrize(
+    "passes", [(), pytest.param(("-2",), marks=pytest.mark.thorough)], ids=["one_pass", "two_passes"]
+)
 def test_far_times(passes: tuple[str, ...], script: Tshark, tmp_path: Path) -> None:
     """Lua's numbers are exact for weeks only, so the texts of such times may be other ones."""
     capture = tmp_path / "far.pcapng"

@@ -11,6 +11,7 @@ from sistap.tshark import Tshark
 from test_exchange import check_many_routes
 
 
+@pytest.mark.thorough
 @pytest.mark.timeout(120)
 def test_many_commands_wait_for_their_routers(script: Tshark, tmp_path: Path) -> None:
     """Looking through all of them for every command would take minutes."""

@@ -38,11 +38,8 @@ def options(given: Sequence[str], passes: tuple[str, ...]) -> list[str]:
     ("group", "passes"),
     [
         (PLAIN, ()),
-        (PLAIN, ("-2",)),
-        (WITH_OPTIONS, ()),
-        pytest.param(WITH_OPTIONS, ("-2",), marks=pytest.mark.thorough),
-        *((group, ()) for group in apart()),
-        *(pytest.param(group, ("-2",), marks=pytest.mark.thorough) for group in apart()),
+        *(pytest.param(group, (), marks=pytest.mark.thorough) for group in (WITH_OPTIONS, *apart())),
+        *(pytest.param(group, ("-2",), marks=pytest.mark.thorough) for group in (PLAIN, WITH_OPTIONS, *apart())),
     ],
     ids=lambda value: value.name if isinstance(value, Group) else "two_passes" if value else "one_pass",
 )
@@ -62,7 +59,7 @@ def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: T
 
 @pytest.mark.parametrize(
     "group",
-    [PLAIN, pytest.param(WITH_OPTIONS, marks=pytest.mark.thorough), *apart()],
+    [PLAIN, *(pytest.param(group, marks=pytest.mark.thorough) for group in (WITH_OPTIONS, *apart()))],
     ids=lambda group: group.name,
 )
 def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
@@ -103,7 +100,15 @@ def is_ours(line: str) -> bool:
 
 
 @pytest.mark.parametrize(
-    "report", ["fields", "values", "protocols", "decodes", "heuristic-decodes", "dissector-tables"]
+    "report",
+    [
+        "fields",
+        "values",
+        *(
+            pytest.param(report, marks=pytest.mark.thorough)
+            for report in ("protocols", "decodes", "heuristic-decodes", "dissector-tables")
+        ),
+    ],
 )
 def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
     """Every field with its type, base and description, every value with its text, and where packets come from."""

@@ -59,8 +59,7 @@ def sessions(tshark: Tshark, name: str, folder: Path) -> tuple[list[list[str]], 
     "name",
     [
         "exchanges",
-        "timing-limits",
-        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("sequences", "parameters")),
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("timing-limits", "sequences", "parameters")),
     ],
 )
 def test_nothing_is_left(name: str, tmp_path: Path) -> None:

@@ -27,7 +27,8 @@ SEEDS = (1, pytest.param(2, marks=pytest.mark.thorough))
 PACKETS = 3000
 LONGEST_PIECE = 24  # packets of one capture that follow one another
 DIFFERENT = 5000  # more telegrams than the script remembers
-PASSES = pytest.mark.parametrize("options", [(), ("-2",)], ids=["one_pass", "two_passes"])
+TWO_PASSES = pytest.param(("-2",), marks=pytest.mark.thorough, id="two_passes")
+PASSES = pytest.mark.parametrize("options", [pytest.param((), id="one_pass"), TWO_PASSES])
 
 SETTINGS = LineSettings(115200, 8, "E", 2)
 INTERVAL_NS = 20_000_000

@@ -11,7 +11,13 @@ import locales
 from make import HERE
 from sistap.tshark import Tshark
 
-CAPTURES = ("phases", "timing-pauses", "timing-reads", "timing-cycle", "values", "records")
+CAPTURES = (
+    "timing-reads",
+    *(
+        pytest.param(name, marks=pytest.mark.thorough)
+        for name in ("phases", "timing-pauses", "timing-cycle", "values", "records")
+    ),
+)
 
 
 @pytest.fixture(scope="module")

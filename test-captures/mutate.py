@@ -201,28 +201,26 @@ SANITIZERS = {
 }
 
 
-# All the ways that take another path; and one start of tshark that takes most of them.
+# Each takes another path.
 WAYS = (["-V"], ["-2"], STATISTICS)
-QUICK_WAYS = (["-2", "-V", *STATISTICS[1:]],)
-QUICK_MUTANTS = 400
 
 
-def dissect(tshark: Tshark, capture: Path, options: list[str], *, quick: bool) -> str | None:
+def dissect(tshark: Tshark, capture: Path, options: list[str]) -> str | None:
     """Dissect; give what went wrong, or None."""
-    for layers in QUICK_WAYS if quick else WAYS:
+    for layers in WAYS:
         done = tshark.run(["-r", str(capture), *options, *layers], extra_environment=SANITIZERS)
         if done.returncode != 0 or any(word in done.stderr + done.stdout for word in FAULTS):
             return f"{' '.join(options + layers)}: exit {done.returncode}\n{done.stderr[-4000:]}"
     return None
 
 
-def run_round(tshark: Tshark, seed: int, by_link: dict[int, list[bytes]], *, quick: bool) -> bool:
+def run_round(tshark: Tshark, seed: int, by_link: dict[int, list[bytes]]) -> bool:
     """One round over all link types; False, with the capture kept, if something went wrong."""
     for link_type, originals in by_link.items():
         with tempfile.NamedTemporaryFile(suffix=".pcapng", delete=False) as file:
-            file.write(round_capture(seed, link_type, originals, QUICK_MUTANTS if quick else MUTANTS_PER_ROUND))
+            file.write(round_capture(seed, link_type, originals, MUTANTS_PER_ROUND))
         for options in OPTIONS[link_type]:
-            fault = dissect(tshark, Path(file.name), options, quick=quick)
+            fault = dissect(tshark, Path(file.name), options)
             if fault is not None:
                 print(f"seed {seed}, {file.name}: {fault}")
                 return False
@@ -236,9 +234,6 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=0, help="start new rounds for so long")
     parser.add_argument("--rounds", type=int, default=1, help="rounds at least (default 1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the first round (default 1)")
-    parser.add_argument(
-        "--quick", action="store_true", help=f"{QUICK_MUTANTS} packets a round and capture, in one start of tshark"
-    )
     arguments = parser.parse_args()
     by_link: dict[int, list[bytes]] = {}
     for capture in sorted(HERE.rglob("*.pcapng")):
@@ -253,13 +248,13 @@ def main() -> int:
                 print(first.stderr[-4000:], file=sys.stderr)
                 raise TsharkError("nothing is dissected: is the sanitized plugin in WIRESHARK_PLUGIN_DIR?")
             while rounds < arguments.rounds or time.monotonic() < end:
-                if not run_round(tshark, arguments.seed + rounds, by_link, quick=arguments.quick):
+                if not run_round(tshark, arguments.seed + rounds, by_link):
                     return 1
                 rounds += 1
     except TsharkError as error:
         print(f"mutate.py: {error}", file=sys.stderr)
         return 2
-    mutants = rounds * len(by_link) * (QUICK_MUTANTS if arguments.quick else MUTANTS_PER_ROUND)
+    mutants = rounds * len(by_link) * MUTANTS_PER_ROUND
     print(f"{rounds} rounds, {mutants} damaged packets, nothing found")
     return 0
 

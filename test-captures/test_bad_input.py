@@ -212,7 +212,9 @@ def judgement(data: bytes, experts: set[str]) -> str | None:
     return f"{data.hex(' ')}: short, long: {telegram_is}, said: {sorted(experts)}"
 
 
-@pytest.mark.parametrize("reaction", [False, True], ids=["commands", "reactions"])
+@pytest.mark.parametrize(
+    "reaction", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["commands", "reactions"]
+)
 def test_useful_data(reaction: bool, tshark: Tshark, tmp_path: Path) -> None:
     """Commands and reactions apart, so that none of them belongs to another."""
     telegrams = list(bad_input.with_all_bodies(reaction))

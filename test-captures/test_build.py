@@ -28,6 +28,7 @@ def test_plain_build(tmp_path: Path) -> None:
     assert not any("-Werror" in call for call in calls)
 
 
+@pytest.mark.thorough
 def test_build_of_who_develops(tmp_path: Path) -> None:
     assert all("-Werror" in call for call in compilers_options(tmp_path, AS_ERRORS))
 

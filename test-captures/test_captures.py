@@ -54,7 +54,8 @@ def check_passes(capture: Path, options: Sequence[str], tshark: Tshark) -> None:
 
 
 # Without TCP, which does not know in the first of two passes where a split telegram ends.
-@pytest.mark.parametrize("group", [PLAIN, pytest.param(WITH_OPTIONS, marks=pytest.mark.thorough)], ids=GROUP_NAMES)
+@pytest.mark.thorough
+@pytest.mark.parametrize("group", [PLAIN, WITH_OPTIONS], ids=GROUP_NAMES)
 def test_second_pass_says_the_same(group: Group, tshark: Tshark, tmp_path: Path) -> None:
     capture = tmp_path / "merged.pcapng"
     group.write(capture)

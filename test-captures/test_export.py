@@ -122,6 +122,7 @@ def test_memory_is_put_together(seed: int, tshark: Tshark, tmp_path: Path, folde
     assert found == expected
 
 
+@pytest.mark.thorough
 @pytest.mark.timeout(120)
 @pytest.mark.parametrize(("distance", "objects"), [(200, 1), (300, 10_000)], ids=["in_a_row", "apart"])
 def test_many_pieces(distance: int, objects: int, tshark: Tshark, tmp_path: Path, folder: Path) -> None:

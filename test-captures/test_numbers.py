@@ -17,7 +17,14 @@ from sistap.record import Record, Type
 from sistap.tshark import Tshark
 
 # Seconds, milliseconds, percent, scaled values, intervals of characters.
-CAPTURES = ("phases", "timing-pauses", "timing-reads", "timing-cycle", "values", "records")
+CAPTURES = (
+    "timing-reads",
+    "values",
+    *(
+        pytest.param(name, marks=pytest.mark.thorough)
+        for name in ("phases", "timing-pauses", "timing-cycle", "records")
+    ),
+)
 TABLES = ("-q", "-z", "sis,tza", "-z", "sis,bus")
 
 

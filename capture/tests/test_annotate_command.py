@@ -87,7 +87,7 @@ def test_a_file(log: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize("form", ["text", "html"])
+@pytest.mark.parametrize("form", ["text", pytest.param("html", marks=pytest.mark.thorough)])
 def test_what_is_written_to_a_log_meanwhile_is_left_out(
     log: Path, form: str, monkeypatch: pytest.MonkeyPatch, capfdbinary: pytest.CaptureFixture[bytes]
 ) -> None:
@@ -279,7 +279,7 @@ def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
 
 
 def test_who_reads_only_the_beginning_is_no_failure_to_speak_of(log: Path) -> None:
-    log.write_bytes(log.read_bytes() * 2000)
+    log.write_bytes(log.read_bytes() * 200)
     with subprocess.Popen([*ANNOTATE, str(log)], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout
         assert process.stderr

@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from commands import run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -690,8 +691,8 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
         (["--log", "/nowhere/log"], "another file with --log"),
     ],
 )
-def test_wrong_options_get_one_line_with_the_cure(options: list[str], cure: str) -> None:
-    result = subprocess.run([*BUS, *options], capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+def test_wrong_options_get_one_line_with_the_cure(tmp_path: Path, options: list[str], cure: str) -> None:
+    result = run(tmp_path, "bus", *options)
     assert result.returncode == 2
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1

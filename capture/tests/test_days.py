@@ -99,7 +99,7 @@ class StampingReader(WireReader):
         return read._replace(time_ns=machine.clock.wall_ns(machine.monotonic))
 
 
-@pytest.mark.parametrize("hours", [3, pytest.param(24, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("hours", [2, pytest.param(24, marks=pytest.mark.thorough)])
 def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     command = [sys.executable, __file__, str(tmp_path / "bus"), str(hours)]
     bus = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)

@@ -64,6 +64,7 @@ def test_a_capture_filter_sees_telegrams(tshark: Tshark) -> None:
     assert [line for line in tshark.run(capture).stdout.splitlines() if line] == 6 * ["4"]
 
 
+@pytest.mark.thorough
 def test_options_come_from_the_preferences(tshark: Tshark) -> None:
     capture = ["-i", "sistap-demo", "-c", "1", *NOT_LONGER, "-T", "fields", "-e", "sertap.baud"]
     rate = ["-o", "extcap.sistap_demo.baud:19200"]

@@ -50,14 +50,14 @@ def test_one_direction_is_a_shared_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("packets", "flags"),
     [
-        ([(FRAMING, b"A")], [Flag.CHARACTER_ERROR]),
-        ([(PARITY, b"A")], [Flag.CHARACTER_ERROR]),
-        ([(BREAK, b"\0")], [Flag.BREAK]),
+        pytest.param([(FRAMING, b"A")], [Flag.CHARACTER_ERROR], marks=pytest.mark.thorough),
+        pytest.param([(PARITY, b"A")], [Flag.CHARACTER_ERROR], marks=pytest.mark.thorough),
+        pytest.param([(BREAK, b"\0")], [Flag.BREAK], marks=pytest.mark.thorough),
         ([(PARITY, b"AB")], [SOMEWHERE, SOMEWHERE]),
         ([(DATA_LOST, b""), (TX, b"Z"), (RX, b"AB")], [LOST, LOST, 0]),  # of which line is not said
         ([(OVERFLOW, b""), (PARITY, b""), (TX, b"Z"), (RX, b"AB")], [0, LOST | SOMEWHERE, SOMEWHERE]),
-        ([(STATUS, b""), (RX, b"A")], [0]),
-        ([(99, b"A")], [0]),
+        pytest.param([(STATUS, b""), (RX, b"A")], [0], marks=pytest.mark.thorough),
+        pytest.param([(99, b"A")], [0], marks=pytest.mark.thorough),
     ],
 )
 def test_errors(tmp_path: Path, packets: list[tuple[int, bytes]], flags: list[int]) -> None:

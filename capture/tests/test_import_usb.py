@@ -424,6 +424,7 @@ def test_a_device_that_is_no_adapter(tmp_path: Path, capfd: pytest.CaptureFixtur
     assert "has no characters of an FTDI or CDC adapter" in capfd.readouterr().err
 
 
+@pytest.mark.thorough
 def test_a_capture_that_is_cut_anywhere(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     host = ftdi()
     host.send(10, 10.2, COMMAND)

@@ -443,7 +443,7 @@ def in_wireshark(home: Path) -> list[str]:
 SISTAP = (Path(sys.base_prefix) / "bin/python3", "-m", "sistap")
 
 
-@pytest.mark.parametrize("kind", ["sis.lua", "sis.so"])
+@pytest.mark.parametrize("kind", ["sis.so", pytest.param("sis.lua", marks=pytest.mark.thorough)])
 def test_from_a_read_only_checkout_into_wireshark_and_out_again(home: Path, kind: str) -> None:
     arguments: tuple[str | Path, ...] = ()
     if kind == "sis.so":

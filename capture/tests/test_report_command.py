@@ -132,6 +132,7 @@ def test_a_signal_ends_it_and_no_file_stays(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.thorough
 def test_no_home_is_no_matter(tmp_path: Path, capture: Path) -> None:
     """matplotlib would like to keep something there."""
     (tmp_path / "file").touch()

@@ -181,7 +181,7 @@ def test_the_load_is_drawn_from_its_first_whole_second_on(tmp_path: Path) -> Non
         assert load == pytest.approx(100 * 13 * 1.1458 / (100 + 12 * 1.1458), abs=2.0)
 
 
-@pytest.mark.parametrize("kind", ["png", "svg"])
+@pytest.mark.parametrize("kind", ["svg", pytest.param("png", marks=pytest.mark.thorough)])
 def test_pictures_are_files_of_their_kind(report: Report, kind: str, tmp_path: Path) -> None:
     data = plots.picture(report, kind)
     if kind == "png":

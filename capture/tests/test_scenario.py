@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from commands import run
 from sharkd import Sharkd
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
@@ -338,8 +339,8 @@ def test_what_is_wrong_with_a_fault(fault: str, line: str, tmp_path: Path) -> No
         (["--transmit"], "say it with --port"),
     ],
 )
-def test_wrong_options_get_one_line_with_the_cure(options: list[str], cure: str) -> None:
-    result = subprocess.run([*BUS, *options], capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
+def test_wrong_options_get_one_line_with_the_cure(tmp_path: Path, options: list[str], cure: str) -> None:
+    result = run(tmp_path, "bus", *options)
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr.count("\n") == 1
     assert cure in result.stderr

@@ -47,6 +47,9 @@ COMMANDS = {
     "bus, file": "bus -w OUT --cycles 1000000",
     "replay": "replay CAPTURE",
 }
+# One that captures, one that runs tshark, one that plays. The thorough tests try the rest.
+FIRST = ("capture", "annotate", "bus")
+REST = [name for name in COMMANDS if name not in FIRST]
 CODES = {"doctor": {0, 1}}  # 1 if it has come to its end, and found something missing
 
 
@@ -125,7 +128,7 @@ def stopped(command: list[str], place: Place, delay_s: float, send: Send) -> tup
     return process.returncode, said.decode()
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", [*FIRST, *(pytest.param(name, marks=pytest.mark.thorough) for name in REST)])
 def test_a_burst_of_signals_in_the_first_half_second(name: str, place: Place) -> None:
     master, slave = pty.openpty()
     command = arguments(COMMANDS[name], place.folder, os.ttyname(slave))
