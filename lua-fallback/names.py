@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Write the codes and texts of plugin/sis-names.c into sis.lua, between its two marks.
+"""Write the codes and texts of plugin/sis/names.c into sis.lua, between its two marks.
 
-Run it without arguments after a change of sis-names.c; a test compares.
+Run it without arguments after a change of names.c; a test compares.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 SCRIPT = HERE / "sis.lua"
-NAMES = HERE.parent / "plugin" / "sis-names.c"
-BEGIN = "--- names: made by names.py from plugin/sis-names.c; edit there\n"
+NAMES = HERE.parent / "plugin" / "sis" / "names.c"
+BEGIN = "--- names: made by names.py from plugin/sis/names.c; edit there\n"
 END = "-- end of what names.py has made\n"
 
 COMMENT = re.compile(r"/\*(.*?)\*/\n", re.DOTALL)
@@ -39,13 +39,13 @@ def _entry(kind: str, codes: str, text: str) -> str:
 
 
 def section(names: str, header: str) -> str:
-    """Give the section of sis.lua, marks included, from the text of sis-names.c and of sis-names.h.
+    """Give the section of sis.lua, marks included, from the text of names.c and of names.h.
 
     Ranges become {first, last, text}, in order; other codes become keys. ValueError where a table cannot be read.
     """
     kinds = KINDS.search(header)
     if kinds is None:
-        raise ValueError("sis-names.h has no sis_address_kind_t")
+        raise ValueError("names.h has no sis_address_kind_t")
     lines = ["-- What kinds of addresses there are; this order counts."]
     for number, kind in enumerate(re.findall(r"SIS_(\w+)", kinds["kinds"])):
         lines.append(f"K.{kind} = {number}")

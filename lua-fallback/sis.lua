@@ -272,7 +272,7 @@ end
 
 -- Each block stands in do ... end: Lua allows 200 locals at a time.
 
---- names: made by names.py from plugin/sis-names.c; edit there
+--- names: made by names.py from plugin/sis/names.c; edit there
 
 -- What kinds of addresses there are; this order counts.
 K.STATION = 0
@@ -321,7 +321,7 @@ N.services = {
   {0xF0, 0xFF, "Reserved service"},
 }
 
--- Kinds of addresses, fig. 2-9; which address is of which kind differs between the editions (sis-address.c).
+-- Kinds of addresses, fig. 2-9; which address is of which kind differs between the editions (address.c).
 N.address_kinds = {
   [K.STATION] = "station",
   [K.SERVICE_MASTER] = "service or emergency master",

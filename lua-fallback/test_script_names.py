@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""sis.lua has the codes and texts of plugin/sis-names.c."""
+"""sis.lua has the codes and texts of plugin/sis/names.c."""
 
 from __future__ import annotations
 

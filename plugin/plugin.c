@@ -6,8 +6,10 @@
 #include <epan/proto.h>
 #include <ws_symbol_export.h>
 
-#include "packet-sertap.h"
-#include "packet-sis.h"
+void proto_register_sertap(void);
+void proto_reg_handoff_sertap(void);
+void proto_register_sis(void);
+void proto_reg_handoff_sis(void);
 
 WS_DLL_PUBLIC_DEF const char plugin_version[] = PLUGIN_VERSION;
 WS_DLL_PUBLIC_DEF const int plugin_want_major = WIRESHARK_VERSION_MAJOR;
@@ -27,6 +29,11 @@ plugin_describe(void)
 void
 plugin_register(void)
 {
-    sertap_register();
-    sis_register();
+    static proto_plugin sertap = {.register_protoinfo = proto_register_sertap,
+                                  .register_handoff = proto_reg_handoff_sertap};
+    static proto_plugin sis = {.register_protoinfo = proto_register_sis,
+                               .register_handoff = proto_reg_handoff_sis};
+
+    proto_register_plugin(&sertap);
+    proto_register_plugin(&sis);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes the telegram on one page, course/sheet.svg, from the tables of plugin/sis-names.c.
+"""Makes the telegram on one page, course/sheet.svg, from the tables of plugin/sis/names.c.
 
     python3 sheet.py          write sheet.svg
     python3 sheet.py --pdf    and sheet.pdf from it (needs rsvg-convert, and the font Liberation Sans)
@@ -22,7 +22,7 @@ from typing import NamedTuple
 from drawing import PALE, WHITE, Column, Page
 
 HERE = Path(__file__).parent
-SOURCE = HERE.parent / "plugin" / "sis-names.c"
+SOURCE = HERE.parent / "plugin" / "sis" / "names.c"
 SVG = HERE / "course" / "sheet.svg"
 
 PRODUCTS = re.compile(r" \((ECODRIVE|SYNAX)\)$")
@@ -109,7 +109,7 @@ class Entry(NamedTuple):
 
 
 def table(name: str) -> list[Entry]:
-    """Read a table of sis-names.c. KeyError if there is none of that name."""
+    """Read a table of names.c. KeyError if there is none of that name."""
     found = re.search(rf"_string sis_{name}\[\] = \{{(.*?)\}};", SOURCE.read_text(), re.DOTALL)
     if found is None:
         raise KeyError(name)

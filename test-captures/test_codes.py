@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every code and its text: tables written by hand from the documents, against sis-names.c and what tshark shows.
+"""Every code and its text: tables written by hand from the documents, against names.c and what tshark shows.
 
 Figures and chapters are those of the SIS definition, DOK-GENERL-SIS-DEFINIT-IF02.
 """
@@ -18,7 +18,7 @@ import pytest
 from sistap.tshark import Tshark
 
 HERE = Path(__file__).parent
-SOURCE = (HERE.parent / "plugin" / "sis-names.c").read_text()
+SOURCE = (HERE.parent / "plugin" / "sis" / "names.c").read_text()
 
 
 class Packet(NamedTuple):
@@ -32,7 +32,7 @@ class Packet(NamedTuple):
 class Table(NamedTuple):
     """A table of a document, and where tshark shows its codes."""
 
-    name: str  # in sis-names.c; "" where the text is made elsewhere
+    name: str  # in names.c; "" where the text is made elsewhere
     size: int  # codes, or ranges of codes, that the documents print
     field: str
     label: str
@@ -286,7 +286,7 @@ every_table = pytest.mark.parametrize("table", TABLES, ids=lambda table: f"{tabl
 
 
 def source_texts(name: str) -> dict[int, str]:
-    """Read a value_string or range_string table of sis-names.c."""
+    """Read a value_string or range_string table of names.c."""
     body = re.search(rf"{name}\[\] = {{\n(.*?)\n}};", SOURCE, re.DOTALL)
     assert body, name
     rows = re.findall(r'\{(\w+)(?:, (\w+))?, "([^"]*)"\}', body[1])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The names in Python are those of plugin/sis-names.c, the one source."""
+"""The names in Python are those of plugin/sis/names.c, the one source."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sistap import names
 
-SOURCE = Path(__file__).parent.parent / "plugin" / "sis-names.c"
+SOURCE = Path(__file__).parent.parent / "plugin" / "sis" / "names.c"
 
 
 def table(name: str) -> list[tuple[int, int, str]]:

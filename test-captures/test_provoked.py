@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every error code of sis-names.c: provoked at a station of the virtual bus, and shown by tshark with its text.
+"""Every error code of names.c: provoked at a station of the virtual bus, and shown by tshark with its text.
 
 A code that is new there and has no way to be provoked here fails.
 """

@@ -63,7 +63,7 @@ def test_telegrams_on_it_are_right() -> None:
 
 def test_a_changed_text_changes_the_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """In the one source, the tables of the plugin."""
-    source = tmp_path / "sis-names.c"
+    source = tmp_path / "names.c"
     source.write_text(sheet.SOURCE.read_text().replace("Erase flash", "Wipe flash"))
     monkeypatch.setattr(sheet, "SOURCE", source)
     assert "Wipe flash" in texts(sheet.sheet())

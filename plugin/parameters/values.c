@@ -1,0 +1,398 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The elements of a parameter: attribute bit by bit, values scaled and with their unit, lists element by
+ * element. SIS says nothing of all this; it is SERCOS, IEC 61491. */
+
+#include "parameters/values.h"
+
+#include "parameters/fields.h"
+#include "parameters/text.h"
+
+#define ATTRIBUTE_SIZE 4
+#define LIST_HEADER    4 /* actual and maximum length, two bytes each */
+
+/* Bits of the attribute. */
+#define FACTOR(attribute)      ((attribute)&0xFFFF)
+#define LENGTH_CODE(attribute) ((attribute) >> 16 & 7)
+#define IS_COMMAND(attribute)  ((attribute) >> 19 & 1)
+#define FORMAT(attribute)      ((attribute) >> 20 & 7)
+#define DECIMALS(attribute)    ((attribute) >> 24 & 15)
+
+typedef enum { BINARY, UNSIGNED, SIGNED, HEXADECIMAL, TEXT, IDENT, FLOATING } format_t;
+
+static int hf_value = -1;
+static int hf_name = -1;
+static int hf_unit = -1;
+static int hf_attribute = -1;
+static int hf_factor = -1;
+static int hf_length = -1;
+static int hf_command = -1;
+static int hf_format = -1;
+static int hf_decimals = -1;
+static int hf_protected_2 = -1;
+static int hf_protected_3 = -1;
+static int hf_protected_4 = -1;
+static int hf_list_actual = -1;
+static int hf_list_maximum = -1;
+
+static int ett_attribute = -1;
+static int ett_list = -1;
+
+/* How the elements of some data are read; made from an attribute. */
+typedef struct {
+    unsigned size; /* of one value: 1, 2, 4 or 8 bytes */
+    bool is_list;
+    bool is_command;
+    format_t format;
+    unsigned decimals;
+    unsigned factor;
+    const char *unit; /* NULL: none or unknown */
+} layout_t;
+
+/* False for the length codes that are not defined. */
+static bool
+read_layout(const sis_known_t *known, layout_t *layout)
+{
+    static const unsigned sizes[] = {0, 2, 4, 8, 1, 2, 4, 8};
+    uint32_t attribute = known->attribute;
+
+    if (known->attribute_from == SIS_FROM_NOWHERE)
+        return false;
+    layout->size = sizes[LENGTH_CODE(attribute)];
+    layout->is_list = LENGTH_CODE(attribute) >= 4;
+    layout->is_command = IS_COMMAND(attribute);
+    layout->format = FORMAT(attribute);
+    layout->decimals = DECIMALS(attribute);
+    layout->factor = MAX(FACTOR(attribute), 1u);
+    layout->unit = known->unit;
+    return layout->size > 0;
+}
+
+static uint64_t
+get_number(tvbuff_t *tvb, unsigned offset, unsigned size)
+{
+    uint64_t value = 0;
+
+    for (unsigned i = size; i > 0; i--)
+        value = value << 8 | compat_get_uint8(tvb, offset + i - 1);
+    return value;
+}
+
+/* With a point in every locale: people filter for it. */
+static const char *
+double_text(wmem_allocator_t *scope, int digits, double value)
+{
+    char format[8], text[G_ASCII_DTOSTR_BUF_SIZE];
+
+    snprintf(format, sizeof format, "%%.%dg", digits);
+    return wmem_strdup(scope, g_ascii_formatd(text, sizeof text, format, value));
+}
+
+/* Fixed point: exact, as the decimal places say. */
+static const char *
+decimal_text(wmem_allocator_t *scope, uint64_t magnitude, bool is_negative, const layout_t *layout)
+{
+    uint64_t scaled, unit = 1;
+    const char *sign = is_negative ? "-" : "";
+
+    for (unsigned i = 0; i < layout->decimals; i++)
+        unit *= 10;
+    if (!g_uint64_checked_mul(&scaled, magnitude, layout->factor))
+        return wmem_strdup_printf(scope, "%s%s", sign,
+                                  double_text(scope, 17, (double)magnitude * layout->factor / (double)unit));
+    if (layout->decimals == 0)
+        return wmem_strdup_printf(scope, "%s%" PRIu64, sign, scaled);
+    return wmem_strdup_printf(scope, "%s%" PRIu64 ".%0*" PRIu64, sign, scaled / unit, (int)layout->decimals,
+                              scaled % unit);
+}
+
+static const char *
+signed_text(wmem_allocator_t *scope, uint64_t raw, const layout_t *layout)
+{
+    uint64_t sign_bit = UINT64_C(1) << (layout->size * 8 - 1);
+    uint64_t mask = sign_bit | (sign_bit - 1);
+
+    if (raw & sign_bit)
+        return decimal_text(scope, (~raw + 1) & mask, true, layout);
+    return decimal_text(scope, raw, false, layout);
+}
+
+static const char *
+float_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+{
+    double value =
+        layout->size == 8 ? tvb_get_letohieee_double(tvb, offset) : tvb_get_letohieee_float(tvb, offset);
+
+    return double_text(scope, layout->size == 8 ? 15 : 7, value);
+}
+
+static const char *
+binary_text(wmem_allocator_t *scope, uint64_t raw, unsigned size)
+{
+    wmem_strbuf_t *text = wmem_strbuf_new(scope, "0b");
+
+    for (unsigned bit = size * 8; bit-- > 0;) {
+        wmem_strbuf_append_c(text, raw >> bit & 1 ? '1' : '0');
+        if (bit > 0 && bit % 4 == 0)
+            wmem_strbuf_append_c(text, ' ');
+    }
+    return wmem_strbuf_get_str(text);
+}
+
+static const char *
+command_text(uint64_t raw)
+{
+    static const value_string requests[] = {{0, "clear"}, {1, "interrupt"}, {3, "set and enable"}, {0, NULL}};
+
+    return try_val_to_str((uint32_t)raw, requests);
+}
+
+/* A number without its unit. */
+static const char *
+number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+{
+    uint64_t raw = get_number(tvb, offset, layout->size);
+    sis_ident_t ident = {0, (uint16_t)raw};
+
+    switch (layout->format) {
+    case BINARY:
+        return binary_text(scope, raw, layout->size);
+    case UNSIGNED:
+        return decimal_text(scope, raw, false, layout);
+    case SIGNED:
+        return signed_text(scope, raw, layout);
+    case IDENT:
+        if (layout->size == 2)
+            return sis_ident_text(scope, ident);
+        break;
+    case FLOATING:
+        if (layout->size >= 4)
+            return float_text(scope, tvb, offset, layout);
+        break;
+    default:
+        break;
+    }
+    return wmem_strdup_printf(scope, "0x%0*" PRIX64, (int)layout->size * 2, raw);
+}
+
+static const char *
+value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+{
+    const char *number = number_text(scope, tvb, offset, layout), *request;
+
+    if (layout->is_command && (request = command_text(get_number(tvb, offset, layout->size))) != NULL)
+        return wmem_strdup_printf(scope, "%s (%s)", number, request);
+    if (layout->unit == NULL || layout->unit[0] == '\0' || layout->format == BINARY ||
+        layout->format == IDENT || layout->format == HEXADECIMAL)
+        return number;
+    return wmem_strdup_printf(scope, "%s %s", number, layout->unit);
+}
+
+/* The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries
+ * them. */
+static unsigned
+list_header_size(tvbuff_t *tvb)
+{
+    unsigned length = tvb_captured_length(tvb);
+
+    if (length < LIST_HEADER || tvb_get_letohs(tvb, 0) + (unsigned)LIST_HEADER != length ||
+        tvb_get_letohs(tvb, 0) > tvb_get_letohs(tvb, 2))
+        return 0;
+    return LIST_HEADER;
+}
+
+const char *
+sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb)
+{
+    unsigned header = list_header_size(tvb);
+
+    return sis_text(scope, tvb, header, tvb_captured_length(tvb) - header);
+}
+
+/* Gives the size of the length words, 0 if there are none. */
+static unsigned
+add_list_header(proto_tree *tree, tvbuff_t *tvb, bool is_whole)
+{
+    unsigned size = is_whole ? list_header_size(tvb) : 0;
+
+    if (size > 0) {
+        proto_tree_add_item(tree, hf_list_actual, tvb, 0, 2, ENC_LITTLE_ENDIAN);
+        proto_tree_add_item(tree, hf_list_maximum, tvb, 2, 2, ENC_LITTLE_ENDIAN);
+    }
+    return size;
+}
+
+static const char *
+add_text(proto_tree *tree, packet_info *pinfo, int hf, tvbuff_t *tvb, bool is_whole)
+{
+    unsigned header = add_list_header(tree, tvb, is_whole), length = tvb_captured_length(tvb) - header;
+    const char *text = sis_text(pinfo->pool, tvb, header, length);
+
+    proto_tree_add_string(tree, hf, tvb, header, length, text);
+    return wmem_strdup_printf(pinfo->pool, "\"%s\"", text);
+}
+
+static const char *
+add_attribute(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb)
+{
+    static int *const bits[] = {&hf_protected_4, &hf_protected_3, &hf_protected_2, &hf_decimals, &hf_format,
+                                &hf_command,     &hf_length,      &hf_factor,      NULL};
+
+    if (tvb_captured_length(tvb) != ATTRIBUTE_SIZE)
+        return NULL;
+    proto_tree_add_bitmask(tree, tvb, 0, hf_attribute, ett_attribute, bits, ENC_LITTLE_ENDIAN);
+    return wmem_strdup_printf(pinfo->pool, "0x%08x", tvb_get_letohl(tvb, 0));
+}
+
+#define SHOWN_IN_LIST 4u
+#define SHOWN_IN_TREE 100000u /* more than a SERCOS list can have; Wireshark gives up at ten times that */
+
+/* All elements into the tree, the first few into the text. Which one of its list the first of a segment is
+ * cannot be told. */
+static const char *
+add_list(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const layout_t *layout, bool is_whole)
+{
+    wmem_strbuf_t *text = wmem_strbuf_new(pinfo->pool, "");
+    unsigned offset = add_list_header(tree, tvb, is_whole), length = tvb_captured_length(tvb) - offset;
+    unsigned count = length / layout->size, rest = length % layout->size;
+    bool is_wanted = tree != NULL && proto_field_is_referenced(tree, hf_value);
+    proto_tree *subtree = NULL;
+
+    if (is_wanted)
+        subtree = proto_tree_add_subtree_format(tree, tvb, offset, length, ett_list, NULL, "%u element%s",
+                                                count, plurality(count, "", "s"));
+    for (unsigned i = 0; i < MIN(count, is_wanted ? SHOWN_IN_TREE : SHOWN_IN_LIST); i++) {
+        unsigned at = offset + i * layout->size;
+        const char *value = value_text(pinfo->pool, tvb, at, layout);
+
+        if (is_wanted && is_whole)
+            proto_tree_add_string_format(subtree, hf_value, tvb, at, layout->size, value, "Element %u: %s",
+                                         i + 1, value);
+        else if (is_wanted)
+            proto_tree_add_string(subtree, hf_value, tvb, at, layout->size, value);
+        if (i < SHOWN_IN_LIST)
+            wmem_strbuf_append_printf(text, "%s%s", i > 0 ? ", " : "", value);
+    }
+    if (rest > 0 && is_wanted)
+        proto_tree_add_item(subtree, hf_sis_raw, tvb, offset + length - rest, rest, ENC_NA);
+    if (count > SHOWN_IN_LIST)
+        wmem_strbuf_append_printf(text, ", ... (%u elements)", count);
+    return count > 0 ? wmem_strbuf_get_str(text) : "empty";
+}
+
+/* Operating data, minimum or maximum; those of a list are as long as one of its elements. */
+static const char *
+add_value(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
+          const sis_known_t *known, bool is_whole)
+{
+    unsigned length = tvb_captured_length(tvb);
+    layout_t layout;
+    const char *text;
+
+    if (known == NULL || !read_layout(known, &layout))
+        return NULL;
+    if (element != SIS_ELEMENT_DATA && length == layout.size)
+        layout.is_list = false;
+    if (layout.is_list && layout.format == TEXT)
+        return add_text(tree, pinfo, hf_value, tvb, is_whole);
+    if (layout.is_list)
+        return add_list(tree, pinfo, tvb, &layout, is_whole);
+    if (length != layout.size)
+        return NULL;
+    text = value_text(pinfo->pool, tvb, 0, &layout);
+    proto_tree_add_string(tree, hf_value, tvb, 0, length, text);
+    return text;
+}
+
+/* The number word alone does not tell the kind of a control parameter. */
+static const char *
+add_ident(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned length, const sis_ident_t *asked)
+{
+    sis_ident_t ident;
+    const char *text;
+
+    if (length != 2 || asked == NULL)
+        return NULL;
+    ident = (sis_ident_t){asked->type, tvb_get_letohs(tvb, 0)};
+    text = sis_ident_text(pinfo->pool, ident);
+    proto_tree_add_string(tree, hf_value, tvb, 0, length, text);
+    return text;
+}
+
+const char *
+sis_add_element(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
+                const sis_ident_t *ident, const sis_known_t *known, bool is_whole)
+{
+    unsigned length = tvb_captured_length(tvb);
+
+    if (length == 0)
+        return NULL;
+    proto_tree_add_item(tree, hf_sis_data, tvb, 0, length, ENC_NA);
+    switch (element) {
+    case SIS_ELEMENT_IDENT:
+        return add_ident(tree, pinfo, tvb, length, ident);
+    case SIS_ELEMENT_NAME:
+        return add_text(tree, pinfo, hf_name, tvb, is_whole);
+    case SIS_ELEMENT_ATTRIBUTE:
+        return add_attribute(tree, pinfo, tvb);
+    case SIS_ELEMENT_UNIT:
+        return add_text(tree, pinfo, hf_unit, tvb, is_whole);
+    case SIS_ELEMENT_MINIMUM:
+    case SIS_ELEMENT_MAXIMUM:
+    case SIS_ELEMENT_DATA:
+        return add_value(tree, pinfo, tvb, element, known, is_whole);
+    default:
+        return NULL;
+    }
+}
+
+/* clang-format off */
+static const value_string lengths[] = {
+    {0, "Not defined"},
+    {1, "2 bytes"},
+    {2, "4 bytes"},
+    {3, "8 bytes"},
+    {4, "List of single bytes"},
+    {5, "List of 2-byte elements"},
+    {6, "List of 4-byte elements"},
+    {7, "List of 8-byte elements"},
+    {0, NULL},
+};
+
+static const value_string formats[] = {
+    {BINARY, "Binary"},
+    {UNSIGNED, "Unsigned decimal"},
+    {SIGNED, "Signed decimal"},
+    {HEXADECIMAL, "Hexadecimal"},
+    {TEXT, "Text"},
+    {IDENT, "Ident number"},
+    {FLOATING, "Floating point"},
+    {7, "Not defined"},
+    {0, NULL},
+};
+
+static hf_register_info fields[] = {
+    {&hf_value, {"Value", "sis.value", FT_STRING, BASE_NONE, NULL, 0, "Scaled, with its unit where that is known", HFILL}},
+    {&hf_name, {"Name", "sis.element.name", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_unit, {"Unit", "sis.element.unit", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_attribute, {"Attribute", "sis.attribute", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_factor, {"Conversion factor", "sis.attribute.factor", FT_UINT32, BASE_DEC, NULL, 0x0000FFFF, NULL, HFILL}},
+    {&hf_length, {"Length", "sis.attribute.length", FT_UINT32, BASE_DEC, VALS(lengths), 0x00070000, NULL, HFILL}},
+    {&hf_command, {"Procedure command", "sis.attribute.command", FT_BOOLEAN, 32, NULL, 0x00080000, NULL, HFILL}},
+    {&hf_format, {"Format", "sis.attribute.format", FT_UINT32, BASE_DEC, VALS(formats), 0x00700000, NULL, HFILL}},
+    {&hf_decimals, {"Decimal places", "sis.attribute.decimals", FT_UINT32, BASE_DEC, NULL, 0x0F000000, NULL, HFILL}},
+    {&hf_protected_2, {"Write-protected in phase 2", "sis.attribute.protected_2", FT_BOOLEAN, 32, NULL, 0x10000000, NULL, HFILL}},
+    {&hf_protected_3, {"Write-protected in phase 3", "sis.attribute.protected_3", FT_BOOLEAN, 32, NULL, 0x20000000, NULL, HFILL}},
+    {&hf_protected_4, {"Write-protected in phase 4", "sis.attribute.protected_4", FT_BOOLEAN, 32, NULL, 0x40000000, NULL, HFILL}},
+    {&hf_list_actual, {"Actual length of the list", "sis.list.actual", FT_UINT16, BASE_DEC, NULL, 0, "In bytes", HFILL}},
+    {&hf_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC, NULL, 0, "In bytes", HFILL}},
+};
+/* clang-format on */
+
+void
+sis_values_register(void)
+{
+    static int *trees[] = {&ett_attribute, &ett_list};
+
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Operating data as a person reads them: attribute, scaling, lists (IEC 61491). */
+
+#ifndef PARAMETERS_VALUES_H
+#define PARAMETERS_VALUES_H
+
+#include "parameters/parameters.h"
+
+/* Adds the data of an element, all of `tvb`: bytes as sis.data, and what they mean as far as that is known.
+ * Gives a short text for the packet list ("12.5000 rpm", "\"Velocity command value\""), NULL where there is
+ * nothing better than bytes. `is_whole` is false for a segment of a list; `ident` NULL where the command is
+ * not known. */
+const char *sis_add_element(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
+                            const sis_ident_t *ident, const sis_known_t *known, bool is_whole);
+
+/* A name or a unit, without the two length words that a list may begin with. */
+const char *sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb);
+
+void sis_values_register(void);
+
+#endif

@@ -1,0 +1,549 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The serial tap's link layer: one record a packet, with value, interval and flags of every character.
+ *
+ * The record is described field by field in README.md. Nothing in this file knows what travels on the line:
+ * the characters of a frame go to the dissector that table "sertap.framing" names.
+ */
+
+#include "sertap/packet-sertap.h"
+
+#include <epan/decode_as.h>
+#include <epan/expert.h>
+#include <epan/tap.h>
+
+#include "sertap/line.h"
+
+#define RECORD_VERSION     1
+#define RECORD_HEADER_SIZE 20
+
+static int hf_version = -1;
+static int hf_header_length = -1;
+static int hf_type = -1;
+static int hf_line = -1;
+static int hf_baud = -1;
+static int hf_format = -1;
+static int hf_data_bits = -1;
+static int hf_parity = -1;
+static int hf_stop_bits = -1;
+static int hf_framing = -1;
+static int hf_uncertainty = -1;
+static int hf_count = -1;
+static int hf_event = -1;
+static int hf_text = -1;
+static int hf_data = -1;
+static int hf_character = -1;
+static int hf_interval = -1;
+static int hf_interval_max = -1;
+static int hf_flags = -1;
+static int hf_same_read = -1;
+static int hf_error_character = -1;
+static int hf_error_break = -1;
+static int hf_error_lost = -1;
+static int hf_error_unlocated = -1;
+static int hf_interval_unknown = -1;
+static int hf_interval_saturated = -1;
+
+static int ett_sertap = -1;
+static int ett_format = -1;
+static int ett_characters = -1;
+static int ett_character = -1;
+
+static expert_field ei_version = EI_INIT;
+static expert_field ei_header_length = EI_INIT;
+static expert_field ei_count = EI_INIT;
+static expert_field ei_truncated = EI_INIT;
+static expert_field ei_error_character = EI_INIT;
+static expert_field ei_error_break = EI_INIT;
+static expert_field ei_error_lost = EI_INIT;
+static expert_field ei_error_unlocated = EI_INIT;
+static expert_field ei_event = EI_INIT;
+
+static dissector_table_t framing_table;
+static int tap_sertap = -1;
+
+static const value_string types[] = {
+    {SERTAP_FRAME, "Frame"},
+    {SERTAP_OTHER, "Other characters"},
+    {SERTAP_EVENT, "Event"},
+    {0, NULL},
+};
+
+static const value_string lines[] = {
+    {0, "Shared bus"},
+    {1, "First direction"},
+    {2, "Second direction"},
+    {0, NULL},
+};
+
+static const value_string parities[] = {
+    {0, "None"}, {1, "Even"}, {2, "Odd"}, {3, "Mark"}, {4, "Space"}, {0, NULL},
+};
+
+static const value_string stop_bits[] = {
+    {2, "1"},
+    {3, "1.5"},
+    {4, "2"},
+    {0, NULL},
+};
+
+static const value_string framings[] = {
+    {0, "SIS"},
+    {1, "3964R"},
+    {255, "Silence"},
+    {0, NULL},
+};
+
+static const value_string events[] = {
+    {0, "None"},
+    {1, "Capture started"},
+    {2, "Line settings changed"},
+    {SERTAP_CHARACTERS_LOST, "Characters lost"},
+    {SERTAP_ADAPTER_LOST, "Adapter lost"},
+    {5, "Marker"},
+    {6, "Capture ended"},
+    {0, NULL},
+};
+
+/* What a flag is called at its character, and, for an error, what is said of the record that has it. */
+typedef struct {
+    uint8_t flag;
+    int *hf;
+    const char *text;
+    expert_field *ei;
+    const char *mark; /* with the number of the first character that has it */
+} flag_t;
+
+static const flag_t flags[] = {
+    {SERTAP_SAME_READ, &hf_same_read, "same read", NULL, NULL},
+    {SERTAP_CHARACTER_ERROR, &hf_error_character, "parity or framing error", &ei_error_character,
+     "parity or framing error at character %u"},
+    {SERTAP_BREAK, &hf_error_break, "break", &ei_error_break, "break at character %u"},
+    {SERTAP_LOST_BEFORE, &hf_error_lost, "characters lost before it", &ei_error_lost,
+     "the tap lost characters before character %u"},
+    {SERTAP_UNLOCATED_ERROR, &hf_error_unlocated, "error somewhere in this read", &ei_error_unlocated,
+     "line error, place unknown"},
+    {SERTAP_INTERVAL_UNKNOWN, &hf_interval_unknown, "interval unknown", NULL, NULL},
+    {SERTAP_INTERVAL_SATURATED, &hf_interval_saturated, "interval longer than it can be stored", NULL, NULL},
+};
+
+/* "8E1" and its parts. */
+static void
+add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
+{
+    static const char parity_letters[] = "NEOMS";
+    char parity = record->parity < strlen(parity_letters) ? parity_letters[record->parity] : '?';
+    const char *stop = val_to_str_const(record->stop_half_bits, stop_bits, "?");
+    const char *text = wmem_strdup_printf(pinfo->pool, "%u%c%s", record->data_bits, parity, stop);
+    proto_item *ti = proto_tree_add_string(tree, hf_format, tvb, 8, 3, text);
+    proto_tree *subtree = proto_item_add_subtree(ti, ett_format);
+
+    proto_tree_add_item(subtree, hf_data_bits, tvb, 8, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(subtree, hf_parity, tvb, 9, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(subtree, hf_stop_bits, tvb, 10, 1, ENC_BIG_ENDIAN);
+}
+
+/* Unknown has no value: a filter for bad times would find it. */
+static void
+add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
+{
+    nstime_t time = sertap_time(uncertainty);
+
+    if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
+        proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
+    else
+        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &time, "%s",
+                                         sertap_ms_text(pinfo->pool, uncertainty));
+}
+
+static void
+show_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
+{
+    proto_item *ti;
+
+    proto_tree_add_item(tree, hf_type, tvb, 2, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_line, tvb, 3, 1, ENC_BIG_ENDIAN);
+    ti = proto_tree_add_item(tree, hf_baud, tvb, 4, 4, ENC_BIG_ENDIAN);
+    if (record->baud == 0)
+        proto_item_append_text(ti, " (unknown)");
+    add_format(tree, pinfo, tvb, record);
+    proto_tree_add_item(tree, hf_framing, tvb, 11, 1, ENC_BIG_ENDIAN);
+    add_uncertainty(tree, pinfo, tvb, record->uncertainty);
+}
+
+/* Reads the header of a record, offsets 0 to 19. False where nothing after it can be told. */
+static bool
+dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_record_t *record)
+{
+    unsigned there = tvb_reported_length(tvb);
+    uint8_t version, size;
+    proto_item *ti;
+
+    if (there == 0) {
+        expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_truncated);
+        return false;
+    }
+    version = compat_get_uint8(tvb, 0);
+    ti = proto_tree_add_item(tree, hf_version, tvb, 0, 1, ENC_BIG_ENDIAN);
+
+    if (version != RECORD_VERSION) {
+        expert_add_info_format(pinfo, ti, &ei_version, "Record version %u is not known here, only %u",
+                               version, RECORD_VERSION);
+        return false;
+    }
+    if (there < RECORD_HEADER_SIZE) {
+        expert_add_info(pinfo, ti, &ei_truncated);
+        return false;
+    }
+    size = compat_get_uint8(tvb, 1);
+    ti = proto_tree_add_item(tree, hf_header_length, tvb, 1, 1, ENC_BIG_ENDIAN);
+    if (size < RECORD_HEADER_SIZE) {
+        expert_add_info(pinfo, ti, &ei_header_length);
+        return false;
+    }
+    if (there < size) {
+        expert_add_info(pinfo, ti, &ei_truncated);
+        return false;
+    }
+
+    record->type = compat_get_uint8(tvb, 2);
+    record->line = compat_get_uint8(tvb, 3);
+    record->baud = tvb_get_ntohl(tvb, 4);
+    record->data_bits = compat_get_uint8(tvb, 8);
+    record->parity = compat_get_uint8(tvb, 9);
+    record->stop_half_bits = compat_get_uint8(tvb, 10);
+    record->framing = compat_get_uint8(tvb, 11);
+    record->uncertainty = tvb_get_ntohl(tvb, 12);
+    record->declared = tvb_get_ntohs(tvb, 16);
+    record->event = tvb_get_ntohs(tvb, 18);
+    record->data_offset = size;
+    if (tree)
+        show_header(tvb, pinfo, tree, record);
+    return true;
+}
+
+/* Compares the count with the bytes that are there; what is whole is still decoded. */
+static void
+check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *record)
+{
+    unsigned bytes = tvb_reported_length(tvb) - record->data_offset;
+    unsigned captured = tvb_captured_length_remaining(tvb, record->data_offset);
+    unsigned per_character = record->type == SERTAP_EVENT ? 1 : 6;
+    unsigned expected = record->declared * per_character;
+
+    /* The three arrays follow one another: what is missing at the end is missing from the flags first. */
+    record->count = MIN(captured, record->declared);
+    if (record->type != SERTAP_EVENT && captured > record->declared * 5)
+        record->timed = MIN(captured - record->declared * 5, record->declared);
+    if (bytes < expected) {
+        expert_add_info_format(pinfo, ti, &ei_truncated, "The record is cut: %u bytes of %u after its header",
+                               bytes, expected);
+    } else if (bytes > expected) {
+        expert_add_info_format(pinfo, ti, &ei_count,
+                               "The count does not fit: %u bytes after its %u characters", bytes - expected,
+                               record->declared);
+    }
+    record->times_offset = record->data_offset + record->declared;
+    record->flags_offset = record->times_offset + record->declared * 4;
+}
+
+static const char *
+interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
+{
+    const char *more_than = flag & SERTAP_INTERVAL_SATURATED ? "more than " : "";
+
+    return wmem_strconcat(pinfo->pool, more_than, sertap_ms_text(pinfo->pool, interval), NULL);
+}
+
+static void
+add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record,
+              unsigned index)
+{
+    unsigned data_at = record->data_offset + index, time_at = record->times_offset + 4 * index;
+    unsigned flags_at = record->flags_offset + index;
+    uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
+    uint32_t interval = tvb_get_ntohl(tvb, time_at);
+    nstime_t time = sertap_time(interval);
+    proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value,
+                                                "Character %u: 0x%02x", index + 1, value);
+    proto_tree *subtree = proto_item_add_subtree(ti, ett_character);
+    const char *text = interval_text(pinfo, interval, flag);
+
+    if (!(flag & SERTAP_INTERVAL_UNKNOWN)) {
+        proto_item_append_text(ti, ", after %s", text);
+        proto_tree_add_time_format_value(subtree, hf_interval, tvb, time_at, 4, &time, "%s", text);
+    }
+    proto_tree_add_item(subtree, hf_flags, tvb, flags_at, 1, ENC_BIG_ENDIAN);
+    for (unsigned i = 0; i < array_length(flags); i++) {
+        if (!(flag & flags[i].flag))
+            continue;
+        proto_item_append_text(ti, ", %s", flags[i].text);
+        proto_tree_add_boolean(subtree, *flags[i].hf, tvb, flags_at, 1, flags[i].flag);
+    }
+}
+
+static void
+add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
+{
+    unsigned at = record->interval_max_at;
+    uint8_t flag = compat_get_uint8(tvb, record->flags_offset + at);
+    nstime_t longest = sertap_time(record->interval_max);
+    proto_item *ti = proto_tree_add_time_format_value(
+        tree, hf_interval_max, tvb, record->times_offset + 4 * at, 4, &longest, "%s, before character %u",
+        interval_text(pinfo, record->interval_max, flag), at + 1);
+
+    proto_item_set_generated(ti);
+    if (record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN)
+        proto_item_append_text(ti, " (times uncertain by %s)",
+                               sertap_ms_text(pinfo->pool, record->uncertainty));
+}
+
+/* Whether somebody sees the characters or filters for them. Most readings of a large file do neither, and a
+ * record has five items a character. */
+static bool
+are_characters_wanted(proto_tree *tree)
+{
+    static int *const fields[] = {&hf_character, &hf_interval, &hf_flags};
+
+    for (unsigned i = 0; i < array_length(fields); i++) {
+        if (proto_field_is_referenced(tree, *fields[i]))
+            return true;
+    }
+    for (unsigned i = 0; i < array_length(flags); i++) {
+        if (proto_field_is_referenced(tree, *flags[i].hf))
+            return true;
+    }
+    return false;
+}
+
+static void
+add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
+{
+    unsigned length = record->flags_offset + record->timed - record->data_offset;
+    proto_tree *subtree;
+
+    if (record->interval_max_at > 0)
+        add_interval_max(tree, pinfo, tvb, record);
+    if (!are_characters_wanted(tree))
+        return;
+    subtree =
+        proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_characters, NULL,
+                                      "%u character%s", record->timed, plurality(record->timed, "", "s"));
+    for (unsigned i = 0; i < record->timed; i++)
+        add_character(subtree, pinfo, tvb, record, i);
+}
+
+/* One item and one mark a kind of error, however many characters have it. */
+static void
+report_errors(packet_info *pinfo, proto_item *ti, const sertap_record_t *record)
+{
+    for (unsigned i = 0; i < array_length(flags); i++) {
+        unsigned character = record->first_at[g_bit_nth_lsf(flags[i].flag, -1)] + 1;
+        const char *text;
+
+        if (flags[i].ei == NULL || !(record->flags & flags[i].flag))
+            continue;
+        text = wmem_strdup_printf(pinfo->pool, flags[i].mark, character);
+        expert_add_info_format(pinfo, ti, flags[i].ei, "%s", text);
+        col_append_fstr(pinfo->cinfo, COL_INFO, "  [%s]", text);
+    }
+}
+
+static void
+dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
+{
+    const char *name = val_to_str_const(record->event, events, "Event of a later version");
+    const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->count);
+    proto_item *ti = proto_tree_add_item(tree, hf_event, tvb, 18, 2, ENC_BIG_ENDIAN);
+
+    proto_tree_add_item(tree, hf_text, tvb, record->data_offset, record->count, ENC_UTF_8);
+    if (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST)
+        expert_add_info_format(pinfo, ti, &ei_event, "%s: %s", name, text);
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
+}
+
+/* Whether a person would read this rather than decode it. */
+static bool
+is_text(tvbuff_t *tvb, unsigned offset, unsigned length)
+{
+    unsigned readable = 0;
+
+    for (unsigned i = 0; i < length; i++) {
+        uint8_t c = compat_get_uint8(tvb, offset + i);
+
+        readable += g_ascii_isprint(c) || g_ascii_isspace(c);
+    }
+    return readable * 4 >= length * 3;
+}
+
+/* As hex and as text: a drive talks ASCII until SIS is selected. */
+static void
+dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
+{
+    unsigned offset = record->data_offset, count = record->count, shown = MIN(count, 24);
+    const char *more = shown < count ? " ..." : "";
+
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s", count, plurality(count, "", "s"));
+    if (count == 0)
+        return;
+    proto_tree_add_item(tree, hf_data, tvb, offset, count, ENC_NA);
+    proto_tree_add_item(tree, hf_text, tvb, offset, count, ENC_ASCII);
+    col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s",
+                    tvb_bytes_to_str_punct(pinfo->pool, tvb, offset, shown, ' '), more);
+    if (is_text(tvb, offset, shown))
+        col_append_fstr(pinfo->cinfo, COL_INFO, "  \"%s\"%s",
+                        tvb_format_text(pinfo->pool, tvb, offset, shown), more);
+}
+
+static void
+dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const sertap_record_t *record)
+{
+    tvbuff_t *payload = tvb_new_subset_length(tvb, record->data_offset, record->count);
+
+    if (record->count > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
+        return;
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
+    call_data_dissector(payload, pinfo, parent);
+}
+
+static int
+dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
+{
+    sertap_record_t *record = wmem_new0(pinfo->pool, sertap_record_t);
+    proto_item *root = proto_tree_add_item(parent, proto_sertap, tvb, 0, -1, ENC_NA), *ti;
+    proto_tree *tree = proto_item_add_subtree(root, ett_sertap);
+
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SERTAP");
+    col_clear(pinfo->cinfo, COL_INFO);
+    record->tvb = tvb;
+    if (!dissect_header(tvb, pinfo, tree, record)) {
+        col_set_str(pinfo->cinfo, COL_INFO, "Record that cannot be read");
+        return tvb_captured_length(tvb);
+    }
+
+    sertap_record_keep(pinfo, record);
+    ti = proto_tree_add_item(tree, hf_count, tvb, 16, 2, ENC_BIG_ENDIAN);
+    check_count(tvb, pinfo, ti, record);
+    proto_item_append_text(root, ", %s", val_to_str_const(record->type, types, "type of a later version"));
+    if (record->type != SERTAP_EVENT)
+        sertap_record_survey(record);
+    if (!pinfo->fd->visited)
+        sertap_line_note(pinfo, record);
+    if (record->type == SERTAP_EVENT) {
+        dissect_event(tvb, pinfo, tree, record);
+    } else {
+        if (tree && record->timed > 0)
+            add_characters(tree, pinfo, tvb, record);
+        if (record->type == SERTAP_FRAME)
+            dissect_frame(tvb, pinfo, parent, record);
+        else
+            dissect_other(tvb, pinfo, tree, record);
+        report_errors(pinfo, root, record); /* after the info column has its text */
+    }
+    tap_queue_packet(tap_sertap, pinfo, record);
+    return tvb_captured_length(tvb);
+}
+
+static void *
+framing_value(packet_info *pinfo)
+{
+    const sertap_record_t *record = sertap_record(pinfo);
+
+    return GUINT_TO_POINTER(record != NULL ? record->framing : 0);
+}
+
+static void
+framing_prompt(packet_info *pinfo, char *result)
+{
+    snprintf(result, MAX_DECODE_AS_PROMPT_LEN, "Framing %u as", GPOINTER_TO_UINT(framing_value(pinfo)));
+}
+
+static void
+register_decode_as_framing(void)
+{
+    static build_valid_func values[] = {framing_value};
+    static decode_as_value_t value = {framing_prompt, 1, values};
+    static decode_as_t decode_as = {
+        .name = "sertap",
+        .table_name = "sertap.framing",
+        .num_items = 1,
+        .values = &value,
+        .populate_list = decode_as_default_populate_list,
+        .reset_value = decode_as_default_reset,
+        .change_value = decode_as_default_change,
+    };
+
+    register_decode_as(&decode_as);
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_version, {"Version", "sertap.version", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_header_length, {"Header length", "sertap.header_length", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_type, {"Type", "sertap.type", FT_UINT8, BASE_DEC, VALS(types), 0, NULL, HFILL}},
+    {&hf_line, {"Line", "sertap.line", FT_UINT8, BASE_DEC, VALS(lines), 0, NULL, HFILL}},
+    {&hf_baud, {"Baud rate", "sertap.baud", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_format, {"Character format", "sertap.format", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_data_bits, {"Data bits", "sertap.format.data_bits", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_parity, {"Parity", "sertap.format.parity", FT_UINT8, BASE_DEC, VALS(parities), 0, NULL, HFILL}},
+    {&hf_stop_bits, {"Stop bits", "sertap.format.stop", FT_UINT8, BASE_DEC, VALS(stop_bits), 0, "In half bits", HFILL}},
+    {&hf_framing, {"Framing", "sertap.framing", FT_UINT8, BASE_DEC, VALS(framings), 0, "By which rule frames are cut", HFILL}},
+    {&hf_uncertainty, {"Uncertainty of the times", "sertap.uncertainty", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
+                       "How much earlier than recorded a character can have arrived", HFILL}},
+    {&hf_count, {"Count", "sertap.count", FT_UINT16, BASE_DEC, NULL, 0, "Characters, or bytes of an event's text", HFILL}},
+    {&hf_event, {"Event", "sertap.event", FT_UINT16, BASE_DEC, VALS(events), 0, NULL, HFILL}},
+    {&hf_text, {"Text", "sertap.text", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_data, {"Characters", "sertap.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_character, {"Character", "sertap.character", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_interval, {"Interval", "sertap.interval", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
+                    "Since the character before it on this line, arrival to arrival", HFILL}},
+    {&hf_interval_max, {"Longest interval", "sertap.interval.max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
+                        "Between two characters of this record", HFILL}},
+    {&hf_flags, {"Flags", "sertap.flags", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_same_read, {"Came in the same read as the one before", "sertap.same_read", FT_BOOLEAN, 8, NULL, SERTAP_SAME_READ, NULL, HFILL}},
+    {&hf_error_character, {"Parity or framing error", "sertap.error.character", FT_BOOLEAN, 8, NULL, SERTAP_CHARACTER_ERROR, NULL, HFILL}},
+    {&hf_error_break, {"Break", "sertap.error.break", FT_BOOLEAN, 8, NULL, SERTAP_BREAK, NULL, HFILL}},
+    {&hf_error_lost, {"Characters lost before it", "sertap.error.lost", FT_BOOLEAN, 8, NULL, SERTAP_LOST_BEFORE, NULL, HFILL}},
+    {&hf_error_unlocated, {"Error somewhere in its read", "sertap.error.unlocated", FT_BOOLEAN, 8, NULL, SERTAP_UNLOCATED_ERROR, NULL, HFILL}},
+    {&hf_interval_unknown, {"Interval unknown (first on the line)", "sertap.interval.unknown", FT_BOOLEAN, 8, NULL, SERTAP_INTERVAL_UNKNOWN, NULL, HFILL}},
+    {&hf_interval_saturated, {"Interval longer than it can be stored", "sertap.interval.saturated", FT_BOOLEAN, 8, NULL, SERTAP_INTERVAL_SATURATED, NULL, HFILL}},
+};
+
+static ei_register_info experts[] = {
+    {&ei_version, {"sertap.version.unknown", PI_MALFORMED, PI_ERROR, "Unknown version of the record", EXPFILL}},
+    {&ei_header_length, {"sertap.header_length.short", PI_MALFORMED, PI_ERROR, "The header is shorter than version 1 has it", EXPFILL}},
+    {&ei_count, {"sertap.count.wrong", PI_MALFORMED, PI_ERROR, "The count does not fit", EXPFILL}},
+    {&ei_truncated, {"sertap.truncated", PI_MALFORMED, PI_ERROR, "The record is cut", EXPFILL}},
+    {&ei_error_character, {"sertap.error.character.expert", PI_CHECKSUM, PI_WARN, "Parity or framing error on the line", EXPFILL}},
+    {&ei_error_break, {"sertap.error.break.expert", PI_PROTOCOL, PI_WARN, "Break on the line", EXPFILL}},
+    {&ei_error_lost, {"sertap.error.lost.expert", PI_SEQUENCE, PI_WARN, "Characters were lost before the tap could read them", EXPFILL}},
+    {&ei_error_unlocated, {"sertap.error.unlocated.expert", PI_CHECKSUM, PI_WARN, "A line error, the adapter does not say at which character", EXPFILL}},
+    {&ei_event, {"sertap.event.expert", PI_SEQUENCE, PI_WARN, "The capture has a gap", EXPFILL}},
+};
+/* clang-format on */
+
+/* What else is spoken on such lines and cut by silence. */
+void
+sertap_handoff(void)
+{
+    dissector_handle_t modbus = find_dissector("mbrtu");
+
+    if (modbus != NULL)
+        dissector_add_for_decode_as("sertap.framing", modbus);
+}
+
+void
+sertap_register(void)
+{
+    static int *trees[] = {&ett_sertap, &ett_format, &ett_characters, &ett_character};
+
+    proto_sertap = proto_register_protocol("Serial tap", "SERTAP", "sertap");
+    proto_register_field_array(proto_sertap, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+    expert_register_field_array(expert_register_protocol(proto_sertap), experts, array_length(experts));
+
+    framing_table =
+        register_dissector_table("sertap.framing", "Serial framing", proto_sertap, FT_UINT8, BASE_DEC);
+    register_decode_as_framing();
+    register_dissector("sertap", dissect_sertap, proto_sertap);
+    tap_sertap = register_tap("sertap");
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A record of the serial tap, whoever dissects what its line carried. */
+
+#include "sertap/record.h"
+
+#include <epan/proto_data.h>
+
+int proto_sertap = -1;
+
+void
+sertap_record_keep(packet_info *pinfo, const sertap_record_t *record)
+{
+    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, 0, (void *)record);
+}
+
+const sertap_record_t *
+sertap_record(packet_info *pinfo)
+{
+    return p_get_proto_data(pinfo->pool, pinfo, proto_sertap, 0);
+}
+
+unsigned
+sertap_index(const sertap_record_t *record, tvbuff_t *part)
+{
+    return (unsigned)(tvb_raw_offset(part) - tvb_raw_offset(record->tvb)) - record->data_offset;
+}
+
+int64_t
+sertap_character_ns(const sertap_record_t *record)
+{
+    int64_t half_bits = 2 + 2 * record->data_bits + (record->parity != 0 ? 2 : 0) + record->stop_half_bits;
+
+    return record->baud != 0 ? half_bits * 500000000 / record->baud : 0;
+}
+
+static uint32_t
+big_endian(const uint8_t *bytes)
+{
+    uint32_t number;
+
+    memcpy(&number, bytes, sizeof number);
+    return GUINT32_FROM_BE(number);
+}
+
+/* Longest interval and errors. The interval before the first character is not one of this record, and what
+ * happened before a character that follows lost ones nobody knows. */
+void
+sertap_record_survey(sertap_record_t *record)
+{
+    const uint8_t *intervals, *all_flags;
+
+    if (record->timed == 0)
+        return;
+    intervals = tvb_get_ptr(record->tvb, record->times_offset, 4 * record->timed);
+    all_flags = tvb_get_ptr(record->tvb, record->flags_offset, record->timed);
+    for (unsigned i = 0; i < record->timed; i++) {
+        uint8_t flag = all_flags[i];
+        uint32_t interval = big_endian(intervals + 4 * i);
+        uint8_t news = flag & ~record->flags;
+
+        for (unsigned bit = 0; news >> bit; bit++) {
+            if (news >> bit & 1)
+                record->first_at[bit] = i;
+        }
+        record->flags |= flag;
+        if (i > 0)
+            record->duration += interval;
+        if (i > 0 && interval > record->interval_max && !(flag & SERTAP_LOST_BEFORE)) {
+            record->interval_max = interval;
+            record->interval_max_at = i;
+        }
+    }
+}

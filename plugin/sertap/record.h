@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A record of the serial tap: what its header says, and when its characters came. */
+
+#ifndef SERTAP_RECORD_H
+#define SERTAP_RECORD_H
+
+#include "sertap/time.h"
+
+typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
+
+/* Events that leave a gap. */
+#define SERTAP_CHARACTERS_LOST 3
+#define SERTAP_ADAPTER_LOST    4
+
+#define SERTAP_SAME_READ          0x01
+#define SERTAP_CHARACTER_ERROR    0x02
+#define SERTAP_BREAK              0x04
+#define SERTAP_LOST_BEFORE        0x08
+#define SERTAP_UNLOCATED_ERROR    0x10
+#define SERTAP_INTERVAL_UNKNOWN   0x20
+#define SERTAP_INTERVAL_SATURATED 0x40
+
+/* What is known of a line in the first pass: line.c. */
+struct sertap_line;
+
+/* One record, decoded. Where it is cut, fewer characters are there than it declares. */
+typedef struct {
+    tvbuff_t *tvb;
+    uint8_t type;
+    uint8_t line;
+    uint8_t framing;
+    uint32_t baud;
+    uint8_t data_bits;
+    uint8_t parity;
+    uint8_t stop_half_bits;
+    uint32_t uncertainty; /* ns; SERTAP_UNCERTAINTY_UNKNOWN */
+    uint16_t event;
+    unsigned declared;     /* characters the record says it has */
+    unsigned count;        /* characters whose value is there */
+    unsigned timed;        /* characters whose interval and flags are there, too */
+    unsigned data_offset;  /* of the values */
+    unsigned times_offset; /* of the intervals, 4 bytes each, ns */
+    unsigned flags_offset;
+    struct sertap_line *known; /* NULL after the first pass */
+    uint8_t flags;             /* of all its characters, ORed */
+    unsigned first_at[8];      /* by bit of a flag: the first character that has it */
+    uint64_t duration;         /* ns, from the first character to the last */
+    uint32_t interval_max;     /* ns, longest between two characters of this record */
+    unsigned interval_max_at;  /* before this character; 0: there is none */
+} sertap_record_t;
+
+#define SERTAP_UNCERTAINTY_UNKNOWN 0xFFFFFFFF
+
+extern int proto_sertap;
+
+/* The record that this packet is; NULL where it is none. Valid while the packet is dissected. */
+const sertap_record_t *sertap_record(packet_info *pinfo);
+
+/* The first of the record's characters that `part`, cut out of its payload, has. */
+unsigned sertap_index(const sertap_record_t *record, tvbuff_t *part);
+
+/* How long one character takes, start and stop bits included; 0 where the rate is not known. */
+int64_t sertap_character_ns(const sertap_record_t *record);
+
+/* For what follows in this packet. */
+void sertap_record_keep(packet_info *pinfo, const sertap_record_t *record);
+
+/* Fills in the longest interval, the duration and the errors, from its arrays. */
+void sertap_record_survey(sertap_record_t *record);
+
+#endif

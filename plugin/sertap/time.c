@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Times as numbers that cannot overflow, and as text that is the same in every locale.
+ *
+ * A capture may claim any time. Numbers with decimals are made from integers: printf() would write a comma
+ * where the user's locale has one, and people compare and filter for these texts. */
+
+#include "sertap/time.h"
+
+#define NS_PER_US INT64_C(1000)
+#define NS_PER_MS INT64_C(1000000)
+#define NS_PER_S  INT64_C(1000000000)
+
+int64_t
+sertap_ns(const nstime_t *time)
+{
+    int64_t seconds = CLAMP((int64_t)time->secs, -SERTAP_LATEST / NS_PER_S, SERTAP_LATEST / NS_PER_S);
+
+    return CLAMP(seconds * NS_PER_S + time->nsecs, -SERTAP_LATEST, SERTAP_LATEST);
+}
+
+int64_t
+sertap_elapsed(int64_t from, int64_t to)
+{
+    if (from < 0 && to > SERTAP_LATEST + from)
+        return SERTAP_LATEST;
+    if (from > 0 && to < -SERTAP_LATEST + from)
+        return -SERTAP_LATEST;
+    return to - from;
+}
+
+nstime_t
+sertap_time(int64_t ns)
+{
+    nstime_t time = {(time_t)(ns / NS_PER_S), (int)(ns % NS_PER_S)};
+
+    return time;
+}
+
+bool
+sertap_can_be_counted(const packet_info *pinfo)
+{
+    return pinfo->rel_ts.secs <= 2 * (SERTAP_LATEST / NS_PER_S);
+}
+
+char *
+sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals)
+{
+    uint64_t magnitude = value < 0 ? -(uint64_t)value : (uint64_t)value;
+    uint64_t digits = magnitude / divisor + (magnitude % divisor >= divisor - divisor / 2), unit = 1;
+
+    for (unsigned i = 0; i < decimals; i++)
+        unit *= 10;
+    return wmem_strdup_printf(scope, "%s%" PRIu64 ".%0*" PRIu64, value < 0 ? "-" : "", digits / unit,
+                              (int)decimals, digits % unit);
+}
+
+const char *
+sertap_ms_text(wmem_allocator_t *scope, int64_t ns)
+{
+    return wmem_strconcat(scope, sertap_decimal_text(scope, ns, NS_PER_US, 3), " ms", NULL);
+}
+
+const char *
+sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns)
+{
+    return wmem_strconcat(scope, sertap_decimal_text(scope, ns, 1, 6), " ms", NULL);
+}
+
+const char *
+sertap_s_text(wmem_allocator_t *scope, int64_t ns)
+{
+    return wmem_strconcat(scope, sertap_decimal_text(scope, ns, NS_PER_MS, 3), " s", NULL);
+}

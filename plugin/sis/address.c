@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Station addresses: their kinds in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7), and Wireshark's address
+ * type. */
+
+#include "sis/address.h"
+
+#include <epan/address_types.h>
+
+typedef struct {
+    uint8_t last; /* the entry holds from after the one before it up to here */
+    sis_address_kind_t kind;
+} address_kind_t;
+
+static const address_kind_t receivers_if02[] = {
+    {126, SIS_STATION}, {127, SIS_NOT_ASSIGNED},    {128, SIS_POINT_TO_POINT},   {199, SIS_RESERVED},
+    {253, SIS_GROUP},   {254, SIS_LEVEL_BROADCAST}, {255, SIS_GLOBAL_BROADCAST},
+};
+
+static const address_kind_t receivers_ecodrive03[] = {
+    {127, SIS_STATION},
+    {254, SIS_GROUP},
+    {255, SIS_GLOBAL_BROADCAST},
+};
+
+static const address_kind_t senders_if02[] = {
+    {126, SIS_STATION},
+    {127, SIS_SERVICE_MASTER},
+    {255, SIS_NO_SENDER},
+};
+
+static const address_kind_t senders_ecodrive03[] = {
+    {127, SIS_STATION},
+    {255, SIS_NO_SENDER},
+};
+
+static const struct {
+    const address_kind_t *receivers, *senders;
+} editions[] = {
+    [SIS_EDITION_IF02] = {receivers_if02, senders_if02},
+    [SIS_EDITION_ECODRIVE03] = {receivers_ecodrive03, senders_ecodrive03},
+};
+
+int sis_edition = SIS_EDITION_IF02;
+
+static int station_type = -1;
+static const char *numbers[256]; /* as text */
+
+/* Every table ends at 255, so this does too. */
+static sis_address_kind_t
+kind_of(const address_kind_t *table, uint8_t address)
+{
+    while (address > table->last)
+        table++;
+    return table->kind;
+}
+
+sis_address_kind_t
+sis_receiver_kind(uint8_t receiver)
+{
+    return kind_of(editions[sis_edition].receivers, receiver);
+}
+
+sis_address_kind_t
+sis_sender_kind(uint8_t sender)
+{
+    return kind_of(editions[sis_edition].senders, sender);
+}
+
+const char *
+sis_kind_text(sis_address_kind_t kind)
+{
+    return val_to_str_const(kind, sis_address_kinds, "");
+}
+
+bool
+sis_is_answered(uint8_t receiver)
+{
+    return sis_receiver_kind(receiver) < SIS_GROUP;
+}
+
+const char *
+sis_station_text(wmem_allocator_t *scope, uint8_t station)
+{
+    switch (sis_receiver_kind(station)) {
+    case SIS_GROUP:
+        return wmem_strdup_printf(scope, "group %u", station);
+    case SIS_LEVEL_BROADCAST:
+        return "all on this level";
+    case SIS_GLOBAL_BROADCAST:
+        return "all";
+    case SIS_POINT_TO_POINT:
+        return "point-to-point";
+    default:
+        return wmem_strdup_printf(scope, "%u", station);
+    }
+}
+
+#define ADDRESS_TEXT_SIZE 4 /* "255" */
+
+/* AddrValueToString: numbers only, because filters are made of this text. The length it returns counts the
+ * end of the string. */
+static int
+address_to_text(const address *addr, char *buffer, int size)
+{
+    return snprintf(buffer, size, "%u", *(const uint8_t *)addr->data) + 1;
+}
+
+static int
+address_text_length(const address *addr _U_)
+{
+    return ADDRESS_TEXT_SIZE;
+}
+
+static int
+address_length(void)
+{
+    return 1;
+}
+
+/* Follow's window shows nothing else of an address. */
+static const char *
+number_of(const address *addr)
+{
+    return numbers[*(const uint8_t *)addr->data];
+}
+
+static int
+name_length(void)
+{
+    return ADDRESS_TEXT_SIZE;
+}
+
+/* What "Apply as Filter" on the column makes. */
+static const char *
+address_filter(const address *addr _U_, compat_bool is_source)
+{
+    return is_source ? "sis.talker" : "sis.listener";
+}
+
+void
+sis_station_address(address *addr, const uint8_t *station)
+{
+    set_address(addr, station_type, 1, station);
+}
+
+/* A TCP segment keeps its IP addresses: the reassembly below us looks its stream up by them. */
+void
+sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener)
+{
+    if (pinfo->net_src.type != AT_NONE)
+        return;
+
+    alloc_address_wmem(pinfo->pool, &pinfo->net_src, station_type, 1, &talker);
+    alloc_address_wmem(pinfo->pool, &pinfo->net_dst, station_type, 1, &listener);
+    copy_address_shallow(&pinfo->src, &pinfo->net_src);
+    copy_address_shallow(&pinfo->dst, &pinfo->net_dst);
+}
+
+void
+sis_address_register(void)
+{
+    for (unsigned i = 0; i < array_length(numbers); i++)
+        numbers[i] = wmem_strdup_printf(wmem_epan_scope(), "%u", i);
+    station_type =
+        address_type_dissector_register("AT_SIS", "SIS station", address_to_text, address_text_length, NULL,
+                                        address_filter, address_length, number_of, name_length);
+}

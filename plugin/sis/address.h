@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Station addresses: their kinds in the two editions, and Wireshark's address type for them. */
+
+#ifndef SIS_ADDRESS_H
+#define SIS_ADDRESS_H
+
+#include "compat.h"
+#include "sis/names.h"
+
+typedef enum { SIS_EDITION_IF02, SIS_EDITION_ECODRIVE03 } sis_edition_t;
+
+/* Preference sis.edition. */
+extern int sis_edition;
+
+sis_address_kind_t sis_receiver_kind(uint8_t receiver);
+sis_address_kind_t sis_sender_kind(uint8_t sender);
+const char *sis_kind_text(sis_address_kind_t kind);
+
+/* Whether a command to this (last) address is answered at all: not by groups and broadcasts. */
+bool sis_is_answered(uint8_t receiver);
+
+/* "3", "group 201", "all": as it stands in the info column. */
+const char *sis_station_text(wmem_allocator_t *scope, uint8_t station);
+
+/* Make an address of ours that points at `station`, which has to live as long. */
+void sis_station_address(address *addr, const uint8_t *station);
+
+/* Put talker and listener into the packet's addresses, unless a network below has set them already. */
+void sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener);
+
+void sis_address_register(void);
+
+#endif

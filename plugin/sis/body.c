@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The useful data of one service, taken field by field (chapters 2.1 and 2.3). */
+
+#include "sis/body.h"
+
+#include "parameters/text.h"
+
+unsigned
+sis_left(const sis_body_t *body)
+{
+    return body->end - body->offset;
+}
+
+void
+sis_say(sis_body_t *body, const char *format, ...)
+{
+    va_list arguments;
+
+    va_start(arguments, format);
+    wmem_strbuf_append_vprintf(body->summary, format, arguments);
+    va_end(arguments);
+}
+
+void
+sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...)
+{
+    va_list arguments;
+    const char *text;
+
+    va_start(arguments, format);
+    text = wmem_strdup_vprintf(body->pinfo->pool, format, arguments);
+    va_end(arguments);
+    expert_add_info_format(body->pinfo, body->item, ei, "%s", text);
+    wmem_strbuf_append_printf(body->marks, "  [%s]", text);
+}
+
+/* Saying it once is enough: after it nothing else can be there either. */
+bool
+sis_needs(sis_body_t *body, int hf, unsigned size)
+{
+    if (sis_left(body) >= size && !body->is_short)
+        return true;
+    if (!body->is_cut && !body->is_short) {
+        body->item = body->root;
+        sis_mark(body, &ei_sis_missing, "%s missing", proto_registrar_get_nth(hf)->name);
+    }
+    body->is_short = true;
+    return false;
+}
+
+static uint32_t
+get_value(const sis_body_t *body, unsigned size)
+{
+    uint32_t value = 0;
+
+    for (unsigned i = size; i > 0; i--)
+        value = value << 8 | compat_get_uint8(body->tvb, body->offset + i - 1);
+    return value;
+}
+
+bool
+sis_take(sis_body_t *body, int hf, unsigned size, uint32_t *value)
+{
+    if (!sis_needs(body, hf, size))
+        return false;
+    if (value != NULL)
+        *value = get_value(body, size);
+    body->item = proto_tree_add_item(body->tree, hf, body->tvb, body->offset, size, ENC_LITTLE_ENDIAN);
+    body->offset += size;
+    return true;
+}
+
+const char *
+sis_take_code(sis_body_t *body, int hf, unsigned size, const value_string *texts, uint32_t *value)
+{
+    const char *text;
+
+    if (!sis_needs(body, hf, size))
+        return NULL;
+    *value = get_value(body, size);
+    text = val_to_str_const(*value, texts, "Not defined");
+    body->item = proto_tree_add_uint_format_value(body->tree, hf, body->tvb, body->offset, size, *value,
+                                                  "%s (0x%0*x)", text, (int)size * 2, *value);
+    body->offset += size;
+    return text;
+}
+
+bool
+sis_take_rest(sis_body_t *body, int hf)
+{
+    if (sis_left(body) == 0 || body->is_short)
+        return false;
+    body->item = proto_tree_add_item(body->tree, hf, body->tvb, body->offset, sis_left(body), ENC_NA);
+    body->offset = body->end;
+    return true;
+}
+
+void
+sis_request_device(sis_body_t *body, uint32_t device)
+{
+    if (body->request == NULL)
+        return;
+    body->request->has_device = true;
+    body->request->device = (uint8_t)device;
+}
+
+bool
+sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subservice)
+{
+    const char *text;
+    uint32_t device;
+
+    if (!sis_take(body, hf_sis_device, 1, &device))
+        return false;
+    sis_request_device(body, device);
+    text = sis_take_code(body, hf_sis_subservice, 1, texts, subservice);
+    if (text == NULL)
+        return false;
+    if (try_val_to_str(*subservice, texts) == NULL)
+        sis_mark(body, &ei_sis_note, "subservice 0x%02x is not defined", *subservice);
+    else
+        sis_say(body, ": %s", text);
+    if (body->request != NULL)
+        body->request->subservice = (uint8_t)*subservice;
+    return true;
+}
+
+void
+sis_take_text(sis_body_t *body, int hf)
+{
+    unsigned offset = body->offset, length = sis_left(body);
+    const char *text;
+
+    if (!sis_needs(body, hf, 1))
+        return;
+    text = sis_text(body->pinfo->pool, body->tvb, offset, length);
+    body->item = proto_tree_add_string(body->tree, hf, body->tvb, offset, length, text);
+    sis_say(body, ": \"%s\"", text);
+    body->offset = body->end;
+}
+
+uint32_t
+sis_take_baud_mask(sis_body_t *body, bool several)
+{
+    wmem_strbuf_t *text = wmem_strbuf_new(body->pinfo->pool, "");
+    uint32_t mask, rate = 0;
+    unsigned unknown;
+
+    if (!sis_take(body, hf_sis_baud_mask, 1, &mask))
+        return 0;
+    unknown = mask;
+    for (unsigned i = 0; sis_baud_masks[i].strptr != NULL; i++) {
+        uint32_t bit = sis_baud_masks[i].value;
+
+        unknown &= ~bit;
+        if (mask == bit)
+            rate = (uint32_t)strtoul(sis_baud_masks[i].strptr, NULL, 10);
+        if (bit == 0 ? several || mask == 0 : (mask & bit) != 0) /* 9600 is always supported */
+            wmem_strbuf_append_printf(text, "%s%s", wmem_strbuf_get_len(text) ? ", " : "",
+                                      sis_baud_masks[i].strptr);
+    }
+    if (unknown != 0)
+        wmem_strbuf_append_printf(text, "%s0x%02x (not defined)", wmem_strbuf_get_len(text) ? ", " : "",
+                                  unknown);
+    proto_item_append_text(body->item, " (%s)", wmem_strbuf_get_str(text));
+    sis_say(body, ": %s", wmem_strbuf_get_str(text));
+    if (!several && (mask & (mask - 1)) != 0)
+        sis_mark(body, &ei_sis_note, "more than one baud rate");
+    return rate;
+}
+
+static void
+mark_error(sis_body_t *body, const char *text, uint32_t code)
+{
+    sis_mark(body, &ei_sis_status, "error 0x%04x: %s", code, text);
+    body->is_explained = true;
+    body->error = code;
+    body->error_text = text;
+}
+
+void
+sis_take_error(sis_body_t *body, const value_string *texts)
+{
+    uint32_t code;
+    const char *text = sis_take_code(body, hf_sis_error, 2, texts, &code);
+
+    if (text != NULL)
+        mark_error(body, text, code);
+}
+
+void
+sis_take_error_byte(sis_body_t *body, uint8_t subservice, const value_string *texts)
+{
+    uint32_t code;
+    const char *text;
+
+    if (!sis_needs(body, hf_sis_error, 1))
+        return;
+    code = (uint32_t)subservice << 8 | get_value(body, 1);
+    text = val_to_str_const(code, texts, "Not defined");
+    body->item = proto_tree_add_uint_format_value(body->tree, hf_sis_error, body->tvb, body->offset, 1, code,
+                                                  "%s (0x%04x)", text, code);
+    body->offset++;
+    mark_error(body, text, code);
+}
+
+bool
+sis_is_ok(const sis_body_t *body)
+{
+    return body->status == 0 && !body->is_short;
+}
+
+bool
+sis_take_channel_error(sis_body_t *body)
+{
+    if (body->status == 0x02)
+        sis_take_error(body, sis_errors_channel);
+    else if (body->status > 0x02 && body->status < 0xF0)
+        sis_take_rest(body, hf_sis_raw); /* nobody says what it is */
+    return body->status >= 0x02;
+}

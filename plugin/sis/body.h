@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The useful data of one service: what is left of it, and how it is taken field by field. */
+
+#ifndef SIS_BODY_H
+#define SIS_BODY_H
+
+#include "sis/exchange.h"
+#include "sis/fields.h"
+#include "sis/names.h"
+
+typedef struct {
+    const sis_telegram_t *telegram;
+    tvbuff_t *tvb;
+    packet_info *pinfo;
+    proto_tree *tree;
+    proto_item *root; /* of the telegram, or of an element of service 0x04 */
+    proto_item *item; /* of what was taken last */
+    unsigned offset;  /* of what has not been taken yet */
+    unsigned end;     /* of the useful data that is there */
+    bool is_cut;      /* there was more: the header has said so */
+    bool is_short;    /* something was missing, and that has been said */
+    bool is_nested;   /* an element of service 0x04 */
+    bool is_reaction;
+    uint8_t service;
+    uint8_t status; /* of a reaction */
+    const char *status_text;
+    uint32_t error; /* the code, 0: none */
+    const char *error_text;
+    bool is_explained;          /* an error code has said more than the status */
+    wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
+    wmem_strbuf_t *marks;       /* and what is wrong, after that */
+    sis_request_t *request;     /* of a command: to be filled in */
+    const sis_request_t *asked; /* as the exchange has kept it; NULL where that is not known */
+    sis_record_t *record;       /* of the whole telegram; NULL for a damaged one */
+} sis_body_t;
+
+/* Whether so many bytes are left for a field; says so once per body if not. */
+bool sis_needs(sis_body_t *body, int hf, unsigned size);
+
+/* Adds `size` bytes, little endian, as field `hf`, and gives their value; item is set. Where they are not
+ * there: says so once per body, and false. */
+bool sis_take(sis_body_t *body, int hf, unsigned size, uint32_t *value);
+
+/* The same for a code whose text depends on the service: "Text (0x12)". Gives the text. */
+const char *
+sis_take_code(sis_body_t *body, int hf, unsigned size, const value_string *texts, uint32_t *value);
+
+/* Device address and subservice, with which the bodies of 0x00, 0x02 and 0x03 begin. */
+bool sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subservice);
+
+/* Remembers the device that a command is for. */
+void sis_request_device(sis_body_t *body, uint32_t device);
+
+/* The rest of the body as bytes; false where there is none. */
+bool sis_take_rest(sis_body_t *body, int hf);
+
+/* The rest of the body as text, and into the summary. */
+void sis_take_text(sis_body_t *body, int hf);
+
+/* A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. Gives
+ * the rate where it is one; 0: it is not. */
+uint32_t sis_take_baud_mask(sis_body_t *body, bool several);
+
+unsigned sis_left(const sis_body_t *body);
+
+/* A reaction without error; its useful data follow. */
+bool sis_is_ok(const sis_body_t *body);
+
+/* The error code of the service that stands in place of useful data: two bytes ... */
+void sis_take_error(sis_body_t *body, const value_string *texts);
+/* ... or one byte, which makes a code with the subservice. */
+void sis_take_error_byte(sis_body_t *body, uint8_t subservice, const value_string *texts);
+
+/* After a status that is neither good nor the service's own error: takes what is there; false for those two.
+ */
+bool sis_take_channel_error(sis_body_t *body);
+
+/* Words for the packet list, and for what is wrong. */
+void sis_say(sis_body_t *body, const char *format, ...) G_GNUC_PRINTF(2, 3);
+void sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...) G_GNUC_PRINTF(3, 4);
+
+#endif

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Which file takes which service apart; the status byte that all begin with; and service 0x04, a list of
+ * services (chapter 7), each element of which is the telegram it stands for. */
+
+#include "sis/dispatch.h"
+
+#include "sis/layouts.h"
+#include "sis/sequence.h"
+#include "sis/services/services.h"
+
+#define LIST_SERVICE 0x04
+
+static int hf_text = -1;
+static int hf_element_length = -1;
+
+static int ett_element = -1;
+
+static expert_field ei_recursion = EI_INIT;
+
+static void dissect_list(sis_body_t *body);
+
+typedef void (*body_dissector_t)(sis_body_t *body);
+
+static const struct {
+    uint8_t service;
+    body_dissector_t dissect;
+} services[] = {
+    {0x00, sis_dissect_identification}, {0x01, sis_dissect_cancel},    {0x02, sis_dissect_flash},
+    {0x03, sis_dissect_initialization}, {0x04, dissect_list},          {0x10, sis_dissect_parameter},
+    {0x11, sis_dissect_parameter},      {0x12, sis_dissect_phase},     {0x1D, sis_dissect_phase},
+    {0x1E, sis_dissect_parameter},      {0x1F, sis_dissect_parameter},
+};
+
+static bool
+is_phase_service(uint8_t service)
+{
+    return sis_general_service(service) == 0x12 || sis_general_service(service) == 0x1D;
+}
+
+static void
+take_status(sis_body_t *body)
+{
+    const char *text = NULL;
+    uint8_t status;
+
+    if (!sis_needs(body, hf_sis_status, 1))
+        return;
+    status = compat_get_uint8(body->tvb, body->offset);
+    if (is_phase_service(body->service))
+        text = try_rval_to_str(status, sis_status_phase);
+    if (text == NULL)
+        text = rval_to_str_const(status, sis_status, "");
+    body->status = status;
+    body->item = proto_tree_add_uint_format_value(body->tree, hf_sis_status, body->tvb, body->offset, 1,
+                                                  status, "%s (0x%02x)", text, status);
+    body->offset++;
+    body->status_text = text;
+    if (status != 0)
+        expert_add_info_format(body->pinfo, body->item,
+                               status < 0xF0 ? &ei_sis_status : &ei_sis_status_telegram, "Status: %s", text);
+}
+
+/* Some product groups send ASCII records (chapter 2.1). */
+static bool
+is_plain_text(const sis_body_t *body)
+{
+    for (unsigned i = body->offset; i < body->end; i++) {
+        uint8_t c = compat_get_uint8(body->tvb, i);
+
+        if (!g_ascii_isprint(c) && !g_ascii_isspace(c))
+            return false;
+    }
+    return sis_left(body) > 0;
+}
+
+static void
+dissect_undocumented(sis_body_t *body)
+{
+    if (body->is_reaction && sis_has_status(body->service) && sis_take_channel_error(body))
+        return;
+    sis_take_rest(body, hf_sis_raw);
+}
+
+/* NULL: the documents do not say what is in it. */
+static body_dissector_t
+find_dissector_of(uint8_t service)
+{
+    for (unsigned i = 0; i < array_length(services); i++) {
+        if (services[i].service == sis_general_service(service))
+            return services[i].dissect;
+    }
+    return NULL;
+}
+
+/* What no field has taken: a field that is not there as a whole, or more than the service has. */
+static void
+show_leftover(sis_body_t *body)
+{
+    unsigned left = sis_left(body);
+
+    if (left == 0)
+        return;
+    body->item = proto_tree_add_item(body->tree, hf_sis_raw, body->tvb, body->offset, left, ENC_NA);
+    if (!body->is_short && !body->is_cut)
+        sis_mark(body, &ei_sis_unexpected, "%u byte%s more than this service has", left,
+                 plurality(left, "", "s"));
+    body->offset = body->end;
+}
+
+void
+sis_dissect_body(sis_body_t *body)
+{
+    body_dissector_t dissect = find_dissector_of(body->service);
+
+    if (dissect == NULL && body->service >= 0x80 && is_plain_text(body)) {
+        sis_take_text(body, hf_text); /* a record of a product group, without a status */
+        return;
+    }
+    if (body->is_reaction && sis_has_status(body->service))
+        take_status(body);
+    /* After a telegram error not even the useful data header has to be there. */
+    if (!body->is_short && (body->status < 0xF0 || sis_left(body) > 0))
+        (dissect != NULL ? dissect : dissect_undocumented)(body);
+    if (body->status != 0 && !body->is_explained) /* an error code says more */
+        wmem_strbuf_append_printf(body->marks, "  [status: %s]", body->status_text);
+    show_leftover(body);
+    sis_sequence_watch(body);
+}
+
+static void
+add_request(sis_body_t *list, sis_request_t *request)
+{
+    sis_request_t **end;
+
+    if (list->request == NULL)
+        return;
+    for (end = &list->request->list; *end != NULL; end = &(*end)->next)
+        ;
+    *end = request;
+}
+
+/* The body of an element, `length` bytes after its service, as if it were alone in a telegram. */
+static void
+dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsigned length,
+                     const sis_request_t *asked)
+{
+    wmem_allocator_t *pool = list->pinfo->pool;
+    sis_body_t element = {.telegram = list->telegram,
+                          .tvb = list->tvb,
+                          .pinfo = list->pinfo,
+                          .tree = list->tree,
+                          .root = root,
+                          .item = root,
+                          .offset = list->offset,
+                          .end = list->offset + length,
+                          .is_cut = list->is_cut && list->offset + length == list->end,
+                          .is_nested = true,
+                          .is_reaction = list->is_reaction,
+                          .service = service,
+                          .record = list->record,
+                          .summary = wmem_strbuf_new(pool, sis_service_name(pool, service)),
+                          .marks = wmem_strbuf_new(pool, ""),
+                          .asked = asked != NULL && asked->service == service ? asked : NULL};
+
+    if (!list->is_reaction) {
+        element.request = wmem_new0(pool, sis_request_t);
+        element.request->service = service;
+        add_request(list, element.request);
+    }
+    sis_dissect_body(&element);
+    list->is_explained |= element.is_explained || element.status != 0;
+    proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
+                           wmem_strbuf_get_str(element.marks));
+    sis_say(list, "; %s%s", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks));
+}
+
+static void
+show_recursion(sis_body_t *list, unsigned length)
+{
+    sis_mark(list, &ei_recursion, "a list in a list");
+    if (length > 0)
+        proto_tree_add_item(list->tree, hf_sis_raw, list->tvb, list->offset, length, ENC_NA);
+}
+
+/* Length, service, body. */
+static void
+dissect_element(sis_body_t *list, unsigned number, const sis_request_t *asked)
+{
+    unsigned there = sis_left(list), length = compat_get_uint8(list->tvb, list->offset);
+    unsigned end = MIN(length + 1, there);
+    proto_item *root;
+    proto_tree *outer = list->tree;
+    uint32_t service;
+
+    list->tree = proto_tree_add_subtree_format(outer, list->tvb, list->offset, end, ett_element, &root,
+                                               "Element %u", number);
+    sis_take(list, hf_element_length, 1, NULL);
+    if (length == 0) {
+        sis_mark(list, &ei_sis_unexpected, "element %u is empty", number);
+    } else if (sis_take(list, hf_sis_service, 1, &service)) {
+        if (length + 1 > there && !list->is_cut)
+            sis_mark(list, &ei_sis_missing, "element %u is cut", number);
+        if (service == LIST_SERVICE)
+            show_recursion(list, end - 2);
+        else
+            dissect_element_body(list, root, (uint8_t)service, end - 2, asked);
+        list->offset += end - 2;
+    }
+    list->tree = outer;
+}
+
+static void
+dissect_list(sis_body_t *body)
+{
+    const sis_request_t *asked = body->asked != NULL ? body->asked->list : NULL;
+
+    if (body->is_reaction && sis_take_channel_error(body))
+        return;
+    for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++) {
+        dissect_element(body, number, asked);
+        asked = asked != NULL ? asked->next : NULL;
+    }
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_text, {"Text", "sis.text", FT_STRING, BASE_NONE, NULL, 0, "Useful data of a product group that are plain ASCII", HFILL}},
+    {&hf_element_length, {"Length", "sis.element_length", FT_UINT8, BASE_DEC, NULL, 0, "Service and body of this element", HFILL}},
+};
+
+static ei_register_info experts[] = {
+    {&ei_recursion, {"sis.list.recursion", PI_PROTOCOL, PI_ERROR, "Service 0x04 must not be in its own list", EXPFILL}},
+};
+/* clang-format on */
+
+void
+sis_dispatch_register(void)
+{
+    static int *trees[] = {&ett_element};
+
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+    expert_register_field_array(sis_experts, experts, array_length(experts));
+}

@@ -1,0 +1,462 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What belongs together: command and reaction, repeats (chapter 2.4), and the same exchange on two levels of
+ * a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every later
+ * one. */
+
+#include "sis/exchange.h"
+
+#include <epan/conversation.h>
+#include <epan/proto_data.h>
+
+#include "sertap/line.h"
+#include "sis/address.h"
+#include "sis/fields.h"
+#include "sis/layouts.h"
+
+static int hf_stream = -1;
+static int hf_reaction_in = -1;
+static int hf_command_in = -1;
+static int hf_reaction_time = -1;
+static int hf_repeat_of = -1;
+static int hf_gave_up = -1;
+static int hf_routed_from = -1;
+
+static expert_field ei_unanswered = EI_INIT;
+static expert_field ei_unasked = EI_INIT;
+static expert_field ei_answered_before = EI_INIT;
+static expert_field ei_repeat = EI_INIT;
+
+static wmem_map_t *buses;   /* by key */
+static wmem_map_t *streams; /* by bus and both stations */
+
+static bool
+is_connection(packet_info *pinfo)
+{
+    return pinfo->ptype == PT_TCP;
+}
+
+/* A capture has an interface a line; SIS over TCP a connection. The two directions of a full-duplex tap are
+ * two interfaces, one after the other. */
+static uint64_t
+bus_key(packet_info *pinfo)
+{
+    const conversation_t *conversation = is_connection(pinfo) ? find_conversation_pinfo(pinfo, 0) : NULL;
+    const sertap_record_t *record = sertap_record(pinfo);
+    uint64_t line = sertap_line_key(pinfo);
+
+    if (conversation != NULL)
+        return UINT64_C(1) << 63 | conversation->conv_index;
+    return record != NULL && record->line == 2 && compat_interface(pinfo) > 0 ? line - 1 : line;
+}
+
+sis_bus_t *
+sis_exchange_bus(packet_info *pinfo)
+{
+    uint64_t key = bus_key(pinfo);
+    sis_bus_t *bus = wmem_map_lookup(buses, &key);
+
+    if (bus == NULL) {
+        bus = wmem_new0(wmem_file_scope(), sis_bus_t);
+        bus->key = key;
+        bus->is_connection = is_connection(pinfo);
+        wmem_map_insert(buses, &bus->key, bus);
+    }
+    return bus;
+}
+
+/* Two stations, with what lies between them: a drive behind a router is not the router. */
+typedef struct {
+    uint64_t bus;
+    uint8_t low, high;
+    uint8_t subaddress_count;
+    uint8_t subaddresses[7];
+    uint8_t zero[6];
+} stream_key_t;
+
+_Static_assert(sizeof(stream_key_t) == 8 + 3 + 7 + 6, "the key is hashed byte by byte, so it has no gaps");
+
+static unsigned
+hash_stream_key(const void *key)
+{
+    return wmem_strong_hash(key, sizeof(stream_key_t));
+}
+
+static gboolean
+are_stream_keys_equal(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(stream_key_t)) == 0;
+}
+
+static sis_stream_t *
+find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    stream_key_t key = {0};
+    sis_stream_t *stream;
+
+    key.bus = bus_key(pinfo);
+    key.low = MIN(telegram->sender, telegram->receiver);
+    key.high = MAX(telegram->sender, telegram->receiver);
+    key.subaddress_count = telegram->subaddress_count;
+    tvb_memcpy(tvb, key.subaddresses, SIS_STATIC_LENGTH, telegram->subaddress_count);
+    stream = wmem_map_lookup(streams, &key);
+    if (stream == NULL) {
+        stream = wmem_new0(wmem_file_scope(), sis_stream_t);
+        stream->number = wmem_map_size(streams);
+        stream->bus = sis_exchange_bus(pinfo);
+        wmem_map_insert(streams, wmem_memdup(wmem_file_scope(), &key, sizeof key), stream);
+    }
+    return stream;
+}
+
+uint32_t
+sis_stream_count(void)
+{
+    return wmem_map_size(streams);
+}
+
+unsigned
+sis_direction(const sis_telegram_t *telegram)
+{
+    return telegram->sender > telegram->receiver;
+}
+
+static void
+note_damaged(sis_bus_t *bus, packet_info *pinfo)
+{
+    bus->damaged_in = pinfo->num;
+    bus->damaged_count++;
+}
+
+/* A telegram whose length was damaged is no telegram at all: the tap calls it other characters. */
+static void
+note_disturbance(sis_bus_t *bus, const sertap_record_t *record)
+{
+    sertap_disturbance_t seen = sertap_disturbance(record);
+
+    bus->lost_in = MAX(bus->lost_in, seen.lost_in);
+    if (seen.unframed_in > bus->damaged_in) {
+        bus->damaged_in = seen.unframed_in;
+        bus->damaged_count++;
+    }
+}
+
+/* tvb_memeql() does not know that nothing equals nothing. */
+static bool
+is_equal(tvbuff_t *tvb, unsigned offset, const uint8_t *bytes, unsigned length)
+{
+    return length == 0 || tvb_memeql(tvb, offset, bytes, length) == 0;
+}
+
+/* The same bytes again, where the first had no good reaction; or with the same telegram number, whose
+ * reaction the slave has kept. Another step of a long reading has the same bytes, too, but a reaction in
+ * between. */
+static void
+find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
+            const sis_telegram_t *telegram)
+{
+    sis_exchange_t *before = stream->from[direction].last;
+    unsigned length = telegram->declared;
+
+    if (before == NULL || stream->from[direction].length != length ||
+        !is_equal(tvb, 0, stream->from[direction].bytes, length))
+        return;
+    exchange->is_reaction_kept = telegram->number > 0;
+    exchange->is_kept_reaction_seen = exchange->is_reaction_kept && before->reaction_in != 0;
+    if (before->reaction_in != 0 && !exchange->is_reaction_kept)
+        return;
+    exchange->first = before->first != NULL ? before->first : before;
+    before->again = exchange;
+    exchange->transfer = before->transfer;
+}
+
+/* What a router made of a command that waits belongs to it. */
+static void
+find_route(sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    exchange->above = sis_route_find(tvb, pinfo, telegram);
+    if (exchange->above == NULL)
+        return;
+    sis_route_leave(&exchange->above->waiting); /* a router passes a command on once */
+    exchange->above->forwarded = exchange;
+}
+
+/* A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
+ */
+static void
+follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_telegram_t *telegram)
+{
+    const sis_exchange_t *same = exchange->stream->from[exchange->direction].last;
+
+    if (before->needs_reaction && before->reaction_in == 0) {
+        before->next_command_in = exchange->command_in;
+        before->is_reaction_damaged = exchange->stream->bus->damaged_in > before->command_in;
+        exchange->gave_up = before->command_in;
+        exchange->gave_up_station = before->path[0];
+    }
+    if (exchange->first != NULL)
+        exchange->wait = sertap_elapsed(same->command_end, telegram->times.begin);
+    else if (!sis_is_answered(before->station))
+        exchange->wait = sertap_elapsed(before->command_end, telegram->times.begin);
+}
+
+static sis_exchange_t *
+begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    sis_stream_t *stream = find_stream(tvb, pinfo, telegram);
+    unsigned direction = sis_direction(telegram);
+    sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
+    sis_exchange_t **master = &stream->bus->last[telegram->sender];
+
+    exchange->stream = stream;
+    exchange->direction = direction;
+    exchange->station = telegram->last_address;
+    exchange->path_length = 1 + telegram->subaddress_count;
+    tvb_memcpy(tvb, exchange->path, 7, exchange->path_length);
+    exchange->command_in = pinfo->num;
+    exchange->command_end = telegram->times.end;
+    exchange->command_duration = (uint32_t)MIN(telegram->times.end - telegram->times.begin, UINT32_MAX);
+    exchange->command_spread =
+        telegram->times.is_bounded
+            ? (uint32_t)MIN(telegram->times.end - telegram->times.end_earliest, UINT32_MAX)
+            : UINT32_MAX;
+    exchange->wait = -1;
+    exchange->needs_reaction =
+        sis_is_answered(telegram->last_address) && telegram->service != SIS_TOKEN_PASSING;
+    if (exchange->needs_reaction)
+        find_repeat(exchange, stream, direction, tvb, telegram);
+    find_route(exchange, tvb, pinfo, telegram);
+    if (*master != NULL)
+        follow_command(exchange, *master, telegram);
+    *master = exchange;
+
+    if (stream->from[direction].last != NULL)
+        sis_route_leave(&stream->from[direction].last->waiting);
+    wmem_free(wmem_file_scope(), stream->from[direction].bytes);
+    stream->from[direction].bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
+    stream->from[direction].length = telegram->declared;
+    stream->from[direction].last = exchange;
+    if (telegram->subaddress_count > 0)
+        sis_route_wait(&exchange->waiting, exchange, tvb, pinfo, telegram);
+    return exchange;
+}
+
+/* Parameter control (but its bit 2) and device address of a parameter service, as far as they are there. */
+static bool
+is_same_access(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    unsigned body = telegram->body_offset; /* in the reaction the status comes first */
+
+    if (!sis_has_control_byte(telegram->service) || body + 2 > length || body + 3 > telegram->declared)
+        return true;
+    return ((command[body] ^ compat_get_uint8(tvb, body + 1)) & (uint8_t)~SIS_LAST_TRANSMISSION) == 0 &&
+           command[body + 1] == compat_get_uint8(tvb, body + 2);
+}
+
+/* Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a
+ * device swaps sender and receiver cannot be ruled out. */
+static bool
+is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    unsigned rest = telegram->body_offset - SIS_STATIC_LENGTH; /* subaddresses and telegram number */
+    bool is_kept = command[6] == telegram->sender && command[7] == telegram->receiver;
+    bool is_swapped = command[6] == telegram->receiver && command[7] == telegram->sender;
+    uint8_t layout = SIS_CONTROL_SUBADDRESSES | SIS_CONTROL_NUMBER;
+
+    if (command[5] != telegram->service || ((command[4] ^ telegram->control) & layout) != 0)
+        return false;
+    if (!(is_kept || is_swapped) || !is_equal(tvb, SIS_STATIC_LENGTH, command + SIS_STATIC_LENGTH, rest))
+        return false;
+    return is_same_access(command, length, tvb, telegram);
+}
+
+/* It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's. */
+static bool
+is_over(const sis_exchange_t *exchange)
+{
+    uint32_t end = exchange->reaction_in != 0 ? exchange->reaction_in : exchange->next_command_in;
+
+    return end != 0 && exchange->stream->bus->damaged_in > end;
+}
+
+static void
+end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    const sis_stream_t *stream = find_stream(tvb, pinfo, telegram);
+    unsigned kept = sis_direction(telegram);
+
+    for (unsigned i = 0; i < 2; i++) {
+        unsigned direction = i == 0 ? kept : !kept;
+        sis_exchange_t *exchange = stream->from[direction].last;
+
+        if (exchange == NULL ||
+            !is_reaction_to(stream->from[direction].bytes, stream->from[direction].length, tvb, telegram))
+            continue;
+        if (is_over(exchange)) {
+            stream->bus
+                ->damaged_count++; /* what it carries is as lost to others as if it were damaged, too */
+            continue;
+        }
+        record->exchange = exchange;
+        if (exchange->reaction_in != 0) {
+            record->reaction_before = exchange->reaction_in;
+            return;
+        }
+        exchange->reaction_in = pinfo->num;
+        if (stream->bus->is_connection)
+            exchange->next_command_in = 0; /* there a master need not wait */
+        sis_route_leave(&exchange->waiting);
+        exchange->has_time = exchange->command_in != pinfo->num;
+        exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
+        if (exchange->forwarded != NULL)
+            record->routed_from = exchange->forwarded->reaction_in;
+        return;
+    }
+}
+
+sis_record_t *
+sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    uint32_t key = ++sis_packet(pinfo)->count; /* several telegrams may be in one packet */
+    sis_record_t *record = p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, key);
+    const sertap_record_t *tap = sertap_record(pinfo);
+    sis_bus_t *bus;
+
+    if (record != NULL && record->service == telegram->service &&
+        record->is_reaction == telegram->is_reaction)
+        return record;
+    /* A telegram that the first pass did not see: TCP put its segments together in another way. */
+    if (record != NULL || pinfo->fd->visited) {
+        record = wmem_new0(pinfo->pool, sis_record_t);
+        record->load = -1;
+        return record;
+    }
+    bus = sis_exchange_bus(pinfo);
+    if (tap != NULL)
+        note_disturbance(bus, tap);
+    record = wmem_new0(wmem_file_scope(), sis_record_t);
+    record->service = telegram->service;
+    record->is_reaction = telegram->is_reaction;
+    p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, key, record);
+    if (!telegram->is_good)
+        note_damaged(bus, pinfo);
+    else if (telegram->is_reaction)
+        end_exchange(record, tvb, pinfo, telegram);
+    else
+        record->exchange = begin_exchange(tvb, pinfo, telegram);
+    return record;
+}
+
+static sis_request_t *
+copy_request(const sis_request_t *request)
+{
+    sis_request_t *copy;
+
+    if (request == NULL)
+        return NULL;
+    copy = wmem_memdup(wmem_file_scope(), request, sizeof *request);
+    copy->list = copy_request(request->list);
+    copy->next = copy_request(request->next);
+    return copy;
+}
+
+void
+sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request)
+{
+    if (exchange->request == NULL)
+        exchange->request = copy_request(request);
+}
+
+static void
+add_frame(proto_tree *tree, tvbuff_t *tvb, int hf, uint32_t frame)
+{
+    if (frame != 0)
+        proto_item_set_generated(proto_tree_add_uint(tree, hf, tvb, 0, 0, frame));
+}
+
+static void
+show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+             proto_item *root, wmem_strbuf_t *marks)
+{
+    add_frame(tree, tvb, hf_reaction_in, exchange->reaction_in);
+    if (exchange->first != NULL)
+        add_frame(tree, tvb, hf_repeat_of, exchange->first->command_in);
+    add_frame(tree, tvb, hf_gave_up, exchange->gave_up);
+    if (exchange->above != NULL)
+        add_frame(tree, tvb, hf_routed_from, exchange->above->command_in);
+    if (exchange->first != NULL) {
+        expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again",
+                               exchange->first->command_in);
+        wmem_strbuf_append(marks, "  [repeat]");
+    }
+    if (exchange->next_command_in != 0)
+        expert_add_info_format(pinfo, root, &ei_unanswered,
+                               "No reaction before the next command (frame %u)%s", exchange->next_command_in,
+                               exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
+}
+
+static void
+show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+              proto_item *root)
+{
+    const sis_exchange_t *exchange = record->exchange;
+
+    if (exchange == NULL) {
+        expert_add_info(pinfo, root, &ei_unasked);
+        return;
+    }
+    add_frame(tree, tvb, hf_command_in, exchange->command_in);
+    add_frame(tree, tvb, hf_routed_from, record->routed_from);
+    if (record->reaction_before != 0)
+        expert_add_info_format(pinfo, root, &ei_answered_before,
+                               "The command was answered before, in frame %u", record->reaction_before);
+    else if (exchange->has_time && tree != NULL) {
+        nstime_t time = sertap_time(exchange->reaction_time);
+
+        proto_item_set_generated(
+            proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &time, "%s",
+                                             sertap_ms_text(pinfo->pool, exchange->reaction_time)));
+    }
+}
+
+void
+sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+                  proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks)
+{
+    if (record->exchange != NULL)
+        proto_item_set_generated(
+            proto_tree_add_uint(tree, hf_stream, tvb, 0, 0, record->exchange->stream->number));
+    if (telegram->is_reaction)
+        show_reaction(record, tvb, pinfo, tree, root);
+    else if (record->exchange != NULL)
+        show_command(record->exchange, tvb, pinfo, tree, root, marks);
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_stream, {"Stream", "sis.stream", FT_UINT32, BASE_DEC, NULL, 0, "One number for each pair of stations", HFILL}},
+    {&hf_reaction_in, {"Reaction in", "sis.reaction_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, NULL, HFILL}},
+    {&hf_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
+    {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
+                         "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
+    {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
+    {&hf_gave_up, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
+    {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},
+};
+
+static ei_register_info experts[] = {
+    {&ei_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", EXPFILL}},
+    {&ei_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not known", EXPFILL}},
+    {&ei_answered_before, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", EXPFILL}},
+    {&ei_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", EXPFILL}},
+};
+/* clang-format on */
+
+void
+sis_exchange_register(void)
+{
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    expert_register_field_array(sis_experts, experts, array_length(experts));
+    buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+    streams =
+        wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_stream_key, are_stream_keys_equal);
+}

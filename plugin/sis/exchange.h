@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What belongs together: command and reaction, repeats, routed telegrams. */
+
+#ifndef SIS_EXCHANGE_H
+#define SIS_EXCHANGE_H
+
+#include "parameters/parameters.h"
+#include "sis/routes.h"
+#include "sis/telegram.h"
+
+/* What a command asks for. Its reaction does not repeat all of it, so the exchange keeps it. */
+typedef struct sis_request {
+    uint8_t service;
+    uint8_t subservice;
+    uint8_t element;
+    uint8_t device;
+    uint8_t phase;
+    bool has_device;
+    bool has_subservice; /* of 0x01: the service to cancel */
+    bool is_ambiguous;   /* of 0x01: subservice is that or the device */
+    bool has_ident;
+    bool has_address;
+    bool has_setting; /* of 0x03: all that subservice needs */
+    uint16_t test_ms;
+    sis_ident_t ident;
+    uint32_t address; /* of the memory */
+    uint32_t setting; /* of 0x03: ms or Bd */
+    /* Of the parameter, when the command was sent; NULL where nothing was learned. */
+    const sis_known_t *known;
+    struct sis_request *next; /* of the following element of service 0x04 */
+    struct sis_request *list; /* of the first element of service 0x04 */
+} sis_request_t;
+
+/* A phase switch under way (chapter 8.5). */
+typedef struct {
+    uint32_t command_in; /* 0: none */
+    int64_t begin;       /* ns since 1970 */
+    uint8_t to;
+} sis_switch_t;
+
+/* One line, or one TCP connection. */
+typedef struct sis_bus {
+    uint64_t key;
+    bool is_connection;
+    uint32_t damaged_in; /* the last damaged telegram, or what may have been one; 0: none */
+    uint32_t damaged_count;
+    uint32_t lost_in;               /* the last loss of characters; 0: none */
+    struct sis_exchange *last[256]; /* command of each master */
+    /* What others keep of it; each is made by its owner on first use. */
+    struct sis_learned *learned; /* learned.c */
+    struct sis_told *told;       /* bus.c */
+    wmem_map_t *cycles;          /* timing.c */
+} sis_bus_t;
+
+/* A command and its reaction, as far as they are in the capture. Lives as long as the file. */
+typedef struct sis_exchange {
+    struct sis_stream *stream;
+    unsigned direction; /* in its stream */
+    uint32_t command_in;
+    uint32_t reaction_in;     /* 0: none */
+    uint32_t next_command_in; /* the master went on without a reaction; 0: no */
+    uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for */
+    uint8_t path_length;
+    uint8_t station;           /* whom the command is for in the end */
+    uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
+    uint8_t gave_up_station;   /* whom that was for */
+    int64_t command_end;       /* when its last character came, ns since 1970 */
+    uint32_t command_duration; /* ns */
+    uint32_t command_spread;   /* ns: so much earlier its last character can have come; UINT32_MAX: unknown */
+    int64_t reaction_time;     /* ns, valid if has_time */
+    int64_t wait;              /* TwM, ns: of a repeat, or after a broadcast; negative: none */
+    bool has_time;
+    bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
+    bool needs_reaction;      /* neither group nor broadcast, nor a token: that is not specified */
+    bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
+                              then */
+    bool is_kept_reaction_seen;
+    uint32_t transfer;              /* of sequential telegrams, this is a step of it */
+    struct sis_exchange *first;     /* of the same commands, which this repeats; NULL: none */
+    struct sis_exchange *again;     /* the next repeat; NULL: none */
+    sis_waiting_t waiting;          /* for what the next router makes of it */
+    struct sis_exchange *above;     /* the same exchange one level above; NULL: none */
+    struct sis_exchange *forwarded; /* and one level below */
+    sis_request_t *request;
+} sis_exchange_t;
+
+/* What was found out about one telegram in the first pass. */
+typedef struct sis_record {
+    uint8_t service; /* to know the telegram again */
+    bool is_reaction;
+    sis_exchange_t *exchange; /* NULL: a damaged telegram, or a reaction without a command */
+    uint32_t reaction_before; /* the command had been answered already, there */
+    uint32_t routed_from;     /* of a reaction: the one that came back from one level below */
+    uint32_t transfer;        /* number of the one this is a piece of; 0: none */
+    uint32_t transfer_ended;  /* this telegram ended the transfer that began there, unfinished */
+    const char *transfer_reason;
+    sis_switch_t phase_switch;           /* that this polls */
+    const struct sis_settings *settings; /* valid for this telegram; NULL: none */
+    struct sis_cycle *cycle;             /* of the master control word; NULL: none */
+    float load;                          /* percent; negative: not known */
+    bool is_switch_end;                  /* it ended here, well or not */
+    bool is_piece_repeated;
+    bool is_piece_missing;
+} sis_record_t;
+
+/* Two stations that talk; by the direction of the commands. */
+typedef struct sis_stream {
+    uint32_t number;
+    sis_bus_t *bus;
+    struct {
+        sis_exchange_t *last; /* command; NULL: none yet */
+        uint8_t *bytes;       /* of that command */
+        unsigned length;
+        sis_switch_t phase_switch;
+        struct sis_transfer *transfers; /* of sequential telegrams, under way */
+    } from[2];
+} sis_stream_t;
+
+/* Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then.
+ * Of a damaged telegram, the reaction that a command waits for may have been this one. Never NULL. */
+sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
+
+/* Keeps what a command asks for, once. */
+void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);
+
+/* First pass: the line or connection that a packet belongs to. */
+sis_bus_t *sis_exchange_bus(packet_info *pinfo);
+
+/* Adds what is known of the exchange to the tree, and marks. */
+void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
+                       proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks);
+
+/* 0 or 1: in which of the two directions of its stream a telegram's command goes. */
+unsigned sis_direction(const sis_telegram_t *telegram);
+
+/* How many pairs of stations have talked; their numbers, sis.stream, begin at 0. */
+uint32_t sis_stream_count(void);
+
+void sis_exchange_register(void);
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What makes bytes a SIS telegram: start character, equal lengths, checksum (chapter 2.1). */
+
+#include "sis/frame.h"
+
+unsigned
+sis_declared_length(tvbuff_t *tvb, unsigned offset)
+{
+    unsigned length;
+
+    if (tvb_captured_length_remaining(tvb, offset) < 4)
+        return 0;
+    length = compat_get_uint8(tvb, offset + 3);
+    return compat_get_uint8(tvb, offset + 2) == length ? SIS_STATIC_LENGTH + length : 0;
+}
+
+uint8_t
+sis_sum(tvbuff_t *tvb, unsigned offset, unsigned length)
+{
+    const uint8_t *bytes = tvb_get_ptr(tvb, offset, length);
+    uint8_t sum = 0;
+
+    for (unsigned i = 0; i < length; i++)
+        sum += bytes[i];
+    return sum;
+}
+
+bool
+sis_is_good(tvbuff_t *tvb, unsigned offset)
+{
+    unsigned declared = sis_declared_length(tvb, offset);
+
+    return declared > 0 && tvb_bytes_exist(tvb, offset, declared) &&
+           compat_get_uint8(tvb, offset) == SIS_START && sis_sum(tvb, offset, declared) == 0;
+}

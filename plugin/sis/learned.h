@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the bus has said of the parameters of the station that a telegram is about. */
+
+#ifndef SIS_LEARNED_H
+#define SIS_LEARNED_H
+
+#include "sis/body.h"
+
+/* What is known of a parameter of that station: when its command was sent. */
+sis_known_t sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device);
+
+/* A reaction brings an element of a parameter, with all its data; `shown` is its value as text. */
+void sis_station_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element,
+                       tvbuff_t *tvb, const char *shown);
+
+#endif

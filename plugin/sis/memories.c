@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Memory that Export Objects puts together piece by piece: which entry of a list a piece belongs to.
+ *
+ * The list itself is what counts, and its owner may empty it without a word. To look through it for every
+ * piece takes too long: tshark's list is a chain. So for each address it is known which memory is the first
+ * of the list that a piece at this address extends. A piece has at most 255 bytes: what it costs does not
+ * grow with the list. */
+
+#include "sis/memories.h"
+
+#define PAGE 64u /* addresses */
+
+/* By address in a page: the number of the memory, from 1; 0: none. */
+typedef uint32_t page_t[PAGE];
+
+typedef struct {
+    export_object_entry_t *entry;
+    uint64_t begin;
+    size_t room; /* bytes that its data have; more than they need, so that they seldom move */
+} memory_t;
+
+/* What is known of a list. */
+typedef struct {
+    GArray *memories;   /* memory_t, in the order of the list */
+    GHashTable *spaces; /* by type and station: a table of pages, by number */
+} known_t;
+
+static GHashTable *lists; /* known_t, by list; NULL: none */
+
+static void
+free_known(void *data)
+{
+    known_t *known = data;
+
+    g_array_free(known->memories, TRUE);
+    g_hash_table_destroy(known->spaces);
+    g_free(known);
+}
+
+static void
+free_pages(void *pages)
+{
+    g_hash_table_destroy(pages);
+}
+
+static GHashTable *
+find_pages(const known_t *known, const char *type, const char *station)
+{
+    char *key = g_strconcat(type, " ", station, NULL);
+    GHashTable *pages = g_hash_table_lookup(known->spaces, key);
+
+    if (pages != NULL) {
+        g_free(key);
+        return pages;
+    }
+    pages = g_hash_table_new_full(NULL, NULL, NULL, g_free);
+    g_hash_table_insert(known->spaces, key, pages);
+    return pages;
+}
+
+static void *
+page_key(uint64_t address)
+{
+    return GUINT_TO_POINTER((unsigned)(address / PAGE));
+}
+
+/* The first of the list wins. */
+static void
+claim(GHashTable *pages, uint32_t memory, uint64_t first, uint64_t last)
+{
+    uint32_t *page = NULL;
+
+    for (uint64_t address = first; address <= last; address++) {
+        if (page == NULL || address % PAGE == 0)
+            page = g_hash_table_lookup(pages, page_key(address));
+        if (page == NULL) {
+            page = g_malloc0(sizeof(page_t));
+            g_hash_table_insert(pages, page_key(address), page);
+        }
+        if (page[address % PAGE] == 0 || page[address % PAGE] > memory)
+            page[address % PAGE] = memory;
+    }
+}
+
+static void
+add(known_t *known, export_object_entry_t *entry)
+{
+    memory_t memory = {entry, g_ascii_strtoull(entry->filename, NULL, 16), entry->payload_len};
+
+    g_array_append_val(known->memories, memory);
+    claim(find_pages(known, entry->content_type, entry->hostname), known->memories->len, memory.begin,
+          memory.begin + entry->payload_len);
+}
+
+static bool
+is_memory(const export_object_entry_t *entry)
+{
+    return strcmp(entry->content_type, SIS_MEMORY_READ) == 0 ||
+           strcmp(entry->content_type, SIS_MEMORY_WRITTEN) == 0;
+}
+
+/* A list that was forgotten while somebody still fills it is looked through once. */
+static known_t *
+know(export_object_list_t *list)
+{
+    known_t *known = g_new0(known_t, 1);
+    export_object_entry_t *entry;
+
+    known->memories = g_array_new(FALSE, FALSE, sizeof(memory_t));
+    known->spaces = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, free_pages);
+    for (int row = 0; (entry = list->get_entry(list->gui_data, row)) != NULL; row++) {
+        if (is_memory(entry))
+            add(known, entry);
+    }
+    if (lists == NULL)
+        lists = g_hash_table_new_full(NULL, NULL, NULL, free_known);
+    g_hash_table_insert(lists, list, known);
+    return known;
+}
+
+static known_t *
+find_known(export_object_list_t *list)
+{
+    known_t *known = lists != NULL ? g_hash_table_lookup(lists, list) : NULL;
+
+    return known != NULL ? known : know(list);
+}
+
+void
+sis_memories_refresh(export_object_list_t *list)
+{
+    if (lists != NULL && list->get_entry(list->gui_data, 0) == NULL)
+        g_hash_table_remove(lists, list);
+}
+
+void
+sis_memories_reset(void)
+{
+    if (lists != NULL)
+        g_hash_table_remove_all(lists);
+}
+
+void
+sis_memories_name(export_object_entry_t *entry, uint64_t begin)
+{
+    g_free(entry->filename);
+    entry->filename = g_strdup_printf("0x%08" PRIx64 " to 0x%08" PRIx64 ", memory %s, station %s.bin", begin,
+                                      begin + entry->payload_len - 1, entry->content_type, entry->hostname);
+}
+
+/* Makes an entry longer. */
+static void
+grow(memory_t *memory, size_t length)
+{
+    export_object_entry_t *entry = memory->entry;
+
+    if (length > memory->room) {
+        memory->room = MAX(length, memory->room * 2);
+        entry->payload_data = g_realloc(entry->payload_data, memory->room);
+    }
+    entry->payload_len = length;
+    sis_memories_name(entry, memory->begin);
+}
+
+bool
+sis_memories_extend(export_object_list_t *list, const sis_piece_t *piece)
+{
+    known_t *known = find_known(list);
+    GHashTable *pages = find_pages(known, piece->type, piece->station);
+    const uint32_t *page = g_hash_table_lookup(pages, page_key(piece->address));
+    uint32_t number = page != NULL ? page[piece->address % PAGE] : 0;
+    memory_t *memory;
+    uint64_t at, end;
+
+    if (number == 0)
+        return false;
+    memory = &g_array_index(known->memories, memory_t, number - 1);
+    at = piece->address - memory->begin;
+    end = memory->begin + memory->entry->payload_len;
+    if (at + piece->length > memory->entry->payload_len) {
+        grow(memory, (size_t)at + piece->length);
+        claim(pages, number, end, memory->begin + memory->entry->payload_len);
+    }
+    memcpy(memory->entry->payload_data + at, piece->data, piece->length);
+    return true;
+}
+
+void
+sis_memories_add(export_object_list_t *list, export_object_entry_t *entry)
+{
+    add(find_known(list), entry);
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The dissector of telegrams. */
+
+#ifndef SIS_PACKET_SIS_H
+#define SIS_PACKET_SIS_H
+
+#include "compat.h"
+
+#include <epan/prefs.h>
+
+extern dissector_handle_t sis_handle; /* telegrams, one after the other, as much as there is */
+
+/* One telegram; `tvb` begins with it and holds nothing of the next. Adds to the info column. */
+void sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
+
+/* The dissector "sis", its fields and the preference of the edition. */
+void sis_packet_register(module_t *module);
+
+void sis_packet_handoff(void);
+
+#endif

@@ -1,0 +1,354 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Sequential telegrams: data that do not fit into one are read or written in pieces (chapters 8.2 and 8.7).
+ * Bit 2 of the parameter control says whether more follow; nothing says that a piece is the first, or which
+ * one it is. */
+
+#include "sis/sequence.h"
+
+#include <epan/reassemble.h>
+
+#include "sis/layouts.h"
+
+#define SERVICE_CHANNEL_BUSY 0x8001 /* the command was not executed, and is to be repeated */
+#define PARAMETER_OCCUPIED   0x800C
+
+static int hf_pieces = -1;
+static int hf_piece = -1;
+static int hf_overlap = -1;
+static int hf_overlap_conflict = -1;
+static int hf_multiple_tails = -1;
+static int hf_too_long = -1;
+static int hf_error = -1;
+static int hf_count = -1;
+static int hf_whole_in = -1;
+static int hf_length = -1;
+
+static int ett_pieces = -1;
+static int ett_piece = -1;
+
+static expert_field ei_ended = EI_INIT;
+static expert_field ei_piece_missing = EI_INIT;
+
+static const fragment_items items = {
+    &ett_piece,           &ett_pieces,        &hf_pieces,   &hf_piece, &hf_overlap,
+    &hf_overlap_conflict, &hf_multiple_tails, &hf_too_long, &hf_error, &hf_count,
+    &hf_whole_in,         &hf_length,         NULL,         "pieces",
+};
+
+/* A transfer is found again by its number alone: who talks to whom was compared before. */
+static void *
+transfer_key(const packet_info *pinfo _U_, const uint32_t id, const void *data _U_)
+{
+    return GUINT_TO_POINTER(id);
+}
+
+static void
+free_nothing(void *key _U_)
+{
+}
+
+static reassembly_table table;
+static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
+
+static uint32_t
+next_transfer(void)
+{
+    uint32_t number = GPOINTER_TO_UINT(wmem_map_lookup(counters, NULL)) + 1;
+
+    wmem_map_insert(counters, NULL, GUINT_TO_POINTER(number));
+    return number;
+}
+
+/* A transfer under way, from one station to another. */
+typedef struct sis_transfer {
+    struct sis_transfer *next;
+    uint8_t service;
+    uint8_t element;
+    uint8_t device;
+    sis_ident_t ident;
+    uint32_t number;
+    uint32_t begun_in;
+    uint32_t last_in;       /* the latest piece */
+    uint32_t damaged_count; /* of its bus, then */
+    bool is_broken;         /* a piece may be missing: the pieces are no longer put together */
+} transfer_t;
+
+static transfer_t **
+transfers_of(const sis_exchange_t *exchange)
+{
+    return &exchange->stream->from[exchange->direction].transfers;
+}
+
+static bool
+is_same_transfer(const transfer_t *a, const transfer_t *b)
+{
+    return a->service == b->service && a->element == b->element && a->ident.type == b->ident.type &&
+           a->ident.number == b->ident.number && a->device == b->device;
+}
+
+/* Where the link to this transfer is; the end of the list if it is not under way. */
+static transfer_t **
+find_transfer(const sis_exchange_t *exchange, const transfer_t *like)
+{
+    transfer_t **link = transfers_of(exchange);
+
+    while (*link != NULL && !is_same_transfer(*link, like))
+        link = &(*link)->next;
+    return link;
+}
+
+static void
+end_transfer(transfer_t **link)
+{
+    transfer_t *transfer = *link;
+
+    *link = transfer->next;
+    wmem_free(wmem_file_scope(), transfer);
+}
+
+/* A step that was taken before: the same command again, or its reaction again. */
+static bool
+is_taken_before(const sis_record_t *record)
+{
+    const sis_exchange_t *exchange = record->exchange;
+
+    if (record->is_reaction)
+        return record->reaction_before != 0 || exchange->is_kept_reaction_seen;
+    return exchange->first != NULL;
+}
+
+static unsigned
+damaged_since(const transfer_t *transfer, const sis_exchange_t *exchange)
+{
+    return exchange->stream->bus->damaged_count - transfer->damaged_count;
+}
+
+/* Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a
+ * command that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends
+ * the reaction again that it has kept. */
+static bool
+is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
+{
+    const sis_exchange_t *exchange = record->exchange;
+    unsigned enough = record->is_reaction && exchange->first != NULL ? 1 : 2;
+
+    if (exchange->stream->bus->lost_in > transfer->last_in)
+        return true;
+    return !exchange->is_reaction_kept && damaged_since(transfer, exchange) >= enough;
+}
+
+/* Whose piece these data are; decided once, in the order of the capture. */
+static void
+place_piece(sis_record_t *record, packet_info *pinfo, const transfer_t *like, bool is_last)
+{
+    sis_exchange_t *exchange = record->exchange;
+    transfer_t **link = find_transfer(exchange, like), *transfer = *link;
+
+    record->is_piece_repeated = is_taken_before(record);
+    if (transfer == NULL && (is_last || record->is_piece_repeated)) {
+        record->transfer = record->is_piece_repeated ? exchange->transfer : 0; /* of one that is over */
+        return;
+    }
+    if (transfer == NULL) {
+        transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
+        transfer->number = next_transfer();
+        transfer->begun_in = transfer->last_in = pinfo->num;
+        transfer->damaged_count = exchange->stream->bus->damaged_count;
+    }
+    record->transfer = exchange->transfer = transfer->number;
+    if (!record->is_piece_repeated && is_piece_missing(record, transfer))
+        transfer->is_broken = true;
+    record->is_piece_missing = transfer->is_broken;
+    if (record->is_piece_repeated)
+        return;
+    transfer->last_in = pinfo->num;
+    transfer->damaged_count = exchange->stream->bus->damaged_count;
+    if (is_last)
+        end_transfer(link);
+}
+
+static tvbuff_t *
+put_together(sis_body_t *body, bool is_last)
+{
+    const sis_record_t *record = body->record;
+    unsigned length = sis_left(body);
+    fragment_head *head;
+
+    body->item = body->root;
+    if (record->is_piece_missing)
+        sis_mark(body, &ei_piece_missing, "a piece may be missing");
+    if (record->is_piece_missing || record->is_piece_repeated)
+        return NULL;
+    head = fragment_add_seq_next(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL, length,
+                                 !is_last);
+    if (is_last || head == NULL)
+        return process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head,
+                                        &items, NULL, body->tree);
+    /* Not by process_reassembled_data(): the last piece may be in this packet, too. */
+    proto_item_set_generated(
+        proto_tree_add_uint(body->tree, hf_whole_in, body->tvb, 0, 0, head->reassembled_in));
+    return NULL;
+}
+
+bool
+sis_is_sequence_open(const sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device)
+{
+    transfer_t like = {.service = body->service, .element = element, .device = device, .ident = ident};
+    const sis_record_t *record = body->record;
+
+    if (body->is_nested || record == NULL || record->exchange == NULL)
+        return false;
+    return body->pinfo->fd->visited ? record->transfer != 0 : *find_transfer(record->exchange, &like) != NULL;
+}
+
+tvbuff_t *
+sis_sequence_data(sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device, bool is_last)
+{
+    sis_record_t *record = body->record;
+    tvbuff_t *alone = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
+
+    if (body->is_nested || record == NULL || record->exchange == NULL)
+        return is_last ? alone : NULL;
+    if (!body->pinfo->fd->visited) {
+        transfer_t like = {.service = body->service, .element = element, .device = device, .ident = ident};
+
+        place_piece(record, body->pinfo, &like, is_last);
+    }
+    return record->transfer != 0 ? put_together(body, is_last) : alone;
+}
+
+bool
+sis_is_piece(const sis_body_t *body)
+{
+    return body->record != NULL && body->record->transfer != 0;
+}
+
+static void
+end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
+{
+    record->transfer_ended = (*link)->begun_in;
+    record->transfer_reason = reason;
+    end_transfer(link);
+}
+
+/* Device and service may be missing; one byte alone may be either (chapter 4). */
+static bool
+is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
+{
+    bool is_device = transfer->device == cancel->device, is_service = transfer->service == cancel->subservice;
+
+    if (cancel->has_device && cancel->has_subservice)
+        return is_device && is_service;
+    if (cancel->is_ambiguous)
+        return transfer->device == cancel->subservice || is_service;
+    return true;
+}
+
+static void
+cancel_transfers(sis_record_t *record, const sis_request_t *cancel)
+{
+    transfer_t **link = transfers_of(record->exchange);
+
+    while (*link != NULL) {
+        if (is_cancelled(cancel, *link))
+            end_with_note(record, link, "cancelled");
+        else
+            link = &(*link)->next;
+    }
+}
+
+/* A device has one transfer at a time: when another parameter was accessed with success, it has given up the
+ * first. */
+static void
+end_others(sis_record_t *record, const transfer_t *like)
+{
+    transfer_t **link = transfers_of(record->exchange);
+
+    while (*link != NULL) {
+        if ((*link)->device == like->device && !is_same_transfer(*link, like))
+            end_with_note(record, link, "another access to the device came between");
+        else
+            link = &(*link)->next;
+    }
+}
+
+static void
+watch_reaction(const sis_body_t *body)
+{
+    sis_record_t *record = body->record;
+    const sis_request_t *asked = body->asked;
+    transfer_t like = {
+        .service = body->service, .element = asked->element, .device = asked->device, .ident = asked->ident};
+    transfer_t **link = find_transfer(record->exchange, &like);
+    /* Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes
+     * again. */
+    bool is_to_be_repeated = body->status == 0x02 || body->error == SERVICE_CHANNEL_BUSY ||
+                             body->error == PARAMETER_OCCUPIED ||
+                             (body->status >= 0xF1 && body->status <= 0xF4);
+
+    if (body->status == 0)
+        end_others(record, &like);
+    else if (*link != NULL && !is_to_be_repeated)
+        end_with_note(record, link, "refused");
+}
+
+static void
+watch(const sis_body_t *body)
+{
+    if (!body->is_reaction || body->asked == NULL)
+        return;
+    if (body->service == 0x01 && body->status == 0)
+        cancel_transfers(body->record, body->asked);
+    else if (sis_has_control_byte(body->service))
+        watch_reaction(body);
+}
+
+void
+sis_sequence_watch(sis_body_t *body)
+{
+    sis_record_t *record = body->record;
+
+    if (body->is_nested || record == NULL || record->exchange == NULL)
+        return;
+    if (!body->pinfo->fd->visited)
+        watch(body);
+    if (record->transfer_ended == 0)
+        return;
+    body->item = body->root;
+    sis_mark(body, &ei_ended, "transfer since frame %u ended unfinished: %s", record->transfer_ended,
+             record->transfer_reason);
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_pieces, {"Pieces", "sis.sequence", FT_NONE, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_piece, {"Piece", "sis.sequence.piece", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_overlap, {"Overlap", "sis.sequence.overlap", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_overlap_conflict, {"Overlap with other data", "sis.sequence.overlap.conflict", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_multiple_tails, {"Several last pieces", "sis.sequence.multiple_tails", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_too_long, {"Piece too long", "sis.sequence.too_long", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_error, {"Error while putting together", "sis.sequence.error", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_count, {"Number of pieces", "sis.sequence.count", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_whole_in, {"The whole is in", "sis.sequence.whole_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_length, {"Length of the whole", "sis.sequence.length", FT_UINT32, BASE_DEC, NULL, 0, "In bytes", HFILL}},
+};
+
+static ei_register_info experts[] = {
+    {&ei_ended, {"sis.sequence.ended", PI_SEQUENCE, PI_NOTE, "A transfer of sequential telegrams ended unfinished", EXPFILL}},
+    {&ei_piece_missing, {"sis.sequence.piece_missing", PI_SEQUENCE, PI_NOTE, "A piece of this transfer may be missing: a damaged telegram and a repeat came between", EXPFILL}},
+};
+/* clang-format on */
+
+void
+sis_sequence_register(void)
+{
+    static const reassembly_table_functions functions = {g_direct_hash, g_direct_equal, transfer_key,
+                                                         transfer_key,  free_nothing,   free_nothing};
+    static int *trees[] = {&ett_pieces, &ett_piece};
+
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+    expert_register_field_array(sis_experts, experts, array_length(experts));
+    reassembly_table_register(&table, &functions);
+    counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+}

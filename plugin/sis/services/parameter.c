@@ -1,0 +1,445 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Services 0x10, 0x11, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters (chapter 8). */
+
+#include "sis/services/services.h"
+
+#include "parameters/values.h"
+#include "sis/export.h"
+#include "sis/layouts.h"
+#include "sis/learned.h"
+#include "sis/sequence.h"
+
+#define ELEMENT(control) ((sis_element_t)((control) >> 3 & 7))
+#define CONTROL_RESERVED 0xC3
+
+static int hf_control = -1;
+static int hf_control_reserved = -1;
+static int hf_element = -1;
+static int hf_transmission = -1;
+static int hf_parameter = -1;
+static int hf_parameter_name = -1;
+static int hf_parameter_unit = -1;
+static int hf_parameter_minimum = -1;
+static int hf_parameter_maximum = -1;
+static int hf_parameter_type = -1;
+static int hf_parameter_profile = -1;
+static int hf_parameter_set = -1;
+static int hf_parameter_number = -1;
+static int hf_list_offset = -1;
+static int hf_list_length = -1;
+static int hf_data_status = -1;
+static int hf_data_status_set = -1;
+static int hf_data_status_enabled = -1;
+static int hf_data_status_not_executed = -1;
+static int hf_data_status_impossible = -1;
+static int hf_data_status_invalid = -1;
+
+static int ett_control = -1;
+static int ett_parameter = -1;
+static int ett_data_status = -1;
+static int ett_whole = -1;
+
+/* A body of a parameter service while it is taken apart. */
+typedef struct {
+    sis_body_t *body;
+    uint8_t general; /* service, as a general one */
+    sis_element_t element;
+    bool is_last;
+    uint32_t device;
+    bool has_ident;
+    sis_ident_t ident; /* in a reaction: its command's */
+    const char *ident_text;
+    sis_known_t known;
+} access_t;
+
+static bool
+is_segment(const access_t *access)
+{
+    return access->general == 0x11 || access->general == 0x1E;
+}
+
+static bool
+is_write(const access_t *access)
+{
+    return access->general == 0x1E || access->general == 0x1F;
+}
+
+static void
+show_control(const access_t *access)
+{
+    static int *const bits[] = {&hf_control_reserved, &hf_element, &hf_transmission, NULL};
+    const sis_body_t *body = access->body;
+
+    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_control), body->tvb, body->offset - 1,
+                                1, bits, ENC_NA);
+    proto_item_append_text(body->item, " (%s, %s)", val_to_str_const(access->element, sis_elements, ""),
+                           access->is_last ? "last transmission" : "more follows");
+}
+
+static bool
+take_control(access_t *access)
+{
+    sis_body_t *body = access->body;
+    uint32_t control;
+
+    if (!sis_take(body, hf_control, 1, &control))
+        return false;
+    access->element = ELEMENT(control);
+    access->is_last = control & SIS_LAST_TRANSMISSION;
+    if (body->tree)
+        show_control(access);
+    if (control & CONTROL_RESERVED)
+        sis_mark(body, &ei_sis_note, "reserved bits of the parameter control");
+    if (!sis_take(body, hf_sis_device, 1, &access->device))
+        return false;
+    if (body->request != NULL)
+        body->request->element = (uint8_t)access->element;
+    sis_request_device(body, access->device);
+    return true;
+}
+
+static void
+add_generated(proto_tree *tree, tvbuff_t *tvb, int hf, const char *text, const char *source)
+{
+    proto_item *item;
+
+    if (text == NULL)
+        return;
+    item = proto_tree_add_string(tree, hf, tvb, 0, 0, text);
+    proto_item_set_generated(item);
+    proto_item_append_text(item, " (%s)", source);
+}
+
+/* What is known of a parameter, and where from. */
+static void
+add_known(const access_t *access, proto_tree *tree)
+{
+    static const char *const sources[] = {"", "learned from the bus", "from the table SIS parameters",
+                                          "built in"};
+    const sis_known_t *known = &access->known;
+    tvbuff_t *tvb = access->body->tvb;
+
+    add_generated(tree, tvb, hf_parameter_name, known->name, sources[known->name_from]);
+    add_generated(tree, tvb, hf_parameter_unit, known->unit, sources[known->unit_from]);
+    add_generated(tree, tvb, hf_parameter_minimum, known->minimum, sources[SIS_FROM_BUS]);
+    add_generated(tree, tvb, hf_parameter_maximum, known->maximum, sources[SIS_FROM_BUS]);
+}
+
+static void
+say_parameter(const access_t *access)
+{
+    sis_body_t *body = access->body;
+    const char *element = val_to_str_const(access->element, sis_elements, "");
+
+    wmem_strbuf_append(body->summary, " ");
+    wmem_strbuf_append(body->summary, access->ident_text);
+    if (access->known.name != NULL)
+        sis_say(body, " (%s)", access->known.name);
+    if (access->element == SIS_ELEMENT_IDENT && is_write(access))
+        sis_say(body, ", data status");
+    else if (access->element != SIS_ELEMENT_DATA)
+        sis_say(body, ", %s", wmem_ascii_strdown(body->pinfo->pool, element, -1));
+}
+
+/* Everything about a parameter, read from here on or, with no length, recalled. */
+static void
+show_parameter(const access_t *access, unsigned length)
+{
+    static int *const bits_drive[] = {&hf_parameter_profile, &hf_parameter_set, &hf_parameter_number, NULL};
+    sis_body_t *body = access->body;
+    unsigned offset = length > 0 ? body->offset : 0;
+    proto_tree *tree;
+
+    if (body->tree == NULL)
+        return;
+    body->item =
+        proto_tree_add_string(body->tree, hf_parameter, body->tvb, offset, length, access->ident_text);
+    if (access->known.name != NULL)
+        proto_item_append_text(body->item, " (%s)", access->known.name);
+    tree = proto_item_add_subtree(body->item, ett_parameter);
+    if (length > 0) {
+        proto_tree_add_item(tree, hf_parameter_type, body->tvb, offset, 1, ENC_NA);
+        proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2, bits_drive, ENC_LITTLE_ENDIAN);
+    } else {
+        proto_item_set_generated(body->item);
+    }
+    add_known(access, tree);
+}
+
+static void
+know_parameter(access_t *access, sis_ident_t ident)
+{
+    sis_body_t *body = access->body;
+
+    access->has_ident = true;
+    access->ident = ident;
+    access->ident_text = sis_ident_text(body->pinfo->pool, ident);
+    access->known = sis_station_known(body, ident, (uint8_t)access->device);
+}
+
+static bool
+take_parameter(access_t *access)
+{
+    sis_body_t *body = access->body;
+    unsigned offset = body->offset;
+
+    if (!sis_needs(body, hf_parameter, 3))
+        return false;
+    know_parameter(access,
+                   (sis_ident_t){compat_get_uint8(body->tvb, offset), tvb_get_letohs(body->tvb, offset + 1)});
+    show_parameter(access, 3);
+    body->offset += 3;
+    say_parameter(access);
+    if (body->request != NULL) {
+        body->request->has_ident = true;
+        body->request->ident = access->ident;
+    }
+    return true;
+}
+
+static void
+check_announced(sis_body_t *body, unsigned announced)
+{
+    unsigned sent = sis_left(body);
+
+    if (!body->is_cut && sent > 0 && sent != announced)
+        sis_mark(body, sent < announced ? &ei_sis_missing : &ei_sis_unexpected,
+                 "%u byte%s announced, %u sent", announced, plurality(announced, "", "s"), sent);
+}
+
+/* Offset and length count words in ECODRIVE's services, bytes in all others. A reading may ask for any
+ * length; what is written should be as long as it says. */
+static bool
+take_segment(access_t *access)
+{
+    sis_body_t *body = access->body;
+    bool is_words = body->service == 0x81 || body->service == 0x8E;
+    const char *unit = is_words ? "word" : "byte";
+    uint32_t offset, length;
+
+    if (!sis_take(body, hf_list_offset, 2, &offset))
+        return false;
+    proto_item_append_text(body->item, " %s%s", unit, plurality(offset, "", "s"));
+    if (!sis_take(body, hf_list_length, 2, &length))
+        return false;
+    proto_item_append_text(body->item, " %s%s", unit, plurality(length, "", "s"));
+    sis_say(body, ", %u %s%s at offset %u", length, unit, plurality(length, "", "s"), offset);
+    if (is_write(access))
+        check_announced(body, length * (is_words ? 2 : 1));
+    return true;
+}
+
+/* The reaction does not name the parameter: its command did. */
+static void
+recall_parameter(access_t *access)
+{
+    const sis_request_t *asked = access->body->asked;
+
+    if (asked == NULL || !asked->has_ident)
+        return;
+    know_parameter(access, asked->ident);
+    show_parameter(access, 0);
+    say_parameter(access);
+}
+
+#define SHOWN_BYTES 8
+
+/* The bytes themselves, where they are few. */
+static const char *
+bytes_text(wmem_allocator_t *scope, tvbuff_t *tvb)
+{
+    unsigned length = tvb_captured_length(tvb);
+
+    if (length > SHOWN_BYTES)
+        return "";
+    return wmem_strdup_printf(scope, ": %s", tvb_bytes_to_str_punct(scope, tvb, 0, (int)length, ' '));
+}
+
+/* The data of an element: all of them, or a segment of a list. */
+static void
+show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
+{
+    sis_body_t *body = access->body;
+    bool is_whole = !is_segment(access);
+    unsigned length = tvb_captured_length(tvb);
+    const char *text = sis_add_element(tree, body->pinfo, tvb, access->element,
+                                       access->has_ident ? &access->ident : NULL, &access->known, is_whole);
+
+    if (is_write(access) && access->element == SIS_ELEMENT_IDENT)
+        return; /* the request for the data status repeats its own number */
+    if (text != NULL)
+        sis_say(body, " = %s", text);
+    else
+        sis_say(body, ", %u byte%s%s", length, plurality(length, "", "s"),
+                bytes_text(body->pinfo->pool, tvb));
+    if (access->has_ident && is_whole && body->is_reaction)
+        sis_station_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
+}
+
+static void
+show_piece(access_t *access, tvbuff_t *whole)
+{
+    sis_body_t *body = access->body;
+    unsigned length = sis_left(body);
+    proto_tree *tree;
+
+    sis_take_rest(body, hf_sis_data);
+    sis_say(body, ", %s of %u byte%s", access->is_last ? "last piece" : "piece", length,
+            plurality(length, "", "s"));
+    if (whole == NULL)
+        return;
+    length = tvb_captured_length(whole);
+    tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_whole, NULL,
+                                         "Data of all pieces, %u byte%s", length, plurality(length, "", "s"));
+    show_data(access, tree, whole);
+    sis_export_parameter(body, access->ident, (uint8_t)access->device, whole);
+}
+
+static void
+take_data(access_t *access)
+{
+    sis_body_t *body = access->body;
+    tvbuff_t *data;
+
+    if (body->is_short ||
+        (sis_left(body) == 0 &&
+         !sis_is_sequence_open(body, access->ident, (uint8_t)access->element, (uint8_t)access->device)))
+        return;
+    if (is_segment(access) || (!access->has_ident && access->is_last))
+        data = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
+    else if (access->has_ident)
+        data = sis_sequence_data(body, access->ident, (uint8_t)access->element, (uint8_t)access->device,
+                                 access->is_last);
+    else
+        data = NULL;
+    if (!is_segment(access) && (data == NULL || sis_is_piece(body)))
+        show_piece(access, data);
+    else
+        show_data(access, body->tree, data);
+    body->offset = body->end;
+}
+
+static void
+take_data_status(sis_body_t *body)
+{
+    static int *const bits[] = {&hf_data_status_invalid,      &hf_data_status_impossible,
+                                &hf_data_status_not_executed, &hf_data_status_enabled,
+                                &hf_data_status_set,          NULL};
+    uint32_t status;
+    const char *word;
+
+    if (!sis_take(body, hf_data_status, 2, &status))
+        return;
+    word = val_to_str_const(status & 0x0F, sis_data_states, "not defined");
+    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_data_status), body->tvb,
+                                body->offset - 2, 2, bits, ENC_LITTLE_ENDIAN);
+    proto_item_append_text(body->item, " (command %s%s)", word,
+                           status & 0x0100 ? ", operating data invalid" : "");
+    sis_say(body, " = command %s%s", word, status & 0x0100 ? ", operating data invalid" : "");
+}
+
+/* The upper digit of a code names the element, also where the code is not defined. */
+static void
+take_parameter_error(sis_body_t *body)
+{
+    uint32_t digit;
+
+    sis_take_error(body, sis_errors_parameter);
+    digit = body->error >> 12;
+    if (digit >= 1 && digit < 8 && try_val_to_str(body->error, sis_errors_parameter) == NULL)
+        proto_item_append_text(body->item, ", element: %s", val_to_str_const(digit, sis_elements, ""));
+}
+
+static void
+dissect_parameter_command(access_t *access)
+{
+    sis_body_t *body = access->body;
+
+    if (!take_control(access) || !take_parameter(access))
+        return;
+    if (is_segment(access) && !take_segment(access))
+        return;
+    if (is_write(access)) {
+        if (access->element != SIS_ELEMENT_DATA && access->element != SIS_ELEMENT_IDENT)
+            sis_mark(body, &ei_sis_note, "only operating data and ident number can be written");
+        if (sis_left(body) == 0 && access->element != SIS_ELEMENT_IDENT)
+            sis_needs(body, hf_sis_data, 1);
+        take_data(access);
+    }
+}
+
+static void
+dissect_parameter_reaction(access_t *access)
+{
+    sis_body_t *body = access->body;
+
+    if (!take_control(access))
+        return;
+    recall_parameter(access);
+    if (body->status == 0x01) {
+        take_parameter_error(body);
+    } else if (sis_take_channel_error(body)) {
+        return;
+    } else if (!is_write(access)) {
+        take_data(access);
+    } else if (access->element == SIS_ELEMENT_IDENT || (access->general == 0x1E && sis_left(body) == 2)) {
+        take_data_status(body);
+    }
+}
+
+void
+sis_dissect_parameter(sis_body_t *body)
+{
+    access_t access = {.body = body, .general = sis_general_service(body->service)};
+
+    if (body->is_reaction)
+        dissect_parameter_reaction(&access);
+    else
+        dissect_parameter_command(&access);
+}
+
+/* clang-format off */
+static const true_false_string last_current = {"last", "current, more follows"};
+
+static const value_string parameter_types[] = {
+    {0, "Parameter of a drive"},
+    {1, "Control parameter, first kind (A)"},
+    {2, "Control parameter, second kind (C)"},
+    {0, NULL},
+};
+
+static const true_false_string product_standard = {"P, product-specific", "S, standard"};
+
+static hf_register_info fields[] = {
+    {&hf_control, {"Parameter control", "sis.parameter_control", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_control_reserved, {"Reserved", "sis.parameter_control.reserved", FT_UINT8, BASE_HEX, NULL, CONTROL_RESERVED, NULL, HFILL}},
+    {&hf_element, {"Element", "sis.element", FT_UINT8, BASE_DEC, VALS(sis_elements), 0x38, NULL, HFILL}},
+    {&hf_transmission, {"Transmission", "sis.transmission", FT_BOOLEAN, 8, TFS(&last_current), SIS_LAST_TRANSMISSION, NULL, HFILL}},
+    {&hf_parameter, {"Parameter", "sis.parameter", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_name, {"Name", "sis.parameter.name", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_unit, {"Unit", "sis.parameter.unit", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_minimum, {"Minimum", "sis.parameter.minimum", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_maximum, {"Maximum", "sis.parameter.maximum", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_parameter_type, {"Type", "sis.parameter.type", FT_UINT8, BASE_DEC, VALS(parameter_types), 0, NULL, HFILL}},
+    {&hf_parameter_profile, {"Kind", "sis.parameter.product_specific", FT_BOOLEAN, 16, TFS(&product_standard), 0x8000, NULL, HFILL}},
+    {&hf_parameter_set, {"Parameter set", "sis.parameter.set", FT_UINT16, BASE_DEC, NULL, 0x7000, NULL, HFILL}},
+    {&hf_parameter_number, {"Number", "sis.parameter.number", FT_UINT16, BASE_DEC, NULL, 0x0FFF, NULL, HFILL}},
+    {&hf_list_offset, {"List offset", "sis.list_offset", FT_UINT16, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_list_length, {"List length", "sis.list_length", FT_UINT16, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_data_status, {"Data status", "sis.data_status", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_data_status_set, {"Command set", "sis.data_status.set", FT_BOOLEAN, 16, NULL, 0x0001, NULL, HFILL}},
+    {&hf_data_status_enabled, {"Command enabled", "sis.data_status.enabled", FT_BOOLEAN, 16, NULL, 0x0002, NULL, HFILL}},
+    {&hf_data_status_not_executed, {"Not yet executed", "sis.data_status.not_executed", FT_BOOLEAN, 16, NULL, 0x0004, NULL, HFILL}},
+    {&hf_data_status_impossible, {"Execution not possible", "sis.data_status.impossible", FT_BOOLEAN, 16, NULL, 0x0008, NULL, HFILL}},
+    {&hf_data_status_invalid, {"Operating data invalid", "sis.data_status.invalid", FT_BOOLEAN, 16, NULL, 0x0100, NULL, HFILL}},
+};
+/* clang-format on */
+
+void
+sis_parameter_register(void)
+{
+    static int *trees[] = {&ett_control, &ett_parameter, &ett_data_status, &ett_whole};
+
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+}

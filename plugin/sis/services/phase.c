@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Services 0x12 and 0x1D and their twins of the product groups: reading and switching the phase (chapters 8.4
+ * and 8.5). */
+
+#include "sis/services/services.h"
+
+#include "sis/layouts.h"
+
+static int hf_phase = -1;
+static int hf_switch_in = -1;
+static int hf_switch_time = -1;
+
+static bool
+take_phase(sis_body_t *body, uint32_t *phase)
+{
+    const char *mode;
+
+    if (!sis_take(body, hf_phase, 1, phase))
+        return false;
+    mode = try_val_to_str(*phase, sis_phases);
+    if (mode != NULL)
+        proto_item_append_text(body->item, " (%s)", mode);
+    sis_say(body, ": phase %u%s%s%s", *phase, mode != NULL ? " (" : "", mode != NULL ? mode : "",
+            mode != NULL ? ")" : "");
+    return true;
+}
+
+/* First pass: a switch begins when its command is acknowledged, and ends with the poll that reads its phase
+ * or an error. */
+static void
+follow_switch(const sis_body_t *body, uint32_t phase)
+{
+    sis_record_t *record = body->record;
+    const sis_exchange_t *exchange = record->exchange;
+    sis_stream_t *stream = exchange->stream;
+    bool is_switch = sis_general_service(body->service) == 0x1D;
+
+    if (is_switch && body->status == 0 && body->asked != NULL) {
+        sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
+
+        *begun = (sis_switch_t){exchange->command_in, exchange->command_end, body->asked->phase};
+    } else if (!is_switch) {
+        sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
+
+        record->phase_switch = *begun;
+        record->is_switch_end = body->status != 0 || phase == begun->to;
+        if (record->is_switch_end)
+            begun->command_in = 0;
+    }
+}
+
+static void
+show_switch(sis_body_t *body)
+{
+    const sis_record_t *record = body->record;
+    int64_t elapsed;
+    nstime_t taken;
+    const char *text;
+    proto_item *item;
+
+    if (record->phase_switch.command_in == 0)
+        return;
+    item = proto_tree_add_uint(body->tree, hf_switch_in, body->tvb, 0, 0, record->phase_switch.command_in);
+    proto_item_set_generated(item);
+    proto_item_append_text(item, " (to phase %u)", record->phase_switch.to);
+    if (!record->is_switch_end) {
+        sis_say(body, ", switching to phase %u", record->phase_switch.to);
+        return;
+    }
+    elapsed = sertap_elapsed(record->phase_switch.begin, body->telegram->times.begin);
+    taken = sertap_time(elapsed);
+    text = sertap_s_text(body->pinfo->pool, elapsed);
+    item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%s", text);
+    proto_item_set_generated(item);
+    sis_say(body, ", %s after %s", body->status == 0 ? "reached" : "failed", text);
+}
+
+static void
+dissect_phase_reaction(sis_body_t *body)
+{
+    bool is_switch = sis_general_service(body->service) == 0x1D;
+    uint32_t phase = 0;
+
+    if (body->status == 0x01 || (body->status > 0x02 && sis_take_channel_error(body))) {
+        if (body->status == 0x01)
+            sis_take_rest(body, hf_sis_raw); /* described nowhere */
+        return;
+    }
+    if (is_switch && body->status == 0)
+        sis_say(body, ", accepted"); /* the documents differ whether the phase of now follows */
+    if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &phase))
+        return;
+    if (body->status == 0x02)
+        sis_take_error(body, sis_errors_phase);
+    if (body->is_nested || body->record == NULL || body->record->exchange == NULL)
+        return;
+    if (!body->pinfo->fd->visited)
+        follow_switch(body, phase);
+    show_switch(body);
+}
+
+void
+sis_dissect_phase(sis_body_t *body)
+{
+    uint32_t phase;
+
+    if (body->is_reaction)
+        dissect_phase_reaction(body);
+    else if (sis_general_service(body->service) == 0x1D && take_phase(body, &phase) && body->request != NULL)
+        body->request->phase = (uint8_t)phase;
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_phase, {"Phase", "sis.phase", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_switch_in, {"Phase switch in", "sis.phase.switch_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_switch_time, {"Time of the phase switch", "sis.phase.switch_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From its command to the poll that ended it", HFILL}},
+};
+/* clang-format on */
+
+void
+sis_phase_register(void)
+{
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The services, a file for each group of them, in the order of the specification. Each takes what comes after
+ * the status byte of a reaction, or the whole body of a command. */
+
+#ifndef SIS_SERVICES_SERVICES_H
+#define SIS_SERVICES_SERVICES_H
+
+#include "sis/body.h"
+
+void sis_dissect_identification(sis_body_t *body);
+void sis_dissect_cancel(sis_body_t *body);
+void sis_dissect_flash(sis_body_t *body);
+void sis_dissect_initialization(sis_body_t *body);
+void sis_dissect_parameter(sis_body_t *body);
+void sis_dissect_phase(sis_body_t *body);
+
+void sis_identification_register(void);
+void sis_cancel_register(void);
+void sis_flash_register(void);
+void sis_initialization_register(void);
+void sis_parameter_register(void);
+void sis_phase_register(void);
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the header of a telegram says (chapter 2.1), and what its packet has of it. */
+
+#include "sis/telegram.h"
+
+#include <epan/proto_data.h>
+
+#include "sis/fields.h"
+
+sis_packet_t *
+sis_packet(packet_info *pinfo)
+{
+    sis_packet_t *packet = p_get_proto_data(pinfo->pool, pinfo, proto_sis, 0);
+
+    if (packet == NULL) {
+        packet = wmem_new0(pinfo->pool, sis_packet_t);
+        p_add_proto_data(pinfo->pool, pinfo, proto_sis, 0, packet);
+    }
+    return packet;
+}
+
+sis_telegram_t *
+sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
+{
+    sis_telegram_t *telegram = wmem_new0(pinfo->pool, sis_telegram_t);
+    unsigned there = tvb_reported_length(tvb);
+
+    telegram->tvb = tvb;
+    telegram->length = there;
+    telegram->control = compat_get_uint8(tvb, 4);
+    telegram->service = compat_get_uint8(tvb, 5);
+    telegram->sender = compat_get_uint8(tvb, 6);
+    telegram->receiver = compat_get_uint8(tvb, 7);
+    telegram->subaddress_count = telegram->control & SIS_CONTROL_SUBADDRESSES;
+    telegram->is_reaction = telegram->control & SIS_CONTROL_REACTION;
+    telegram->talker = telegram->is_reaction ? telegram->receiver : telegram->sender;
+    telegram->listener = telegram->is_reaction ? telegram->sender : telegram->receiver;
+    telegram->body_offset =
+        SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
+    telegram->declared = sis_declared_length(tvb, 0);
+    telegram->times = sis_times(tvb, pinfo, telegram->declared != 0 ? MIN(there, telegram->declared) : there);
+    telegram->is_good = sis_is_good(tvb, 0) && telegram->body_offset <= telegram->declared;
+    telegram->last_address = telegram->receiver;
+    if (telegram->is_good && telegram->subaddress_count > 0)
+        telegram->last_address = compat_get_uint8(tvb, SIS_STATIC_LENGTH + telegram->subaddress_count - 1);
+    if (telegram->is_good && (telegram->control & SIS_CONTROL_NUMBER))
+        telegram->number = compat_get_uint8(tvb, telegram->body_offset - 1);
+    return telegram;
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Verdicts on the timing of telegrams (chapter 10), and how busy the bus is. */
+
+#ifndef SIS_TIMING_H
+#define SIS_TIMING_H
+
+#include "sis/body.h"
+
+#include <epan/prefs.h>
+
+/* First pass: what is valid for a telegram that has just come. */
+void sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_info *pinfo);
+
+/* Adds what is known of a telegram's timing to its tree, and marks; fills in telegram->timing. `body` has
+ * been taken apart. */
+void sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_body_t *body);
+
+void sis_timing_register(module_t *module);
+
+#endif

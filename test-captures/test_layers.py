@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The layers of the plugin: every file uses only those that stand before it in the list of plugin/README.md.
+
+Two proofs: what a file includes, and which symbols its compiled object takes from which other object.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+HOUSE = Path(__file__).resolve().parent.parent
+PLUGIN = HOUSE / "plugin"
+OBJECTS = HOUSE / "build" / "plugin" / "plugin" / "CMakeFiles" / "sis.dir"
+
+LINE = re.compile(r"    (?P<folder>[a-z/]+/)? *(?P<files>[a-z-]+(, [a-z-]+)*)")
+INCLUDE = re.compile(r'#include "(?P<file>[^"]+)\.h"')
+APART = {"parameters", "sertap"}  # two families that do not know each other
+
+
+def listed() -> list[str]:
+    """Return the files in the order of the list, without suffix: "sis/exchange"."""
+    section = (PLUGIN / "README.md").read_text().split("## Where to find what\n")[1].split("\n\n    ")[1]
+    lines = [LINE.fullmatch(line) for line in ("    " + section.split("\n\n")[0]).splitlines()]
+    return [f"{line['folder'] or ''}{file}" for line in lines if line for file in line["files"].split(", ")]
+
+
+FILES = listed()
+there = pytest.mark.parametrize("file", FILES)
+
+
+def may_use(file: str, other: str) -> bool:
+    """Tell whether a file may know another one."""
+    families = {file.split("/")[0], other.split("/")[0]}
+    return FILES.index(other) < FILES.index(file) and families != APART
+
+
+def included(file: str) -> set[str]:
+    """Return the files of the plugin that a file includes."""
+    sources = [path for suffix in (".c", ".h") if (path := PLUGIN / (file + suffix)).exists()]
+    return {include["file"] for path in sources for include in INCLUDE.finditer(path.read_text())} - {file}
+
+
+def symbols(file: str) -> Iterator[tuple[str, bool]]:
+    """Return the global symbols of a compiled file, each with whether it is defined there."""
+    path = OBJECTS / f"{file}.c.o"
+    if (PLUGIN / f"{file}.c").exists():
+        output = subprocess.run(["nm", "-g", "-P", path], check=True, capture_output=True, text=True).stdout
+        for line in output.splitlines():
+            name, kind = line.split()[:2]
+            yield name, kind != "U"
+
+
+@pytest.fixture(scope="module")
+def owners() -> dict[str, str]:
+    """Return which file defines which symbol."""
+    return {name: file for file in FILES for name, is_defined in symbols(file) if is_defined}
+
+
+def test_every_file_is_in_the_list() -> None:
+    files = {str(path.relative_to(PLUGIN).with_suffix("")) for path in PLUGIN.rglob("*.[ch]")}
+    assert set(FILES) == files
+    assert len(FILES) == len(files)
+
+
+def test_every_file_is_built() -> None:
+    built = set(re.findall(r"^    ([a-z/-]+)\.c\)?$", (PLUGIN / "CMakeLists.txt").read_text(), re.MULTILINE))
+    assert built == {file for file in FILES if (PLUGIN / f"{file}.c").exists()}
+
+
+@there
+def test_includes_look_down(file: str) -> None:
+    assert [other for other in included(file) if not may_use(file, other)] == []
+
+
+@there
+def test_symbols_look_down(file: str, owners: dict[str, str]) -> None:
+    taken = {name: owners[name] for name, is_defined in symbols(file) if not is_defined and name in owners}
+    assert {name: owner for name, owner in taken.items() if not may_use(file, owner)} == {}
+
+
+@pytest.mark.parametrize("family", ["parameters", "sertap"])
+def test_a_family_below_knows_no_telegram(family: str) -> None:
+    """Other transports use these without SIS."""
+    used = {other.split("/")[0] for file in FILES if file.startswith(f"{family}/") for other in included(file)}
+    assert used <= {family, "compat"}
