@@ -22,6 +22,7 @@ end
 
 local floor, fmod, max, min = math.floor, math.fmod, math.max, math.min
 local byte, char, rep, sub, strformat = string.byte, string.char, string.rep, string.sub, string.format
+local match, gsub = string.match, string.gsub
 local concat, unpack = table.concat, table.unpack
 local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift -- signed: up to 31 bits only
 
@@ -30,7 +31,7 @@ local sis = Proto("sis", "Rexroth SIS serial protocol")
 
 -- What crosses blocks, named as in the C headers: S.take for sis_take(), T.load for sertap_load().
 local S, T = {}, {}
--- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.missing for ei_sis_missing.
+-- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.body_missing for ei_sis_missing.
 local F, FT, E, ET = {}, {}, {}, {}
 -- Constants; texts by code; values of the preferences of sis.
 local K, N, P = {}, {}, {}
@@ -39,19 +40,25 @@ K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
 
 local label = {} -- of a field
 
--- Declares a field: `name` in F, or in FT where it belongs to sertap.
-local function field(name, text, abbreviation, kind, display, strings, mask, description)
-  local made = ProtoField.new(text, abbreviation, kind, strings, display, mask, description)
-
-  label[made] = text
-  if sub(abbreviation, 1, 4) == "sis." then F[name] = made else FT[name] = made end
+local function declare(all, name, made)
+  all[gsub(name, "%.", "_")] = made
 end
 
--- Declares an expert item; group and severity as Wireshark's Lua names them.
-local function expert_field(name, abbreviation, group, severity, text)
+-- Declares a field: in F, or in FT where it belongs to sertap.
+local function field(abbreviation, text, kind, display, strings, mask, description)
+  local made = ProtoField.new(text, abbreviation, kind, strings, display, mask, description)
+  local owner, name = match(abbreviation, "^(%l+)%.(.*)$")
+
+  label[made] = text
+  declare(owner == "sis" and F or FT, name, made)
+end
+
+-- Declares an expert item: in E or ET; group and severity as Wireshark's Lua names them.
+local function expert_field(abbreviation, group, severity, text)
+  local owner, name = match(abbreviation, "^(%l+)%.(.*)$")
   local made = ProtoExpert.new(abbreviation, text, expert.group[group], expert.severity[severity])
 
-  if sub(abbreviation, 1, 4) == "sis." then E[name] = made else ET[name] = made end
+  declare(owner == "sis" and E or ET, name, made)
 end
 
 -- Declares a preference of sis: P[name] has its value.
@@ -549,6 +556,329 @@ N.data_states = {
 
 -- end of what names.py has made
 
+--- fields: made by fields.py from the registrations in plugin/; edit there
+
+-- parameters/fields.c
+field("sis.data", "Data", ftypes.BYTES)
+field("sis.raw", "Not decoded", ftypes.BYTES)
+
+-- parameters/values.c
+N.lengths = {
+  [0] = "Not defined",
+  [1] = "2 bytes",
+  [2] = "4 bytes",
+  [3] = "8 bytes",
+  [4] = "List of single bytes",
+  [5] = "List of 2-byte elements",
+  [6] = "List of 4-byte elements",
+  [7] = "List of 8-byte elements",
+}
+N.formats = {
+  [0] = "Binary",
+  [1] = "Unsigned decimal",
+  [2] = "Signed decimal",
+  [3] = "Hexadecimal",
+  [4] = "Text",
+  [5] = "Ident number",
+  [6] = "Floating point",
+  [7] = "Not defined",
+}
+field("sis.value", "Value", ftypes.STRING, base.NONE, nil, 0, "Scaled, with its unit where that is known")
+field("sis.element.name", "Name", ftypes.STRING)
+field("sis.element.unit", "Unit", ftypes.STRING)
+field("sis.attribute", "Attribute", ftypes.UINT32, base.HEX)
+field("sis.attribute.factor", "Conversion factor", ftypes.UINT32, base.DEC, nil, 0xffff)
+field("sis.attribute.length", "Length", ftypes.UINT32, base.DEC, N.lengths, 0x70000)
+field("sis.attribute.command", "Procedure command", ftypes.BOOLEAN, 32, nil, 0x80000)
+field("sis.attribute.format", "Format", ftypes.UINT32, base.DEC, N.formats, 0x700000)
+field("sis.attribute.decimals", "Decimal places", ftypes.UINT32, base.DEC, nil, 0xf000000)
+field("sis.attribute.protected_2", "Write-protected in phase 2", ftypes.BOOLEAN, 32, nil, 0x10000000)
+field("sis.attribute.protected_3", "Write-protected in phase 3", ftypes.BOOLEAN, 32, nil, 0x20000000)
+field("sis.attribute.protected_4", "Write-protected in phase 4", ftypes.BOOLEAN, 32, nil, 0x40000000)
+field("sis.list.actual", "Actual length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
+field("sis.list.maximum", "Maximum length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
+  {" byte", " bytes"})
+
+-- sertap/packet-sertap.c
+N.types = {
+  [0] = "Frame",
+  [1] = "Other characters",
+  [2] = "Event",
+}
+N.lines = {
+  [0] = "Shared bus",
+  [1] = "First direction",
+  [2] = "Second direction",
+}
+N.parities = {
+  [0] = "None",
+  [1] = "Even",
+  [2] = "Odd",
+  [3] = "Mark",
+  [4] = "Space",
+}
+N.stop_bits = {
+  [2] = "1",
+  [3] = "1.5",
+  [4] = "2",
+}
+N.framings = {
+  [0] = "SIS",
+  [1] = "3964R",
+  [255] = "Silence",
+}
+N.events = {
+  [0] = "None",
+  [1] = "Capture started",
+  [2] = "Line settings changed",
+  [3] = "Characters lost",
+  [4] = "Adapter lost",
+  [5] = "Marker",
+  [6] = "Capture ended",
+}
+field("sertap.version", "Version", ftypes.UINT8, base.DEC)
+field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC)
+field("sertap.type", "Type", ftypes.UINT8, base.DEC, N.types)
+field("sertap.line", "Line", ftypes.UINT8, base.DEC, N.lines)
+field("sertap.baud", "Baud rate", ftypes.UINT32, base.DEC)
+field("sertap.format", "Character format", ftypes.STRING)
+field("sertap.format.data_bits", "Data bits", ftypes.UINT8, base.DEC)
+field("sertap.format.parity", "Parity", ftypes.UINT8, base.DEC, N.parities)
+field("sertap.format.stop", "Stop bits", ftypes.UINT8, base.DEC, N.stop_bits, 0, "In half bits")
+field("sertap.framing", "Framing", ftypes.UINT8, base.DEC, N.framings, 0, "By which rule frames are cut")
+field("sertap.uncertainty", "Uncertainty of the times", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "How much earlier than recorded a character can have arrived")
+field("sertap.count", "Count", ftypes.UINT16, base.DEC, nil, 0, "Characters, or bytes of an event's text")
+field("sertap.event", "Event", ftypes.UINT16, base.DEC, N.events)
+field("sertap.text", "Text", ftypes.STRING)
+field("sertap.data", "Characters", ftypes.BYTES)
+field("sertap.character", "Character", ftypes.UINT8, base.HEX)
+field("sertap.interval", "Interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Since the character before it on this line, arrival to arrival")
+field("sertap.interval.max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Between two characters of this record")
+field("sertap.flags", "Flags", ftypes.UINT8, base.HEX)
+field("sertap.same_read", "Came in the same read as the one before", ftypes.BOOLEAN, 8, nil, 0x01)
+field("sertap.error.character", "Parity or framing error", ftypes.BOOLEAN, 8, nil, 0x02)
+field("sertap.error.break", "Break", ftypes.BOOLEAN, 8, nil, 0x04)
+field("sertap.error.lost", "Characters lost before it", ftypes.BOOLEAN, 8, nil, 0x08)
+field("sertap.error.unlocated", "Error somewhere in its read", ftypes.BOOLEAN, 8, nil, 0x10)
+field("sertap.interval.unknown", "Interval unknown (first on the line)", ftypes.BOOLEAN, 8, nil, 0x20)
+field("sertap.interval.saturated", "Interval longer than it can be stored", ftypes.BOOLEAN, 8, nil, 0x40)
+expert_field("sertap.version.unknown", "MALFORMED", "ERROR", "Unknown version of the record")
+expert_field("sertap.header_length.short", "MALFORMED", "ERROR", "The header is shorter than version 1 has it")
+expert_field("sertap.count.wrong", "MALFORMED", "ERROR", "The count does not fit")
+expert_field("sertap.truncated", "MALFORMED", "ERROR", "The record is cut")
+expert_field("sertap.error.character.expert", "CHECKSUM", "WARN", "Parity or framing error on the line")
+expert_field("sertap.error.break.expert", "PROTOCOL", "WARN", "Break on the line")
+expert_field("sertap.error.lost.expert", "SEQUENCE", "WARN", "Characters were lost before the tap could read them")
+expert_field("sertap.error.unlocated.expert", "CHECKSUM", "WARN",
+  "A line error, the adapter does not say at which character")
+expert_field("sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
+
+-- sis/dispatch.c
+field("sis.text", "Text", ftypes.STRING, base.NONE, nil, 0, "Useful data of a product group that are plain ASCII")
+field("sis.element_length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Service and body of this element")
+expert_field("sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not be in its own list")
+
+-- sis/exchange.c
+field("sis.stream", "Stream", ftypes.UINT32, base.DEC, nil, 0, "One number for each pair of stations")
+field("sis.reaction_in", "Reaction in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+field("sis.command_in", "Command in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
+field("sis.reaction_time", "Reaction time", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "From the last character of the command to the first of the reaction; from packet to packet where "
+    .. "the times of the characters are not known")
+field("sis.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
+field("sis.unanswered_before", "Command before, not answered", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The master's command before this one, where it went on without a reaction")
+field("sis.routed_from", "Routed from", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The same telegram on the level it came from")
+expert_field("sis.command.unanswered", "SEQUENCE", "NOTE", "No reaction before the next command")
+expert_field("sis.reaction.unasked", "SEQUENCE", "NOTE", "The command of this reaction is not known")
+expert_field("sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
+expert_field("sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
+
+-- sis/fields.c
+field("sis.service", "Service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
+field("sis.status", "Status", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.status)
+field("sis.device", "Device address", ftypes.UINT8, base.DEC, nil, 0,
+  "Of the device behind the station; its own address, or 0 for the control itself")
+field("sis.subservice", "Subservice", ftypes.UINT8, base.HEX)
+field("sis.error", "Error code", ftypes.UINT16, base.HEX, nil, 0,
+  "The full code, where a byte is sent together with its subservice")
+field("sis.init.baud_mask", "Baud rate mask", ftypes.UINT8, base.HEX)
+expert_field("sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
+expert_field("sis.body.unexpected", "PROTOCOL", "WARN", "More useful data than the service has")
+expert_field("sis.body.note", "PROTOCOL", "NOTE", "Useful data that the documents do not define")
+expert_field("sis.status.execution_error", "RESPONSE_CODE", "NOTE", "The status is an execution error")
+expert_field("sis.status.telegram_error", "RESPONSE_CODE", "WARN", "The status is a telegram error")
+
+-- sis/packet-sis.c
+N.checksum_states = {
+  [0] = "Bad",
+  [1] = "Good",
+  [2] = "Unverified",
+}
+N.command_reaction = {"Reaction telegram", "Command telegram"}
+N.present_absent = {"Present", "Not present"}
+field("sis.start", "Start character", ftypes.UINT8, base.HEX)
+field("sis.checksum", "Checksum", ftypes.UINT8, base.HEX, nil, 0, "Makes the sum of all bytes 0 modulo 256")
+field("sis.checksum.status", "Checksum Status", ftypes.UINT8, base.NONE, N.checksum_states)
+field("sis.length", "Data length", ftypes.UINT8, base.DEC, nil, 0, "Bytes after the static header of 8")
+field("sis.length_repeat", "Data length repetition", ftypes.UINT8, base.DEC)
+field("sis.control", "Telegram control", ftypes.UINT8, base.HEX)
+field("sis.control.subaddresses", "Subaddresses", ftypes.UINT8, base.DEC, nil, 0x07)
+field("sis.control.number", "Telegram number", ftypes.BOOLEAN, 8, N.present_absent, 0x08)
+field("sis.control.reaction", "Kind", ftypes.BOOLEAN, 8, N.command_reaction, 0x10)
+field("sis.control.reserved", "Reserved", ftypes.BOOLEAN, 8, nil, 0x20)
+field("sis.control.warning", "System warning of the sender", ftypes.BOOLEAN, 8, nil, 0x40)
+field("sis.control.error", "System error of the sender", ftypes.BOOLEAN, 8, nil, 0x80)
+field("sis.control.status", "Status", ftypes.UINT8, base.DEC, N.control_status_ecodrive03, 0xe0)
+field("sis.sender", "Sender address", ftypes.UINT8, base.DEC)
+field("sis.receiver", "Receiver address", ftypes.UINT8, base.DEC)
+field("sis.subaddress", "Subaddress", ftypes.UINT8, base.DEC)
+field("sis.number", "Telegram number", ftypes.UINT8, base.DEC)
+field("sis.talker", "Talker", ftypes.UINT8, base.DEC, nil, 0,
+  "Who really sends: a reaction keeps the command's addresses")
+field("sis.listener", "Listener", ftypes.UINT8, base.DEC, nil, 0, "For whom it really is")
+field("sis.station", "Station", ftypes.UINT8, base.DEC, nil, 0, "Talker or listener")
+expert_field("sis.start.missing", "MALFORMED", "ERROR", "No start character 0x02")
+expert_field("sis.checksum.bad", "CHECKSUM", "ERROR",
+  "Wrong checksum: a bus does not answer this telegram, a point-to-point station answers with status 0xF4")
+expert_field("sis.length.differ", "MALFORMED", "ERROR",
+  "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with "
+    .. "status 0xF2")
+expert_field("sis.length.short", "MALFORMED", "ERROR", "The telegram is cut")
+expert_field("sis.length.long", "PROTOCOL", "WARN", "Bytes follow the end of the telegram")
+expert_field("sis.length.header", "MALFORMED", "ERROR", "Subaddresses and telegram number do not fit into the length")
+expert_field("sis.control.reserved.set", "PROTOCOL", "NOTE",
+  "Reserved bits of the telegram control are set (another edition? preference sis.edition)")
+expert_field("sis.control.status.set", "RESPONSE_CODE", "NOTE", "The status in the telegram control is not 'no error'")
+expert_field("sis.control.status.error", "RESPONSE_CODE", "WARN", "The status in the telegram control is an error")
+expert_field("sis.control.warning.set", "RESPONSE_CODE", "NOTE", "The sender signals a system warning")
+expert_field("sis.control.error.set", "RESPONSE_CODE", "WARN", "The sender signals a system error")
+expert_field("sis.service.reserved", "PROTOCOL", "NOTE", "Reserved service")
+expert_field("sis.sender.service_master", "PROTOCOL", "NOTE",
+  "Address 127, for service and emergencies only: not to be used while other masters communicate")
+expert_field("sis.sender.invalid", "PROTOCOL", "WARN", "A sender address is not above 127")
+expert_field("sis.receiver.reserved", "PROTOCOL", "WARN",
+  "Receiver address that is not assigned or reserved (another edition? preference sis.edition)")
+expert_field("sis.receiver.level_broadcast", "PROTOCOL", "WARN", "254 may only be the last address of the list")
+expert_field("sis.reaction.unexpected", "PROTOCOL", "WARN", "A group or broadcast is not answered")
+
+-- sis/sequence.c
+field("sis.sequence", "Pieces", ftypes.NONE)
+field("sis.sequence.piece", "Piece", ftypes.FRAMENUM)
+field("sis.sequence.overlap", "Overlap", ftypes.BOOLEAN)
+field("sis.sequence.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN)
+field("sis.sequence.multiple_tails", "Several last pieces", ftypes.BOOLEAN)
+field("sis.sequence.too_long", "Piece too long", ftypes.BOOLEAN)
+field("sis.sequence.error", "Error while putting together", ftypes.FRAMENUM)
+field("sis.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC)
+field("sis.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
+field("sis.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
+expert_field("sis.sequence.ended", "SEQUENCE", "NOTE", "A transfer of sequential telegrams ended unfinished")
+expert_field("sis.sequence.piece_missing", "SEQUENCE", "NOTE",
+  "A piece of this transfer may be missing: a damaged telegram and a repeat came between")
+
+-- sis/services/cancel.c
+field("sis.canceled_service", "Cancelled service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
+
+-- sis/services/flash.c
+field("sis.flash.address", "Memory address", ftypes.UINT32, base.HEX)
+field("sis.flash.length", "Length", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
+field("sis.flash.target", "Target", ftypes.UINT8, base.HEX, N.shutdown_targets)
+field("sis.flash.device_type", "Device type", ftypes.UINT8, base.HEX, N.device_types)
+field("sis.flash.crc32", "CRC32", ftypes.UINT32, base.HEX)
+
+-- sis/services/identification.c
+field("sis.version", "SIS version", ftypes.STRING)
+field("sis.firmware", "Firmware (FWA) number", ftypes.STRING)
+field("sis.type_key", "Device type key", ftypes.STRING)
+
+-- sis/services/initialization.c
+field("sis.init.time", "Time", ftypes.RELATIVE_TIME)
+field("sis.init.test_time", "Duration of the test", ftypes.RELATIVE_TIME)
+
+-- sis/services/parameter.c
+N.parameter_types = {
+  [0] = "Parameter of a drive",
+  [1] = "Control parameter, first kind (A)",
+  [2] = "Control parameter, second kind (C)",
+}
+N.last_current = {"last", "current, more follows"}
+N.product_standard = {"P, product-specific", "S, standard"}
+field("sis.parameter_control", "Parameter control", ftypes.UINT8, base.HEX)
+field("sis.parameter_control.reserved", "Reserved", ftypes.UINT8, base.HEX, nil, 0xc3)
+field("sis.element", "Element", ftypes.UINT8, base.DEC, N.elements, 0x38)
+field("sis.transmission", "Transmission", ftypes.BOOLEAN, 8, N.last_current, 0x04)
+field("sis.parameter", "Parameter", ftypes.STRING)
+field("sis.parameter.name", "Name", ftypes.STRING)
+field("sis.parameter.unit", "Unit", ftypes.STRING)
+field("sis.parameter.minimum", "Minimum", ftypes.STRING)
+field("sis.parameter.maximum", "Maximum", ftypes.STRING)
+field("sis.parameter.type", "Type", ftypes.UINT8, base.DEC, N.parameter_types)
+field("sis.parameter.product_specific", "Kind", ftypes.BOOLEAN, 16, N.product_standard, 0x8000)
+field("sis.parameter.set", "Parameter set", ftypes.UINT16, base.DEC, nil, 0x7000)
+field("sis.parameter.number", "Number", ftypes.UINT16, base.DEC, nil, 0xfff)
+field("sis.list_offset", "List offset", ftypes.UINT16, base.DEC)
+field("sis.list_length", "List length", ftypes.UINT16, base.DEC)
+field("sis.data_status", "Data status", ftypes.UINT16, base.HEX)
+field("sis.data_status.set", "Command set", ftypes.BOOLEAN, 16, nil, 0x01)
+field("sis.data_status.enabled", "Command enabled", ftypes.BOOLEAN, 16, nil, 0x02)
+field("sis.data_status.not_executed", "Not yet executed", ftypes.BOOLEAN, 16, nil, 0x04)
+field("sis.data_status.impossible", "Execution not possible", ftypes.BOOLEAN, 16, nil, 0x08)
+field("sis.data_status.invalid", "Operating data invalid", ftypes.BOOLEAN, 16, nil, 0x100)
+
+-- sis/services/phase.c
+field("sis.phase", "Phase", ftypes.UINT8, base.DEC)
+field("sis.phase.switch_in", "Phase switch in", ftypes.FRAMENUM)
+field("sis.phase.switch_time", "Time of the phase switch", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "From its command to the poll that ended it")
+
+-- sis/timing.c
+N.verdicts = {
+  [0] = "ok",
+  [1] = "exceeded",
+  [2] = "unresolved: the times are not exact enough",
+}
+field("sis.silence_before", "Silence before", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Since the character before it on this line, arrival to arrival")
+field("sis.tza.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Between two characters of the telegram, arrival to arrival; where they came in one read, the most "
+    .. "it can have been")
+field("sis.tza.position", "Longest interval before character", ftypes.UINT16, base.DEC, nil, 0,
+  "Its number in the telegram, from 1")
+field("sis.tza.limit", "TzA (longest interval allowed)", ftypes.RELATIVE_TIME)
+field("sis.tza.set_in", "TzA set in", ftypes.FRAMENUM)
+field("sis.tza.verdict", "Verdict on TzA", ftypes.UINT8, base.DEC, N.verdicts)
+field("sis.trs.limit", "TrS (longest reaction time allowed)", ftypes.RELATIVE_TIME)
+field("sis.trs.set_in", "TrS set in", ftypes.FRAMENUM)
+field("sis.trs.verdict", "Verdict on TrS", ftypes.UINT8, base.DEC, N.verdicts)
+field("sis.twm.wait", "Wait of the master (TwM)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Since the end of its command before: of the one that is repeated, or of a broadcast")
+field("sis.tmas.cycle", "Master control word cycle", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Between two writings of S-0-0134 to the same device, begin to begin")
+field("sis.tmas.limit", "Tmas (longest cycle allowed)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "While the machine moves")
+field("sis.tmas.set_in", "Tmas set in", ftypes.FRAMENUM)
+field("sis.tmas.verdict", "Verdict on Tmas", ftypes.UINT8, base.DEC, N.verdicts)
+field("sis.bus.baud", "Baud rate of the bus", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" Bd"}, 0,
+  "As the bus was told")
+field("sis.bus.baud.set_in", "Baud rate set in", ftypes.FRAMENUM)
+field("sis.bus.load", "Bus load", ftypes.DOUBLE, base.NONE, nil, 0,
+  "Percent of the last second in which there were characters on the line")
+expert_field("sis.tza.exceeded", "PROTOCOL", "WARN", "TzA exceeded")
+expert_field("sis.tza.unresolved", "PROTOCOL", "NOTE", "TzA perhaps exceeded")
+expert_field("sis.trs.exceeded", "PROTOCOL", "WARN", "TrS exceeded")
+expert_field("sis.trs.unresolved", "PROTOCOL", "NOTE", "TrS perhaps exceeded")
+expert_field("sis.twm.early", "SEQUENCE", "NOTE", "Repeated before TrS was over")
+expert_field("sis.tmas.exceeded", "PROTOCOL", "WARN", "Tmas exceeded")
+expert_field("sis.tmas.unresolved", "PROTOCOL", "NOTE", "Tmas perhaps exceeded")
+expert_field("sis.bus.baud.differs", "PROTOCOL", "NOTE", "The tap listens at another baud rate than the bus was told")
+
+-- end of what fields.py has made
+
 do
   local names, are_reserved = {}, {} -- of all 256 services: every telegram asks
 
@@ -570,7 +900,7 @@ do
   end
 end
 
---- sertap-time: times as numbers with an end, and as text that is the same in every locale.
+--- sertap/time: times as numbers with an end, and as text that is the same in every locale.
 
 do
   local LATEST = 9.15e18 -- ns, 290 years: a capture may claim any time
@@ -604,7 +934,7 @@ do
   end
 end
 
---- sertap-line: what is known of a line, record after record, in the first pass
+--- sertap/line: what is known of a line, record after record, in the first pass
 
 do
   local WINDOW_NS = 1e9 -- over which the load is taken
@@ -702,7 +1032,7 @@ do
   end
 end
 
---- packet-sertap: the serial tap's link layer: one record a packet, with value, interval and flags of every character
+--- sertap/packet-sertap: one record a packet, with value, interval and flags of every character
 
 do
   local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
@@ -714,81 +1044,20 @@ do
   K.SAME_READ, K.CHARACTER_ERROR, K.BREAK, K.LOST_BEFORE = 0x01, 0x02, 0x04, 0x08
   K.UNLOCATED_ERROR, K.INTERVAL_UNKNOWN, K.INTERVAL_SATURATED = 0x10, 0x20, 0x40
 
-  local types = {[K.FRAME] = "Frame", [K.OTHER] = "Other characters", [K.EVENT] = "Event"}
-  local line_names = {[0] = "Shared bus", [1] = "First direction", [2] = "Second direction"}
-  local parities = {[0] = "None", [1] = "Even", [2] = "Odd", [3] = "Mark", [4] = "Space"}
   local parity_letters = {[0] = "N", [1] = "E", [2] = "O", [3] = "M", [4] = "S"}
-  local stop_bits = {[2] = "1", [3] = "1.5", [4] = "2"}
-  local framings = {[FRAMING_SIS] = "SIS", [1] = "3964R", [255] = "Silence"}
-  local events = {
-    [0] = "None",
-    [1] = "Capture started",
-    [2] = "Line settings changed",
-    [K.CHARACTERS_LOST] = "Characters lost",
-    [K.ADAPTER_LOST] = "Adapter lost",
-    [5] = "Marker",
-    [6] = "Capture ended",
-  }
-
-  field("version", "Version", "sertap.version", ftypes.UINT8, base.DEC)
-  field("header_length", "Header length", "sertap.header_length", ftypes.UINT8, base.DEC)
-  field("type", "Type", "sertap.type", ftypes.UINT8, base.DEC, types)
-  field("line", "Line", "sertap.line", ftypes.UINT8, base.DEC, line_names)
-  field("baud", "Baud rate", "sertap.baud", ftypes.UINT32, base.DEC)
-  field("format", "Character format", "sertap.format", ftypes.STRING)
-  field("data_bits", "Data bits", "sertap.format.data_bits", ftypes.UINT8, base.DEC)
-  field("parity", "Parity", "sertap.format.parity", ftypes.UINT8, base.DEC, parities)
-  field("stop_bits", "Stop bits", "sertap.format.stop", ftypes.UINT8, base.DEC, stop_bits, 0, "In half bits")
-  field("framing", "Framing", "sertap.framing", ftypes.UINT8, base.DEC, framings, 0, "By which rule frames are cut")
-  field("uncertainty", "Uncertainty of the times", "sertap.uncertainty", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "How much earlier than recorded a character can have arrived")
-  field("count", "Count", "sertap.count", ftypes.UINT16, base.DEC, nil, 0, "Characters, or bytes of an event's text")
-  field("event", "Event", "sertap.event", ftypes.UINT16, base.DEC, events)
-  field("text", "Text", "sertap.text", ftypes.STRING)
-  field("data", "Characters", "sertap.data", ftypes.BYTES)
-  field("character", "Character", "sertap.character", ftypes.UINT8, base.HEX)
-  field("interval", "Interval", "sertap.interval", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Since the character before it on this line, arrival to arrival")
-  field("interval_max", "Longest interval", "sertap.interval.max", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Between two characters of this record")
-  field("flags", "Flags", "sertap.flags", ftypes.UINT8, base.HEX)
-  field("same_read", "Came in the same read as the one before", "sertap.same_read", ftypes.BOOLEAN, 8, nil, K.SAME_READ)
-  field("error_character", "Parity or framing error", "sertap.error.character", ftypes.BOOLEAN, 8, nil,
-    K.CHARACTER_ERROR)
-  field("error_break", "Break", "sertap.error.break", ftypes.BOOLEAN, 8, nil, K.BREAK)
-  field("error_lost", "Characters lost before it", "sertap.error.lost", ftypes.BOOLEAN, 8, nil, K.LOST_BEFORE)
-  field("error_unlocated", "Error somewhere in its read", "sertap.error.unlocated", ftypes.BOOLEAN, 8, nil,
-    K.UNLOCATED_ERROR)
-  field("interval_unknown", "Interval unknown (first on the line)", "sertap.interval.unknown", ftypes.BOOLEAN, 8, nil,
-    K.INTERVAL_UNKNOWN)
-  field("interval_saturated", "Interval longer than it can be stored", "sertap.interval.saturated", ftypes.BOOLEAN, 8,
-    nil, K.INTERVAL_SATURATED)
-
-  expert_field("version", "sertap.version.unknown", "MALFORMED", "ERROR", "Unknown version of the record")
-  expert_field("header_length", "sertap.header_length.short", "MALFORMED", "ERROR",
-    "The header is shorter than version 1 has it")
-  expert_field("count", "sertap.count.wrong", "MALFORMED", "ERROR", "The count does not fit")
-  expert_field("truncated", "sertap.truncated", "MALFORMED", "ERROR", "The record is cut")
-  expert_field("error_character", "sertap.error.character.expert", "CHECKSUM", "WARN",
-    "Parity or framing error on the line")
-  expert_field("error_break", "sertap.error.break.expert", "PROTOCOL", "WARN", "Break on the line")
-  expert_field("error_lost", "sertap.error.lost.expert", "SEQUENCE", "WARN",
-    "Characters were lost before the tap could read them")
-  expert_field("error_unlocated", "sertap.error.unlocated.expert", "CHECKSUM", "WARN",
-    "A line error, the adapter does not say at which character")
-  expert_field("event", "sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
 
   -- What a flag is called at its character, and, for an error, what is said of the record that has it, with the number
   -- of the first character that has it.
   local flags = {
     {flag = K.SAME_READ, field = FT.same_read, text = "same read"},
     {flag = K.CHARACTER_ERROR, field = FT.error_character, text = "parity or framing error",
-      expert = ET.error_character, mark = "parity or framing error at character %d"},
-    {flag = K.BREAK, field = FT.error_break, text = "break", expert = ET.error_break, mark = "break at character %d"},
-    {flag = K.LOST_BEFORE, field = FT.error_lost, text = "characters lost before it", expert = ET.error_lost,
+      expert = ET.error_character_expert, mark = "parity or framing error at character %d"},
+    {flag = K.BREAK, field = FT.error_break, text = "break", expert = ET.error_break_expert,
+      mark = "break at character %d"},
+    {flag = K.LOST_BEFORE, field = FT.error_lost, text = "characters lost before it", expert = ET.error_lost_expert,
       mark = "the tap lost characters before character %d"},
     {flag = K.UNLOCATED_ERROR, field = FT.error_unlocated, text = "error somewhere in this read",
-      expert = ET.error_unlocated, mark = "line error, place unknown"},
+      expert = ET.error_unlocated_expert, mark = "line error, place unknown"},
     {flag = K.INTERVAL_UNKNOWN, field = FT.interval_unknown, text = "interval unknown"},
     {flag = K.INTERVAL_SATURATED, field = FT.interval_saturated, text = "interval longer than it can be stored"},
   }
@@ -853,12 +1122,12 @@ do
 
   -- "8E1" and its parts.
   local function add_format(tree, tvb, record)
-    local parity, stop = parity_letters[record.parity] or "?", stop_bits[record.stop_half_bits] or "?"
+    local parity, stop = parity_letters[record.parity] or "?", N.stop_bits[record.stop_half_bits] or "?"
     local subtree = add(tree, FT.format, tvb, 8, 3, strformat("%d%s%s", record.data_bits, parity, stop))
 
-    add(subtree, FT.data_bits, tvb, 8, 1)
-    add(subtree, FT.parity, tvb, 9, 1)
-    add(subtree, FT.stop_bits, tvb, 10, 1)
+    add(subtree, FT.format_data_bits, tvb, 8, 1)
+    add(subtree, FT.format_parity, tvb, 9, 1)
+    add(subtree, FT.format_stop, tvb, 10, 1)
   end
 
   -- Unknown has no value: a filter for bad times would find it.
@@ -891,7 +1160,7 @@ do
     end
     local item = add(tree, FT.version, tvb, 0, 1) or root
     if version ~= RECORD_VERSION then
-      add_expert(item, ET.version,
+      add_expert(item, ET.version_unknown,
         strformat("Record version %d is not known here, only %d", version, RECORD_VERSION))
       return false
     end
@@ -902,7 +1171,7 @@ do
     if not size then return false, true end
     item = add(tree, FT.header_length, tvb, 1, 1) or root
     if size < RECORD_HEADER_SIZE or there < size then
-      add_expert(item, size < RECORD_HEADER_SIZE and ET.header_length or ET.truncated)
+      add_expert(item, size < RECORD_HEADER_SIZE and ET.header_length_short or ET.truncated)
       return false
     end
     return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
@@ -967,7 +1236,7 @@ do
     if rest < expected then
       add_expert(item, ET.truncated, strformat("The record is cut: %d bytes of %d after its header", rest, expected))
     elseif rest > expected then
-      add_expert(item, ET.count,
+      add_expert(item, ET.count_wrong,
         strformat("The count does not fit: %d bytes after its %d characters", rest - expected, declared))
     end
   end
@@ -1111,14 +1380,14 @@ do
   end
 
   local function dissect_event(tvb, pinfo, tree, root, record)
-    local name = events[record.event] or "Event of a later version"
+    local name = N.events[record.event] or "Event of a later version"
     local offset, count = record.data_offset, record.count
     local text = name .. ": " .. format_text(sub(record.bytes, offset + 1, offset + count))
     local item = add(tree, FT.event, tvb, 18, 2) or root
 
     if tree then tree:add_packet_field(FT.text, tvb(offset, count), ENC_UTF_8) end
     if record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST then
-      add_expert(item, ET.event, text)
+      add_expert(item, ET.event_expert, text)
     end
     write_columns(pinfo, text)
   end
@@ -1171,7 +1440,7 @@ do
   local function show_record(tvb, tree, root, record, there)
     if tree then show_header(tvb, tree, record) end
     check_count(add(tree, FT.count, tvb, 16, 2) or root, record, there)
-    append_text(tree, ", " .. (types[record.type] or "type of a later version"))
+    append_text(tree, ", " .. (N.types[record.type] or "type of a later version"))
   end
 
   local function dissect_record(tvb, pinfo, parent, tree, root, record)
@@ -1216,7 +1485,7 @@ do
   handle = sertap.dissector
 end
 
---- sis-address: kinds of station addresses in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7)
+--- sis/address: kinds of station addresses in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7)
 
 do
   K.IF02, K.ECODRIVE03 = 0, 1
@@ -1307,7 +1576,7 @@ do
   end
 end
 
---- packet-sis: header and dispatch (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03": DOK-ECODR3-FGP-01VRS)
+--- sis/packet-sis: header and dispatch (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03": DOK-ECODR3-FGP-01VRS)
 
 do
   K.START = 0x02
@@ -1316,70 +1585,11 @@ do
   -- Telegram control (chapter 2.1).
   K.CONTROL_SUBADDRESSES, K.CONTROL_NUMBER, K.CONTROL_REACTION = 0x07, 0x08, 0x10
 
-  local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR, CONTROL_STATUS = 0x20, 0x40, 0x80, 0xE0
+  local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR = 0x20, 0x40, 0x80
   local CHECKSUM_BAD, CHECKSUM_GOOD, CHECKSUM_UNVERIFIED = 0, 1, 2
 
-  local checksum_states = {[CHECKSUM_BAD] = "Bad", [CHECKSUM_GOOD] = "Good", [CHECKSUM_UNVERIFIED] = "Unverified"}
-  local command_reaction = {"Reaction telegram", "Command telegram"}
-  local present_absent = {"Present", "Not present"}
-
-  field("start", "Start character", "sis.start", ftypes.UINT8, base.HEX)
-  field("checksum", "Checksum", "sis.checksum", ftypes.UINT8, base.HEX, nil, 0,
-    "Makes the sum of all bytes 0 modulo 256")
-  field("checksum_status", "Checksum Status", "sis.checksum.status", ftypes.UINT8, base.NONE, checksum_states)
-  field("length", "Data length", "sis.length", ftypes.UINT8, base.DEC, nil, 0, "Bytes after the static header of 8")
-  field("length_repeat", "Data length repetition", "sis.length_repeat", ftypes.UINT8, base.DEC)
-  field("control", "Telegram control", "sis.control", ftypes.UINT8, base.HEX)
-  field("control_subaddresses", "Subaddresses", "sis.control.subaddresses", ftypes.UINT8, base.DEC, nil,
-    K.CONTROL_SUBADDRESSES)
-  field("control_number", "Telegram number", "sis.control.number", ftypes.BOOLEAN, 8, present_absent, K.CONTROL_NUMBER)
-  field("control_reaction", "Kind", "sis.control.reaction", ftypes.BOOLEAN, 8, command_reaction, K.CONTROL_REACTION)
-  field("control_reserved", "Reserved", "sis.control.reserved", ftypes.BOOLEAN, 8, nil, CONTROL_RESERVED)
-  field("control_warning", "System warning of the sender", "sis.control.warning", ftypes.BOOLEAN, 8, nil,
-    CONTROL_WARNING)
-  field("control_error", "System error of the sender", "sis.control.error", ftypes.BOOLEAN, 8, nil, CONTROL_ERROR)
-  field("control_status", "Status", "sis.control.status", ftypes.UINT8, base.DEC, N.control_status_ecodrive03,
-    CONTROL_STATUS)
-  field("service", "Service", "sis.service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
-  field("sender", "Sender address", "sis.sender", ftypes.UINT8, base.DEC)
-  field("receiver", "Receiver address", "sis.receiver", ftypes.UINT8, base.DEC)
-  field("subaddress", "Subaddress", "sis.subaddress", ftypes.UINT8, base.DEC)
-  field("number", "Telegram number", "sis.number", ftypes.UINT8, base.DEC)
-  field("talker", "Talker", "sis.talker", ftypes.UINT8, base.DEC, nil, 0,
-    "Who really sends: a reaction keeps the command's addresses")
-  field("listener", "Listener", "sis.listener", ftypes.UINT8, base.DEC, nil, 0, "For whom it really is")
-  field("station", "Station", "sis.station", ftypes.UINT8, base.DEC, nil, 0, "Talker or listener")
-
-  expert_field("start", "sis.start.missing", "MALFORMED", "ERROR", "No start character 0x02")
   local WRONG_CHECKSUM = "Wrong checksum: a bus does not answer this telegram, "
     .. "a point-to-point station answers with status 0xF4"
-
-  expert_field("checksum", "sis.checksum.bad", "CHECKSUM", "ERROR", WRONG_CHECKSUM)
-  expert_field("lengths_differ", "sis.length.differ", "MALFORMED", "ERROR",
-    "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2")
-  expert_field("too_short", "sis.length.short", "MALFORMED", "ERROR", "The telegram is cut")
-  expert_field("too_long", "sis.length.long", "PROTOCOL", "WARN", "Bytes follow the end of the telegram")
-  expert_field("header_too_long", "sis.length.header", "MALFORMED", "ERROR",
-    "Subaddresses and telegram number do not fit into the length")
-  expert_field("control_reserved", "sis.control.reserved.set", "PROTOCOL", "NOTE",
-    "Reserved bits of the telegram control are set (another edition? preference sis.edition)")
-  expert_field("control_status", "sis.control.status.set", "RESPONSE_CODE", "NOTE",
-    "The status in the telegram control is not 'no error'")
-  expert_field("control_error", "sis.control.status.error", "RESPONSE_CODE", "WARN",
-    "The status in the telegram control is an error")
-  expert_field("system_warning", "sis.control.warning.set", "RESPONSE_CODE", "NOTE",
-    "The sender signals a system warning")
-  expert_field("system_error", "sis.control.error.set", "RESPONSE_CODE", "WARN", "The sender signals a system error")
-  expert_field("service_reserved", "sis.service.reserved", "PROTOCOL", "NOTE", "Reserved service")
-  expert_field("sender_service", "sis.sender.service_master", "PROTOCOL", "NOTE",
-    "Address 127, for service and emergencies only: not to be used while other masters communicate")
-  expert_field("sender_invalid", "sis.sender.invalid", "PROTOCOL", "WARN", "A sender address is not above 127")
-  expert_field("receiver_reserved", "sis.receiver.reserved", "PROTOCOL", "WARN",
-    "Receiver address that is not assigned or reserved (another edition? preference sis.edition)")
-  expert_field("level_broadcast", "sis.receiver.level_broadcast", "PROTOCOL", "WARN",
-    "254 may only be the last address of the list")
-  expert_field("reaction_unexpected", "sis.reaction.unexpected", "PROTOCOL", "WARN",
-    "A group or broadcast is not answered")
 
   local handle -- of this dissector, once there is one
   -- A TCP segment may come in several calls: only Wireshark's own table of a packet knows that it is still the same.
@@ -1437,12 +1647,12 @@ do
     elseif telegram.sum then
       state = CHECKSUM_BAD
     end
-    set_generated(add_value(body.tree, F.checksum_status, body.tvb, 1, 0, state, checksum_states[state]))
+    set_generated(add_value(body.tree, F.checksum_status, body.tvb, 1, 0, state, N.checksum_states[state]))
     if state == CHECKSUM_BAD then
       local expected = strformat("should be 0x%02x", (checksum - telegram.sum) % 256)
 
       append_text(item, " incorrect, " .. expected)
-      add_expert(item or body.root, E.checksum, WRONG_CHECKSUM .. " [" .. expected .. "]")
+      add_expert(item or body.root, E.checksum_bad, WRONG_CHECKSUM .. " [" .. expected .. "]")
       body.marks = body.marks .. "  [wrong checksum]"
     else
       append_text(item, state == CHECKSUM_GOOD and " [correct]" or " [unverified]")
@@ -1454,12 +1664,12 @@ do
     local item = add(body.tree, F.length_repeat, body.tvb, 3, 1)
 
     if declared == 0 then
-      mark(body, item, E.lengths_differ, "lengths differ")
+      mark(body, item, E.length_differ, "lengths differ")
     elseif there < declared then
-      add_expert(item or body.root, E.too_short, strformat("The telegram is cut: %d of %d bytes", there, declared))
+      add_expert(item or body.root, E.length_short, strformat("The telegram is cut: %d of %d bytes", there, declared))
       body.marks = body.marks .. strformat("  [cut: %d of %d bytes]", there, declared)
     elseif there > declared then
-      add_expert(item or body.root, E.too_long,
+      add_expert(item or body.root, E.length_long,
         strformat("%d bytes follow the end of the telegram", there - declared))
       body.marks = body.marks .. strformat("  [%d bytes too many]", there - declared)
     end
@@ -1469,9 +1679,9 @@ do
   local function dissect_control_if02(body, item)
     local control = body.telegram.control
 
-    if band(control, CONTROL_RESERVED) ~= 0 then mark(body, item, E.control_reserved, "reserved bit") end
-    if band(control, CONTROL_WARNING) ~= 0 then mark(body, item, E.system_warning, "system warning") end
-    if band(control, CONTROL_ERROR) ~= 0 then mark(body, item, E.system_error, "system error") end
+    if band(control, CONTROL_RESERVED) ~= 0 then mark(body, item, E.control_reserved_set, "reserved bit") end
+    if band(control, CONTROL_WARNING) ~= 0 then mark(body, item, E.control_warning_set, "system warning") end
+    if band(control, CONTROL_ERROR) ~= 0 then mark(body, item, E.control_error_set, "system error") end
   end
 
   local ECODRIVE03_ERROR = 6
@@ -1483,10 +1693,10 @@ do
 
     if status == 0 then return end
     if not body.telegram.is_reaction then
-      mark(body, item, E.control_reserved, "reserved bits")
+      mark(body, item, E.control_reserved_set, "reserved bits")
       return
     end
-    add_expert(item or body.root, status == ECODRIVE03_ERROR and E.control_error or E.control_status,
+    add_expert(item or body.root, status == ECODRIVE03_ERROR and E.control_status_error or E.control_status_set,
       "Status in the telegram control: " .. text)
     body.marks = body.marks .. strformat("  [control status %d: %s]", status, text)
   end
@@ -1528,7 +1738,7 @@ do
       strformat("%d (%s)", sender, S.kind_text(kind)))
 
     if kind == K.SERVICE_MASTER then
-      mark(body, item, E.sender_service, "service address 127")
+      mark(body, item, E.sender_service_master, "service address 127")
     elseif kind == K.NO_SENDER then
       mark(body, item, E.sender_invalid, "invalid sender address")
     end
@@ -1539,7 +1749,7 @@ do
     if kind == K.NOT_ASSIGNED then mark(body, item, E.receiver_reserved, "address 127 is not assigned") end
     if kind == K.RESERVED then mark(body, item, E.receiver_reserved, "reserved address") end
     if kind == K.LEVEL_BROADCAST and not is_last then
-      mark(body, item, E.level_broadcast, "254 before the last address")
+      mark(body, item, E.receiver_level_broadcast, "254 before the last address")
     end
     if is_last and body.telegram.is_reaction and not S.is_answered(receiver) then
       mark(body, item, E.reaction_unexpected, "reaction to a group or broadcast")
@@ -1579,7 +1789,7 @@ do
       add(body.tree, F.number, body.tvb, number_at, 1)
     end
     if body.declared > 0 and telegram.body_offset > body.declared then
-      mark(body, body.root, E.header_too_long, "header longer than telegram")
+      mark(body, body.root, E.length_header, "header longer than telegram")
     end
     if body.tree then
       set_generated(add(body.tree, F.talker, body.tvb, 0, 0, telegram.talker))
@@ -1751,7 +1961,7 @@ do
   local function dissect_start(body)
     local item = add(body.tree, F.start, body.tvb, 0, 1)
 
-    if byte(body.bytes, 1) ~= K.START then mark(body, item, E.start, "no start character") end
+    if byte(body.bytes, 1) ~= K.START then mark(body, item, E.start_missing, "no start character") end
   end
 
   local HEAD_LENGTH = 160 -- characters: Wireshark cuts a line of the tree soon after
@@ -1804,7 +2014,7 @@ do
     dissect_start(body)
     if #body.bytes == there then
       if there > 1 then add(body.tree, F.raw, body.tvb, 1, there - 1) end
-      add_expert(body.root, E.too_short,
+      add_expert(body.root, E.length_short,
         strformat("The telegram is cut: %d byte%s, it has at least %d", there, plural(there), K.STATIC_LENGTH))
     end
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
@@ -1813,7 +2023,7 @@ do
   -- No start character, and not the length of a telegram either: addresses read from it would be invented.
   local function dissect_no_telegram(body)
     if body.tree then append_text(body.root, ", not a telegram") end
-    add_expert(body.root, E.start)
+    add_expert(body.root, E.start_missing)
     if #body.bytes == body.there then add(body.tree, F.raw, body.tvb, 0, body.there) end
     return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
   end
@@ -1876,28 +2086,10 @@ do
   handle = sis.dissector
 end
 
---- sis-body: the useful data of one service, and what all of the services need (chapters 2.1 and 2.3)
+--- sis/body, sis/dispatch: the useful data of one service, and what all of the services need (chapters 2.1 and 2.3)
 
 do
   K.LAST_TRANSMISSION = 0x04 -- bit 2 of the parameter control, fig. 8-1
-
-  field("raw", "Not decoded", "sis.raw", ftypes.BYTES)
-  field("status", "Status", "sis.status", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.status)
-  field("device", "Device address", "sis.device", ftypes.UINT8, base.DEC, nil, 0,
-    "Of the device behind the station; its own address, or 0 for the control itself")
-  field("subservice", "Subservice", "sis.subservice", ftypes.UINT8, base.HEX)
-  field("error", "Error code", "sis.error", ftypes.UINT16, base.HEX, nil, 0,
-    "The full code, where a byte is sent together with its subservice")
-  field("baud_mask", "Baud rate mask", "sis.baud_mask", ftypes.UINT8, base.HEX)
-  field("data", "Data", "sis.data", ftypes.BYTES)
-  field("text", "Text", "sis.text", ftypes.STRING, nil, nil, 0, "Useful data of a product group that are plain ASCII")
-
-  expert_field("missing", "sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
-  expert_field("unexpected", "sis.body.unexpected", "PROTOCOL", "WARN", "More useful data than the service has")
-  expert_field("note", "sis.body.note", "PROTOCOL", "NOTE", "Useful data that the documents do not define")
-  expert_field("status", "sis.status.execution_error", "RESPONSE_CODE", "NOTE", "The status is an execution error")
-  expert_field("status_telegram", "sis.status.telegram_error", "RESPONSE_CODE", "WARN",
-    "The status is a telegram error")
 
   preference("clc_as_sercos", Pref.bool("Decode services 0xC0 to 0xCF like 0x10 to 0x1F", false,
     "The CLC's services are said to be close to the SERCOS services; their layout is not documented"))
@@ -1972,7 +2164,7 @@ do
     if body.end_ - body.offset >= size and not body.is_short then return true end
     if not body.is_cut and not body.is_short then
       body.item = body.root
-      S.mark(body, E.missing, "%s missing", label[which])
+      S.mark(body, E.body_missing, "%s missing", label[which])
     end
     body.is_short = true
     return false
@@ -2041,7 +2233,7 @@ do
     if texts[subservice] then
       S.say(body, ": %s", text)
     else
-      S.mark(body, E.note, "subservice 0x%02x is not defined", subservice)
+      S.mark(body, E.body_note, "subservice 0x%02x is not defined", subservice)
     end
     if body.request then body.request.subservice = subservice end
     return subservice
@@ -2095,18 +2287,18 @@ do
   -- A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. Gives the rate
   -- where it is one, else nil.
   function S.take_baud_mask(body, several)
-    local mask = S.take(body, F.baud_mask, 1)
+    local mask = S.take(body, F.init_baud_mask, 1)
 
     if not mask then return nil end
     local text = baud_mask_text(mask, several)
     append_text(body.item, " (" .. text .. ")")
     S.say(body, ": %s", text)
-    if not several and band(mask, mask - 1) ~= 0 then S.mark(body, E.note, "more than one baud rate") end
+    if not several and band(mask, mask - 1) ~= 0 then S.mark(body, E.body_note, "more than one baud rate") end
     return tonumber(N.baud_masks[mask])
   end
 
   local function mark_error(body, text, code)
-    S.mark(body, E.status, "error 0x%04x: %s", code, text)
+    S.mark(body, E.status_execution_error, "error 0x%04x: %s", code, text)
     body.is_explained = true
     body.error = code
   end
@@ -2158,7 +2350,9 @@ do
     body.status_text = text
     add_code(body, F.status, 1, status, text, 2)
     if status ~= 0 then
-      add_expert(body.item or body.root, status < 0xF0 and E.status or E.status_telegram, "Status: " .. text)
+      local kind = status < 0xF0 and E.status_execution_error or E.status_telegram_error
+
+      add_expert(body.item or body.root, kind, "Status: " .. text)
     end
   end
 
@@ -2179,7 +2373,7 @@ do
     if left == 0 then return end
     body.item = add(body.tree, F.raw, body.tvb, body.offset, left)
     if not body.is_short and not body.is_cut then
-      S.mark(body, E.unexpected, "%d byte%s more than this service has", left, plural(left))
+      S.mark(body, E.body_unexpected, "%d byte%s more than this service has", left, plural(left))
     end
     body.offset = body.end_
   end
@@ -2205,20 +2399,16 @@ do
   end
 end
 
---- sis-identification: service 0x00, node identification (chapter 3)
+--- sis/services/identification: service 0x00, node identification (chapter 3)
 
 do
   local VERSION_LENGTH = 5 -- "nnVmm"
-
-  field("version", "SIS version", "sis.version", ftypes.STRING)
-  field("firmware", "Firmware (FWA) number", "sis.firmware", ftypes.STRING)
-  field("type_key", "Device type key", "sis.type_key", ftypes.STRING)
 
   local function take_version(body)
     local left = S.left(body)
 
     if left ~= VERSION_LENGTH and not body.is_cut then
-      S.mark(body, left < VERSION_LENGTH and E.missing or E.unexpected, "a SIS version has %d characters",
+      S.mark(body, left < VERSION_LENGTH and E.body_missing or E.body_unexpected, "a SIS version has %d characters",
         VERSION_LENGTH)
     end
     S.take_text(body, F.version)
@@ -2247,11 +2437,9 @@ do
   end
 end
 
---- sis-cancel: service 0x01, cancel data transmission (chapter 4): address and service may be missing, each or both
+--- sis/services/cancel: service 0x01, cancel data transmission (chapter 4)
 
 do
-  field("canceled_service", "Cancelled service", "sis.canceled_service", ftypes.UINT8, base.HEX + base.RANGE_STRING,
-    N.services)
 
   local function take_ambiguous(body)
     if body.request then
@@ -2259,7 +2447,7 @@ do
       body.request.subservice = byte(body.bytes, body.offset + 1)
     end
     S.take_rest(body, F.raw)
-    S.mark(body, E.note, "device address or service, one byte does not tell")
+    S.mark(body, E.body_note, "device address or service, one byte does not tell")
   end
 
   local function take_device_and_service(body)
@@ -2306,19 +2494,13 @@ do
   end
 end
 
---- sis-flash: service 0x02, flash operation (chapter 5)
+--- sis/services/flash: service 0x02, flash operation (chapter 5)
 
 do
   local READ_FLASH, FIND_HEADER, ERASE_FLASH, BUILD_CHECKSUM = 0x92, 0x93, 0x94, 0x97
 
-  field("address", "Memory address", "sis.address", ftypes.UINT32, base.HEX)
-  field("memory_length", "Length", "sis.memory_length", ftypes.UINT32, base.DEC, nil, 0, "In bytes")
-  field("target", "Target", "sis.shutdown_target", ftypes.UINT8, base.HEX, N.shutdown_targets)
-  field("device_type", "Device type", "sis.device_type", ftypes.UINT8, base.HEX, N.device_types)
-  field("crc", "CRC32", "sis.crc32", ftypes.UINT32, base.HEX)
-
   local function take_address(body)
-    local address = S.take(body, F.address, 4)
+    local address = S.take(body, F.flash_address, 4)
 
     if not address then return end
     S.say(body, ", 0x%08x", address)
@@ -2329,7 +2511,7 @@ do
   end
 
   local function take_length(body, size)
-    local length = S.take(body, F.memory_length, size)
+    local length = S.take(body, F.flash_length, size)
 
     if length then S.say(body, ", %d byte%s", length, plural(length)) end
   end
@@ -2339,7 +2521,7 @@ do
 
     if not value then return end
     S.say(body, ", %s", text)
-    if not texts[value] then S.mark(body, E.note, "0x%02x is not defined", value) end
+    if not texts[value] then S.mark(body, E.body_note, "0x%02x is not defined", value) end
   end
 
   local function take_data(body)
@@ -2352,8 +2534,8 @@ do
 
   local function take_length_byte(body) take_length(body, 1) end
   local function take_length_word(body) take_length(body, 4) end
-  local function take_target(body) take_code(body, F.target, N.shutdown_targets) end
-  local function take_device_type(body) take_code(body, F.device_type, N.device_types) end
+  local function take_target(body) take_code(body, F.flash_target, N.shutdown_targets) end
+  local function take_device_type(body) take_code(body, F.flash_device_type, N.device_types) end
 
   -- What stands after the subservice in a command.
   local commands = {
@@ -2370,8 +2552,8 @@ do
   -- Both numbers 0xFFFFFFFF: everything but loader and kernel.
   local function take_erase_everything(body)
     if S.left(body) < 8 or sub(body.bytes, body.offset + 1, body.offset + 8) ~= rep("\255", 8) then return false end
-    S.take(body, F.address, 4)
-    S.take(body, F.memory_length, 4)
+    S.take(body, F.flash_address, 4)
+    S.take(body, F.flash_length, 4)
     S.say(body, ", all but loader and kernel")
     return true
   end
@@ -2395,7 +2577,7 @@ do
     elseif subservice == FIND_HEADER then
       take_address(body)
     elseif subservice == BUILD_CHECKSUM and S.left(body) >= 4 then -- IndraDrive; IF02 has no data here
-      S.say(body, ", 0x%08x", S.take(body, F.crc, 4))
+      S.say(body, ", 0x%08x", S.take(body, F.flash_crc32, 4))
     elseif not N.subservices_flash[subservice] then
       S.take_rest(body, F.raw)
     end
@@ -2415,26 +2597,25 @@ do
   end
 end
 
---- sis-initialization: service 0x03, initialization of the SIS communication (chapter 6)
+--- sis/services/initialization: service 0x03, initialization of the SIS communication (chapter 6)
 
 do
   -- Subservices (chapter 6.1).
   K.SET_TRS, K.SET_TZA, K.SET_TMAS, K.SET_BAUD_RATE, K.TEST_BAUD, K.ACCEPT = 0x01, 0x02, 0x03, 0x07, 0x08, 0xFF
 
-  field("time", "Time", "sis.timing.ms", ftypes.UINT16, base.DEC, nil, 0, "In ms")
-  field("test_time", "Duration of the test", "sis.test_ms", ftypes.UINT16, base.DEC, nil, 0, "In ms")
-
   local function take_time(body, which)
-    local ms = S.take(body, which, 2)
+    if not S.needs(body, which, 2) then return nil end
 
-    if not ms then return nil end
-    append_text(body.item, " ms")
+    local offset = body.offset
+    local ms = body.tvb(offset, 2):le_uint()
+    body.item = body.tree and add_value(body.tree, which, body.tvb, offset, 2, nstime(ms * 1000000), ms .. " ms")
+    body.offset = offset + 2
     S.say(body, ", %d ms", ms)
     return ms
   end
 
   local function take_setting(body, request)
-    request.setting = take_time(body, F.time)
+    request.setting = take_time(body, F.init_time)
     return request.setting ~= nil
   end
 
@@ -2444,7 +2625,7 @@ do
   end
 
   local function take_baud_test(body, request)
-    request.test_ms = take_time(body, F.test_time)
+    request.test_ms = take_time(body, F.init_test_time)
     return request.test_ms ~= nil and take_baud_rate(body, request)
   end
 
@@ -2460,7 +2641,7 @@ do
 
   local function take_more(body)
     if S.take_rest(body, F.raw) then
-      S.mark(body, E.note, "more data: further subservices? their layout is not defined")
+      S.mark(body, E.body_note, "more data: further subservices? their layout is not defined")
     end
   end
 
@@ -2486,15 +2667,10 @@ do
   end
 end
 
---- sis-list: service 0x04, execute a list of SIS services (chapter 7): each element is the telegram it stands for
+--- sis/dispatch: service 0x04, execute a list of SIS services (chapter 7): each element is the telegram it stands for
 
 do
   local LIST_SERVICE = 0x04
-
-  field("element_length", "Length", "sis.element_length", ftypes.UINT8, base.DEC, nil, 0,
-    "Service and body of this element")
-
-  expert_field("recursion", "sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not be in its own list")
 
   local function add_request(list, request)
     local last = list.last_request
@@ -2539,7 +2715,7 @@ do
   end
 
   local function show_recursion(list, length)
-    S.mark(list, E.recursion, "a list in a list")
+    S.mark(list, E.list_recursion, "a list in a list")
     if length > 0 then add(list.tree, F.raw, list.tvb, list.offset, length) end
   end
 
@@ -2548,7 +2724,7 @@ do
     local service = S.take(list, F.service, 1)
 
     if not service then return end
-    if length > there and not list.is_cut then S.mark(list, E.missing, "element %d is cut", number) end
+    if length > there and not list.is_cut then S.mark(list, E.body_missing, "element %d is cut", number) end
     if service == LIST_SERVICE then
       show_recursion(list, there)
     else
@@ -2566,7 +2742,7 @@ do
     list.tree = root
     S.take(list, F.element_length, 1)
     if length == 0 then
-      S.mark(list, E.unexpected, "element %d is empty", number)
+      S.mark(list, E.body_unexpected, "element %d is empty", number)
     else
       dissect_element_service(list, number, root, length - 1, size - 2, asked)
     end
@@ -2586,48 +2762,11 @@ do
   end
 end
 
---- sis-sercos: services 0x10, 0x11, 0x12, 0x1D, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters and
--- phases (chapter 8)
+--- sis/services/parameter, sis/services/phase: SERCOS parameters and phases, and their twins of the product groups
+-- (chapter 8)
 
 do
   local CONTROL_RESERVED = 0xC3
-
-  local last_current = {"last", "current, more follows"}
-  local parameter_types = {
-    [0] = "Parameter of a drive",
-    [1] = "Control parameter, first kind (A)",
-    [2] = "Control parameter, second kind (C)",
-  }
-  local product_standard = {"P, product-specific", "S, standard"}
-
-  field("parameter_control", "Parameter control", "sis.parameter_control", ftypes.UINT8, base.HEX)
-  field("parameter_control_reserved", "Reserved", "sis.parameter_control.reserved", ftypes.UINT8, base.HEX, nil,
-    CONTROL_RESERVED)
-  field("element", "Element", "sis.element", ftypes.UINT8, base.DEC, N.elements, 0x38)
-  field("transmission", "Transmission", "sis.transmission", ftypes.BOOLEAN, 8, last_current, K.LAST_TRANSMISSION)
-  field("parameter", "Parameter", "sis.parameter", ftypes.STRING)
-  field("parameter_name", "Name", "sis.parameter.name", ftypes.STRING)
-  field("parameter_unit", "Unit", "sis.parameter.unit", ftypes.STRING)
-  field("parameter_minimum", "Minimum", "sis.parameter.minimum", ftypes.STRING)
-  field("parameter_maximum", "Maximum", "sis.parameter.maximum", ftypes.STRING)
-  field("parameter_type", "Type", "sis.parameter.type", ftypes.UINT8, base.DEC, parameter_types)
-  field("parameter_profile", "Kind", "sis.parameter.product_specific", ftypes.BOOLEAN, 16, product_standard, 0x8000)
-  field("parameter_set", "Parameter set", "sis.parameter.set", ftypes.UINT16, base.DEC, nil, 0x7000)
-  field("parameter_number", "Number", "sis.parameter.number", ftypes.UINT16, base.DEC, nil, 0x0FFF)
-  field("list_offset", "List offset", "sis.list_offset", ftypes.UINT16, base.DEC)
-  field("list_length", "List length", "sis.list_length", ftypes.UINT16, base.DEC)
-  field("data_status", "Data status", "sis.data_status", ftypes.UINT16, base.HEX)
-  field("data_status_set", "Command set", "sis.data_status.set", ftypes.BOOLEAN, 16, nil, 0x0001)
-  field("data_status_enabled", "Command enabled", "sis.data_status.enabled", ftypes.BOOLEAN, 16, nil, 0x0002)
-  field("data_status_not_executed", "Not yet executed", "sis.data_status.not_executed", ftypes.BOOLEAN, 16, nil,
-    0x0004)
-  field("data_status_impossible", "Execution not possible", "sis.data_status.impossible", ftypes.BOOLEAN, 16, nil,
-    0x0008)
-  field("data_status_invalid", "Operating data invalid", "sis.data_status.invalid", ftypes.BOOLEAN, 16, nil, 0x0100)
-  field("phase", "Phase", "sis.phase", ftypes.UINT8, base.DEC)
-  field("switch_in", "Phase switch in", "sis.phase.switch_in", ftypes.FRAMENUM)
-  field("switch_time", "Time of the phase switch", "sis.phase.switch_time", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "From its command to the poll that ended it")
 
   -- A body of a parameter service while it is taken apart is an `access`: body, general (service, as a general one),
   -- element, is_last, device, ident (nil: not known; in a reaction its command's), known.
@@ -2659,7 +2798,7 @@ do
     access.is_last = band(control, K.LAST_TRANSMISSION) ~= 0
     if body.tree then show_control(access) end
     if band(control, CONTROL_RESERVED) ~= 0 then
-      S.mark(body, E.note, "reserved bits of the parameter control")
+      S.mark(body, E.body_note, "reserved bits of the parameter control")
     end
     access.device = S.take(body, F.device, 1)
     if not access.device then return false end
@@ -2702,7 +2841,7 @@ do
     body.item = add(body.tree, F.parameter, tvb, offset, 3, access.ident.text)
     if access.known.name then append_text(body.item, " (" .. access.known.name .. ")") end
     add(body.item, F.parameter_type, tvb, offset, 1)
-    for _, bit_field in ipairs({F.parameter_profile, F.parameter_set, F.parameter_number}) do
+    for _, bit_field in ipairs({F.parameter_product_specific, F.parameter_set, F.parameter_number}) do
       add_le(body.item, bit_field, tvb, offset + 1, 2)
     end
     add_known(access, body.item)
@@ -2730,7 +2869,7 @@ do
     local sent = S.left(body)
 
     if not body.is_cut and sent > 0 and sent ~= announced then
-      S.mark(body, sent < announced and E.missing or E.unexpected, "%d byte%s announced, %d sent", announced,
+      S.mark(body, sent < announced and E.body_missing or E.body_unexpected, "%d byte%s announced, %d sent", announced,
         plural(announced), sent)
     end
   end
@@ -2862,7 +3001,7 @@ do
     if is_segment(access) and not take_segment(access) then return end
     if not is_write(access) then return end
     if access.element ~= K.ELEMENT_DATA and access.element ~= K.ELEMENT_IDENT then
-      S.mark(body, E.note, "only operating data and ident number can be written")
+      S.mark(body, E.body_note, "only operating data and ident number can be written")
     end
     if S.left(body) == 0 and access.element ~= K.ELEMENT_IDENT then S.needs(body, F.data, 1) end
     take_data(access)
@@ -2926,7 +3065,7 @@ do
     local switch = record.phase_switch
 
     if not switch then return end
-    append_text(set_generated(add(body.tree, F.switch_in, body.tvb, 0, 0, switch.command_in)),
+    append_text(set_generated(add(body.tree, F.phase_switch_in, body.tvb, 0, 0, switch.command_in)),
       strformat(" (to phase %d)", switch.to))
     if not record.is_switch_end then
       S.say(body, ", switching to phase %d", switch.to)
@@ -2934,7 +3073,7 @@ do
     end
     local taken = T.elapsed(switch.begin, body.telegram.times.begin)
     local text = T.s_text(taken)
-    set_generated(add_value(body.tree, F.switch_time, body.tvb, 0, 0, nstime(taken), text))
+    set_generated(add_value(body.tree, F.phase_switch_time, body.tvb, 0, 0, nstime(taken), text))
     S.say(body, ", %s after %s", body.status == 0 and "reached" or "failed", text)
   end
 
@@ -2974,27 +3113,11 @@ do
   S.bodies[0x12], S.bodies[0x1D] = dissect_phase, dissect_phase
 end
 
---- sis-exchange: what belongs together: command and reaction, repeats (chapter 2.4), and the same exchange
+--- sis/exchange: what belongs together: command and reaction, repeats (chapter 2.4), and the same exchange
 -- on two levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every
 -- later one. Frame numbers that are 0 in C are nil here.
 
 do
-  field("stream", "Stream", "sis.stream", ftypes.UINT32, base.DEC, nil, nil, "One number for each pair of stations")
-  field("reaction_in", "Reaction in", "sis.reaction_in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
-  field("command_in", "Command in", "sis.command_in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
-  field("reaction_time", "Reaction time", "sis.reaction_time", ftypes.RELATIVE_TIME, base.NONE, nil, nil,
-    "From the last character of the command to the first of the reaction; from packet to packet where the times of "
-      .. "the characters are not known")
-  field("repeat_of", "Repeat of", "sis.repeat_of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
-  field("gave_up", "Command before, not answered", "sis.unanswered_before", ftypes.FRAMENUM, base.NONE, nil, nil,
-    "The master's command before this one, where it went on without a reaction")
-  field("routed_from", "Routed from", "sis.routed_from", ftypes.FRAMENUM, base.NONE, nil, nil,
-    "The same telegram on the level it came from")
-
-  expert_field("unanswered", "sis.command.unanswered", "SEQUENCE", "NOTE", "No reaction before the next command")
-  expert_field("unasked", "sis.reaction.unasked", "SEQUENCE", "NOTE", "The command of this reaction is not known")
-  expert_field("answered_before", "sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
-  expert_field("repeated", "sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 
   local records -- by place in the packet, then by frame number
   local lines, connections -- by key of the line, and of TCP
@@ -3284,15 +3407,15 @@ do
     if tree then
       add_frame(tree, tvb, F.reaction_in, exchange.reaction_in)
       add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
-      add_frame(tree, tvb, F.gave_up, exchange.gave_up)
+      add_frame(tree, tvb, F.unanswered_before, exchange.gave_up)
       add_frame(tree, tvb, F.routed_from, exchange.routed_from)
     end
     if exchange.repeat_of then
-      add_expert(root, E.repeated, strformat("The command of frame %d again", exchange.repeat_of))
+      add_expert(root, E.command_repeat, strformat("The command of frame %d again", exchange.repeat_of))
       body.marks = body.marks .. "  [repeat]"
     end
     if exchange.next_command_in then
-      add_expert(root, E.unanswered, strformat("No reaction before the next command (frame %d)%s",
+      add_expert(root, E.command_unanswered, strformat("No reaction before the next command (frame %d)%s",
         exchange.next_command_in, exchange.is_reaction_damaged and "; a damaged telegram came between" or ""))
     end
   end
@@ -3302,13 +3425,13 @@ do
     local tree, tvb, root = body.tree, body.tvb, body.root
 
     if not exchange then
-      add_expert(root, E.unasked)
+      add_expert(root, E.reaction_unasked)
       return
     end
     add_frame(tree, tvb, F.command_in, exchange.command_in)
     add_frame(tree, tvb, F.routed_from, record.routed_from)
     if record.reaction_before then
-      add_expert(root, E.answered_before,
+      add_expert(root, E.reaction_again,
         strformat("The command was answered before, in frame %d", record.reaction_before))
     elseif record.reaction_time and tree then
       set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
@@ -3331,7 +3454,7 @@ do
   end
 end
 
---- sis-routes: commands through routers: which command on one level became which on the next (chapter 2.2).
+--- sis/routes: commands through routers: which command on one level became which on the next (chapter 2.2).
 --
 -- A router drops the first address and sends the rest on. So a command that waits is kept by what the next router would
 -- send: as many as there are, one look finds the one of which a router made another.
@@ -3404,25 +3527,11 @@ do
   end
 end
 
---- sis-sequence: sequential telegrams: data that do not fit into one are read or written in pieces
+--- sis/sequence: sequential telegrams: data that do not fit into one are read or written in pieces
 -- (chapters 8.2 and 8.7). Bit 2 of the parameter control says whether more follow; nothing says that a piece is the
 -- first, or which one it is.
 
 do
-  field("pieces", "Pieces", "sis.sequence", ftypes.NONE)
-  field("piece", "Piece", "sis.sequence.piece", ftypes.FRAMENUM, base.NONE)
-  field("overlap", "Overlap", "sis.sequence.overlap", ftypes.BOOLEAN)
-  field("overlap_conflict", "Overlap with other data", "sis.sequence.overlap.conflict", ftypes.BOOLEAN)
-  field("multiple_tails", "Several last pieces", "sis.sequence.multiple_tails", ftypes.BOOLEAN)
-  field("too_long", "Piece too long", "sis.sequence.too_long", ftypes.BOOLEAN)
-  field("sequence_error", "Error while putting together", "sis.sequence.error", ftypes.FRAMENUM, base.NONE)
-  field("piece_count", "Number of pieces", "sis.sequence.count", ftypes.UINT32, base.DEC)
-  field("whole_in", "The whole is in", "sis.sequence.whole_in", ftypes.FRAMENUM, base.NONE)
-  field("whole_length", "Length of the whole", "sis.sequence.length", ftypes.UINT32, base.DEC, nil, nil, "In bytes")
-
-  expert_field("ended", "sis.sequence.ended", "SEQUENCE", "NOTE", "A transfer of sequential telegrams ended unfinished")
-  expert_field("piece_missing", "sis.sequence.piece_missing", "SEQUENCE", "NOTE",
-    "A piece of this transfer may be missing: a damaged telegram and a repeat came between")
 
   local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and is to be repeated
   local PARAMETER_OCCUPIED = 0x800C
@@ -3553,7 +3662,7 @@ do
       words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
         piece.length, plural(piece.length))
     end
-    set_generated(add(tree, F.piece, tvb, offset, piece.length, piece.frame, words))
+    set_generated(add(tree, F.sequence_piece, tvb, offset, piece.length, piece.frame, words))
   end
 
   -- As Wireshark's own reassembly shows it.
@@ -3563,7 +3672,7 @@ do
     for i, piece in ipairs(pieces) do
       numbers[i] = strformat("#%d(%d)", piece.frame, piece.length)
     end
-    local tree = body.tree:add(F.pieces, data.tvb())
+    local tree = body.tree:add(F.sequence, data.tvb())
 
     tree:set_text(strformat("%d %s (%d byte%s): %s", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
       plural(data.length), concat(numbers, ", ")))
@@ -3572,8 +3681,8 @@ do
       show_piece(tree, data.tvb, piece, offset)
       offset = offset + piece.length
     end
-    set_generated(add(tree, F.piece_count, data.tvb, 0, 0, #pieces))
-    set_generated(add(tree, F.whole_length, data.tvb, 0, 0, data.length))
+    set_generated(add(tree, F.sequence_count, data.tvb, 0, 0, #pieces))
+    set_generated(add(tree, F.sequence_length, data.tvb, 0, 0, data.length))
   end
 
   local function put_together(body, is_last)
@@ -3582,13 +3691,13 @@ do
 
     body.item = body.root
     if record.is_piece_missing then
-      S.mark(body, E.piece_missing, "a piece may be missing")
+      S.mark(body, E.sequence_piece_missing, "a piece may be missing")
     end
     if record.is_piece_missing or record.is_piece_repeated or not transfer.whole_in then
       return nil
     end
     if not is_last then
-      set_generated(add(body.tree, F.whole_in, body.tvb, 0, 0, transfer.whole_in))
+      set_generated(add(body.tree, F.sequence_whole_in, body.tvb, 0, 0, transfer.whole_in))
       return nil
     end
     local data = {offset = 0, length = #transfer.bytes, bytes = transfer.bytes}
@@ -3725,13 +3834,13 @@ do
     end
     if record.transfer_ended then
       body.item = body.root
-      S.mark(body, E.ended, "transfer since frame %d ended unfinished: %s", record.transfer_ended,
+      S.mark(body, E.sequence_ended, "transfer since frame %d ended unfinished: %s", record.transfer_ended,
         record.transfer_reason)
     end
   end
 end
 
---- sis-parameters: how parameters are written, and what the built-in table says of them. What the bus
+--- parameters/parameters: how parameters are written, and what the built-in table says of them. What the bus
 -- says of them is learned below. Lua has no tables that the user edits.
 
 -- Elements of a parameter, bits 3 to 5 of the parameter control (fig. 8-1).
@@ -3829,7 +3938,7 @@ do
   end
 end
 
---- sis-learned: what the bus itself has said of its parameters. It is learned in the first pass; every
+--- parameters/learned: what the bus itself has said of its parameters. It is learned in the first pass; every
 -- command keeps what was known when it was sent, so that all passes show the same.
 
 do
@@ -3904,58 +4013,23 @@ do
   end
 end
 
---- sis-values: the elements of a parameter: attribute bit by bit, values scaled and with their unit, lists
+--- parameters/values: the elements of a parameter: attribute bit by bit, values scaled and with their unit, lists
 -- element by element. SIS says nothing of all this; it is SERCOS, IEC 61491.
 
 do
   local ATTRIBUTE_SIZE = 4
   local LIST_HEADER = 4 -- actual and maximum length, two bytes each
 
-  local lengths = {
-    [0] = "Not defined",
-    "2 bytes",
-    "4 bytes",
-    "8 bytes",
-    "List of single bytes",
-    "List of 2-byte elements",
-    "List of 4-byte elements",
-    "List of 8-byte elements",
-  }
-  local sizes = {[0] = 0, 2, 4, 8, 1, 2, 4, 8} -- by the same code
-
-  local formats = {
-    [0] = "Binary",
-    "Unsigned decimal",
-    "Signed decimal",
-    "Hexadecimal",
-    "Text",
-    "Ident number",
-    "Floating point",
-    "Not defined",
-  }
   local BINARY, UNSIGNED, SIGNED, HEXADECIMAL, TEXT, IDENT, FLOATING = 0, 1, 2, 3, 4, 5, 6
 
   local requests = {[0] = "clear", [1] = "interrupt", [3] = "set and enable"}
-
-  field("value", "Value", "sis.value", ftypes.STRING, nil, nil, 0, "Scaled, with its unit where that is known")
-  field("element_name", "Name", "sis.element.name", ftypes.STRING)
-  field("element_unit", "Unit", "sis.element.unit", ftypes.STRING)
-  field("attribute", "Attribute", "sis.attribute", ftypes.UINT32, base.HEX)
-  field("attribute_factor", "Conversion factor", "sis.attribute.factor", ftypes.UINT32, base.DEC, nil, 0x0000FFFF)
-  field("attribute_length", "Length", "sis.attribute.length", ftypes.UINT32, base.DEC, lengths, 0x00070000)
-  field("attribute_command", "Procedure command", "sis.attribute.command", ftypes.BOOLEAN, 32, nil, 0x00080000)
-  field("attribute_format", "Format", "sis.attribute.format", ftypes.UINT32, base.DEC, formats, 0x00700000)
-  field("attribute_decimals", "Decimal places", "sis.attribute.decimals", ftypes.UINT32, base.DEC, nil, 0x0F000000)
-  field("protected_2", "Write-protected in phase 2", "sis.attribute.protected_2", ftypes.BOOLEAN, 32, nil, 0x10000000)
-  field("protected_3", "Write-protected in phase 3", "sis.attribute.protected_3", ftypes.BOOLEAN, 32, nil, 0x20000000)
-  field("protected_4", "Write-protected in phase 4", "sis.attribute.protected_4", ftypes.BOOLEAN, 32, nil, 0x40000000)
-  field("list_actual", "Actual length of the list", "sis.list.actual", ftypes.UINT16, base.DEC, nil, 0, "In bytes")
-  field("list_maximum", "Maximum length of the list", "sis.list.maximum", ftypes.UINT16, base.DEC, nil, 0, "In bytes")
 
   -- `size` bits of a number from bit `first` on; `bit` of Lua is signed.
   local function bits(number, first, size)
     return floor(number / 2 ^ first) % 2 ^ size
   end
+
+  local sizes = {[0] = 0, 2, 4, 8, 1, 2, 4, 8} -- of a value, by the code of its length
 
   -- How the elements of some data are read, made from an attribute; nil for the length codes that are not defined. The
   -- unit is nil where it is none or unknown.
@@ -4133,13 +4207,13 @@ do
   -- From the highest bit to the lowest; what is said of those that are set, or of all where there are words, stands
   -- beside the attribute, too.
   local attribute_bits = {
-    {field = F.protected_4, first = 30, words = {[1] = "Write-protected in phase 4"}},
-    {field = F.protected_3, first = 29, words = {[1] = "Write-protected in phase 3"}},
-    {field = F.protected_2, first = 28, words = {[1] = "Write-protected in phase 2"}},
+    {field = F.attribute_protected_4, first = 30, words = {[1] = "Write-protected in phase 4"}},
+    {field = F.attribute_protected_3, first = 29, words = {[1] = "Write-protected in phase 3"}},
+    {field = F.attribute_protected_2, first = 28, words = {[1] = "Write-protected in phase 2"}},
     {field = F.attribute_decimals},
-    {field = F.attribute_format, first = 20, size = 3, name = "Format: ", words = formats},
+    {field = F.attribute_format, first = 20, size = 3, name = "Format: ", words = N.formats},
     {field = F.attribute_command, first = 19, words = {[1] = "Procedure command"}},
-    {field = F.attribute_length, first = 16, size = 3, name = "Length: ", words = lengths},
+    {field = F.attribute_length, first = 16, size = 3, name = "Length: ", words = N.lengths},
     {field = F.attribute_factor},
   }
 
@@ -4233,7 +4307,7 @@ do
   end
 end
 
---- sis-times: when characters came, and how exactly that is known.
+--- sis/times: when characters came, and how exactly that is known.
 --
 -- A character has the time of the read that delivered it, the latest at which it can have come; it came no earlier than
 -- the record's uncertainty before that. Characters of one read follow one another by at least a character time, so the
@@ -4460,7 +4534,7 @@ do
   end
 end
 
---- sis-bus: what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
+--- sis/bus: what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
 -- with the slave's good reaction, or at once where nobody answers; subservice 0xFF makes valid what was told.
 
 -- In place of a station's address: what is valid for all.
@@ -4606,55 +4680,13 @@ do
   end
 end
 
---- sis-timing: verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
+--- sis/timing: verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
 -- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is
 -- there one where only packets have times.
 
 do
   local MS = 1000000 -- in ns
   local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal takes its link for lost (chapter 10.1)
-
-  local verdicts = {
-    [K.TIME_OK] = "ok",
-    [K.TIME_EXCEEDED] = "exceeded",
-    [K.TIME_UNRESOLVED] = "unresolved: the times are not exact enough",
-  }
-
-  field("silence_before", "Silence before", "sis.silence_before", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Since the character before it on this line, arrival to arrival")
-  field("tza_interval_max", "Longest interval", "sis.tza.interval_max", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Between two characters of the telegram, arrival to arrival; "
-      .. "where they came in one read, the most it can have been")
-  field("tza_position", "Longest interval before character", "sis.tza.position", ftypes.UINT16, base.DEC, nil, 0,
-    "Its number in the telegram, from 1")
-  field("tza_limit", "TzA (longest interval allowed)", "sis.tza.limit", ftypes.RELATIVE_TIME)
-  field("tza_set_in", "TzA set in", "sis.tza.set_in", ftypes.FRAMENUM, base.NONE)
-  field("tza_verdict", "Verdict on TzA", "sis.tza.verdict", ftypes.UINT8, base.DEC, verdicts)
-  field("trs_limit", "TrS (longest reaction time allowed)", "sis.trs.limit", ftypes.RELATIVE_TIME)
-  field("trs_set_in", "TrS set in", "sis.trs.set_in", ftypes.FRAMENUM, base.NONE)
-  field("trs_verdict", "Verdict on TrS", "sis.trs.verdict", ftypes.UINT8, base.DEC, verdicts)
-  field("twm_wait", "Wait of the master (TwM)", "sis.twm.wait", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Since the end of its command before: of the one that is repeated, or of a broadcast")
-  field("tmas_cycle", "Master control word cycle", "sis.tmas.cycle", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "Between two writings of S-0-0134 to the same device, begin to begin")
-  field("tmas_limit", "Tmas (longest cycle allowed)", "sis.tmas.limit", ftypes.RELATIVE_TIME, nil, nil, 0,
-    "While the machine moves")
-  field("tmas_set_in", "Tmas set in", "sis.tmas.set_in", ftypes.FRAMENUM, base.NONE)
-  field("tmas_verdict", "Verdict on Tmas", "sis.tmas.verdict", ftypes.UINT8, base.DEC, verdicts)
-  field("bus_baud", "Baud rate of the bus", "sis.bus.baud", ftypes.UINT32, base.DEC, nil, 0, "As the bus was told")
-  field("bus_baud_set_in", "Baud rate set in", "sis.bus.baud.set_in", ftypes.FRAMENUM, base.NONE)
-  field("bus_load", "Bus load", "sis.bus.load", ftypes.DOUBLE, nil, nil, 0,
-    "Percent of the last second in which there were characters on the line")
-
-  expert_field("tza_exceeded", "sis.tza.exceeded", "PROTOCOL", "WARN", "TzA exceeded")
-  expert_field("tza_unresolved", "sis.tza.unresolved", "PROTOCOL", "NOTE", "TzA perhaps exceeded")
-  expert_field("trs_exceeded", "sis.trs.exceeded", "PROTOCOL", "WARN", "TrS exceeded")
-  expert_field("trs_unresolved", "sis.trs.unresolved", "PROTOCOL", "NOTE", "TrS perhaps exceeded")
-  expert_field("twm_early", "sis.twm.early", "SEQUENCE", "NOTE", "Repeated before TrS was over")
-  expert_field("tmas_exceeded", "sis.tmas.exceeded", "PROTOCOL", "WARN", "Tmas exceeded")
-  expert_field("tmas_unresolved", "sis.tmas.unresolved", "PROTOCOL", "NOTE", "Tmas perhaps exceeded")
-  expert_field("baud_differs", "sis.bus.baud.differs", "PROTOCOL", "NOTE",
-    "The tap listens at another baud rate than the bus was told")
 
   -- 0: what the bus has told.
   preference("tza_ms", Pref.uint("TzA in ms", 0,
@@ -4832,11 +4864,11 @@ do
 
   local function show_baud(t, rate)
     local tap = t.telegram.times.record
-    local item = add_uint(t, F.bus_baud, rate.value, rate.accepted_in and " Bd" or " Bd (timed test)")
+    local item = add_uint(t, F.bus_baud, rate.value, rate.accepted_in and "" or " (timed test)")
 
     add_uint(t, F.bus_baud_set_in, rate.set_in)
     if tap and tap.baud ~= 0 and tap.baud ~= rate.value then
-      add_expert(item or t.root, E.baud_differs,
+      add_expert(item or t.root, E.bus_baud_differs,
         strformat("The bus was told %d Bd, the tap listens at %d Bd", rate.value, tap.baud))
     end
   end
@@ -4981,7 +5013,7 @@ do
   end
 end
 
---- sis-transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
+--- sis/transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives

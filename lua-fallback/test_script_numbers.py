@@ -11,13 +11,7 @@ import locales
 from make import HERE
 from sistap.tshark import Tshark
 
-CAPTURES = (
-    "timing-reads",
-    *(
-        pytest.param(name, marks=pytest.mark.thorough)
-        for name in ("phases", "timing-pauses", "timing-cycle", "values", "records")
-    ),
-)
+FIRST, *REST = ("timing-reads", "phases", "timing-pauses", "timing-cycle", "values", "records")
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +20,7 @@ def german() -> Iterator[dict[str, str]]:
         yield environment
 
 
-@pytest.mark.parametrize("name", CAPTURES)
+@pytest.mark.parametrize("name", [FIRST, *(pytest.param(name, marks=pytest.mark.thorough) for name in REST)])
 def test_locale(name: str, german: dict[str, str], plugin: Tshark, script: Tshark) -> None:
     """test_numbers.py shows that tshark speaks German then, and that the plugin's numbers do not."""
     arguments = ("-r", str(HERE / f"{name}.pcapng"), "-P", "-V", "-O", "sertap,sis", "-o", "sis.tza_ms:5")

@@ -13,6 +13,12 @@
 #include <epan/tfs.h>        /* true_false_string: from 4.6 on packet.h does not bring it along */
 #include <wsutil/str_util.h> /* plurality() */
 
+/* How a field says its unit; later than the units themselves. */
+#include <epan/unit_strings.h>
+#ifndef UNS
+#define UNS(units) (units)
+#endif
+
 #define WIRESHARK_AT_LEAST(major, minor)                                                                     \
     (WIRESHARK_VERSION_MAJOR > (major) ||                                                                    \
      (WIRESHARK_VERSION_MAJOR == (major) && WIRESHARK_VERSION_MINOR >= (minor)))

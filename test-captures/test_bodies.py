@@ -13,9 +13,10 @@ from sistap.tshark import Tshark
 
 # A `fields` line names all of these that the telegram has ...
 FIELDS = (
-    "status device subservice error raw data text version firmware type_key baud_mask canceled_service address "
-    "memory_length shutdown_target device_type crc32 timing.ms test_ms element_length element parameter list_offset "
-    "list_length data_status phase value element.name element.unit attribute list.actual list.maximum sequence.count"
+    "status device subservice error raw data text version firmware type_key init.baud_mask canceled_service "
+    "flash.address flash.length flash.target flash.device_type flash.crc32 init.time init.test_time element_length "
+    "element parameter list_offset list_length data_status phase value element.name element.unit attribute "
+    "list.actual list.maximum sequence.count"
 ).split()
 # ... and of these expert items; with their number, where there are several.
 EXPERTS = "body.missing body.unexpected body.note list.recursion reaction.unasked reaction.again sequence.ended".split()

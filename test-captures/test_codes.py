@@ -233,13 +233,13 @@ TABLES = [
            0x03: "Set Tmas (master control word cycle)", 0x06: "Assign multicast group", 0x07: "Set baud rate",
            0x08: "Timed baud rate test", 0xFF: "Accept the set values"},
           where=lambda packet: packet.service == 0x03),
-    Table("sis_shutdown_targets", 2, "shutdown_target", "Target: {text} (0x{code:02x})", {0: "Firmware", 1: "Loader"}),
-    Table("sis_device_types", 5, "device_type", "Device type: {text} (0x{code:02x})",
+    Table("sis_shutdown_targets", 2, "flash.target", "Target: {text} (0x{code:02x})", {0: "Firmware", 1: "Loader"}),
+    Table("sis_device_types", 5, "flash.device_type", "Device type: {text} (0x{code:02x})",
           {0: "None (not supported)", 1: "ROM (not supported)", 2: "RAM", 3: "Dual-port RAM", 4: "Flash"}),
-    Table("sis_baud_masks", 5, "baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 6-11, 6-17
+    Table("sis_baud_masks", 5, "init.baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 6-11, 6-17
           {0x00: "9600", 0x01: "19200", 0x02: "38400", 0x04: "57600", 0x08: "115200"},
           where=lambda packet: packet.service == 0x03),
-    Table("", 6, "baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 3-10: ORed, 9600 always supported
+    Table("", 6, "init.baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 3-10: ORed, 9600 always supported
           {0x00: "9600", 0x01: "9600, 19200", 0x02: "9600, 38400", 0x04: "9600, 57600", 0x08: "9600, 115200",
            0x0F: "9600, 19200, 38400, 57600, 115200"},
           where=lambda packet: packet.service in (0x00, 0x04)),

@@ -40,5 +40,8 @@ def names(tshark: Tshark) -> set[str]:
 
 @every_document
 def test_names(path: Path, names: set[str]) -> None:
-    code = "\n".join("".join(found) for found in CODE.findall(path.read_text()))
+    text = path.read_text()
+    if path.name == "CHANGELOG.md":  # of a renamed field, the old name stands in the first column
+        text = re.sub(r"^\| [^|]* \|", "|", text, flags=re.MULTILINE)
+    code = "\n".join("".join(found) for found in CODE.findall(text))
     assert sorted(set(NAME.findall(code)) - names) == []

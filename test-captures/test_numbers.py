@@ -17,14 +17,7 @@ from sistap.record import Record, Type
 from sistap.tshark import Tshark
 
 # Seconds, milliseconds, percent, scaled values, intervals of characters.
-CAPTURES = (
-    "timing-reads",
-    "values",
-    *(
-        pytest.param(name, marks=pytest.mark.thorough)
-        for name in ("phases", "timing-pauses", "timing-cycle", "records")
-    ),
-)
+FIRST, *REST = ("timing-reads", "values", "phases", "timing-pauses", "timing-cycle", "records")
 TABLES = ("-q", "-z", "sis,tza", "-z", "sis,bus")
 
 
@@ -40,7 +33,7 @@ def test_tshark_speaks_german(german: dict[str, str], tshark: Tshark) -> None:
     assert re.search(r"\d,\d\d%", locales.said(tshark, german, *arguments))
 
 
-@pytest.mark.parametrize("name", CAPTURES)
+@pytest.mark.parametrize("name", [FIRST, *(pytest.param(name, marks=pytest.mark.thorough) for name in REST)])
 def test_trees(name: str, german: dict[str, str], tshark: Tshark) -> None:
     arguments = ("-r", str(HERE / f"{name}.pcapng"), "-P", "-V", "-O", "sertap,sis", "-o", "sis.tza_ms:5")
     text = locales.said(tshark, german, *arguments)

@@ -44,13 +44,13 @@ FIGURES = [
     Figure("2-15", 0xD0,  5, True,  0x03, 16,   3, "2,8",  3,  16, 0x00,
            {"device": "1", "subservice": "0xf1", "command_in": "1", "routed_from": "5"}),
     Figure("6-14", 0xD7,  3, False, 0x03, 16,   3, "",    16,   3, None,
-           {"device": "4", "subservice": "0x07", "baud_mask": "0x00"}),
+           {"device": "4", "subservice": "0x07", "init.baud_mask": "0x00"}),
     Figure("6-15", 0xCF,  3, False, 0x03, 16,   3, "",    16,   3, None,
-           {"device": "4", "subservice": "0x07", "baud_mask": "0x08"}),
+           {"device": "4", "subservice": "0x07", "init.baud_mask": "0x08"}),
     Figure("6-20", 0xE1,  5, False, 0x03, 16,   3, "",    16,   3, None,
-           {"device": "0", "subservice": "0x08", "test_ms": "500", "baud_mask": "0x00"}),
+           {"device": "0", "subservice": "0x08", "init.test_time": "0.500000000", "init.baud_mask": "0x00"}),
     Figure("6-21", 0xAB,  5, False, 0x03, 16,   3, "",    16,   3, None,
-           {"device": "0", "subservice": "0x08", "test_ms": "800", "baud_mask": "0x08"}),
+           {"device": "0", "subservice": "0x08", "init.test_time": "0.800000000", "init.baud_mask": "0x08"}),
     Figure("6-24", 0xE9,  2, False, 0x03, 16, 255, "",    16, 255, None,
            {"device": "0", "subservice": "0xff"}),
     Figure("7-1",  0x8E, 12, False, 0x04, 16,   3, "",    16,   3, None,
@@ -58,7 +58,7 @@ FIGURES = [
             "reaction_in": "13"}),
     Figure("7-2",  0xF8, 35, True,  0x04, 16,   3, "",     3,  16, 0x00,
            {"service": "0x04,0x00,0x00,0x00", "status": "0x00,0x00,0x00,0x00", "device": "16,16,16",
-            "subservice": "0x01,0x03,0x04", "version": "01V01", "type_key": "CLC-D02,3M-FW", "baud_mask": "0x0f",
+            "subservice": "0x01,0x03,0x04", "version": "01V01", "type_key": "CLC-D02,3M-FW", "init.baud_mask": "0x0f",
             "command_in": "12"}),
     Figure("8-20", 0x6C,  0, False, 0x92,  0,   0, "",     0,   0, None, {"reaction_in": "15"}),
     Figure("8-21", 0x56,  2, True,  0x92,  0,   0, "",     0,   0, 0x00, {"phase": "2", "command_in": "14"}),
@@ -73,8 +73,8 @@ HEADER = (
     "control.subaddresses subaddress talker listener status"
 ).split()
 BODY = (
-    "device subservice baud_mask test_ms timing.ms version type_key phase error raw command_in reaction_in repeat_of "
-    "routed_from"
+    "device subservice init.baud_mask init.test_time init.time version type_key phase error raw command_in "
+    "reaction_in repeat_of routed_from"
 ).split()
 
 

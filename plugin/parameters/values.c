@@ -383,8 +383,8 @@ static hf_register_info fields[] = {
     {&hf_protected_2, {"Write-protected in phase 2", "sis.attribute.protected_2", FT_BOOLEAN, 32, NULL, 0x10000000, NULL, HFILL}},
     {&hf_protected_3, {"Write-protected in phase 3", "sis.attribute.protected_3", FT_BOOLEAN, 32, NULL, 0x20000000, NULL, HFILL}},
     {&hf_protected_4, {"Write-protected in phase 4", "sis.attribute.protected_4", FT_BOOLEAN, 32, NULL, 0x40000000, NULL, HFILL}},
-    {&hf_list_actual, {"Actual length of the list", "sis.list.actual", FT_UINT16, BASE_DEC, NULL, 0, "In bytes", HFILL}},
-    {&hf_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC, NULL, 0, "In bytes", HFILL}},
+    {&hf_list_actual, {"Actual length of the list", "sis.list.actual", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
+    {&hf_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
 };
 /* clang-format on */
 

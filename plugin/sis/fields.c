@@ -30,7 +30,7 @@ static hf_register_info fields[] = {
     {&hf_sis_device, {"Device address", "sis.device", FT_UINT8, BASE_DEC, NULL, 0, "Of the device behind the station; its own address, or 0 for the control itself", HFILL}},
     {&hf_sis_subservice, {"Subservice", "sis.subservice", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_sis_error, {"Error code", "sis.error", FT_UINT16, BASE_HEX, NULL, 0, "The full code, where a byte is sent together with its subservice", HFILL}},
-    {&hf_sis_baud_mask, {"Baud rate mask", "sis.baud_mask", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_sis_baud_mask, {"Baud rate mask", "sis.init.baud_mask", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
 };
 
 static ei_register_info experts[] = {

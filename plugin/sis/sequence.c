@@ -330,7 +330,7 @@ static hf_register_info fields[] = {
     {&hf_error, {"Error while putting together", "sis.sequence.error", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_count, {"Number of pieces", "sis.sequence.count", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_whole_in, {"The whole is in", "sis.sequence.whole_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_length, {"Length of the whole", "sis.sequence.length", FT_UINT32, BASE_DEC, NULL, 0, "In bytes", HFILL}},
+    {&hf_length, {"Length of the whole", "sis.sequence.length", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
 };
 
 static ei_register_info experts[] = {

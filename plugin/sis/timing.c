@@ -60,6 +60,8 @@ static const value_string verdicts[] = {
     {0, NULL},
 };
 
+static const unit_name_string units_baud = {" Bd", NULL};
+
 /* A telegram whose timing is looked at. */
 typedef struct {
     sis_telegram_t *telegram;
@@ -304,7 +306,8 @@ show_bus(const timing_t *t)
 
     if (rate != NULL && rate->set_in != 0) {
         item = add_uint(t, hf_bus_baud, rate->value);
-        proto_item_append_text(item, " Bd%s", rate->accepted_in == 0 ? " (timed test)" : "");
+        if (rate->accepted_in == 0)
+            proto_item_append_text(item, " (timed test)");
         add_uint(t, hf_bus_baud_set_in, rate->set_in);
         if (tap != NULL && tap->baud != 0 && tap->baud != rate->value)
             expert_add_info_format(t->pinfo, item, &ei_baud_differs,
@@ -504,7 +507,7 @@ static hf_register_info fields[] = {
     {&hf_tmas_limit, {"Tmas (longest cycle allowed)", "sis.tmas.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "While the machine moves", HFILL}},
     {&hf_tmas_set_in, {"Tmas set in", "sis.tmas.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_tmas_verdict, {"Verdict on Tmas", "sis.tmas.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
-    {&hf_bus_baud, {"Baud rate of the bus", "sis.bus.baud", FT_UINT32, BASE_DEC, NULL, 0, "As the bus was told", HFILL}},
+    {&hf_bus_baud, {"Baud rate of the bus", "sis.bus.baud", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_baud), 0, "As the bus was told", HFILL}},
     {&hf_bus_baud_set_in, {"Baud rate set in", "sis.bus.baud.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_bus_load, {"Bus load", "sis.bus.load", FT_DOUBLE, BASE_NONE, NULL, 0, "Percent of the last second in which there were characters on the line", HFILL}},
 };

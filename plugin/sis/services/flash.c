@@ -165,11 +165,11 @@ sis_dissect_flash(sis_body_t *body)
 
 /* clang-format off */
 static hf_register_info fields[] = {
-    {&hf_address, {"Memory address", "sis.address", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_length, {"Length", "sis.memory_length", FT_UINT32, BASE_DEC, NULL, 0, "In bytes", HFILL}},
-    {&hf_target, {"Target", "sis.shutdown_target", FT_UINT8, BASE_HEX, VALS(sis_shutdown_targets), 0, NULL, HFILL}},
-    {&hf_device_type, {"Device type", "sis.device_type", FT_UINT8, BASE_HEX, VALS(sis_device_types), 0, NULL, HFILL}},
-    {&hf_crc, {"CRC32", "sis.crc32", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_address, {"Memory address", "sis.flash.address", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_length, {"Length", "sis.flash.length", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
+    {&hf_target, {"Target", "sis.flash.target", FT_UINT8, BASE_HEX, VALS(sis_shutdown_targets), 0, NULL, HFILL}},
+    {&hf_device_type, {"Device type", "sis.flash.device_type", FT_UINT8, BASE_HEX, VALS(sis_device_types), 0, NULL, HFILL}},
+    {&hf_crc, {"CRC32", "sis.flash.crc32", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
 };
 /* clang-format on */
 

@@ -11,9 +11,15 @@ static int hf_test_time = -1;
 static bool
 take_time(sis_body_t *body, int hf, uint32_t *ms)
 {
-    if (!sis_take(body, hf, 2, ms))
+    nstime_t time;
+
+    if (!sis_needs(body, hf, 2))
         return false;
-    proto_item_append_text(body->item, " ms");
+    *ms = tvb_get_letohs(body->tvb, body->offset);
+    time = sertap_time(*ms * INT64_C(1000000));
+    body->item =
+        proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &time, "%u ms", *ms);
+    body->offset += 2;
     sis_say(body, ", %u ms", *ms);
     return true;
 }
@@ -73,8 +79,8 @@ sis_dissect_initialization(sis_body_t *body)
 
 /* clang-format off */
 static hf_register_info fields[] = {
-    {&hf_time, {"Time", "sis.timing.ms", FT_UINT16, BASE_DEC, NULL, 0, "In ms", HFILL}},
-    {&hf_test_time, {"Duration of the test", "sis.test_ms", FT_UINT16, BASE_DEC, NULL, 0, "In ms", HFILL}},
+    {&hf_time, {"Time", "sis.init.time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_test_time, {"Duration of the test", "sis.init.test_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
 };
 /* clang-format on */
 
