@@ -146,12 +146,12 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 static void
 add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
-    nstime_t time = sertap_time(uncertainty);
+    nstime_t value = sertap_time(uncertainty);
 
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
         proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
     else
-        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &time, "%s",
+        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &value, "%s",
                                          sertap_ms_text(pinfo->pool, uncertainty));
 }
 
@@ -255,22 +255,21 @@ interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
 }
 
 static void
-add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record,
-              unsigned index)
+add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record, unsigned at)
 {
-    unsigned data_at = record->data_offset + index, time_at = record->times_offset + 4 * index;
-    unsigned flags_at = record->flags_offset + index;
+    unsigned data_at = record->data_offset + at, time_at = record->times_offset + 4 * at;
+    unsigned flags_at = record->flags_offset + at;
     uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
     uint32_t interval = tvb_get_ntohl(tvb, time_at);
-    nstime_t time = sertap_time(interval);
+    nstime_t since = sertap_time(interval);
     proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value,
-                                                "Character %u: 0x%02x", index + 1, value);
+                                                "Character %u: 0x%02x", at + 1, value);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_character);
     const char *text = interval_text(pinfo, interval, flag);
 
     if (!(flag & SERTAP_INTERVAL_UNKNOWN)) {
         proto_item_append_text(ti, ", after %s", text);
-        proto_tree_add_time_format_value(subtree, hf_interval, tvb, time_at, 4, &time, "%s", text);
+        proto_tree_add_time_format_value(subtree, hf_interval, tvb, time_at, 4, &since, "%s", text);
     }
     proto_tree_add_item(subtree, hf_flags, tvb, flags_at, 1, ENC_BIG_ENDIAN);
     for (unsigned i = 0; i < array_length(flags); i++) {

@@ -11,11 +11,11 @@
 #define NS_PER_S  INT64_C(1000000000)
 
 int64_t
-sertap_ns(const nstime_t *time)
+sertap_ns(const nstime_t *moment)
 {
-    int64_t seconds = CLAMP((int64_t)time->secs, -SERTAP_LATEST / NS_PER_S, SERTAP_LATEST / NS_PER_S);
+    int64_t seconds = CLAMP((int64_t)moment->secs, -SERTAP_LATEST / NS_PER_S, SERTAP_LATEST / NS_PER_S);
 
-    return CLAMP(seconds * NS_PER_S + time->nsecs, -SERTAP_LATEST, SERTAP_LATEST);
+    return CLAMP(seconds * NS_PER_S + moment->nsecs, -SERTAP_LATEST, SERTAP_LATEST);
 }
 
 int64_t
@@ -31,9 +31,9 @@ sertap_elapsed(int64_t from, int64_t to)
 nstime_t
 sertap_time(int64_t ns)
 {
-    nstime_t time = {(time_t)(ns / NS_PER_S), (int)(ns % NS_PER_S)};
+    nstime_t moment = {(time_t)(ns / NS_PER_S), (int)(ns % NS_PER_S)};
 
-    return time;
+    return moment;
 }
 
 bool

@@ -12,7 +12,7 @@
 #define SERTAP_LATEST INT64_C(9150000000000000000)
 
 /* A packet's time, or the nearest that there is. */
-int64_t sertap_ns(const nstime_t *time);
+int64_t sertap_ns(const nstime_t *moment);
 
 /* How long it is from one time to another, in ns, up to SERTAP_LATEST either way. Every difference of two
  * packets' times goes through here. */

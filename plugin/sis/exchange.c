@@ -410,10 +410,10 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
         expert_add_info_format(pinfo, root, &ei_answered_before,
                                "The command was answered before, in frame %u", record->reaction_before);
     else if (exchange->has_time && tree != NULL) {
-        nstime_t time = sertap_time(exchange->reaction_time);
+        nstime_t taken = sertap_time(exchange->reaction_time);
 
         proto_item_set_generated(
-            proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &time, "%s",
+            proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &taken, "%s",
                                              sertap_ms_text(pinfo->pool, exchange->reaction_time)));
     }
 }

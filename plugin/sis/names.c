@@ -289,10 +289,10 @@ const value_string sis_data_states[] = {
 static const range_string *
 service_entry(uint8_t service)
 {
-    int index = 0;
+    int at = 0;
 
-    try_rval_to_str_idx(service, sis_services, &index); /* the ranges leave out no service */
-    return &sis_services[index];
+    try_rval_to_str_idx(service, sis_services, &at); /* the ranges leave out no service */
+    return &sis_services[at];
 }
 
 const char *

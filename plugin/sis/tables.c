@@ -109,16 +109,16 @@ table_of(void *data)
 }
 
 static row_t *
-row_at(const stat_tap_table *table, unsigned row)
+row_at(const stat_tap_table *table, unsigned number)
 {
-    return stat_tap_get_field_data(table, row, 0)->user_data.ptr_value;
+    return stat_tap_get_field_data(table, number, 0)->user_data.ptr_value;
 }
 
 static unsigned
 add_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
 {
     stat_tap_table_item_type items[MAX((int)TZA_COLUMNS, (int)BUS_COLUMNS)] = {0};
-    unsigned index = table->num_elements;
+    unsigned number = table->num_elements;
     row_t *row = g_new0(row_t, 1);
 
     for (unsigned i = 0; i < table->num_fields; i++) {
@@ -130,8 +130,8 @@ add_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
     sis_quantiles_init(&row->intervals);
     items[0].user_data.ptr_value = row;
     items[0].value.string_value = station == ALL ? g_strdup("All") : g_strdup_printf("%3d", station);
-    stat_tap_init_table_row(table, index, table->num_fields, items);
-    return index;
+    stat_tap_init_table_row(table, number, table->num_fields, items);
+    return number;
 }
 
 static unsigned

@@ -11,14 +11,14 @@ static int hf_test_time = -1;
 static bool
 take_time(sis_body_t *body, int hf, uint32_t *ms)
 {
-    nstime_t time;
+    nstime_t value;
 
     if (!sis_needs(body, hf, 2))
         return false;
     *ms = tvb_get_letohs(body->tvb, body->offset);
-    time = sertap_time(*ms * INT64_C(1000000));
+    value = sertap_time(*ms * INT64_C(1000000));
     body->item =
-        proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &time, "%u ms", *ms);
+        proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &value, "%u ms", *ms);
     body->offset += 2;
     sis_say(body, ", %u ms", *ms);
     return true;
