@@ -44,13 +44,11 @@ typedef gboolean compat_uat_bool;
 #endif
 
 #if WIRESHARK_AT_LEAST(4, 4)
-#define compat_get_uint8(tvb, offset)         tvb_get_uint8(tvb, offset)
-#define compat_find_uint8(tvb, offset, value) tvb_find_uint8(tvb, offset, -1, value)
-#define COMPAT_STATS_MENU_SEPARATOR           "//"
+#define compat_get_uint8(tvb, offset) tvb_get_uint8(tvb, offset)
+#define COMPAT_STATS_MENU_SEPARATOR   "//"
 #else
-#define compat_get_uint8(tvb, offset)         tvb_get_guint8(tvb, offset)
-#define compat_find_uint8(tvb, offset, value) tvb_find_guint8(tvb, offset, -1, value)
-#define COMPAT_STATS_MENU_SEPARATOR           "/"
+#define compat_get_uint8(tvb, offset) tvb_get_guint8(tvb, offset)
+#define COMPAT_STATS_MENU_SEPARATOR   "/"
 #endif
 
 /* From 4.2 on, conversation filters have data of their own, and Follow asks how many streams there are. */
@@ -76,6 +74,23 @@ typedef gboolean compat_uat_bool;
 #define compat_try_uint(table, key, tvb, pinfo, tree, data)                                                  \
     dissector_try_uint_new(table, key, tvb, pinfo, tree, TRUE, data)
 #endif
+
+/* Where a value is, from an offset on. The version after 4.6 has this form, and no other. */
+static inline bool
+compat_find_uint8(tvbuff_t *tvb, unsigned offset, uint8_t value, unsigned *found)
+{
+#if WIRESHARK_AT_LEAST(4, 7)
+    return tvb_find_uint8_remaining(tvb, offset, value, found);
+#elif WIRESHARK_AT_LEAST(4, 4)
+    int at = tvb_find_uint8(tvb, (int)offset, -1, value);
+#else
+    int at = tvb_find_guint8(tvb, (int)offset, -1, value);
+#endif
+#if !WIRESHARK_AT_LEAST(4, 7)
+    *found = (unsigned)at;
+    return at >= 0;
+#endif
+}
 
 /* Which interface of its section a packet came from; 0 where there is none. */
 static inline uint32_t

@@ -465,10 +465,10 @@ static unsigned
 telegram_extent(tvbuff_t *tvb, unsigned offset)
 {
     unsigned there = tvb_reported_length_remaining(tvb, offset);
+    unsigned captured = tvb_captured_length_remaining(tvb, offset);
     unsigned declared = sis_declared_length(tvb, offset);
 
-    if (declared > 0 && (int)declared < tvb_captured_length_remaining(tvb, offset) &&
-        compat_get_uint8(tvb, offset + declared) == SIS_START)
+    if (declared > 0 && declared < captured && compat_get_uint8(tvb, offset + declared) == SIS_START)
         return declared;
     return there;
 }

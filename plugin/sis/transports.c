@@ -36,7 +36,7 @@ static unsigned
 telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
 {
     unsigned rest = tvb_reported_length_remaining(tvb, offset), declared = sis_declared_length(tvb, offset);
-    int next = offset;
+    unsigned next = offset;
 
     if (compat_get_uint8(tvb, offset) == SIS_START) {
         if (declared > 0)
@@ -44,10 +44,11 @@ telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
         if (tvb_captured_length_remaining(tvb, offset) < 4)
             return pinfo->can_desegment ? 0 : rest;
     }
-    do {
-        next = compat_find_uint8(tvb, next + 1, SIS_START);
-    } while (next >= 0 && !may_begin(tvb, next));
-    return next >= 0 ? (unsigned)(next - offset) : rest;
+    while (compat_find_uint8(tvb, next + 1, SIS_START, &next)) {
+        if (may_begin(tvb, next))
+            return next - offset;
+    }
+    return rest;
 }
 
 /* The columns are ours only where a telegram ends: of a segment with just a part of one TCP says what it is.
