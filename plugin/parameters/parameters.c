@@ -69,14 +69,17 @@ static GHashTable *table;
 const char *
 sis_ident_text(wmem_allocator_t *scope, sis_ident_t ident)
 {
-    static const char *const letters[] = {"S", "A", "C"};
+    static const char letters[] = {'S', 'A', 'C'};
+    char text[] = "S-0-0000";
     unsigned set = ident.number >> SET_SHIFT & SET_BITS, number = ident.number & NUMBER_BITS;
 
-    if (ident.type == 0 && ident.number & BIT_15)
-        return wmem_strdup_printf(scope, "P-%u-%04u", set, number);
-    if (ident.type < array_length(letters))
-        return wmem_strdup_printf(scope, "%s-%u-%04u", letters[ident.type], set, number);
-    return wmem_strdup_printf(scope, "type%u-%u-%04u", ident.type, set, number);
+    if (ident.type >= sizeof letters)
+        return wmem_strdup_printf(scope, "type%u-%u-%04u", ident.type, set, number);
+    text[0] = ident.type == 0 && ident.number & BIT_15 ? 'P' : letters[ident.type];
+    text[2] = (char)('0' + set);
+    for (unsigned place = 7; place > 3; place--, number /= 10)
+        text[place] = (char)('0' + number % 10);
+    return wmem_strdup(scope, text);
 }
 
 static void *

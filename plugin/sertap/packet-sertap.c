@@ -133,7 +133,9 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
     static const char parity_letters[] = "NEOMS";
     char parity = record->parity < strlen(parity_letters) ? parity_letters[record->parity] : '?';
     const char *stop = val_to_str_const(record->stop_half_bits, stop_bits, "?");
-    const char *text = wmem_strdup_printf(pinfo->pool, "%u%c%s", record->data_bits, parity, stop);
+    const char *text = proto_field_is_referenced(tree, hf_format)
+                           ? wmem_strdup_printf(pinfo->pool, "%u%c%s", record->data_bits, parity, stop)
+                           : "";
     proto_item *ti = proto_tree_add_string(tree, hf_format, tvb, 8, 3, text);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_format);
 
@@ -146,13 +148,10 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 static void
 add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
-    nstime_t value = sertap_time(uncertainty);
-
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
         proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
     else
-        proto_tree_add_time_format_value(tree, hf_uncertainty, tvb, 12, 4, &value, "%s",
-                                         sertap_ms_text(pinfo->pool, uncertainty));
+        sertap_add_ms(tree, hf_uncertainty, tvb, 12, 4, pinfo->pool, uncertainty);
 }
 
 static void
@@ -284,12 +283,16 @@ static void
 add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
 {
     unsigned at = record->interval_max_at;
-    uint8_t flag = compat_get_uint8(tvb, record->flags_offset + at);
     nstime_t longest = sertap_time(record->interval_max);
-    proto_item *ti = proto_tree_add_time_format_value(
-        tree, hf_interval_max, tvb, record->times_offset + 4 * at, 4, &longest, "%s, before character %u",
-        interval_text(pinfo, record->interval_max, flag), at + 1);
+    uint8_t flag;
+    proto_item *ti;
 
+    if (!proto_field_is_referenced(tree, hf_interval_max))
+        return;
+    flag = compat_get_uint8(tvb, record->flags_offset + at);
+    ti = proto_tree_add_time_format_value(tree, hf_interval_max, tvb, record->times_offset + 4 * at, 4,
+                                          &longest, "%s, before character %u",
+                                          interval_text(pinfo, record->interval_max, flag), at + 1);
     proto_item_set_generated(ti);
     if (record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN)
         proto_item_append_text(ti, " (times uncertain by %s)",

@@ -43,6 +43,7 @@ static const struct {
 int sis_edition = SIS_EDITION_IF02;
 
 static int station_type = -1;
+static uint8_t stations[256];    /* each at its own place: what an address points to */
 static const char *numbers[256]; /* as text */
 
 /* Every table ends at 255, so this does too. */
@@ -79,6 +80,12 @@ sis_is_answered(uint8_t receiver)
 }
 
 const char *
+sis_number_text(uint8_t station)
+{
+    return numbers[station];
+}
+
+const char *
 sis_station_text(wmem_allocator_t *scope, uint8_t station)
 {
     switch (sis_receiver_kind(station)) {
@@ -91,7 +98,7 @@ sis_station_text(wmem_allocator_t *scope, uint8_t station)
     case SIS_POINT_TO_POINT:
         return "point-to-point";
     default:
-        return wmem_strdup_printf(scope, "%u", station);
+        return numbers[station];
     }
 }
 
@@ -102,7 +109,7 @@ sis_station_text(wmem_allocator_t *scope, uint8_t station)
 static int
 address_to_text(const address *addr, char *buffer, int size)
 {
-    return snprintf(buffer, size, "%u", *(const uint8_t *)addr->data) + 1;
+    return (int)g_strlcpy(buffer, numbers[*(const uint8_t *)addr->data], size) + 1;
 }
 
 static int
@@ -150,8 +157,8 @@ sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener)
     if (pinfo->net_src.type != AT_NONE)
         return;
 
-    alloc_address_wmem(pinfo->pool, &pinfo->net_src, station_type, 1, &talker);
-    alloc_address_wmem(pinfo->pool, &pinfo->net_dst, station_type, 1, &listener);
+    set_address(&pinfo->net_src, station_type, 1, &stations[talker]);
+    set_address(&pinfo->net_dst, station_type, 1, &stations[listener]);
     copy_address_shallow(&pinfo->src, &pinfo->net_src);
     copy_address_shallow(&pinfo->dst, &pinfo->net_dst);
 }
@@ -159,8 +166,10 @@ sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener)
 void
 sis_address_register(void)
 {
-    for (unsigned i = 0; i < array_length(numbers); i++)
+    for (unsigned i = 0; i < array_length(numbers); i++) {
+        stations[i] = (uint8_t)i;
         numbers[i] = wmem_strdup_printf(wmem_epan_scope(), "%u", i);
+    }
     station_type =
         address_type_dissector_register("AT_SIS", "SIS station", address_to_text, address_text_length, NULL,
                                         address_filter, address_length, number_of, name_length);

@@ -19,6 +19,9 @@ const char *sis_kind_text(sis_address_kind_t kind);
 /* Whether a command to this (last) address is answered at all: not by groups and broadcasts. */
 bool sis_is_answered(uint8_t receiver);
 
+/* An address as a number: "16". */
+const char *sis_number_text(uint8_t station);
+
 /* "3", "group 201", "all": as it stands in the info column. */
 const char *sis_station_text(wmem_allocator_t *scope, uint8_t station);
 

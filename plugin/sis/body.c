@@ -22,6 +22,31 @@ sis_say(sis_body_t *body, const char *format, ...)
 }
 
 void
+sis_say_words(sis_body_t *body, const char *word, ...)
+{
+    va_list words;
+
+    va_start(words, word);
+    for (; word != NULL; word = va_arg(words, const char *))
+        wmem_strbuf_append(body->summary, word);
+    va_end(words);
+}
+
+void
+sis_say_bytes(sis_body_t *body, unsigned count)
+{
+    char digits[12], *begin = digits + sizeof digits;
+    unsigned rest = count;
+
+    *--begin = '\0';
+    do {
+        *--begin = (char)('0' + rest % 10);
+        rest /= 10;
+    } while (rest > 0);
+    sis_say_words(body, begin, count == 1 ? " byte" : " bytes", NULL);
+}
+
+void
 sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...)
 {
     va_list arguments;
@@ -51,11 +76,14 @@ sis_needs(sis_body_t *body, int hf, unsigned size)
 static uint32_t
 get_value(const sis_body_t *body, unsigned size)
 {
-    uint32_t value = 0;
-
-    for (unsigned i = size; i > 0; i--)
-        value = value << 8 | compat_get_uint8(body->tvb, body->offset + i - 1);
-    return value;
+    switch (size) {
+    case 1:
+        return compat_get_uint8(body->tvb, body->offset);
+    case 2:
+        return tvb_get_letohs(body->tvb, body->offset);
+    default:
+        return tvb_get_letohl(body->tvb, body->offset);
+    }
 }
 
 bool
@@ -65,7 +93,8 @@ sis_take(sis_body_t *body, int hf, unsigned size, uint32_t *value)
         return false;
     if (value != NULL)
         *value = get_value(body, size);
-    body->item = proto_tree_add_item(body->tree, hf, body->tvb, body->offset, size, ENC_LITTLE_ENDIAN);
+    if (body->tree != NULL)
+        body->item = proto_tree_add_item(body->tree, hf, body->tvb, body->offset, size, ENC_LITTLE_ENDIAN);
     body->offset += size;
     return true;
 }
@@ -119,7 +148,7 @@ sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subse
     if (try_val_to_str(*subservice, texts) == NULL)
         sis_mark(body, &ei_sis_note, "subservice 0x%02x is not defined", *subservice);
     else
-        sis_say(body, ": %s", text);
+        sis_say_words(body, ": ", text, NULL);
     if (body->request != NULL)
         body->request->subservice = (uint8_t)*subservice;
     return true;
@@ -135,7 +164,7 @@ sis_take_text(sis_body_t *body, int hf)
         return;
     text = sis_text(body->pinfo->pool, body->tvb, offset, length);
     body->item = proto_tree_add_string(body->tree, hf, body->tvb, offset, length, text);
-    sis_say(body, ": \"%s\"", text);
+    sis_say_words(body, ": \"", text, "\"", NULL);
     body->offset = body->end;
 }
 
@@ -163,7 +192,7 @@ sis_take_baud_mask(sis_body_t *body, bool several)
         wmem_strbuf_append_printf(text, "%s0x%02x (not defined)", wmem_strbuf_get_len(text) ? ", " : "",
                                   unknown);
     proto_item_append_text(body->item, " (%s)", wmem_strbuf_get_str(text));
-    sis_say(body, ": %s", wmem_strbuf_get_str(text));
+    sis_say_words(body, ": ", wmem_strbuf_get_str(text), NULL);
     if (!several && (mask & (mask - 1)) != 0)
         sis_mark(body, &ei_sis_note, "more than one baud rate");
     return rate;

@@ -171,7 +171,7 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
     list->is_explained |= element.is_explained || element.status != 0;
     proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
                            wmem_strbuf_get_str(element.marks));
-    sis_say(list, "; %s%s", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks));
+    sis_say_words(list, "; ", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks), NULL);
 }
 
 static void

@@ -88,12 +88,12 @@ are_stream_keys_equal(const void *a, const void *b)
 }
 
 static sis_stream_t *
-find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+find_stream(sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
     stream_key_t key = {0};
     sis_stream_t *stream;
 
-    key.bus = bus_key(pinfo);
+    key.bus = bus->key;
     key.low = MIN(telegram->sender, telegram->receiver);
     key.high = MAX(telegram->sender, telegram->receiver);
     key.subaddress_count = telegram->subaddress_count;
@@ -102,7 +102,7 @@ find_stream(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
     if (stream == NULL) {
         stream = wmem_new0(wmem_file_scope(), sis_stream_t);
         stream->number = wmem_map_size(streams);
-        stream->bus = sis_exchange_bus(pinfo);
+        stream->bus = bus;
         wmem_map_insert(streams, wmem_memdup(wmem_file_scope(), &key, sizeof key), stream);
     }
     return stream;
@@ -200,9 +200,9 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
 }
 
 static sis_exchange_t *
-begin_exchange(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    sis_stream_t *stream = find_stream(tvb, pinfo, telegram);
+    sis_stream_t *stream = find_stream(bus, tvb, telegram);
     unsigned direction = sis_direction(telegram);
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
     sis_exchange_t **master = &stream->bus->last[telegram->sender];
@@ -279,9 +279,10 @@ is_over(const sis_exchange_t *exchange)
 }
 
 static void
-end_exchange(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
+             const sis_telegram_t *telegram)
 {
-    const sis_stream_t *stream = find_stream(tvb, pinfo, telegram);
+    const sis_stream_t *stream = find_stream(bus, tvb, telegram);
     unsigned kept = sis_direction(telegram);
 
     for (unsigned i = 0; i < 2; i++) {
@@ -340,9 +341,9 @@ sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *teleg
     if (!telegram->is_good)
         note_damaged(bus, pinfo);
     else if (telegram->is_reaction)
-        end_exchange(record, tvb, pinfo, telegram);
+        end_exchange(record, bus, tvb, pinfo, telegram);
     else
-        record->exchange = begin_exchange(tvb, pinfo, telegram);
+        record->exchange = begin_exchange(bus, tvb, pinfo, telegram);
     return record;
 }
 
@@ -409,13 +410,9 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
     if (record->reaction_before != 0)
         expert_add_info_format(pinfo, root, &ei_answered_before,
                                "The command was answered before, in frame %u", record->reaction_before);
-    else if (exchange->has_time && tree != NULL) {
-        nstime_t taken = sertap_time(exchange->reaction_time);
-
+    else if (exchange->has_time && tree != NULL)
         proto_item_set_generated(
-            proto_tree_add_time_format_value(tree, hf_reaction_time, tvb, 0, 0, &taken, "%s",
-                                             sertap_ms_text(pinfo->pool, exchange->reaction_time)));
-    }
+            sertap_add_ms(tree, hf_reaction_time, tvb, 0, 0, pinfo->pool, exchange->reaction_time));
 }
 
 void

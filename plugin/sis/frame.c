@@ -6,12 +6,12 @@
 unsigned
 sis_declared_length(tvbuff_t *tvb, unsigned offset)
 {
-    unsigned length;
+    const uint8_t *lengths;
 
     if (tvb_captured_length_remaining(tvb, offset) < 4)
         return 0;
-    length = compat_get_uint8(tvb, offset + 3);
-    return compat_get_uint8(tvb, offset + 2) == length ? SIS_STATIC_LENGTH + length : 0;
+    lengths = tvb_get_ptr(tvb, offset + 2, 2);
+    return lengths[0] == lengths[1] ? SIS_STATIC_LENGTH + lengths[0] : 0;
 }
 
 uint8_t

@@ -99,6 +99,9 @@ dissect_checksum(const dissection_t *d)
     unsigned flags = PROTO_CHECKSUM_NO_FLAGS;
     uint8_t expected = checksum;
 
+    if (d->tree == NULL && d->telegram->is_good)
+        return;
+
     if (d->declared > 0 && tvb_bytes_exist(d->tvb, 0, d->declared)) {
         flags = PROTO_CHECKSUM_VERIFY;
         expected -= sis_sum(d->tvb, 0, d->declared);
@@ -344,8 +347,8 @@ stations_text(const dissection_t *d)
     const char *route = route_text(d);
 
     if (telegram->is_reaction)
-        return wmem_strdup_printf(pool, "%s -> %u", route, telegram->sender);
-    return wmem_strdup_printf(pool, "%u -> %s", telegram->sender, route);
+        return wmem_strconcat(pool, route, " -> ", sis_number_text(telegram->sender), NULL);
+    return wmem_strconcat(pool, sis_number_text(telegram->sender), " -> ", route, NULL);
 }
 
 static void
@@ -483,7 +486,9 @@ dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
     while (tvb_reported_length_remaining(tvb, offset) > 0) {
         unsigned extent = telegram_extent(tvb, offset);
 
-        sis_dissect_telegram(tvb_new_subset_length(tvb, offset, extent), pinfo, tree);
+        sis_dissect_telegram(extent == tvb_reported_length(tvb) ? tvb
+                                                                : tvb_new_subset_length(tvb, offset, extent),
+                             pinfo, tree);
         offset += extent;
     }
     return tvb_captured_length(tvb);

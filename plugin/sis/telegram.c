@@ -23,14 +23,15 @@ sis_telegram_t *
 sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
 {
     sis_telegram_t *telegram = wmem_new0(pinfo->pool, sis_telegram_t);
+    const uint8_t *header = tvb_get_ptr(tvb, 0, SIS_STATIC_LENGTH);
     unsigned there = tvb_reported_length(tvb);
 
     telegram->tvb = tvb;
     telegram->length = there;
-    telegram->control = compat_get_uint8(tvb, 4);
-    telegram->service = compat_get_uint8(tvb, 5);
-    telegram->sender = compat_get_uint8(tvb, 6);
-    telegram->receiver = compat_get_uint8(tvb, 7);
+    telegram->control = header[4];
+    telegram->service = header[5];
+    telegram->sender = header[6];
+    telegram->receiver = header[7];
     telegram->subaddress_count = telegram->control & SIS_CONTROL_SUBADDRESSES;
     telegram->is_reaction = telegram->control & SIS_CONTROL_REACTION;
     telegram->talker = telegram->is_reaction ? telegram->receiver : telegram->sender;
@@ -39,7 +40,7 @@ sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
         SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
     telegram->declared = sis_declared_length(tvb, 0);
     telegram->times = sis_times(tvb, pinfo, telegram->declared != 0 ? MIN(there, telegram->declared) : there);
-    telegram->is_good = sis_is_good(tvb, 0) && telegram->body_offset <= telegram->declared;
+    telegram->is_good = telegram->body_offset <= telegram->declared && sis_is_good(tvb, 0);
     telegram->last_address = telegram->receiver;
     if (telegram->is_good && telegram->subaddress_count > 0)
         telegram->last_address = compat_get_uint8(tvb, SIS_STATIC_LENGTH + telegram->subaddress_count - 1);

@@ -314,7 +314,7 @@ show_bus(const timing_t *t)
                                    "The bus was told %u Bd, the tap listens at %u Bd", rate->value,
                                    tap->baud);
     }
-    if (t->record->load >= 0)
+    if (t->record->load >= 0 && proto_field_is_referenced(t->tree, hf_bus_load))
         proto_item_set_generated(proto_tree_add_double_format_value(
             t->tree, hf_bus_load, t->body->tvb, 0, 0, t->record->load, "%s %%",
             sertap_decimal_text(t->pinfo->pool, lround(t->record->load * 10.0), 1, 1)));
@@ -326,6 +326,8 @@ show_silence(const timing_t *t)
     int64_t silence = t->timing->silence, idle = silence - sertap_character_ns(t->telegram->times.record);
     proto_item *item;
 
+    if (!proto_field_is_referenced(t->tree, hf_silence_before))
+        return;
     item = add_time(
         t, hf_silence_before, silence,
         wmem_strdup_printf(t->pinfo->pool, "%s (idle %s)", ms_text(t, silence), ms_text(t, MAX(idle, 0))));

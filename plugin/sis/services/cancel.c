@@ -35,7 +35,7 @@ static void
 dissect_command(sis_body_t *body)
 {
     if (sis_left(body) == 0)
-        sis_say(body, ", all that is under way");
+        sis_say_words(body, ", all that is under way", NULL);
     else if (sis_left(body) == 1)
         take_ambiguous(body);
     else

@@ -42,12 +42,19 @@ take_address(sis_body_t *body)
 }
 
 static void
+say_length(sis_body_t *body, unsigned length)
+{
+    sis_say_words(body, ", ", NULL);
+    sis_say_bytes(body, length);
+}
+
+static void
 take_length(sis_body_t *body, unsigned size)
 {
     uint32_t length;
 
     if (sis_take(body, hf_length, size, &length))
-        sis_say(body, ", %u byte%s", length, plurality(length, "", "s"));
+        say_length(body, length);
 }
 
 static void
@@ -58,7 +65,7 @@ take_code(sis_body_t *body, int hf, const value_string *texts)
 
     if (text == NULL)
         return;
-    sis_say(body, ", %s", text);
+    sis_say_words(body, ", ", text, NULL);
     if (try_val_to_str(value, texts) == NULL)
         sis_mark(body, &ei_sis_note, "0x%02x is not defined", value);
 }
@@ -72,7 +79,7 @@ take_data(sis_body_t *body, const sis_request_t *request)
     if (!sis_needs(body, hf_sis_data, 1))
         return;
     sis_take_rest(body, hf_sis_data);
-    sis_say(body, ", %u byte%s", length, plurality(length, "", "s"));
+    say_length(body, length);
     if (request != NULL && request->has_address)
         sis_export_memory(body, request->address, offset, length);
 }
@@ -112,7 +119,7 @@ take_erase_everything(sis_body_t *body)
         return false;
     sis_take(body, hf_address, 4, NULL);
     sis_take(body, hf_length, 4, NULL);
-    sis_say(body, ", all but loader and kernel");
+    sis_say_words(body, ", all but loader and kernel", NULL);
     return true;
 }
 

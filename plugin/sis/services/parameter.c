@@ -131,14 +131,13 @@ say_parameter(const access_t *access)
     sis_body_t *body = access->body;
     const char *element = val_to_str_const(access->element, sis_elements, "");
 
-    wmem_strbuf_append(body->summary, " ");
-    wmem_strbuf_append(body->summary, access->ident_text);
+    sis_say_words(body, " ", access->ident_text, NULL);
     if (access->known.name != NULL)
-        sis_say(body, " (%s)", access->known.name);
+        sis_say_words(body, " (", access->known.name, ")", NULL);
     if (access->element == SIS_ELEMENT_IDENT && is_write(access))
-        sis_say(body, ", data status");
+        sis_say_words(body, ", data status", NULL);
     else if (access->element != SIS_ELEMENT_DATA)
-        sis_say(body, ", %s", wmem_ascii_strdown(body->pinfo->pool, element, -1));
+        sis_say_words(body, ", ", wmem_ascii_strdown(body->pinfo->pool, element, -1), NULL);
 }
 
 /* Everything about a parameter, read from here on or, with no length, recalled. */
@@ -245,14 +244,13 @@ recall_parameter(access_t *access)
 #define SHOWN_BYTES 8
 
 /* The bytes themselves, where they are few. */
-static const char *
-bytes_text(wmem_allocator_t *scope, tvbuff_t *tvb)
+static void
+say_few_bytes(sis_body_t *body, tvbuff_t *tvb)
 {
     unsigned length = tvb_captured_length(tvb);
 
-    if (length > SHOWN_BYTES)
-        return "";
-    return wmem_strdup_printf(scope, ": %s", tvb_bytes_to_str_punct(scope, tvb, 0, (int)length, ' '));
+    if (length <= SHOWN_BYTES)
+        sis_say_words(body, ": ", tvb_bytes_to_str_punct(body->pinfo->pool, tvb, 0, (int)length, ' '), NULL);
 }
 
 /* The data of an element: all of them, or a segment of a list. */
@@ -267,11 +265,13 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
 
     if (is_write(access) && access->element == SIS_ELEMENT_IDENT)
         return; /* the request for the data status repeats its own number */
-    if (text != NULL)
-        sis_say(body, " = %s", text);
-    else
-        sis_say(body, ", %u byte%s%s", length, plurality(length, "", "s"),
-                bytes_text(body->pinfo->pool, tvb));
+    if (text != NULL) {
+        sis_say_words(body, " = ", text, NULL);
+    } else {
+        sis_say_words(body, ", ", NULL);
+        sis_say_bytes(body, length);
+        say_few_bytes(body, tvb);
+    }
     if (access->has_ident && is_whole && body->is_reaction)
         sis_station_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
 }
@@ -284,8 +284,8 @@ show_piece(access_t *access, tvbuff_t *whole)
     proto_tree *tree;
 
     sis_take_rest(body, hf_sis_data);
-    sis_say(body, ", %s of %u byte%s", access->is_last ? "last piece" : "piece", length,
-            plurality(length, "", "s"));
+    sis_say_words(body, access->is_last ? ", last piece of " : ", piece of ", NULL);
+    sis_say_bytes(body, length);
     if (whole == NULL)
         return;
     length = tvb_captured_length(whole);

@@ -87,7 +87,7 @@ dissect_phase_reaction(sis_body_t *body)
         return;
     }
     if (is_switch && body->status == 0)
-        sis_say(body, ", accepted"); /* the documents differ whether the phase of now follows */
+        sis_say_words(body, ", accepted", NULL); /* the documents differ whether the phase of now follows */
     if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &phase))
         return;
     if (body->status == 0x02)
