@@ -14,8 +14,8 @@ import bad_input
 import mutate
 import parity
 from make import HERE, Scenario
-from sistap import pcapng
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.wireshark.tshark import Tshark
 
 T = TypeVar("T")
 

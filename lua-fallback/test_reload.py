@@ -12,8 +12,8 @@ import pytest
 from make import HERE
 from mutate import packets
 from parity import SCRIPT
-from sistap import pcapng
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.wireshark.tshark import Tshark
 
 SESSIONS = 8
 BYTES_ANYHOW = 4096  # of tables that Lua keeps at the size that they had

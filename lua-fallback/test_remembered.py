@@ -17,11 +17,11 @@ import pytest
 import mutate
 import parity
 from make import HERE
-from sistap import pcapng
-from sistap.line import Flag, LineSettings
-from sistap.record import Record, Type
-from sistap.telegram import build
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.line.settings import Flag, LineSettings
+from sistap.records.record import Record, Type
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
 
 SEEDS = (1, pytest.param(2, marks=pytest.mark.thorough))
 PACKETS = 3000

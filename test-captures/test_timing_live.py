@@ -16,11 +16,11 @@ from threading import Thread
 import pytest
 
 from adapter import EXCEEDED, OK, UNRESOLVED, Adapter, seen
-from sistap import wire
 from sistap.bus.playing.tap_faults import Faults
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.line import LineSettings, Read
-from sistap.tshark import Tshark
+from sistap.line import wire
+from sistap.line.settings import LineSettings, Read
+from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 SISTAP = [sys.executable, "-m", "sistap"]

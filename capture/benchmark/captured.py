@@ -9,7 +9,8 @@ from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import pcapng, record
+from sistap.files import pcapng
+from sistap.records import record
 
 
 class Packet(NamedTuple):

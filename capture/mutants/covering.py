@@ -30,13 +30,13 @@ ASSEMBLING = (
 )
 
 PARTS = (
-    Part("sistap/framer.py", ("test_framer.py",)),
-    Part("sistap/record.py", ("test_record.py",)),
-    Part("sistap/order.py", ("test_order.py",)),
-    Part("sistap/session.py", ("test_assembling.py",), ASSEMBLING),
-    Part("sistap/output.py", ("test_output.py",)),
-    Part("sistap/pcapng.py", ("test_pcapng.py",)),
-    Part("sistap/writer.py", ("test_writer.py", "test_pcapng.py")),
-    Part("sistap/measurement.py", ("test_measurement.py",)),
-    Part("sistap/reader/latency.py", ("test_measurement.py",)),
+    Part("sistap/records/framer.py", ("test_framer.py",)),
+    Part("sistap/records/record.py", ("test_record.py",)),
+    Part("sistap/records/order.py", ("test_order.py",)),
+    Part("sistap/capture/session.py", ("test_assembling.py",), ASSEMBLING),
+    Part("sistap/files/output.py", ("test_output.py",)),
+    Part("sistap/files/pcapng.py", ("test_pcapng.py",)),
+    Part("sistap/files/writer.py", ("test_writer.py", "test_pcapng.py")),
+    Part("sistap/line/measurement.py", ("test_measurement.py",)),
+    Part("sistap/line/reader/latency.py", ("test_measurement.py",)),
 )

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import measurement, ports, priority
-from sistap.bpf import Filter, FilterError
-from sistap.line import LineSettings
-from sistap.reader import PortError, open_reader
-from sistap.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
+from sistap.capture.filter import Filter, FilterError
+from sistap.line import measurement, ports, priority
+from sistap.line.reader import PortError, open_reader
+from sistap.line.settings import LineSettings
+from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 
 DESCRIPTION = """\
 Say in a line each what a capture needs and whether it is there; with -i, of this port, too.

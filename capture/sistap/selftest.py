@@ -12,11 +12,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from sistap import measurement, ports, priority, state
-from sistap.console import Console
-from sistap.exits import FAILED, USAGE
-from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
-from sistap.rates import RATES
+from sistap.line import measurement, ports, priority
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.sis.rates import RATES
+from sistap.terminal import state
+from sistap.terminal.console import Console
+from sistap.terminal.exits import FAILED, USAGE
 
 DESCRIPTION = """\
 Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
@@ -72,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     if sys.platform == "win32":
         console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
         return FAILED
-    from sistap.reader import delay  # here, as Windows has no such module
+    from sistap.line.reader import delay  # here, as Windows has no such module
 
     try:
         settings = _checked(args)
@@ -115,10 +116,10 @@ def _measure(
     args: argparse.Namespace, settings: LineSettings, console: Console
 ) -> tuple[str, measurement.Conditions, Sequence[int]]:
     """Return what was measured, under which conditions, and the delays in ns. May raise PortError."""
-    from sistap.reader import delay  # here, as Windows has no such modules
-    from sistap.reader.latency import port_conditions
-    from sistap.reader.opening import open_device
-    from sistap.reader.tuning import Tuning
+    from sistap.line.reader import delay  # here, as Windows has no such modules
+    from sistap.line.reader.latency import port_conditions
+    from sistap.line.reader.opening import open_device
+    from sistap.line.reader.tuning import Tuning
 
     duration_ns = int(args.duration * 1e9)
     if not args.port:

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap import cli, pcapng
-from sistap.record import Record, Type, unpack
-from sistap.tshark import Tshark
+from sistap import cli
+from sistap.files import pcapng
+from sistap.records.record import Record, Type, unpack
+from sistap.wireshark.tshark import Tshark
 
 
 class Imported(NamedTuple):

@@ -22,11 +22,12 @@ from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket
 
-from sistap import cli, pcapng
+from sistap import cli
 from sistap.annotate import command
 from sistap.annotate.explaining import WholeCapture
-from sistap.record import Record, Type, unpack
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.records.record import Record, Type, unpack
+from sistap.wireshark.tshark import Tshark
 
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
 WRAPPER = len(pcapng.upper_pdu("sertap", b""))

@@ -11,8 +11,8 @@ from sistap.annotate.annotating import Passage
 from sistap.annotate.lines import lines
 from sistap.annotate.pattern import PatternReader
 from sistap.annotate.reading import AnyReader, Reader
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag
-from sistap.record import Record, Type
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
+from sistap.records.record import Record, Type
 
 
 def records(text: str, reader: Reader | None = None, troubles: list[tuple[int, str]] | None = None) -> list[Record]:

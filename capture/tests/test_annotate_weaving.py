@@ -21,7 +21,7 @@ from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
 from sistap.annotate.weaving import TextWeaver, sentence
 from sistap.annotate.writing import Incomplete
-from sistap.record import Record
+from sistap.records.record import Record
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 

@@ -23,7 +23,6 @@ from commands import run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sistap import wire
 from sistap.bus.playing.hearing import hear
 from sistap.bus.playing.played import Character, Played, reads, uncertainty
 from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
@@ -33,8 +32,9 @@ from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.pseudo_terminal import PseudoTerminal
 from sistap.bus.wires.taps import Taps
-from sistap.line import Flag, LineSettings, Read
-from sistap.telegram import build, checksum_good, parse
+from sistap.line import wire
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.sis.telegram import build, checksum_good, parse
 
 BUS = [sys.executable, "-m", "sistap", "bus"]
 TIMEOUT_S = 20

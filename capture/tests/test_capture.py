@@ -25,18 +25,21 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap import capture, cli, ports, session
-from sistap.clock import Clock
-from sistap.console import Console
-from sistap.counters import Counters
-from sistap.line import Flag, LineSettings, Read
-from sistap.output import Output
-from sistap.pcapng import Interface
-from sistap.reader import PortError, PortLost, latency
-from sistap.reader.device import PosixReader
-from sistap.record import Event, Framing, Record, Type, unpack
+from sistap import cli
+from sistap.capture import command as capture
+from sistap.capture import session
+from sistap.files.output import Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line import ports
+from sistap.line.clock import Clock
+from sistap.line.reader import PortError, PortLost, latency
+from sistap.line.reader.device import PosixReader
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Framing, Record, Type, unpack
+from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
-from sistap.writer import PcapngWriter
 
 START_NS = 1_700_000_000_000_000_000
 WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
@@ -315,7 +318,7 @@ class SilentReader(FakeReader):
         super().__init__([])
         self.now = 100.0
         self.count = count
-        monkeypatch.setattr("sistap.output.time.monotonic", lambda: self.now)
+        monkeypatch.setattr("sistap.files.output.time.monotonic", lambda: self.now)
 
     def read(self, timeout_s: float) -> Read | None:
         self.now += 0.1
@@ -357,7 +360,7 @@ def test_if_the_next_file_cannot_be_opened_all_is_in_the_one_before(
 ) -> None:
     path = tmp_path / "x"
     names = iter([str(path), "/missing/x"])
-    monkeypatch.setattr("sistap.output.file_name", lambda *_: next(names))
+    monkeypatch.setattr("sistap.files.output.file_name", lambda *_: next(names))
     what = reads(b"".join(ALL), b"text")
     assert run(FakeReader(what), "-w", str(path), "-b", "filesize:1") == 1
     assert b"".join(record.data for record in records(path)[1:]) in (b"".join(ALL), b"".join(ALL) + b"text")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.console import Console
+from sistap.terminal.console import Console
 
 
 @pytest.fixture

@@ -12,10 +12,10 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket
 from test_bus import MANY_FAULTS_TEXT, TIMEOUT_S, expected_of, finish, logged, running
 
-from sistap.line import Flag
-from sistap.record import Record, Type, unpack
-from sistap.telegram import checksum_good
-from sistap.tshark import Tshark
+from sistap.line.settings import Flag
+from sistap.records.record import Record, Type, unpack
+from sistap.sis.telegram import checksum_good
+from sistap.wireshark.tshark import Tshark
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")

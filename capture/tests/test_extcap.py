@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from sistap import cli, ports
+from sistap import cli
 from sistap.extcap import interfaces, launcher
-from sistap.ports import Adapter
+from sistap.line import ports
+from sistap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
 

@@ -20,7 +20,7 @@ from typing import BinaryIO, NamedTuple
 
 import pytest
 
-from sistap.record import Event, Record, Type, unpack
+from sistap.records.record import Event, Record, Type, unpack
 
 CAPTURE = Path(__file__).parents[1]
 PATIENCE_S = 60
@@ -41,7 +41,8 @@ SISTAP = [sys.executable, "-m", "sistap"]
 KEEPING = """\
 import sys
 from pathlib import Path
-from sistap import cli, state
+from sistap import cli
+from sistap.terminal import state
 state.FOR_ROOT = Path(sys.argv.pop(1))
 sys.exit(cli.main())
 """

@@ -14,7 +14,7 @@ import pytest
 
 import sistap
 from sistap.extcap import launcher
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 NOT_LONGER = ["-a", "duration:60"]
 

@@ -16,7 +16,7 @@ from imported import Imported, run
 
 from sistap.imports.formats import opened
 from sistap.imports.source import Refused, Told
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 CHARACTER_MS = 11 / 9.6
 TO_STOP_MS = 10.5 / 9.6  # from the start bit to the middle of the stop bit, 8E1

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.output import (
+from sistap.files.output import (
     NO_LIMITS,
     Limits,
     Output,
@@ -507,7 +507,7 @@ def test_if_the_next_file_cannot_be_opened_this_one_is_the_last(
 ) -> None:
     said: list[str] = []
     output = ring(tmp_path, said)
-    monkeypatch.setattr("sistap.output.file_name", lambda *_: "/missing/x")
+    monkeypatch.setattr("sistap.files.output.file_name", lambda *_: "/missing/x")
     assert not output.done
     assert not output.open_next()
     assert output.done and output.failed

@@ -15,7 +15,7 @@ import pytest
 
 import sistap
 from sistap import cli
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 PROFILE = Path(sistap.__file__).parent / "profile" / "SIS"
 CAPTURES = Path(__file__).resolve().parents[2] / "test-captures"

@@ -17,10 +17,11 @@ from specification import TELEGRAMS
 from test_bus import TIMEOUT_S, finish, logged, running
 from test_end_to_end import CAPTURE, packets
 
-from sistap import capture, cli
-from sistap.line import LineSettings, Read
-from sistap.reader import PortError, PortLost
-from sistap.record import Event, Record, Type
+from sistap import cli
+from sistap.capture import command as capture
+from sistap.line.reader import PortError, PortLost
+from sistap.line.settings import LineSettings, Read
+from sistap.records.record import Event, Record, Type
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")

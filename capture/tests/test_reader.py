@@ -20,12 +20,12 @@ import serial
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap import ports, wire
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
-from sistap.reader.contract import READ_SIZE
-from sistap.reader.device import MarkDecoder, PosixReader
-from sistap.reader.tuning import Tuning
+from sistap.line import ports, wire
+from sistap.line.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
+from sistap.line.reader.contract import READ_SIZE
+from sistap.line.reader.device import MarkDecoder, PosixReader
+from sistap.line.reader.tuning import Tuning
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
@@ -471,7 +471,7 @@ def test_a_change_of_format_at_a_real_port(
     source = open_reader(bus.port, before)
     asked: list[tuple[int, list[int]]] = []
     monkeypatch.setattr(termios, "tcsetattr", lambda fd, when, attributes: asked.append((when, attributes)))
-    monkeypatch.setattr("sistap.reader.opening._check_speed", lambda fd, baud: None)
+    monkeypatch.setattr("sistap.line.reader.opening._check_speed", lambda fd, baud: None)
     source.change(settings)
     ((when, attributes),) = asked
     mask = termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB
@@ -494,7 +494,7 @@ def test_a_rate_that_the_port_cannot_do_changes_nothing(bus: Pty, monkeypatch: p
     def slower(fd: int, baud: int) -> None:
         raise ValueError("the driver set 9600 Bd")
 
-    monkeypatch.setattr("sistap.reader.opening._check_speed", slower)
+    monkeypatch.setattr("sistap.line.reader.opening._check_speed", slower)
     for settings in (LineSettings(115200), LineSettings(12345)):
         with pytest.raises(PortError, match=f"cannot do {settings.baud} Bd 8E1"):
             source.change(settings)

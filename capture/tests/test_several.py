@@ -23,10 +23,10 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap.line import LineSettings, Read
-from sistap.reader import PortLost, Reader, device, latency, open_reader, several, together
-from sistap.reader.several import PolledReaders, ThreadedReaders
-from sistap.record import Event, Record, Type, unpack
+from sistap.line.reader import PortLost, Reader, device, latency, open_reader, several, together
+from sistap.line.reader.several import PolledReaders, ThreadedReaders
+from sistap.line.settings import LineSettings, Read
+from sistap.records.record import Event, Record, Type, unpack
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.tshark import NOBODY, Tshark, TsharkError
+from sistap.wireshark.tshark import NOBODY, Tshark, TsharkError
 
 
 def test_lines_come_while_it_runs_and_the_rest_is_not_waited_for() -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from sistap import wire
-from sistap.line import Read
+from sistap.line import wire
+from sistap.line.settings import Read
 
 
 @pytest.mark.parametrize("time_ns", [4_000_000_000_000_000_000, 2**64 - 1])

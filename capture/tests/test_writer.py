@@ -10,12 +10,12 @@ import pytest
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 
-from sistap.counters import Counters
-from sistap.line import LineSettings
-from sistap.output import Limits, Output
-from sistap.pcapng import LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.record import Event, Record, Type, event, unpack
-from sistap.writer import LINK_TYPES, PcapngWriter
+from sistap.files.output import Limits, Output
+from sistap.files.pcapng import LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import LINK_TYPES, PcapngWriter
+from sistap.line.settings import LineSettings
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, Type, event, unpack
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")

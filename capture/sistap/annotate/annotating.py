@@ -13,7 +13,7 @@ from sistap.annotate.lines import Line
 from sistap.annotate.reading import Piece, Reader
 from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.weaving import Weaver
-from sistap.record import Type
+from sistap.records.record import Type
 
 Batches = Iterable[list[Line]]  # lines that came together; an empty one: nothing came for a moment
 Trouble = Callable[[int, str], None]  # told the number of a line, and why it cannot be read

@@ -6,10 +6,10 @@ from __future__ import annotations
 import platform
 
 import sistap
-from sistap import pcapng, writer
 from sistap.annotate.marks import RECEIVED, SENT, SHARED
-from sistap.line import LineSettings
-from sistap.record import Event, Record, event
+from sistap.files import pcapng, writer
+from sistap.line.settings import LineSettings
+from sistap.records.record import Event, Record, event
 
 # The number of an interface is that of its line; an exchange is looked for on one, or on the pair of directions.
 _INTERFACES = {SHARED: "log", RECEIVED: "log, received", SENT: "log, sent"}

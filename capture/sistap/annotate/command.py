@@ -20,11 +20,11 @@ from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
 from sistap.annotate.writing import Incomplete, NotOpened, opened
-from sistap.console import Console
-from sistap.exits import DONE, FAILED, USAGE
-from sistap.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
 from sistap.terminal import temporary
-from sistap.tshark import Tshark, TsharkError
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Explain a log. Any text with the bytes of SIS telegrams in it becomes the same text with a line under each telegram that

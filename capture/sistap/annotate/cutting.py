@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from sistap import line as serial
 from sistap.annotate.reading import Piece
-from sistap.framer import SisFramer
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.rates import RATES
-from sistap.record import Record
+from sistap.line import settings as serial
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.records.framer import SisFramer
+from sistap.records.record import Record
+from sistap.sis.rates import RATES
 
 _SETTINGS = LineSettings(baud=0)  # nobody has written it down
 _SLOWEST_CHARACTER_NS = LineSettings(min(RATES)).character_ns

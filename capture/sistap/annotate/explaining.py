@@ -16,9 +16,9 @@ from types import TracebackType
 from typing import NamedTuple, Protocol
 
 from sistap.annotate.capturing import Blocks
-from sistap.record import Record
+from sistap.records.record import Record
 from sistap.report.dissection import INFO_FIELDS, info
-from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
+from sistap.wireshark.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
 
 _NECESSARY = "sis.start"
 _REACTION, _UNANSWERED = "sis.reaction_time", "sis.command.unanswered"

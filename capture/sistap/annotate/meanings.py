@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, XMLPullParser
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 # Kinds of fields.
 FRAME, CONTROL, SERVICE, ADDRESS = "frame", "control", "service", "address"

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import BinaryIO
 
-from sistap.output import STANDARD_OUTPUT, leave_standard_output
+from sistap.files.output import STANDARD_OUTPUT, leave_standard_output
 
 
 class NotOpened(Exception):

@@ -20,10 +20,10 @@ from sistap.bus.wires import choice
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire, play
-from sistap.exits import DONE, FAILED, USAGE
-from sistap.line import LineSettings
-from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
-from sistap.rates import RATES
+from sistap.files.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
+from sistap.line.settings import LineSettings
+from sistap.sis.rates import RATES
+from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop
 
 DESCRIPTION = """\

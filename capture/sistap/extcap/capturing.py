@@ -8,18 +8,19 @@ import io
 from contextlib import closing, redirect_stdout
 from typing import NoReturn
 
-from sistap import capture, selftest
-from sistap.bpf import FilterError
-from sistap.counters import Counters
-from sistap.exits import PORT, USAGE
+from sistap import selftest
+from sistap.capture import command as capture
+from sistap.capture.filter import FilterError
 from sistap.extcap import demo, dialog
 from sistap.extcap.interfaces import DEMO, port_of
 from sistap.extcap.toolbar import Toolbar
-from sistap.output import Output, OutputRefused
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.reader import PortError
+from sistap.files.output import Output, OutputRefused
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line.reader import PortError
+from sistap.records.counters import Counters
+from sistap.terminal.exits import PORT, USAGE
 from sistap.terminal.stop import Stop
-from sistap.writer import PcapngWriter
 
 
 def run(args: argparse.Namespace, toolbar: Toolbar) -> int:

@@ -9,12 +9,12 @@ import sys
 from collections.abc import Callable
 
 import sistap
-from sistap.console import Console
-from sistap.exits import USAGE
 from sistap.extcap import dialog, interfaces
 from sistap.extcap.sentences import sentence
 from sistap.extcap.toolbar import Toolbar, controls
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
+from sistap.terminal.console import Console
+from sistap.terminal.exits import USAGE
 
 DESCRIPTION = """\
 Be an interface of Wireshark: every serial port of this machine, and a bus in software to try it with. Wireshark runs
@@ -91,7 +91,7 @@ def _config(args: argparse.Namespace) -> int:
 
 
 def _check_filter(args: argparse.Namespace) -> int:
-    from sistap.bpf import Filter, FilterError
+    from sistap.capture.filter import Filter, FilterError
 
     if args.extcap_capture_filter is None:
         Console().say("nothing is asked: Wireshark calls this; `sistap capture` captures, `sistap ports` lists ports")

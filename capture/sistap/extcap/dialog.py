@@ -7,11 +7,11 @@ import argparse
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from sistap.capture.scan import FORMATS
 from sistap.extcap import interfaces
 from sistap.extcap.interfaces import DEMO
 from sistap.extcap.sentences import sentence
-from sistap.rates import RATES
-from sistap.scan import FORMATS
+from sistap.sis.rates import RATES
 
 AUTO = "auto"
 SELFTEST = "selftest"

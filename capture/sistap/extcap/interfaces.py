@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import ports
 from sistap.extcap.sentences import plain, sentence
+from sistap.line import ports
 
 BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")

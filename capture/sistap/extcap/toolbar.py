@@ -17,13 +17,13 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import BinaryIO
 
-from sistap.console import Console
-from sistap.counters import Counters
+from sistap.capture.remote import Marker, Rate
 from sistap.extcap.dialog import AUTO
 from sistap.extcap.sentences import sentence
-from sistap.line import LineSettings
-from sistap.rates import RATES
-from sistap.remote import Marker, Rate
+from sistap.line.settings import LineSettings
+from sistap.records.counters import Counters
+from sistap.sis.rates import RATES
+from sistap.terminal.console import Console
 from sistap.terminal.stop import Stopped
 
 PATIENCE_S = 5  # for Wireshark to open its ends of the pipes

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 
 from sistap.imports.usb_transfers import Setup
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 CLASSES = frozenset({0x02, 0x0A})  # of its interfaces: control and data
 

@@ -9,19 +9,19 @@ from collections import Counter
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from sistap.capture import LARGEST_RATE
-from sistap.console import Console
-from sistap.counters import Counters
-from sistap.exits import DONE, FAILED, USAGE
+from sistap.capture.command import LARGEST_RATE
+from sistap.files.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
 from sistap.imports.convert import Conversion
 from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Refused, Source, Told
-from sistap.line import UNCERTAINTY_UNKNOWN
-from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.line.settings import UNCERTAINTY_UNKNOWN
+from sistap.records.counters import Counters
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop
-from sistap.tshark import TsharkError
-from sistap.writer import PcapngWriter
+from sistap.wireshark.tshark import TsharkError
 
 _LIST = "\n".join(f"  {name}" for name in NAMES)
 

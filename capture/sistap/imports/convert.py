@@ -8,14 +8,14 @@ from collections import Counter
 from collections.abc import Callable
 
 import sistap
-from sistap.counters import Counters
-from sistap.framer import SisFramer
+from sistap.files.writer import PcapngWriter
 from sistap.imports.source import Source
-from sistap.line import UNCERTAINTY_UNKNOWN, Read
-from sistap.order import Order
-from sistap.record import Event, Record, event
-from sistap.tshark import TsharkError
-from sistap.writer import PcapngWriter
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Read
+from sistap.records.counters import Counters
+from sistap.records.framer import SisFramer
+from sistap.records.order import Order
+from sistap.records.record import Event, Record, event
+from sistap.wireshark.tshark import TsharkError
 
 _PROGRESS_S = 0.5
 _LOOK_NS = 100_000_000  # how often a line is asked whether it has been silent for long

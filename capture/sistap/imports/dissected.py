@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from pathlib import Path
 
-from sistap.tshark import Tshark, TsharkError
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"

@@ -14,7 +14,7 @@ from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
 from sistap.imports.source import Refused, Source, Told
 from sistap.imports.usb import UsbCapture
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 
 class Text(NamedTuple):

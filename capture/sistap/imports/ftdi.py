@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sistap.imports.usb_transfers import Setup
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 VENDOR = 0x0403
 LATENCY_MS = 16  # of the timer after power-on

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from sistap.imports.dissected import Rows, nanoseconds
 from sistap.imports.source import RECEIVED, SENT, Refused, Told, need_rate, numbered
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, Read
-from sistap.tshark import Tshark
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, Read
+from sistap.wireshark.tshark import Tshark
 
 _FIELDS = ("rtacser.timestamp", "rtacser.eventtype", "data.data")
 _OPTIONS = ("-d", "rtacser.data,data")  # not what a user decodes it as

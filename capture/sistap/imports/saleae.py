@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from sistap.imports.sampled import HEXADECIMAL, Row, SampledLine, Unreadable, bits_to_stop
 from sistap.imports.source import Told, need_rate
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 _Cells = dict[str, str]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.imports.source import NS, RECEIVED, SENT, Refused, Told, numbered
-from sistap.line import Flag, LineSettings, Read
+from sistap.line.settings import Flag, LineSettings, Read
 
 HEXADECIMAL = "let the decoder show hexadecimal values, and export again"
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from sistap.imports.sampled import Row, SampledLine, Unreadable, bits_to_stop
 from sistap.imports.source import Refused, Told, need_rate
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 FIRST_LINE = r"\d+-\d+ [^:]+: "
 

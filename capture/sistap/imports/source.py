@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, Protocol
 
-from sistap.line import LineSettings, Read
+from sistap.line.settings import LineSettings, Read
 
 NS = 1_000_000_000
 SHARED, RECEIVED, SENT = 0, 1, 2  # lines: the only one, or the two directions

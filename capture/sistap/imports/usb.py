@@ -14,8 +14,8 @@ from sistap.imports.source import SENT, Refused, Told, need_rate, numbered
 from sistap.imports.usb_adapter import CDC, FTDI, KINDS, Adapter, Kind
 from sistap.imports.usb_times import latest_ns
 from sistap.imports.usb_transfers import BULK, Transfer, Transfers
-from sistap.line import LineSettings, Read
-from sistap.tshark import Tshark
+from sistap.line.settings import LineSettings, Read
+from sistap.wireshark.tshark import Tshark
 
 
 @dataclass(slots=True)

@@ -10,7 +10,7 @@ from sistap.imports import cdc, ftdi
 from sistap.imports.source import RECEIVED, Told
 from sistap.imports.usb_times import Arrivals, Departures, bounded, latest_ns
 from sistap.imports.usb_transfers import BULK, INTERRUPT, Setup, Transfer
-from sistap.line import Flag, LineSettings, Read
+from sistap.line.settings import Flag, LineSettings, Read
 
 
 class Kind(NamedTuple):

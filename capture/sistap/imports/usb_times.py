@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from sistap.imports.source import SENT
 from sistap.imports.usb_transfers import Transfer
-from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings, Read
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
 
 FRAME_NS = 1_000_000  # in which the host asks at least once, and is told (USB 2.0 chapter 5.8)
 # USBPcap takes the time from the clock that Windows moves on in ticks: a stamp is as much too early as that is old.

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.imports.dissected import Rows, nanoseconds
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 CONTROL, BULK, INTERRUPT = 2, 3, 1
 _INBOUND = 0x80  # in the address of an endpoint

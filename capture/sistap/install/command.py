@@ -11,13 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.console import Console
-from sistap.exits import FAILED, USAGE
-from sistap.install import folders, module, sources
+from sistap.install import module, sources
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
-from sistap.state import is_root
+from sistap.terminal.console import Console
+from sistap.terminal.exits import FAILED, USAGE
+from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
-from sistap.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
+from sistap.wireshark import folders
+from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
 DESCRIPTION = """\
 Put the dissector, the serial ports among Wireshark's interfaces (extcap) and the profile SIS where the Wireshark of

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import sistap
 from sistap.install import module
-from sistap.tshark import Version
+from sistap.wireshark.tshark import Version
 
 PACKAGE = Path(sistap.__file__).resolve().parent
 PROFILE = "SIS"

@@ -10,15 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.console import Console
-from sistap.exits import DONE, FAILED, USAGE
-from sistap.output import STANDARD_OUTPUT
+from sistap.files.output import STANDARD_OUTPUT
 from sistap.report import plain, windows
 from sistap.report.dissection import NotACapture
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import held
-from sistap.tshark import Tshark, TsharkError
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Put a whole capture on one page: what was captured and how exact its times are, what the bus limits and who exceeded it,

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.line import Flag
-from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
+from sistap.line.settings import Flag
+from sistap.wireshark.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
 
 # Those that the installed dissector does not know are left out, and named in the report.
 FIELDS = (

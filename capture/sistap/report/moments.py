@@ -8,8 +8,8 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from sistap.line import Flag
-from sistap.record import Event
+from sistap.line.settings import Flag
+from sistap.records.record import Event
 from sistap.report.dissection import EXCEEDED, FRAME, OTHER, Judged, Packet, Telegram
 
 WORST = 10  # moments, in all

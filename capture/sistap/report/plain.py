@@ -6,7 +6,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from sistap.names import service_name
 from sistap.report import tables
 from sistap.report.dissection import EVENT, EXCEEDED, FRAME, OK, OTHER, UNRESOLVED, Packet
 from sistap.report.distribution import Distribution
@@ -14,6 +13,7 @@ from sistap.report.figures import Figures, Limit, Station
 from sistap.report.gather import Report
 from sistap.report.moments import Moment
 from sistap.report.windows import Window
+from sistap.sis.names import service_name
 
 
 def as_text(report: Report) -> str:

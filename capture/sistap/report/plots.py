@@ -16,13 +16,13 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from sistap.names import service_name
 from sistap.report.dissection import EXCEEDED, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
 from sistap.report.gather import Report
 from sistap.report.moments import KINDS
 from sistap.report.tables import ms
 from sistap.report.windows import Window
+from sistap.sis.names import service_name
 
 # By role, on white paper. The page gives each role another colour in the dark. Blue, green and vermilion can be told
 # apart by people who do not see red or green; red things have words beside them as well.

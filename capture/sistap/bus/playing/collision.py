@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 
 from sistap.bus.playing.sending import Sending, Slot
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 
 def collide(sending: Sending, other: bytes, scatter: random.Random) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 
 from sistap.bus.playing.played import Character
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 
 def received(character: Character, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from sistap.bus.playing.played import Character
 from sistap.bus.playing.sending import CHECKSUM, Sending, Slot
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 
 class Faults(NamedTuple):

@@ -13,7 +13,7 @@ from typing import NamedTuple, NoReturn, Protocol
 from sistap.bus.real.receiver import Receiver
 from sistap.bus.stations.initialization import Timing
 from sistap.bus.stations.station import Station
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 _MS = 1_000_000
 _SECOND = 1_000_000_000

@@ -6,7 +6,7 @@ It knows no clock: every call says what time it is.
 
 from __future__ import annotations
 
-from sistap.telegram import MAX_LENGTH, START, STATIC_LENGTH, checksum_good
+from sistap.sis.telegram import MAX_LENGTH, START, STATIC_LENGTH, checksum_good
 
 _LENGTHS = 4  # characters after which both lengths are there
 

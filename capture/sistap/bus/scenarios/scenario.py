@@ -22,7 +22,7 @@ from sistap.bus.scenarios.steps import Master, Step, read_steps, script
 from sistap.bus.stations.making import make
 from sistap.bus.stations.station import Station
 from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, tables, text, whole
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 DEFAULT = "demo"
 _SUFFIX = ".toml"

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 from sistap.bus.service import Failed, Subservice, by_subservice
-from sistap.rates import RATES, rate_of
+from sistap.sis.rates import RATES, rate_of
 
 _MS = 1_000_000
 _LONGEST_TEST_MS = 0x7FFF  # a timer of 16 bits that counts half milliseconds

@@ -22,7 +22,7 @@ from sistap.bus.stations.service_list import service_list
 from sistap.bus.stations.slave import Slave
 from sistap.bus.stations.station import Station
 from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole
-from sistap.rates import BAUD_MASKS, RATES
+from sistap.sis.rates import BAUD_MASKS, RATES
 
 _GENERAL = 0x10  # the group of services that every station has
 _LOADER_SERVICES = range(0x04)  # what is there while no firmware runs

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.slave import Slave, damage
 from sistap.bus.stations.station import Station
-from sistap.telegram import BROADCAST, CONTROL_SYSTEM, Header, build, parse
+from sistap.sis.telegram import BROADCAST, CONTROL_SYSTEM, Header, build, parse
 
 
 class Router:

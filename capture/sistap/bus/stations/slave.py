@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from sistap.bus.service import Failed, Refused, Request, Service, Status
 from sistap.bus.stations.edition import Edition
 from sistap.bus.stations.initialization import Initialization
-from sistap.telegram import BROADCAST, LEVEL_BROADCAST, START, STATIC_LENGTH, Header, build, checksum_good, parse
+from sistap.sis.telegram import BROADCAST, LEVEL_BROADCAST, START, STATIC_LENGTH, Header, build, checksum_good, parse
 
 
 class Slave:

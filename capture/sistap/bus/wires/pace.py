@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 
-from sistap.clock import CLOCK
+from sistap.line.clock import CLOCK
 
 _SPIN_NS = 150_000  # a sleep ends up to about this much late
 

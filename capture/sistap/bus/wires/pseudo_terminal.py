@@ -18,8 +18,8 @@ import tty
 from sistap.bus.playing.hearing import hear
 from sistap.bus.playing.played import Played
 from sistap.bus.wires.pace import Pace
-from sistap.line import LineSettings
-from sistap.rates import RATES
+from sistap.line.settings import LineSettings
+from sistap.sis.rates import RATES
 
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")

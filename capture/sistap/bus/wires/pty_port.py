@@ -12,7 +12,7 @@ import tty
 
 from sistap.bus.playing.hearing import hear
 from sistap.bus.wires.pseudo_terminal import set_speed, speed
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")

@@ -8,14 +8,14 @@ import random
 import sistap
 from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import Played, reads, uncertainty
-from sistap.counters import Counters
-from sistap.framer import SisFramer
-from sistap.line import LineSettings, Read
-from sistap.output import Output
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.record import Event, Record, event
-from sistap.steering import Steering, Step
-from sistap.writer import PcapngWriter
+from sistap.capture.steering import Steering, Step
+from sistap.files.output import Output
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line.settings import LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.framer import SisFramer
+from sistap.records.record import Event, Record, event
 
 START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
 _LINE = 0  # one shared bus

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus at a socket: taps connect, say their line settings and get reads with times and errors (sistap.wire).
+"""The bus at a socket: taps connect, say their line settings and get reads with times and errors (sistap.line.wire).
 
 A tap that stops reading holds up the bus once the buffers are full, and so loses nothing.
 """
@@ -15,11 +15,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from sistap import wire
 from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import Character, Played, reads, uncertainty
 from sistap.bus.wires.pace import Pace
-from sistap.line import LineSettings, Read
+from sistap.line import wire
+from sistap.line.settings import LineSettings, Read
 
 _LEAVE_S = 2.0  # how long a tap may take to notice that the bus has ended
 _TICK_NS = 1_000_000_000  # so often, at least, does a tap hear of simulated time

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Characters become records.
+
+What a record is (record), how characters are cut into records (framer), in which order records of two lines come
+(order), what was seen (counters), and records as text (text). It may use line and sis.
+"""
