@@ -10,11 +10,11 @@ import sys
 from collections.abc import Sequence
 
 import sistap
-from sistap.files.output import end_standard_output, leave_standard_output
 from sistap.line.reader import PortError, PortLost
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.stop import Stop, Stopped
+from sistap.terminal.streams import end_standard_output, leave_standard_output
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {

@@ -20,8 +20,8 @@ from sistap.annotate.lines import Line, lines
 from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
 from sistap.annotate.weaving import TextWeaver, sentence
-from sistap.annotate.writing import Incomplete
 from sistap.records.record import Record
+from sistap.terminal.writing import Incomplete
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.extcap import interfaces, launcher
+from sistap.extcap import interfaces
+from sistap.install.launching import launcher
 from sistap.line import ports
 from sistap.line.ports import Adapter
 

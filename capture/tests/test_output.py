@@ -17,16 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap.files.output import (
-    NO_LIMITS,
-    Limits,
-    Output,
-    OutputError,
-    OutputRefused,
-    file_name,
-    leave_standard_output,
-    never_waiting,
-)
+from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
+from sistap.terminal.streams import leave_standard_output, never_waiting
 
 
 def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:

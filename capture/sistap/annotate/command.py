@@ -19,11 +19,11 @@ from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
-from sistap.annotate.writing import Incomplete, NotOpened, opened
 from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
 from sistap.terminal import temporary
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.terminal.writing import Incomplete, NotOpened, opened
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\

@@ -11,13 +11,13 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from sistap.annotate.explaining import JOINT, Fields, said
+from sistap.annotate.explaining import Fields, said
 from sistap.annotate.reading import EXPLANATION
 from sistap.annotate.weaving import sentence
-from sistap.annotate.writing import Incomplete, NotOpened, opened
-from sistap.report.dissection import EVENT, NotACapture, damage
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\

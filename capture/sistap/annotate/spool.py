@@ -19,7 +19,7 @@ from sistap.annotate.hexadecimal import Run
 from sistap.annotate.lines import Line
 from sistap.annotate.reading import Piece
 from sistap.annotate.stamps import Stamp
-from sistap.annotate.writing import Incomplete
+from sistap.terminal.writing import Incomplete
 
 _SIZE = 8  # bytes in front of a blob
 

@@ -13,7 +13,7 @@ from sistap.capture.filter import Filter, FilterError
 from sistap.capture.remote import Remote
 from sistap.capture.scan import FORMATS
 from sistap.capture.session import Capture, Conditions, Sink
-from sistap.files.output import STANDARD_OUTPUT, Limits, Output, OutputRefused
+from sistap.files.output import Limits, Output, OutputRefused
 from sistap.files.pcapng import Interface
 from sistap.files.writer import LINK_TYPES, UPPER_PDU, PcapngWriter
 from sistap.line import ports, priority
@@ -25,6 +25,7 @@ from sistap.records.text import lines
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Audience, Console
 from sistap.terminal.stop import Stop
+from sistap.terminal.streams import STANDARD_OUTPUT
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
 LARGEST_RATE = 0xFFFFFFFF  # that a record can hold

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings, Read
 from sistap.records.counters import faulty
-from sistap.records.record import Record, Type
+from sistap.records.record import Record
 from sistap.sis.rates import RATES
 from sistap.sis.telegram import MAX_LENGTH
 
@@ -75,7 +75,7 @@ class Scan:
             now.characters += len(read.data)
             now.faulty += faulty(read)
             now.last_ns = read.time_ns
-        good = any(record.settings == now.settings and _is_good(record) for record in records)
+        good = any(record.settings == now.settings and record.is_good_frame and not record.errors for record in records)
         self.found = good and now.faulty * ACCIDENT <= now.characters
 
     def look(self, now_ns: int) -> LineSettings | None:
@@ -92,7 +92,3 @@ class Scan:
         if self._tries % len(self._all) == 1:
             self._silence_ns = min(2 * self._silence_ns, LONGEST_SILENCE_NS)
         return self.settings
-
-
-def _is_good(record: Record) -> bool:
-    return record.type == Type.FRAME and not record.checksum_bad and not record.errors

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sistap.capture.scan import Scan
 from sistap.line.settings import LineSettings, Read
-from sistap.records.record import Record, Type
+from sistap.records.record import Record
 from sistap.sis.follow import Change, Follow
 
 PATIENCE_NS = 5_000_000_000  # for a valid telegram after the rate changed
@@ -76,14 +76,13 @@ class Steering:
     def _take_followed(self, read: Read, records: Sequence[Record]) -> Iterator[Step]:
         self._characters += len(read.data)
         for record in records:
-            if record.type != Type.FRAME or record.checksum_bad:
+            if not record.is_good_frame:
                 continue
             self._changed = None
             if self._follow is None:
                 self._follow = Follow(record.settings.baud)
-            end_ns = record.time_ns + sum(record.intervals[1:])
-            if change := self._follow.take(record.data, end_ns):
-                yield from self._changes(change, end_ns)
+            if change := self._follow.take(record.data, record.end_ns):
+                yield from self._changes(change, record.end_ns)
 
     def _changes(self, change: Change, now_ns: int) -> Iterator[Step]:
         if change.baud != self._settings.baud:

@@ -6,7 +6,3 @@ has (dialog), whether a capture filter is right; and then for a capture, which g
 pipe, with the toolbar beside it (toolbar). command answers. All extcaps are run while Wireshark starts: what only a
 capture needs is imported when one begins.
 """
-
-from sistap.extcap.launching import launcher
-
-__all__ = ["launcher"]

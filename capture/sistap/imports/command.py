@@ -10,7 +10,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 from sistap.capture.command import LARGEST_RATE
-from sistap.files.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
+from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.imports.convert import Conversion
@@ -21,6 +21,7 @@ from sistap.records.counters import Counters
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop
+from sistap.terminal.streams import STANDARD_OUTPUT
 from sistap.wireshark.tshark import TsharkError
 
 _LIST = "\n".join(f"  {name}" for name in NAMES)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.install import module, sources
+from sistap.install.launching import launcher
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
 from sistap.terminal.console import Console
 from sistap.terminal.exits import FAILED, USAGE
@@ -140,8 +141,6 @@ def _dissector(plugin: Path | None, wireshark: Version, places: folders.Folders,
 
 def _others(places: folders.Folders) -> Iterator[File]:
     """Give all but the dissector."""
-    from sistap.extcap import launcher
-
     text = launcher(sys.executable, sources.PACKAGE.parent, WINDOWS)
     yield File(places.extcap / ("sistap.bat" if WINDOWS else "sistap"), text.encode(), executable=True)
     for file in sources.profile():

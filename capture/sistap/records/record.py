@@ -87,6 +87,16 @@ class Record(NamedTuple):
         return header + self.data + struct.pack(f">{count}I", *self.intervals) + self.flags
 
     @property
+    def end_ns(self) -> int:
+        """When its last character came."""
+        return self.time_ns + sum(self.intervals[1:])
+
+    @property
+    def is_good_frame(self) -> bool:
+        """Whether it is a frame whose checksum, if it has one, is right."""
+        return self.type == Type.FRAME and not self.checksum_bad
+
+    @property
     def errors(self) -> Flag:
         """All line errors of the record's characters, ORed."""
         union = 0

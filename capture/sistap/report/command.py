@@ -10,14 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.files.output import STANDARD_OUTPUT
 from sistap.report import plain, windows
-from sistap.report.dissection import NotACapture
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import held
+from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
@@ -84,7 +85,7 @@ class _Refused(Exception):
 
 
 class _Failed(Exception):
-    """Something is not installed, or the disk is full; the text is the one line to show."""
+    """Something is not installed; the text is the one line to show."""
 
 
 def _window(text: str) -> Window:
@@ -129,10 +130,10 @@ def run(args: argparse.Namespace) -> int:
         if FORMATS[name].has_plots:
             _check_matplotlib()
         _write(args, name, _gather(args, console), console)
-    except (_Refused, NotACapture) as error:
+    except (_Refused, NotACapture, NotOpened) as error:
         console.say(str(error))
         return USAGE
-    except (_Failed, TsharkError) as error:
+    except (_Failed, Incomplete, TsharkError) as error:
         console.say(str(error))
         return FAILED
     return DONE
@@ -192,13 +193,6 @@ def _write(args: argparse.Namespace, name: str, report: Report, console: Console
     if path == STANDARD_OUTPUT:
         sys.stdout.buffer.write(written)
         return
-    try:
-        file = open(path, "wb")  # noqa: SIM115 - a disk that is full then is another kind of failure
-    except OSError as error:
-        raise _Refused(f"cannot write {path}: {error.strerror}; name another file with -o") from None
-    try:
-        with file:
-            file.write(written)
-    except OSError as error:
-        raise _Failed(f"{path} is incomplete: {error.strerror}; make room, or name another file with -o") from None
+    with opened(path) as file:
+        file.write(written)
     console.say(f"{path} written")

@@ -7,9 +7,10 @@ import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
-from sistap.report.dissection import EVENT, FRAME, OTHER, Judged, Packet, Telegram
+from sistap.report.dissection import Judged, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
 from sistap.report.moments import LOST, Moments
+from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from sistap.line.settings import Flag
 from sistap.records.record import Event
-from sistap.report.dissection import EXCEEDED, FRAME, OTHER, Judged, Packet, Telegram
+from sistap.report.dissection import EXCEEDED, Judged, Packet, Telegram
+from sistap.wireshark.rows import FRAME, OTHER
 
 WORST = 10  # moments, in all
 LOST = int(Flag.LOST_BEFORE)

@@ -8,11 +8,12 @@ from datetime import datetime
 from typing import NamedTuple
 
 from sistap.records.record import Event
-from sistap.report.dissection import EVENT, EXCEEDED, FRAME, OK, OTHER, UNRESOLVED, Judged
+from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Judged
 from sistap.report.figures import Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.moments import KINDS, Moment
 from sistap.sis.names import service_name
+from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
 _LIMITS = {

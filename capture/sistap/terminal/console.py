@@ -10,7 +10,7 @@ import sys
 import weakref
 from typing import Protocol
 
-from sistap.files.output import PIECE, never_waiting
+from sistap.terminal.streams import PIECE, never_waiting
 
 _ERASE = "\r\x1b[K"
 _WAIT_MS = 100  # for a terminal to take a line; then the line is dropped

@@ -27,10 +27,6 @@ from sistap.terminal.stop import held
 
 NOBODY = 65534
 OLDEST_WIRESHARK = (4, 0)
-NO_DISSECTOR = (
-    "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
-    "WIRESHARK_PLUGIN_DIR"
-)
 _PIECE = 1 << 20  # of a capture that is copied
 _FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
 
@@ -57,11 +53,6 @@ def version(text: str) -> Version | None:
     """Find the version in what `--version` prints, if it is there."""
     match = re.search(r"(\d+)\.(\d+)\S*\d", text)
     return Version(match[0], int(match[1]), int(match[2])) if match else None
-
-
-def unknown_fields(said: str) -> set[str]:
-    """Find the fields that tshark refuses because it does not know them, in what it says."""
-    return set(re.findall(r"^\s+(\S+)$", said, re.MULTILINE)) if "fields aren't valid" in said else set()
 
 
 class Loaded(NamedTuple):

@@ -8,7 +8,6 @@ import random
 import sistap
 from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import Played, reads, uncertainty
-from sistap.capture.steering import Steering, Step
 from sistap.files.output import Output
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
@@ -16,6 +15,7 @@ from sistap.line.settings import LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.framer import SisFramer
 from sistap.records.record import Event, Record, event
+from sistap.sis.follow import Change, Follow
 
 START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
 _LINE = 0  # one shared bus
@@ -36,7 +36,7 @@ class Recording:
         self._most = most
         self._noise = random.Random(f"{seed} tap")
         self._framer = SisFramer(_LINE, settings)
-        self._steering = Steering(settings, follow=True)
+        self._follow = Follow(settings.baud)
         self._now_ns = START_NS
         self._changed = ""  # why the settings are others than those of the character before
         timing = "times and their uncertainty are those the virtual bus says"
@@ -52,8 +52,7 @@ class Recording:
         """Record all characters. May raise OutputError."""
         for read in reads(played.characters, self._most, played.settings.character_ns):
             time_ns = START_NS + read[-1].time_ns
-            for step in self._steering.look(time_ns - uncertainty(read)):
-                self._change(step)
+            self._change(self._follow.due(time_ns - uncertainty(read)))
             settings = self._framer.settings
             heard = [received(character, played.settings, settings, self._noise) for character in read]
             values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
@@ -74,14 +73,17 @@ class Recording:
             self._changed = ""
         records = self._framer.feed(read)
         self._write(records)
-        for step in self._steering.take(read, records):
-            self._change(step)
+        for record in records:
+            if record.is_good_frame:
+                self._change(self._follow.take(record.data, record.end_ns))
 
-    def _change(self, step: Step) -> None:
-        """Listen with other settings from the next character on."""
-        self._write(self._framer.flush())
-        self._framer.settings = step.settings
-        self._changed = f"{step.settings}: {step.why}"
+    def _change(self, change: Change | None) -> None:
+        """Listen at another rate from the next character on."""
+        settings = self._framer.settings
+        if change and change.baud != settings.baud:
+            self._write(self._framer.flush())
+            self._framer.settings = settings._replace(baud=change.baud)
+            self._changed = f"{self._framer.settings}: {change.why}"
 
     def _write(self, records: list[Record]) -> None:
         for record in records:

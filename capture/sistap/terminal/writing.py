@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What text is written to: a file, or standard output."""
+"""A file of text, or standard output, opened for writing and refused in one line."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import BinaryIO
 
-from sistap.files.output import STANDARD_OUTPUT, leave_standard_output
+from sistap.terminal.streams import STANDARD_OUTPUT, leave_standard_output
 
 
 class NotOpened(Exception):
