@@ -14,14 +14,12 @@ class Part(NamedTuple):
     functions: tuple[str, ...] = ()  # only inside these, if only a part of the module belongs to the engine
 
 
-# The part of a capture that makes records of reads.
-ASSEMBLING = (
+# The part of a capture through which reads and records go.
+PASSING = (
     "_loop",
-    "_finish",
     "_take_waiting",
     "_take",
-    "_take_settings",
-    "_line",
+    "_add_line",
     "_idle",
     "_emit",
     "_write",
@@ -33,7 +31,8 @@ PARTS = (
     Part("sistap/records/framer.py", ("test_framer.py",)),
     Part("sistap/records/record.py", ("test_record.py",)),
     Part("sistap/records/order.py", ("test_order.py",)),
-    Part("sistap/capture/session.py", ("test_assembling.py",), ASSEMBLING),
+    Part("sistap/records/assembler.py", ("test_assembler.py", "test_assembling.py")),
+    Part("sistap/capture/session.py", ("test_assembling.py",), PASSING),
     Part("sistap/files/output.py", ("test_output.py",)),
     Part("sistap/files/pcapng.py", ("test_pcapng.py",)),
     Part("sistap/files/writer.py", ("test_writer.py", "test_pcapng.py")),

@@ -68,7 +68,6 @@ def there(package: Path) -> set[str]:
 
 
 def files(package: Path) -> pytest.MarkDecorator:
-    found = sorted(package.rglob("*.py"))
     return pytest.mark.parametrize(
         "file", sorted(package.rglob("*.py")), ids=lambda file: str(file.relative_to(package))
     )

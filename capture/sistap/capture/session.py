@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One running capture: takes what the readers give through framers and filter to a sink, in one thread."""
+"""One running capture: takes what the readers give through assembler and filter to a sink, in one thread."""
 
 from __future__ import annotations
 
 import gc
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -20,10 +20,9 @@ from sistap.files.output import Output, OutputError, ReaderGone
 from sistap.line.clock import CLOCK
 from sistap.line.reader import PortError, PortLost, Reader, together
 from sistap.line.settings import LineSettings, Read
+from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
-from sistap.records.framer import Framer, SilenceFramer, SisFramer
-from sistap.records.order import Order
-from sistap.records.record import Event, Framing, Record, Type, event
+from sistap.records.record import Event, Record, Type, event
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
@@ -63,21 +62,13 @@ class Conditions:
 EVERYTHING = Conditions()
 
 
+@dataclass
 class _Line:
-    """One line: the port it comes from, and what has come on it."""
+    """One line: the port it comes from, what has come on it, and what was said of that."""
 
-    def __init__(self, number: int, reader: Reader, silence_ms: float | None, counters: Counters, now: int) -> None:
-        """Start with nothing received."""
-        settings = reader.settings
-        self.reader = reader
-        self.framer: Framer = (
-            SisFramer(number, settings)
-            if silence_ms is None
-            else SilenceFramer(number, settings, int(silence_ms * 1e6))
-        )
-        self.counters = counters
-        self.hints = Hints(settings, self.framer.framing)
-        self.arrived_ns = now  # when something last came
+    reader: Reader
+    counters: Counters
+    hints: Hints
 
 
 class Capture:
@@ -109,8 +100,10 @@ class Capture:
         self._console = console
         self._readers = list(readers)  # whose ports are not lost
         self._several = len(readers) > 1
-        self._lines = {reader.line: self._line(reader.line, reader) for reader in readers}
-        self._order = Order()
+        self._assembler = Assembler(self._write, conditions.silence_ms)
+        self._lines: dict[int, _Line] = {}
+        for reader in readers:
+            self._add_line(reader.line, reader)
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not yet done
         self._why = ""  # the settings were changed
@@ -148,7 +141,7 @@ class Capture:
                 self._console.say(self._which(reader.line) + note)
         with together(self._readers) as self._source:
             self._loop(stop)
-        self._finish(self._lines.values())
+        self._assembler.flush(self._lines, self._clock_ns())
         self._sink.end(self._wall_ns())
 
     def _description(self, line: _Line) -> str:
@@ -205,14 +198,11 @@ class Capture:
         reader = self._lines[lost.line].reader
         self._port_lost = True
         self._readers.remove(reader)
-        self._finish(line for line in self._lines.values() if line.reader is reader)
-        self._emit([self._event(lost.line, Event.ADAPTER_LOST, str(lost))])
+        lines = [number for number, line in self._lines.items() if line.reader is reader]
+        self._assembler.flush(lines, self._clock_ns())
+        self._emit(lost.line, Event.ADAPTER_LOST, str(lost))
         goes_on = "; the other line goes on" if self._readers else ""
         self._console.alarm(f"{self._which(lost.line)}{lost}{goes_on}")
-
-    def _finish(self, lines: Iterable[_Line]) -> None:
-        for line in lines:
-            self._emit(line.framer.flush())
 
     def _steering_of(self, settings: LineSettings) -> Steering | None:
         formats, follow = self._conditions.formats, self._conditions.follow
@@ -238,7 +228,7 @@ class Capture:
             if not self._readers:  # lost while the rate was changed
                 return
             if isinstance(request, Marker):
-                self._emit([self._event(self._readers[0].line, Event.MARKER, request.text)])
+                self._emit(self._readers[0].line, Event.MARKER, request.text)
             else:
                 self._set_rate(request.baud)
 
@@ -252,14 +242,14 @@ class Capture:
         self._steering = self._steering_of(settings)
         self._change(Step(settings, "set by hand" if baud else "looking for the rate"))
         for reader in self._readers:
-            self._lines[reader.line].hints = Hints(reader.settings, self._lines[reader.line].framer.framing)
+            self._lines[reader.line].hints = self._hints_of(reader)
 
     def _settle(self, text: str) -> None:
         """Note that the settings of now are right."""
         self._console.say(text)
         for reader in self._readers:
-            self._lines[reader.line].hints = Hints(reader.settings, Framing.SIS)
-            self._emit([self._event(reader.line, Event.SETTINGS_CHANGED, text)])
+            self._lines[reader.line].hints = self._hints_of(reader)
+            self._emit(reader.line, Event.SETTINGS_CHANGED, text)
 
     def _change(self, step: Step) -> None:
         """Change the line settings, after what has come with the old ones."""
@@ -280,54 +270,39 @@ class Capture:
             self._take(read, now)
 
     def _take(self, read: Read, now: int) -> None:
-        line = self._lines.get(read.line)
-        if line is None:  # one port, a virtual bus, can bring several
-            line = self._lines[read.line] = self._line(read.line, self._readers[0])
-        line.arrived_ns = now
+        if read.line not in self._lines:  # one port, a virtual bus, can bring several
+            self._add_line(read.line, self._readers[0])
         self._last = read
         self._counters.add_read(read)
         if self._several:
-            line.counters.add_read(read)
-        if read.data and read.settings not in (None, line.framer.settings):
-            self._take_settings(line, read)
-        records = line.framer.feed(read)
+            self._lines[read.line].counters.add_read(read)
+        brings_settings = self._assembler.brings_settings(read)
+        records = self._assembler.take(read, now, self._why)
         if self._steering:
+            if brings_settings and not self._steering.searching:
+                self._console.say(f"{self._which(read.line)}{read.settings}: {self._why}")
             self._steps.extend(self._steering.take(read, records))
-        self._emit(records)
 
-    def _take_settings(self, line: _Line, read: Read) -> None:
-        """Note that this is the first read with other settings."""
-        assert read.settings
-        self._emit(line.framer.flush())
-        line.framer.settings = read.settings
-        text = f"{read.settings}: {self._why}"
-        self._emit([event(read.time_ns, read.line, read.settings, Event.SETTINGS_CHANGED, text)])
-        if self._steering and not self._steering.searching:
-            self._console.say(self._which(read.line) + text)
-
-    def _line(self, number: int, reader: Reader) -> _Line:
+    def _add_line(self, number: int, reader: Reader) -> None:
+        self._assembler.add_line(number, reader.settings, self._clock_ns())
         counters = Counters() if self._several else self._counters
-        return _Line(number, reader, self._conditions.silence_ms, counters, self._clock_ns())
+        self._lines[number] = _Line(reader, counters, self._hints_of(reader))
+
+    def _hints_of(self, reader: Reader) -> Hints:
+        return Hints(reader.settings, self._assembler.framing)
 
     def _idle(self, now: int) -> None:
-        for line in self._lines.values():
-            records = line.framer.idle(now - line.arrived_ns)
+        for number, records in self._assembler.idle(now):
             if self._steering:
-                nothing = Read(line.framer.line, self._wall_ns(), b"", b"")
+                nothing = Read(number, self._wall_ns(), b"", b"")
                 self._steps.extend(self._steering.take(nothing, records))
-            self._emit(records)
         # What a framer holds is older than now, and a new file begins with the time now. Without it no record waits.
-        if all(line.framer.empty for line in self._lines.values()):
+        if self._assembler.empty:
             self._sink.look(self._wall_ns())
 
-    def _emit(self, records: list[Record]) -> None:
-        """Write records, and those of the other line, in order of time."""
-        if not records and self._order.empty:
-            return
-        now = self._clock_ns()
-        self._order.add(records, now)
-        for record in self._order.due((line.framer.oldest_ns for line in self._lines.values()), now):
-            self._write(record)
+    def _emit(self, number: int, code: Event, text: str) -> None:
+        """Write an event that has nothing to do with what was read."""
+        self._assembler.emit([self._event(number, code, text)], self._clock_ns())
 
     def _write(self, record: Record) -> None:
         if record.type == Type.EVENT:
@@ -347,7 +322,7 @@ class Capture:
                 f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
                 "times in this capture go on without the step"
             )
-            self._emit([self._event(self._readers[0].line, Event.MARKER, text)])
+            self._emit(self._readers[0].line, Event.MARKER, text)
             self._console.say(text)
         for reader in self._readers:
             line = self._lines[reader.line]
@@ -362,10 +337,10 @@ class Capture:
             self._remote.show(self._counters, self._readers[0].settings)
 
     def _event(self, number: int, code: Event, text: str) -> Record:
-        return event(self._wall_ns(), number, self._lines[number].framer.settings, code, text)
+        return event(self._wall_ns(), number, self._assembler.settings(number), code, text)
 
     def _wall_ns(self) -> int:
         """Give the time now by the clock of the line: a virtual bus may have its own."""
         if self._last is None:
             return CLOCK.now_ns()
-        return self._last.time_ns + self._clock_ns() - self._lines[self._last.line].arrived_ns
+        return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
