@@ -26,8 +26,7 @@ from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap import cli
-from sistap.capture import command as capture
-from sistap.capture import session
+from sistap.capture import running, session
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
@@ -93,7 +92,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
             reader.settings = settings
             return reader
 
-        monkeypatch.setattr(capture, "open_reader", open_reader)
+        monkeypatch.setattr(running, "open_reader", open_reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     return run
@@ -422,7 +421,7 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
         raise PortError(f"{port} does not exist: try another")
 
-    monkeypatch.setattr(capture, "open_reader", open_reader)
+    monkeypatch.setattr(running, "open_reader", open_reader)
     path = tmp_path / "x"
     path.write_bytes(b"old")
     assert cli.main(["capture", "-i", "/dev/x", "-w", str(path)]) == 3
@@ -539,10 +538,10 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
     stop = Stop()
     output = Output(str(tmp_path / "x"))
     conditions = session.Conditions(duration_s=7)
-    running = session.Capture(
-        [Slow([])], capture.LineSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
+    made = session.Capture(
+        [Slow([])], running.TextSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
-    assert running.run(stop) == 0
+    assert made.run(stop) == 0
     err = capfd.readouterr().err
     assert err.count("\r\x1b[Ksistap: nothing received for 5 s") == 1  # not behind the progress
     assert (
@@ -599,7 +598,7 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
     output = Output(str(path))
     conditions = session.Conditions(duration_s=3)
     session.Capture(
-        [Busy([])], capture.LineSink(output), output, Counters(), Console(), conditions, clock_ns=clock
+        [Busy([])], running.TextSink(output), output, Counters(), Console(), conditions, clock_ns=clock
     ).run(Stop())
     output.close()
     assert seen[-1] > 0  # before the end

@@ -18,7 +18,6 @@ from test_bus import TIMEOUT_S, finish, logged, running
 from test_end_to_end import CAPTURE, packets
 
 from sistap import cli
-from sistap.capture import command as capture
 from sistap.line.reader import PortError, PortLost
 from sistap.line.settings import LineSettings, Read
 from sistap.records.record import Event, Record, Type
@@ -150,7 +149,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
 
     def run(reader: FakeReader, *arguments: str) -> int:
-        monkeypatch.setattr(capture, "open_reader", lambda port, settings, line: reader)
+        monkeypatch.setattr("sistap.capture.running.open_reader", lambda port, settings, line: reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     yield run

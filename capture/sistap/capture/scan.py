@@ -15,6 +15,7 @@ from sistap.records.record import Record
 from sistap.sis.rates import RATES
 from sistap.sis.telegram import MAX_LENGTH
 
+AUTO = "auto"  # in place of a rate: look for it
 FORMATS = ("8E1", "8N1")  # of the specification, and what drives in the field are often set to
 
 ENOUGH_ERRORS = 8

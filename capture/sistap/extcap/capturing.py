@@ -6,11 +6,11 @@ from __future__ import annotations
 import argparse
 import io
 from contextlib import closing, redirect_stdout
-from typing import NoReturn
 
 from sistap import selftest
-from sistap.capture import command as capture
 from sistap.capture.filter import FilterError
+from sistap.capture.options import CaptureOptions, checked, rate
+from sistap.capture.running import record
 from sistap.extcap import demo, dialog
 from sistap.extcap.interfaces import DEMO, port_of
 from sistap.extcap.toolbar import Toolbar
@@ -19,7 +19,8 @@ from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
-from sistap.terminal.exits import PORT, USAGE
+from sistap.sis.rates import RATES
+from sistap.terminal.exits import PORT, USAGE, UsageError
 from sistap.terminal.stop import Stop
 
 
@@ -37,8 +38,8 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
     with closing(output):
         try:
             options = _options(args)
-            return capture.record(options, capture.checked(options), output, stop, toolbar, toolbar)
-        except (ValueError, capture.Refused, FilterError) as error:
+            return record(options, checked(options), output, stop, toolbar, toolbar)
+        except (ValueError, UsageError, FilterError) as error:
             code, trouble = USAGE, str(error)
         except PortError as error:
             code, trouble = PORT, str(error)
@@ -49,25 +50,27 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
         return code
 
 
-class _Parser(argparse.ArgumentParser):
-    """Has one line to say what is wrong."""
-
-    def error(self, message: str) -> NoReturn:
-        """Raise ValueError."""
-        raise ValueError(message)
-
-
-def _options(args: argparse.Namespace) -> argparse.Namespace:
-    """Give the options of `sistap capture`; ValueError says what is wrong with those of the dialog."""
-    parser = _Parser(allow_abbrev=False)
-    capture.add_arguments(parser)
+def _options(args: argparse.Namespace) -> CaptureOptions:
+    """Make the options of the capture; ValueError says what is wrong with those of the dialog."""
     demo_bus = args.extcap_interface == DEMO
-    ports = ["-i", demo.start(args.faults, args.scenario) if demo_bus else port_of(args.extcap_interface)]
+    ports = [demo.start(args.faults, args.scenario) if demo_bus else port_of(args.extcap_interface)]
     if args.second_port:
-        ports += ["-i", port_of(args.second_port)]
-    if args.extcap_capture_filter:
-        ports += ["-f", args.extcap_capture_filter]
-    return parser.parse_args([*ports, "-w", args.fifo, *dialog.capture_options(args)])
+        ports.append(port_of(args.second_port))
+    return CaptureOptions(
+        ports=ports,
+        file=args.fifo,
+        baud=_rate(args.other_baud or args.baud),
+        format=args.format or None,
+        follow_baud=args.follow_baud,
+        filter=args.extcap_capture_filter or None,
+    )
+
+
+def _rate(text: str) -> int | None:
+    try:
+        return rate(text) if text else RATES[0]
+    except ValueError as error:
+        raise ValueError(f"argument --baud: {error}") from None
 
 
 def _measure(toolbar: Toolbar) -> None:

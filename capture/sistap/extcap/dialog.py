@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The options of an interface: how Wireshark's dialog shows them, and what they are for `sistap capture`."""
+"""The options of an interface: how Wireshark's dialog shows them."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from sistap.capture.scan import FORMATS
+from sistap.capture.scan import AUTO, FORMATS
 from sistap.extcap import interfaces
 from sistap.extcap.interfaces import DEMO
 from sistap.extcap.sentences import sentence
 from sistap.sis.rates import RATES
 
-AUTO = "auto"
 SELFTEST = "selftest"
 
 Choice = tuple[str, str]  # a value, and how it is shown
@@ -156,16 +154,6 @@ def choices(name: str, called: str) -> list[str]:
         if option.call.removeprefix("--") == called.removeprefix("--")
         for line in _values(name, number, option)
     ]
-
-
-def capture_options(values: argparse.Namespace) -> list[str]:
-    """Say the values of the dialog to `sistap capture`, but for the ports."""
-    options = ["--baud", values.other_baud or values.baud or str(RATES[0])]
-    if values.format:
-        options += ["--format", values.format]
-    if values.follow_baud:
-        options.append("--follow-baud")
-    return options
 
 
 def _options_of(name: str) -> list[tuple[int, Option]]:

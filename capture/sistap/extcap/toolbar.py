@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import BinaryIO
 
 from sistap.capture.remote import Marker, Rate
-from sistap.extcap.dialog import AUTO
+from sistap.capture.scan import AUTO
 from sistap.extcap.sentences import sentence
 from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters

@@ -9,7 +9,6 @@ from collections import Counter
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from sistap.capture.command import LARGEST_RATE
 from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
@@ -18,6 +17,7 @@ from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Refused, Source, Told
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 from sistap.records.counters import Counters
+from sistap.records.record import LARGEST_RATE
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop

@@ -14,6 +14,7 @@ VERSION = 1
 HEADER = struct.Struct(">BBBBIBBBBIHH")
 MAX_CHARACTERS = 43_000  # 6 bytes each: Wireshark refuses a file with a packet of more than 262,144 bytes
 INTERVAL_MAX = 0xFFFFFFFF
+LARGEST_RATE = 0xFFFFFFFF
 
 
 class Type(enum.IntEnum):
