@@ -9,8 +9,8 @@ from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.files import pcapng
-from sistap.records import record
+from sistap.files.reading import records
+from sistap.records.record import Record, Type
 
 
 class Packet(NamedTuple):
@@ -20,21 +20,12 @@ class Packet(NamedTuple):
     times_ns: Sequence[int]
 
 
-def sistap_records(file: Path) -> Iterator[record.Record]:
+def sistap_records(file: Path) -> Iterator[Record]:
     """Read the records with characters in a pcapng file of ours."""
-    blocks = file.read_bytes()
-    header = len(pcapng.upper_pdu("sertap", b""))
-    at = 0
-    while at < len(blocks):
-        kind, length, _, high, low, size = struct.unpack_from("<IIIIII", blocks, at)
-        if kind == pcapng.ENHANCED_PACKET:
-            taken = record.unpack(blocks[at + 28 + header : at + 28 + size], high << 32 | low)
-            if taken.type != record.Type.EVENT:
-                yield taken
-        at += length
+    return (taken for taken in records(file) if taken.type != Type.EVENT)
 
 
-def character_times_ns(taken: record.Record) -> Iterator[int]:
+def character_times_ns(taken: Record) -> Iterator[int]:
     """Give the time of each character of a record."""
     return accumulate(taken.intervals[1:], initial=taken.time_ns)
 

@@ -17,7 +17,7 @@ from test_bus import BUS, TIMEOUT_S, drain, finish
 
 from sistap.bus.replay import look, played
 from sistap.files import pcapng
-from sistap.files.captured import NotCaptured, records
+from sistap.files.reading import NotCaptured, records
 from sistap.line.settings import Flag, LineSettings
 from sistap.records import record
 from sistap.records.record import Event, Record, Type

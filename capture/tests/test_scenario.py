@@ -23,7 +23,7 @@ from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.faults import _KINDS
 from sistap.bus.scenarios.scenario import Playing, Scenario, load
 from sistap.bus.scenarios.steps import _STEPS
-from sistap.files.captured import records
+from sistap.files.reading import records
 from sistap.line.settings import Flag
 from sistap.records.record import Event, Type
 from sistap.sis.telegram import parse

@@ -15,7 +15,7 @@ from sistap.bus.playing.played import Character, Played
 from sistap.bus.wires import choice
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import play
-from sistap.files.captured import NotCaptured, records
+from sistap.files.reading import NotCaptured, records
 from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings
 from sistap.records.record import Record, Type
 from sistap.terminal.exits import DONE, USAGE

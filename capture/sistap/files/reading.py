@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads the records of a capture file that sistap wrote (pcapng, records of protocol `sertap`)."""
+"""Reads capture files (pcapng): block by block, packet by packet, or as the records of protocol `sertap` in them."""
 
 from __future__ import annotations
 
@@ -25,29 +25,41 @@ class NotCaptured(ValueError):
     """The file cannot be read as a capture; the text is one line that names the cure."""
 
 
+class Block(NamedTuple):
+    """A block of a file."""
+
+    kind: int
+    order: str  # of its bytes, as struct names it
+    body: bytes
+
+
+class Packet(NamedTuple):
+    """A packet of a file."""
+
+    link_type: int
+    time_ns: int | None  # None: its interface counts in units that are read by nobody here
+    data: bytes
+
+
 class _Interface(NamedTuple):
     link_type: int
     decimals: int  # of its time stamps, in seconds
 
 
 def records(path: Path) -> Iterator[Record]:
-    """Give all records in the order of the file; one that was cut off in mid-block ends before that block.
+    """Read all records in the order of the file; one that was cut off in mid-block ends before that block.
 
     OSError, or NotCaptured if it is something else.
     """
-    with path.open("rb") as file:
-        found = False
-        order = "<"
-        interfaces: list[_Interface] = []
-        for kind, head, body in _blocks(file, path):
-            order = head
-            if kind == pcapng.SECTION_HEADER:
-                interfaces = []
-            elif kind == pcapng.INTERFACE_DESCRIPTION:
-                interfaces.append(_interface(order, body))
-            elif kind == pcapng.ENHANCED_PACKET and (one := _record(order, interfaces, body, path)):
-                found = True
-                yield one
+    found = False
+    for packet in packets(path):
+        try:
+            one = record_of(packet)
+        except (ValueError, IndexError) as error:
+            raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
+        if one:
+            found = True
+            yield one
     if not found:
         raise NotCaptured(
             f"{path} has no records of sistap: it takes what `sistap capture -w` or `sistap bus -w` writes "
@@ -55,8 +67,32 @@ def records(path: Path) -> Iterator[Record]:
         )
 
 
-def _blocks(file: BinaryIO, path: Path) -> Iterator[tuple[int, str, bytes]]:
-    """Give kind, byte order and body of each whole block."""
+def record_of(packet: Packet) -> Record | None:
+    """Read the record in a packet; None if there is none of ours. ValueError or IndexError if it is damaged."""
+    if packet.link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU or packet.time_ns is None:
+        return None
+    payload = _payload(packet.data)
+    return None if payload is None else record.unpack(payload, packet.time_ns)
+
+
+def packets(path: Path) -> Iterator[Packet]:
+    """Read all packets of interfaces that the file describes. OSError or NotCaptured."""
+    with path.open("rb") as file:
+        interfaces: list[_Interface] = []
+        for kind, order, body in blocks(file, path):
+            if kind == pcapng.SECTION_HEADER:
+                interfaces = []
+            elif kind == pcapng.INTERFACE_DESCRIPTION:
+                interfaces.append(_interface(order, body))
+            elif kind == pcapng.ENHANCED_PACKET:
+                number, high, low, length = struct.unpack_from(f"{order}IIII", body)
+                if number < len(interfaces):
+                    time_ns = _time_ns(high << 32 | low, interfaces[number].decimals)
+                    yield Packet(interfaces[number].link_type, time_ns, body[20 : 20 + length])
+
+
+def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
+    """Read each whole block of the file named `path`. OSError or NotCaptured."""
     order = ""
     while len(head := file.read(8)) == 8:
         if head[:4] == struct.pack("<I", pcapng.SECTION_HEADER):
@@ -73,7 +109,7 @@ def _blocks(file: BinaryIO, path: Path) -> Iterator[tuple[int, str, bytes]]:
             return
         if len(body) < _FIXED.get(kind, 0):
             raise NotCaptured(f"{path} is damaged: a block of kind {kind} has only {len(body)} bytes; {_CURE}")
-        yield kind, order, body
+        yield Block(kind, order, body)
 
 
 def _interface(order: str, body: bytes) -> _Interface:
@@ -88,23 +124,12 @@ def _interface(order: str, body: bytes) -> _Interface:
     return _Interface(link_type, decimals)
 
 
-def _record(order: str, interfaces: list[_Interface], body: bytes, path: Path) -> Record | None:
-    """Read a packet; None if it is none of ours."""
-    number, high, low, length = struct.unpack_from(f"{order}IIII", body)
-    interface = interfaces[number] if number < len(interfaces) else None
-    if interface is None or interface.link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU or interface.decimals > 9:
-        return None
-    payload = _payload(body[20 : 20 + length])
-    if payload is None:
-        return None
-    try:
-        return record.unpack(payload, (high << 32 | low) * 10 ** (9 - interface.decimals))
-    except (ValueError, IndexError) as error:
-        raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
+def _time_ns(ticks: int, decimals: int) -> int | None:
+    return ticks * 10 ** (9 - decimals) if decimals <= 9 else None
 
 
 def _payload(packet: bytes) -> bytes | None:
-    """Give what is for the dissector `sertap` (exported PDU: tags, the last is 0, then the payload)."""
+    """Return what is for the dissector `sertap` (exported PDU: tags, the last is 0, then the payload)."""
     place, name = 0, b""
     while place + 4 <= len(packet):
         tag, length = struct.unpack_from(">HH", packet, place)
