@@ -27,7 +27,6 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from captured import Packet, pcap_packets, sistap_packets  # noqa: E402
 from crc import crc  # noqa: E402
 from playing import (  # noqa: E402
     PATIENCE_S,
@@ -41,6 +40,7 @@ from playing import (  # noqa: E402
     terminals,
 )
 from quantiles import QUANTILES, quantiles  # noqa: E402
+from recorded import Packet, pcap_packets, sistap_packets  # noqa: E402
 
 from sistap.line import priority  # noqa: E402
 

@@ -24,7 +24,6 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from captured import character_times_ns, sistap_records  # noqa: E402
 from playing import (  # noqa: E402
     PATIENCE_S,
     SETTINGS,
@@ -40,6 +39,7 @@ from playing import (  # noqa: E402
     terminals,
 )
 from quantiles import quantiles  # noqa: E402
+from recorded import character_times_ns, sistap_records  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
 from sistap.line import priority  # noqa: E402

@@ -17,7 +17,7 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.sis.rates import RATES
 from sistap.terminal import state
 from sistap.terminal.console import Console
-from sistap.terminal.exits import FAILED, USAGE
+from sistap.terminal.exits import DONE, FAILED, USAGE
 
 DESCRIPTION = """\
 Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
@@ -170,7 +170,7 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
         console.say(f"the result cannot be kept: {error}{cure}")
         return FAILED
     print(f"\nkept in {_short(path)}: captures under these conditions ({', '.join(conditions.values())}) use it")
-    return 0
+    return DONE
 
 
 def _short(path: Path) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Protocol
 
-from sistap.annotate.capturing import Blocks
+from sistap.annotate.blocks import Blocks
 from sistap.records.record import Record
 from sistap.wireshark import rows
 from sistap.wireshark.rows import INFO_FIELDS, NECESSARY, NO_DISSECTOR, first, info, unknown_fields
@@ -71,7 +71,7 @@ class Fields:
         """Take apart what it prints for one packet; several values are joined by JOINT."""
         return rows.columns(self._names, line)
 
-    def read(self, line: str) -> Said:
+    def said(self, line: str) -> Said:
         """Read what it prints for one record."""
         return said(self.columns(line))
 
@@ -99,7 +99,7 @@ class WholeCapture:
     def get(self) -> Said:
         """Return what is said of the next record."""
         try:
-            return self._fields.read(next(self._lines))
+            return self._fields.said(next(self._lines))
         except StopIteration:
             raise TsharkError("tshark has said less than the log holds: is there room for its files?") from None
 
@@ -138,7 +138,7 @@ class Running:
         if self._first:
             self._first = False
             self._answer()  # the event
-        return self._fields.read(self._answer())
+        return self._fields.said(self._answer())
 
     def _answer(self) -> str:
         try:

@@ -55,7 +55,7 @@ class Stamped(NamedTuple):
     stamp: Stamp
 
 
-class Clock:
+class TimestampParser:
     """Reads the stamps of one log, in order: one without a date needs those before it."""
 
     def __init__(self) -> None:

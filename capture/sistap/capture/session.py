@@ -25,6 +25,7 @@ from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type, event
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Audience
+from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.stop import Stop
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
@@ -120,13 +121,13 @@ class Capture:
             self._run(stop)
         except OutputError as error:
             if self._remote and isinstance(error, ReaderGone):
-                return 0
+                return DONE
             self._console.alarm(str(error))
-            return 1
+            return FAILED
         finally:
             gc.enable()
             gc.unfreeze()
-        return 1 if self._port_lost or self._output.failed else 0
+        return FAILED if self._port_lost or self._output.failed else DONE
 
     def _run(self, stop: Stop) -> None:
         descriptions = {number: self._description(line) for number, line in self._lines.items()}

@@ -14,7 +14,7 @@ from sistap.extcap.sentences import sentence
 from sistap.extcap.toolbar import Toolbar, controls
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
 from sistap.terminal.console import Console
-from sistap.terminal.exits import USAGE
+from sistap.terminal.exits import DONE, USAGE
 
 DESCRIPTION = """\
 Be an interface of Wireshark: every serial port of this machine, and a bus in software to try it with. Wireshark runs
@@ -76,18 +76,18 @@ def run(args: argparse.Namespace) -> int:
 def _interfaces(_: argparse.Namespace) -> int:
     print(sentence("extcap", version=sistap.__version__, display="SIS tap"))
     print(*interfaces.found(), *controls(), sep="\n")
-    return 0
+    return DONE
 
 
 def _dlts(_: argparse.Namespace) -> int:
     print(sentence("dlt", number=LINKTYPE_WIRESHARK_UPPER_PDU, name="WIRESHARK_UPPER_PDU", display="SIS tap"))
-    return 0
+    return DONE
 
 
 def _config(args: argparse.Namespace) -> int:
     name, option = args.extcap_interface, args.extcap_reload_option
     print(*(dialog.choices(name, option) if option else dialog.config(name)), sep="\n")
-    return 0
+    return DONE
 
 
 def _check_filter(args: argparse.Namespace) -> int:
@@ -100,7 +100,7 @@ def _check_filter(args: argparse.Namespace) -> int:
         Filter(args.extcap_capture_filter)
     except FilterError as error:
         print(str(error).partition("\n")[0])  # Wireshark takes any text as what is wrong, and 0 as an answer
-    return 0
+    return DONE
 
 
 def _capture(args: argparse.Namespace) -> int:
@@ -108,9 +108,9 @@ def _capture(args: argparse.Namespace) -> int:
         Console().say("--capture needs --extcap-interface and --fifo, as Wireshark says them")
         return USAGE
     with Toolbar(args.extcap_control_in, args.extcap_control_out) as toolbar:
-        from sistap.extcap import capturing  # now that Wireshark does not wait for the toolbar any more
+        from sistap.extcap import started  # now that Wireshark does not wait for the toolbar any more
 
-        return capturing.run(args, toolbar)
+        return started.run(args, toolbar)
 
 
 _ANSWERS: dict[str, tuple[Answer, str]] = {

@@ -15,7 +15,7 @@ from sistap.install import module, sources
 from sistap.install.launching import launcher
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
 from sistap.terminal.console import Console
-from sistap.terminal.exits import FAILED, USAGE
+from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
 from sistap.wireshark import folders
@@ -211,4 +211,4 @@ def _check(console: Console) -> int:
         console.say(f"Wireshark does not load the dissector: {why}")
         return FAILED
     print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + "; start it with `wireshark -C SIS`")
-    return 0
+    return DONE

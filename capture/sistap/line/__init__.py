@@ -2,6 +2,6 @@
 """A serial line, from the port to characters with times.
 
 Which ports there are (ports), their settings (settings), how they are read (reader), when a character came (clock,
-measurement, priority), and a line in software (wire). It may use terminal and sis. Only this room knows what a serial
-port is; what it passes on is in settings.
+measurement, priority), and what a bus in software says to a tap (bus_socket). It may use terminal and sis. What it
+passes on is in settings: behind it nothing knows what a serial port is.
 """

@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+from sistap.terminal.exits import DONE
+
 SYSFS = Path("/sys")
 
 # Linux: include/uapi/linux/serial_core.h, the attribute `type` of a ttyS.
@@ -153,10 +155,10 @@ def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has th
     ports = found()
     if not ports:
         print("no serial port found: plug the adapter in; if it stays away, `sudo dmesg | tail` says what became of it")
-        return 0
+        return DONE
     rows = [("port", "adapter", "driver", "latency")]
     rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
-    return 0
+    return DONE

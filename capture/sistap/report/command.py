@@ -14,7 +14,7 @@ from sistap.report import plain, windows
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
 from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
 from sistap.terminal.streams import STANDARD_OUTPUT
 from sistap.terminal.writing import Incomplete, NotOpened, opened
@@ -80,12 +80,8 @@ FORMATS = {
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
 
 
-class _Refused(Exception):
-    """Options or files that cannot be right; the text is the one line to show."""
-
-
-class _Failed(Exception):
-    """Something is not installed; the text is the one line to show."""
+class _NoMatplotlib(Exception):
+    """It is not installed; the text is the one line to show."""
 
 
 def _window(text: str) -> Window:
@@ -130,10 +126,10 @@ def run(args: argparse.Namespace) -> int:
         if FORMATS[name].has_plots:
             _check_matplotlib()
         _write(args, name, _gather(args, console), console)
-    except (_Refused, NotACapture, NotOpened) as error:
+    except (UsageError, NotACapture, NotOpened) as error:
         console.say(str(error))
         return USAGE
-    except (_Failed, Incomplete, TsharkError) as error:
+    except (_NoMatplotlib, Incomplete, TsharkError) as error:
         console.say(str(error))
         return FAILED
     return DONE
@@ -146,19 +142,19 @@ def _format(args: argparse.Namespace) -> str:
         return "html"
     ending = Path(args.output).suffix.lstrip(".").lower()
     if ending not in _ENDINGS:
-        raise _Refused(f"'{args.output}' does not say what to write: end it in .html, or use --format")
+        raise UsageError(f"'{args.output}' does not say what to write: end it in .html, or use --format")
     return _ENDINGS[ending]
 
 
 def _check_files(args: argparse.Namespace) -> None:
     if args.capture.exists() and not args.capture.is_file():
-        raise _Refused(f"{args.capture} is not a file: it is read twice, so save the capture first")
+        raise UsageError(f"{args.capture} is not a file: it is read twice, so save the capture first")
     try:
         args.capture.open("rb").close()
     except OSError as error:
-        raise _Refused(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
+        raise UsageError(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
     if args.output and Path(args.output).exists() and args.capture.samefile(args.output):
-        raise _Refused(f"{args.output} is the capture itself; name another file with -o")
+        raise UsageError(f"{args.output} is the capture itself; name another file with -o")
 
 
 def _check_matplotlib() -> None:
@@ -167,7 +163,7 @@ def _check_matplotlib() -> None:
         with held():
             import matplotlib  # noqa: F401, PLC0415
     except ImportError:
-        raise _Failed(
+        raise _NoMatplotlib(
             f"matplotlib is missing for {sys.executable}: `pip install 'sistap[report]'`, or install the package "
             "python3-matplotlib; --format text and json do without"
         ) from None

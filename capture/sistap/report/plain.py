@@ -76,7 +76,7 @@ def _report(report: Report) -> dict[str, Any]:
 
 
 def _clock(figures: Figures) -> dict[str, Any]:
-    clock = figures.clock
+    clock = figures.exactness
     return {
         "uncertainty_least_s": clock.least_s if clock.is_known else None,
         "uncertainty_most_s": clock.most_s if clock.is_known else None,

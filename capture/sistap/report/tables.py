@@ -81,7 +81,7 @@ def _records(figures: Figures) -> str:
 
 
 def _uncertainty(figures: Figures) -> str:
-    clock = figures.clock
+    clock = figures.exactness
     if not figures.records[FRAME] + figures.records[OTHER]:
         return "there are no times of characters"
     if not clock.is_known:
@@ -91,7 +91,8 @@ def _uncertainty(figures: Figures) -> str:
 
 
 def _same_read(figures: Figures) -> str:
-    return f"{figures.clock.same_read} of {figures.intervals.count} intervals in telegrams: their length is not known"
+    same_read = figures.exactness.same_read
+    return f"{same_read} of {figures.intervals.count} intervals in telegrams: their length is not known"
 
 
 def events(report: Report) -> Table:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sistap.bus.devices.parameters import PARAMETER_MODE
-from sistap.bus.service import Failed, Request, Service, Status
+from sistap.bus.service import Request, Service, ServiceFailed, Status
 
 OPERATING_MODE = 4
 _MS = 1_000_000
@@ -81,5 +81,5 @@ class Phases:
                 listener()
         return b""
 
-    def _failed(self, code: int, now_ns: int) -> Failed:
-        return Failed(bytes([self.at(now_ns)]) + code.to_bytes(2, "little"), Status.PHASE_ERROR)
+    def _failed(self, code: int, now_ns: int) -> ServiceFailed:
+        return ServiceFailed(bytes([self.at(now_ns)]) + code.to_bytes(2, "little"), Status.PHASE_ERROR)

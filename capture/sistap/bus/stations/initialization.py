@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import NamedTuple
 
-from sistap.bus.service import Failed, Subservice, by_subservice
+from sistap.bus.service import ServiceFailed, Subservice, by_subservice
 from sistap.sis.rates import RATES, rate_of
 
 _MS = 1_000_000
@@ -81,7 +81,7 @@ class Initialization:
     def _test_rate(self, data: bytes, now_ns: int) -> bytes:
         duration_ms, baud = int.from_bytes(data[:2], "little"), self._rate(data[2])
         if duration_ms > _LONGEST_TEST_MS:
-            raise Failed(_TEST_TOO_LONG)
+            raise ServiceFailed(_TEST_TOO_LONG)
         self._test = _Test(baud, now_ns, now_ns + duration_ms * _MS)
         return b""
 
@@ -94,5 +94,5 @@ class Initialization:
     def _rate(self, mask: int) -> int:
         baud = rate_of(mask)
         if baud is None or baud not in self._rates:
-            raise Failed(_NOT_SUPPORTED)
+            raise ServiceFailed(_NOT_SUPPORTED)
         return baud

@@ -9,7 +9,7 @@ from collections import deque
 from contextlib import suppress
 from urllib.parse import urlsplit
 
-from sistap.line import wire
+from sistap.line import bus_socket
 from sistap.line.reader.contract import PortError, PortLost
 from sistap.line.reader.trouble import connection_trouble
 from sistap.line.settings import LineSettings, Read
@@ -18,7 +18,7 @@ CONNECT_TIMEOUT_S = 5
 
 
 class WireReader:
-    """Reads the socket of a virtual bus (sistap.line.wire): its reads carry their own times, errors and line."""
+    """Reads the socket of a virtual bus (sistap.line.bus_socket): its reads carry their own times, errors and line."""
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Connect and say the line settings. May raise PortError."""
@@ -31,10 +31,10 @@ class WireReader:
         try:
             self._socket = _connect(port)
             # First the time (simulated time is to wait for this reader): with the settings the bus begins.
-            self._socket.sendall(wire.pack_time(0) + wire.pack_settings(settings))
+            self._socket.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(settings))
         except OSError as error:
             raise PortError(connection_trouble(port, error)) from error
-        self._decoder = wire.Decoder()
+        self._decoder = bus_socket.Decoder()
         self._heard_with = settings
         self._reads: deque[Read] = deque()
         self._answer = b""  # to the bus, when everything before was dealt with
@@ -53,7 +53,7 @@ class WireReader:
         """Read with other settings from the bus's next character on."""
         self.settings = settings
         with suppress(OSError):  # the next read tells that the bus has ended
-            self._socket.sendall(wire.pack_settings(settings))
+            self._socket.sendall(bus_socket.pack_settings(settings))
 
     def _receive(self, timeout_s: float) -> None:
         try:
@@ -73,12 +73,12 @@ class WireReader:
         if not data:
             raise PortLost(f"the bus has ended ({self.name}): start it and a new capture")
 
-    def _take(self, message: wire.Message) -> None:
+    def _take(self, message: bus_socket.Message) -> None:
         if isinstance(message, LineSettings):
             self._heard_with = message
             return
-        if isinstance(message, wire.Time):
-            self._answer = wire.pack_time(message.time_ns)
+        if isinstance(message, bus_socket.Time):
+            self._answer = bus_socket.pack_time(message.time_ns)
             message = Read(0, message.time_ns, b"", b"", 0)
         self._reads.append(message._replace(line=self.line or message.line, settings=self._heard_with))
 

@@ -14,7 +14,7 @@ _UTF_8, _LATIN_1 = "utf-8", "latin-1"
 
 
 @dataclass(slots=True, eq=False)
-class Line:
+class LogLine:
     """One line; `raw` + `ending` are its bytes, with whatever mark a file begins with."""
 
     number: int  # from 1
@@ -28,7 +28,7 @@ class Line:
         return text.encode(self.encoding, "backslashreplace")
 
 
-class Lines:
+class LineCutter:
     """Cuts pieces of a log into lines. What is not UTF-8 makes the rest of the log Latin-1: hex is the same in both."""
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class Lines:
         self._encoding = ""
         self._mark = b""
 
-    def feed(self, piece: bytes) -> Iterator[Line]:
+    def feed(self, piece: bytes) -> Iterator[LogLine]:
         """Take the next bytes; give the lines that end in them."""
         self._rest += piece
         if not self._encoding and len(self._rest) >= _LONGEST_MARK:
@@ -47,7 +47,7 @@ class Lines:
             *whole, self._rest = self._split(self._rest)
             yield from map(self._line, whole)
 
-    def end(self) -> Iterator[Line]:
+    def end(self) -> Iterator[LogLine]:
         """Give what is left: a last line that does not end."""
         if not self._encoding:
             self._recognize()
@@ -76,7 +76,7 @@ class Lines:
             at = data.find(end, at + 1)
         return [*pieces, data[start:]]
 
-    def _line(self, data: bytes) -> Line:
+    def _line(self, data: bytes) -> LogLine:
         self._number += 1
         ending = b""
         for text in ("\r\n", "\n"):
@@ -86,7 +86,7 @@ class Lines:
                 break
         raw = data[: len(data) - len(ending)]
         shown = raw.removeprefix(self._mark) if self._number == 1 else raw
-        return Line(self._number, raw, ending, self._decode(shown), self._encoding)
+        return LogLine(self._number, raw, ending, self._decode(shown), self._encoding)
 
     def _decode(self, data: bytes) -> str:
         try:
@@ -96,9 +96,9 @@ class Lines:
             return data.decode(_LATIN_1)
 
 
-def lines(pieces: Iterable[bytes]) -> Iterator[Line]:
+def lines(pieces: Iterable[bytes]) -> Iterator[LogLine]:
     """Give all lines of a log that is there as a whole."""
-    cutter = Lines()
+    cutter = LineCutter()
     for piece in pieces:
         yield from cutter.feed(piece)
     yield from cutter.end()

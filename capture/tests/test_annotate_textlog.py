@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.annotate.lines import Line, Lines, lines
+from sistap.annotate.textlog import LineCutter, LogLine, lines
 
 
-def joined(found: list[Line]) -> bytes:
+def joined(found: list[LogLine]) -> bytes:
     return b"".join(line.raw + line.ending for line in found)
 
 
@@ -48,7 +48,7 @@ def test_encodings(log: bytes, texts: list[str]) -> None:
 
 
 def test_a_line_comes_as_soon_as_it_ends() -> None:
-    cutter = Lines()
+    cutter = LineCutter()
     assert [line.text for line in cutter.feed(b"02 56\n02")] == ["02 56"]
     assert [line.text for line in cutter.feed(b" 02\r\n")] == ["02 02"]
     assert list(cutter.end()) == []

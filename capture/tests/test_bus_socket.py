@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import pytest
 
-from sistap.line import wire
+from sistap.line import bus_socket
 from sistap.line.settings import Read
 
 
 @pytest.mark.parametrize("time_ns", [4_000_000_000_000_000_000, 2**64 - 1])
 def test_a_time_that_no_capture_can_hold_is_refused(time_ns: int) -> None:
-    assert wire.Decoder().feed(wire.pack_read(Read(0, 3_999_999_999_999_999_999, b"x", b"\0"))) != []
+    assert bus_socket.Decoder().feed(bus_socket.pack_read(Read(0, 3_999_999_999_999_999_999, b"x", b"\0"))) != []
     with pytest.raises(ValueError, match="the other end of the socket is not a sistap bus"):
-        wire.Decoder().feed(wire.pack_read(Read(0, time_ns, b"x", b"\0")))
+        bus_socket.Decoder().feed(bus_socket.pack_read(Read(0, time_ns, b"x", b"\0")))
