@@ -205,7 +205,7 @@ def test_before_the_first_character_the_time_is_that_of_this_machine(
         def step_ns(self) -> int:
             return 0
 
-    monkeypatch.setattr(session, "CLOCK", WallClock())
+    monkeypatch.setattr("sistap.capture.tap.CLOCK", WallClock())
     assert take(tmp_path, end_ns=SECOND).sink.ended_ns == EPOCH
 
 

@@ -565,7 +565,9 @@ def test_a_wall_clock_that_is_set_is_an_event(
             return None
 
     hour = 3_600_000_000_000
-    monkeypatch.setattr(session, "CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0)))
+    monkeypatch.setattr(
+        "sistap.capture.tap.CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0))
+    )
     output = Output(str(path))
     reader, counters = Idle([]), Counters()
     sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)

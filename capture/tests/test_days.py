@@ -107,7 +107,7 @@ def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         assert bus.stdout
         machine = Machine()
         reader = StampingReader(bus.stdout.readline().strip(), machine)
-        monkeypatch.setattr(session, "CLOCK", machine.clock)
+        monkeypatch.setattr("sistap.capture.tap.CLOCK", machine.clock)
         folder = tmp_path / "files"
         folder.mkdir()
         with monkeypatch.context() as patched:

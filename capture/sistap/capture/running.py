@@ -8,7 +8,8 @@ from contextlib import ExitStack
 from sistap.capture.filter import Filter
 from sistap.capture.options import CaptureOptions, Plan
 from sistap.capture.remote import Remote
-from sistap.capture.session import Capture, Conditions, Sink
+from sistap.capture.session import Capture, Conditions
+from sistap.capture.tap import Sink
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import LINK_TYPES, PcapngWriter

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One running capture: takes what the readers give through assembler and filter to a sink, in one thread."""
+"""One running capture: the loop that reads, and what ends it or changes the settings; all in one thread."""
 
 from __future__ import annotations
 
@@ -8,21 +8,18 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import sistap
 from sistap.capture.filter import Filter
-from sistap.capture.hints import Hints
 from sistap.capture.remote import Marker, Remote
 from sistap.capture.scan import FORMATS
 from sistap.capture.steering import Steering, Step
+from sistap.capture.tap import Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
-from sistap.line.clock import CLOCK
 from sistap.line.reader import PortError, PortLost, Reader, together
 from sistap.line.settings import LineSettings, Read
-from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, Type, event
+from sistap.records.record import Event
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Audience
 from sistap.terminal.exits import DONE, FAILED
@@ -30,22 +27,6 @@ from sistap.terminal.stop import Stop
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
 TICK_NS = 1_000_000_000  # how often hints and progress are looked at
-
-
-class Sink(Protocol):
-    """Where records go."""
-
-    def begin(self, *started: Record) -> None:
-        """Begin, with an event for each port that says how the capture is taken."""
-
-    def write(self, record: Record) -> bool:
-        """Take a record; tell whether it was written."""
-
-    def look(self, time_ns: int) -> None:
-        """Look, while nothing comes, whether the time for something has come."""
-
-    def end(self, time_ns: int) -> None:
-        """End."""
 
 
 @dataclass(frozen=True)
@@ -61,15 +42,6 @@ class Conditions:
 
 
 EVERYTHING = Conditions()
-
-
-@dataclass
-class _Line:
-    """One line: the port it comes from, what has come on it, and what was said of that."""
-
-    reader: Reader
-    counters: Counters
-    hints: Hints
 
 
 class Capture:
@@ -90,7 +62,6 @@ class Capture:
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         """`quiet`: do not say that it runs; `progress`: show the counters every second; `remote`: who controls it."""
-        self._sink = sink
         self._output = output
         self._counters = counters
         self._conditions = conditions
@@ -100,15 +71,18 @@ class Capture:
         self._clock_ns = clock_ns
         self._console = console
         self._readers = list(readers)  # whose ports are not lost
-        self._several = len(readers) > 1
-        self._assembler = Assembler(self._write, conditions.silence_ms)
-        self._lines: dict[int, _Line] = {}
-        for reader in readers:
-            self._add_line(reader.line, reader)
+        self._tap = Tap(
+            readers,
+            sink,
+            counters,
+            clock_ns,
+            silence_ms=conditions.silence_ms,
+            only=conditions.only,
+            count=conditions.count,
+        )
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not yet done
         self._why = ""  # the settings were changed
-        self._last: Read | None = None
         self._port_lost = False
         self._refused: set[str] = set()  # settings that a port cannot do, said once
 
@@ -130,30 +104,26 @@ class Capture:
         return FAILED if self._port_lost or self._output.failed else DONE
 
     def _run(self, stop: Stop) -> None:
-        descriptions = {number: self._description(line) for number, line in self._lines.items()}
+        descriptions = {reader.line: self._description(reader) for reader in self._readers}
         said = f"sistap {sistap.__version__}; "
-        self._sink.begin(*(self._event(n, Event.CAPTURE_STARTED, said + text) for n, text in descriptions.items()))
+        self._tap.begin({number: said + text for number, text in descriptions.items()})
         stop.at_once = False
         if not self._quiet:
             for number, text in descriptions.items():
-                self._console.say(f"capturing on {self._which(number)}{text}")
+                self._console.say(f"capturing on {self._tap.which(number)}{text}")
         for reader in self._readers:
             for note in reader.notes:
-                self._console.say(self._which(reader.line) + note)
+                self._console.say(self._tap.which(reader.line) + note)
         with together(self._readers) as self._source:
             self._loop(stop)
-        self._assembler.flush(self._lines, self._clock_ns())
-        self._sink.end(self._wall_ns())
+        self._tap.end()
 
-    def _description(self, line: _Line) -> str:
-        reader, silence_ms = line.reader, self._conditions.silence_ms
+    def _description(self, reader: Reader) -> str:
+        silence_ms = self._conditions.silence_ms
         framing = "" if silence_ms is None else f"; frames cut by {silence_ms:g} ms of silence"
         search = "; looking for the rate" if self._conditions.formats else ""
         follow = "; following changes of the rate" if self._conditions.follow else ""
         return f"{reader.name} ({reader.adapter}); {reader.settings}{search}{follow}; {reader.timing}{framing}"
-
-    def _which(self, number: int) -> str:
-        return f"line {number}: " if self._several else ""
 
     def _loop(self, stop: Stop) -> None:
         counters, count, duration_s = self._counters, self._conditions.count, self._conditions.duration_s
@@ -196,14 +166,12 @@ class Capture:
 
     def _lose(self, lost: PortLost) -> None:
         """Note that a port is gone; if there is another, that one goes on."""
-        reader = self._lines[lost.line].reader
+        reader = self._tap.reader(lost.line)
         self._port_lost = True
         self._readers.remove(reader)
-        lines = [number for number, line in self._lines.items() if line.reader is reader]
-        self._assembler.flush(lines, self._clock_ns())
-        self._emit(lost.line, Event.ADAPTER_LOST, str(lost))
+        self._tap.lose(reader, lost.line, str(lost))
         goes_on = "; the other line goes on" if self._readers else ""
-        self._console.alarm(f"{self._which(lost.line)}{lost}{goes_on}")
+        self._console.alarm(f"{self._tap.which(lost.line)}{lost}{goes_on}")
 
     def _steering_of(self, settings: LineSettings) -> Steering | None:
         formats, follow = self._conditions.formats, self._conditions.follow
@@ -211,11 +179,11 @@ class Capture:
 
     def _timeout_s(self) -> float:
         due_ns = self._steering.due_ns if self._steering else None
-        return READ_TIMEOUT_S if due_ns is None else min(READ_TIMEOUT_S, max(0, due_ns - self._wall_ns()) / 1e9)
+        return READ_TIMEOUT_S if due_ns is None else min(READ_TIMEOUT_S, max(0, due_ns - self._tap.wall_ns()) / 1e9)
 
     def _steer(self, steering: Steering) -> None:
         """Do what is to be done about the line settings."""
-        self._steps.extend(steering.look(self._wall_ns()))
+        self._steps.extend(steering.look(self._tap.wall_ns()))
         steps, self._steps = self._steps, []
         for step in steps:
             if any(reader.settings != step.settings for reader in self._readers):
@@ -229,7 +197,7 @@ class Capture:
             if not self._readers:  # lost while the rate was changed
                 return
             if isinstance(request, Marker):
-                self._emit(self._readers[0].line, Event.MARKER, request.text)
+                self._tap.note(self._readers[0].line, Event.MARKER, request.text)
             else:
                 self._set_rate(request.baud)
 
@@ -243,14 +211,14 @@ class Capture:
         self._steering = self._steering_of(settings)
         self._change(Step(settings, "set by hand" if baud else "looking for the rate"))
         for reader in self._readers:
-            self._lines[reader.line].hints = self._hints_of(reader)
+            self._tap.renew_hints(reader)
 
     def _settle(self, text: str) -> None:
         """Note that the settings of now are right."""
         self._console.say(text)
         for reader in self._readers:
-            self._lines[reader.line].hints = self._hints_of(reader)
-            self._emit(reader.line, Event.SETTINGS_CHANGED, text)
+            self._tap.renew_hints(reader)
+            self._tap.note(reader.line, Event.SETTINGS_CHANGED, text)
 
     def _change(self, step: Step) -> None:
         """Change the line settings, after what has come with the old ones."""
@@ -271,77 +239,31 @@ class Capture:
             self._take(read, now)
 
     def _take(self, read: Read, now: int) -> None:
-        if read.line not in self._lines:  # one port, a virtual bus, can bring several
-            self._add_line(read.line, self._readers[0])
-        self._last = read
-        self._counters.add_read(read)
-        if self._several:
-            self._lines[read.line].counters.add_read(read)
-        brings_settings = self._assembler.brings_settings(read)
-        records = self._assembler.take(read, now, self._why)
+        if not self._tap.has(read.line):
+            self._tap.add_line(read.line, self._readers[0])
+        brings_settings = self._tap.brings_settings(read)
+        records = self._tap.take(read, now, self._why)
         if self._steering:
             if brings_settings and not self._steering.searching:
-                self._console.say(f"{self._which(read.line)}{read.settings}: {self._why}")
+                self._console.say(f"{self._tap.which(read.line)}{read.settings}: {self._why}")
             self._steps.extend(self._steering.take(read, records))
 
-    def _add_line(self, number: int, reader: Reader) -> None:
-        self._assembler.add_line(number, reader.settings, self._clock_ns())
-        counters = Counters() if self._several else self._counters
-        self._lines[number] = _Line(reader, counters, self._hints_of(reader))
-
-    def _hints_of(self, reader: Reader) -> Hints:
-        return Hints(reader.settings, self._assembler.framing)
-
     def _idle(self, now: int) -> None:
-        for number, records in self._assembler.idle(now):
+        for number, records in self._tap.idle(now):
             if self._steering:
-                nothing = Read(number, self._wall_ns(), b"", b"")
+                nothing = Read(number, self._tap.wall_ns(), b"", b"")
                 self._steps.extend(self._steering.take(nothing, records))
-        # What a framer holds is older than now, and a new file begins with the time now. Without it no record waits.
-        if self._assembler.empty:
-            self._sink.look(self._wall_ns())
-
-    def _emit(self, number: int, code: Event, text: str) -> None:
-        """Write an event that has nothing to do with what was read."""
-        self._assembler.emit([self._event(number, code, text)], self._clock_ns())
-
-    def _write(self, record: Record) -> None:
-        if record.type == Type.EVENT:
-            self._sink.write(record)
-            return
-        counters, only, count = self._counters, self._conditions.only, self._conditions.count
-        passes = only is None or record.type != Type.FRAME or only.matches(record.data)
-        if passes and (count is None or counters.written < count):
-            counters.accepted[record.line] += self._sink.write(record)
-        counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
-        if self._several:
-            self._lines[record.line].counters.add_record(record)
 
     def _look(self, elapsed_s: float) -> None:
-        if step_ns := CLOCK.step_ns():
-            text = (
-                f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
-                "times in this capture go on without the step"
-            )
-            self._emit(self._readers[0].line, Event.MARKER, text)
-            self._console.say(text)
+        if self._readers and (moved := self._tap.note_clock_step(self._readers[0].line)):
+            self._console.say(moved)
+        searching = self._steering.searching if self._steering else None
         for reader in self._readers:
-            line = self._lines[reader.line]
-            searching = self._steering.searching if self._steering else None
-            for hint in line.hints.look(line.counters, elapsed_s, searching):
-                self._console.say(self._which(reader.line) + hint)
+            for hint in self._tap.hints(reader, elapsed_s, searching):
+                self._console.say(hint)
         if self._steering and (doubt := self._steering.take_hint()):
             self._console.say(doubt)
         if self._progress:
             self._console.progress(str(self._counters))
         if self._remote and self._readers:
             self._remote.show(self._counters, self._readers[0].settings)
-
-    def _event(self, number: int, code: Event, text: str) -> Record:
-        return event(self._wall_ns(), number, self._assembler.settings(number), code, text)
-
-    def _wall_ns(self) -> int:
-        """Give the time now by the clock of the line: a virtual bus may have its own."""
-        if self._last is None:
-            return CLOCK.now_ns()
-        return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
