@@ -35,6 +35,7 @@ class Assembled:
 
 def test_what_a_read_completes_is_returned_also_while_it_waits() -> None:
     made = Assembled()
+    assert made.assembler.lines == (1, 2)
     made.take(1 * MS, TELEGRAM[:4], line=2)
     assert [record.data for record in made.take(2 * MS, TELEGRAM)] == [TELEGRAM]
     assert not made.written  # line 2 began earlier
@@ -86,7 +87,8 @@ def test_silence_cuts_frames_where_it_is_said() -> None:
     assert Assembled().assembler.framing == Framing.SIS
     made = Assembled(silence_ms=5)
     made.take(1 * MS, b"A")
-    made.take(7 * MS, b"B")
-    assert [(record.type, record.framing, record.data) for record in made.written] == [
-        (Type.FRAME, Framing.SILENCE, b"A")
-    ]
+    made.take(6 * MS - 1, b"B")
+    assert not made.written
+    made.take(12 * MS, b"C")
+    (record,) = made.written
+    assert (record.type, record.framing, record.data) == (Type.FRAME, Framing.SILENCE, b"AB")

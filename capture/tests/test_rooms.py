@@ -111,3 +111,18 @@ def test_a_room_of_the_bus_uses_only_those_above_it(file: Path) -> None:
 def test_an_import_is_seen_however_it_is_written(tmp_path: Path, code: str) -> None:
     (tmp_path / "file.py").write_text(code)
     assert rooms_used(tmp_path / "file.py", "sistap") == {"report"}
+
+
+def test_the_readme_names_what_is_there() -> None:
+    """Each file of its table, and behind a file each name that is in it."""
+    text = (PACKAGE.parent / "README.md").read_text("utf-8")
+    table = text[text.index("| what you look for |") : text.index("Beside the package")]
+    cells = [line.split("|")[2] for line in table.splitlines()[2:] if line]
+    found = 0
+    for file, names in re.findall(r"`([\w/]+(?:\.py|/))`((?::|, `[A-Za-z_]+`| `[A-Za-z_]+`)*)", " ".join(cells)):
+        found += 1
+        assert (PACKAGE / file).exists(), file
+        for name in re.findall("`(.*?)`", names):
+            source = (PACKAGE / file).read_text("utf-8")
+            assert re.search(rf"^(def |class |){name}\b", source, re.MULTILINE), (file, name)
+    assert found > 60
