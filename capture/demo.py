@@ -60,7 +60,7 @@ def show(tshark: Tshark) -> None:
 
 
 def main() -> int:
-    """Run the demo; give the exit code."""
+    """Run the demo; return the exit code."""
     CAPTURE.parent.mkdir(exist_ok=True)
     with virtual_bus() as port:
         command = ["capture", "-i", port, "-w", str(CAPTURE), "-a", f"duration:{SECONDS}"]

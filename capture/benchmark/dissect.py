@@ -118,7 +118,7 @@ class Benchmark:
         self._tshark = tshark
 
     def capture(self, protocol: Protocol, count: int) -> str:
-        """Give the path of a capture with so many packets."""
+        """Return the path of a capture with so many packets."""
         file = self._folder / f"{protocol.link_type}-{count}.pcapng"
         if not file.exists():
             write_capture(file, protocol, count)
@@ -132,7 +132,7 @@ class Benchmark:
             raise TsharkError(f"{protocol.name} is not decoded; is WIRESHARK_PLUGIN_DIR a folder with the plugin?")
 
     def cost_us(self, mode: str, count: int, rounds: int) -> list[float]:
-        """Give the time that a packet adds, in us, for each protocol."""
+        """Return the time that a packet adds, in us, for each protocol."""
         layers, part = MODES[mode]
         counts = (max(count // part, 2), 1)
         best_s = {(protocol.name, number): float("inf") for protocol in PROTOCOLS for number in counts}
@@ -147,7 +147,7 @@ class Benchmark:
         ]
 
     def memory(self, count: int) -> list[float]:
-        """Give the bytes that a packet adds to the memory of tshark, for each protocol, from half of them to all."""
+        """Return the bytes that a packet adds to the memory of tshark, for each protocol, from half of them to all."""
         sizes = [
             [self._usage(protocol, number, []).kilobytes for number in (count // 2, count)] for protocol in PROTOCOLS
         ]

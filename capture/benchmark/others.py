@@ -82,7 +82,7 @@ def mstp_frame(kind: int, destination: int, source: int, data: bytes = b"") -> b
 
 
 def frames() -> Iterator[bytes]:
-    """Give frames without end, of 8 to 60 characters: tokens, and test requests with numbers, so that none repeats."""
+    """Yield frames without end, of 8 to 60 characters: tokens, and test requests with numbers, so that none repeats."""
     for number in itertools.count():
         yield mstp_frame(_TOKEN, 4, 3)
         yield mstp_frame(_TEST_REQUEST, 3, 4, struct.pack(">I", number) * (1 + number % 12))

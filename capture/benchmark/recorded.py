@@ -26,7 +26,7 @@ def sistap_records(file: Path) -> Iterator[Record]:
 
 
 def character_times_ns(taken: Record) -> Iterator[int]:
-    """Give the time of each character of a record."""
+    """Return the time of each character of a record."""
     return accumulate(taken.intervals[1:], initial=taken.time_ns)
 
 

@@ -22,7 +22,7 @@ PARTS = (
     Part("sistap/records/record.py", ("test_record.py",)),
     Part("sistap/records/order.py", ("test_order.py",)),
     Part("sistap/records/assembler.py", ("test_assembler.py", "test_assembling.py")),
-    Part("sistap/capture/tap.py", ("test_assembling.py",)),
+    Part("sistap/capture/tap.py", ("test_tap.py", "test_assembling.py")),
     Part("sistap/capture/session.py", ("test_assembling.py",), PASSING),
     Part("sistap/files/output.py", ("test_output.py",)),
     Part("sistap/files/pcapng.py", ("test_pcapng.py",)),

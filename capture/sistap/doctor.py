@@ -73,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @priority.real_time()
 def run(args: argparse.Namespace) -> int:
-    """Print a line for each point; give the exit code."""
+    """Print a line for each point; return the exit code."""
     code = DONE
     for look in _LOOKS:
         for point in look():

@@ -68,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @priority.real_time()
 def run(args: argparse.Namespace) -> int:
-    """Measure, print and keep the result; give the exit code. May raise PortError."""
+    """Measure, print and keep the result; return the exit code. May raise PortError."""
     console = Console()
     if sys.platform == "win32":
         console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
@@ -154,7 +154,7 @@ def _cure(port: str | None) -> str:
 
 
 def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int], console: Console) -> int:
-    """Keep the result (of sorted delays) for later captures; give the exit code."""
+    """Keep the result (of sorted delays) for later captures; return the exit code."""
     if len(delays) < ENOUGH:
         console.say(f"not kept: {len(delays)} characters are too few for p99.9: measure longer with --duration")
         return FAILED
@@ -181,7 +181,7 @@ def _short(path: Path) -> str:
 
 
 def quantile(ordered: Sequence[int], share: float) -> int:
-    """Give the smallest of the sorted values that `share` of them do not exceed."""
+    """Return the smallest of the sorted values that `share` of them do not exceed."""
     return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
 
 

@@ -23,7 +23,7 @@ def _berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def read(clock: TimestampParser, text: str) -> str:
-    """Give the first stamp of a text in UTC."""
+    """Return the first stamp of a text in UTC."""
     ns = clock.find(text)[0].stamp.time_ns
     return datetime.fromtimestamp(ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M:%S") + f".{ns % 10**9:09d}"
 

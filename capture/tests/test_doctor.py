@@ -81,7 +81,7 @@ def port() -> Iterator[str]:
 
 
 def examined(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, tuple[str, str]]]:
-    """Run it; give the exit code and, by subject, mark and text of its points."""
+    """Run it; return the exit code and, by subject, mark and text of its points."""
     code = cli.main(["doctor", *arguments])
     rows = [line.split(maxsplit=2) for line in capsys.readouterr().out.splitlines()]
     assert len({row[1] for row in rows}) == len(rows)

@@ -432,7 +432,7 @@ def as_user(home: Path, *arguments: str | Path) -> str:
 
 
 def in_wireshark(home: Path) -> list[str]:
-    """Give the columns of figure 6-14, sets 9600 Bd, as the profile has them."""
+    """Return the columns of figure 6-14, sets 9600 Bd, as the profile has them."""
     capture = home / "capture.pcapng"
     shutil.copy(REPOSITORY / "test-captures/specification.pcapng", capture)
     row = as_user(home, "tshark", "-C", "SIS", "-r", capture, "-Y", "frame.number == 7", "-T", "tabs")

@@ -191,7 +191,7 @@ SIGHT = {
 
 
 def seen(colour: Colour, cones: tuple[tuple[float, ...], ...]) -> Colour:
-    """Give the colour in CIE L*a*b*, where distance is difference as the eye has it."""
+    """Return the colour in CIE L*a*b*, where distance is difference as the eye has it."""
     red, green, blue = (
         min(max(sum(part * light for part, light in zip(row, colour, strict=True)), 0), 1) for row in cones
     )

@@ -57,7 +57,7 @@ class Passage:
         return found
 
     def end(self) -> list[Cut]:
-        """Give what is left."""
+        """Return what is left."""
         return self._counted(self._cutter.end())
 
     def _counted(self, cuts: list[Cut]) -> list[Cut]:

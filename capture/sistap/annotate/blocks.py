@@ -24,7 +24,7 @@ class Blocks:
         self._begun = False
 
     def packet(self, record: Record) -> bytes:
-        """Give the block of a record; before the first, those that begin a file."""
+        """Return the block of a record; before the first, those that begin a file."""
         block = _packet(record)
         if self._begun:
             return block

@@ -86,7 +86,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Explain a log; gives the exit code."""
+    """Explain a log; return the exit code."""
     console = Console()
     troubles = Troubles(console.say)
     passage = Passage(args.reader(), troubles.add)

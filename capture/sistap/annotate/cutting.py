@@ -109,7 +109,7 @@ class Cutter:
         return cuts + stream.add(piece, self._uncertainty_ns(piece))
 
     def end(self) -> list[Cut]:
-        """Give what is left at the end of the log."""
+        """Return what is left at the end of the log."""
         return [cut for stream in self._streams.values() for cut in stream.cuts(stream.framer.flush())]
 
     def _uncertainty_ns(self, piece: Piece) -> int:
@@ -118,7 +118,7 @@ class Cutter:
         return min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
 
     def _silent(self, piece: Piece) -> list[Cut]:
-        """Give what no longer waits for its rest, in both directions; the time can also have been set back."""
+        """Return what no longer waits for its rest, in both directions; the time can also have been set back."""
         cuts = []
         if piece.stamp:
             for direction, stream in list(self._streams.items()):

@@ -77,7 +77,7 @@ class Fields:
 
 
 def said(columns: dict[str, str]) -> Said:
-    """Give what is said of one record."""
+    """Return what is said of one record."""
     reaction = first(columns.get(_REACTION, ""))
     return Said(
         info(columns),

@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the log; gives the exit code."""
+    """Write the log; return the exit code."""
     console = Console()
     try:
         written, left_out = _write(args, console)
@@ -92,7 +92,7 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterator[str]:
-    """Give the lines of each packet; an empty text for one that is no record."""
+    """Yield the lines of each packet; an empty text for one that is no record."""
     fields = Fields(tshark, (_TIME, _TYPE, _LINE, _CHARACTER))
     came = False
     try:
@@ -104,7 +104,7 @@ def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterato
 
 
 def _entry(columns: dict[str, str]) -> str:
-    """Give the line of a packet and its explanation; events are nothing but an explanation."""
+    """Return the line of a packet and its explanation; events are nothing but an explanation."""
     stamp = _stamp(columns[_TIME])
     text = sentence(said(columns), _NS if stamp else None)
     if columns.get(_TYPE) == str(EVENT):
@@ -117,7 +117,7 @@ def _entry(columns: dict[str, str]) -> str:
 
 
 def _stamp(epoch: str) -> str:
-    """Give local time with its zone; nothing for 0, which is the time of a log without times."""
+    """Return local time with its zone; nothing for 0, which is the time of a log without times."""
     seconds, _, ns = epoch.partition(".")
     if not int(seconds) and not int(ns):
         return ""

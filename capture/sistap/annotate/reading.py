@@ -133,7 +133,7 @@ class AnyReader:
         return Contents(pieces, _foreign(masked, found, data) if len(found) > 1 else "")
 
     def _certain(self, masked: str, found: list[Run]) -> list[Run]:
-        """Give those that are bytes: by themselves, or because nothing else is in the line."""
+        """Return those that are bytes: by themselves, or because nothing else is in the line."""
         certain = [run for run in found if run.certain]
         if len(found) == 1:
             data = certain or [
@@ -149,7 +149,7 @@ class AnyReader:
         return data
 
     def _alike(self, masked: str, found: list[Run], certain: list[Run]) -> list[Run]:
-        """Give those that are written as the bytes of this log are; numbers beside them count or name something.
+        """Return those that are written as the bytes of this log are; numbers beside them count or name something.
 
         Few bytes need a mark in front of them, or a time and nothing behind them.
         """
@@ -193,7 +193,7 @@ class AnyReader:
             self._state.direction = direction
 
     def _marked(self, text: str, *, shows: bool = False) -> int | None:
-        """Give the direction of a text that says nothing else; `shows`: an arrow may have characters behind it."""
+        """Return the direction of a text that says nothing else; `shows`: an arrow may have characters behind it."""
         mark = self._marks.find(text)
         if not mark:
             return None
@@ -219,7 +219,7 @@ def _mask_counts(text: str) -> str:
 
 
 def _gaps(text: str, found: list[Run]) -> Iterator[str]:
-    """Give what stands before and between runs."""
+    """Yield what stands before and between runs."""
     end = 0
     for run in found:
         yield text[end : run.start]

@@ -33,7 +33,7 @@ def is_file(log: str) -> bool:
 
 
 def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
-    """Give the lines of a file, many at a time; `progress` is told the part that has been read, 0 to 1."""
+    """Yield the lines of a file, many at a time; `progress` is told the part that has been read, 0 to 1."""
     lines = LineCutter()
     with open(log, "rb") as file:
         size = os.fstat(file.fileno()).st_size or 1
@@ -46,7 +46,7 @@ def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogL
 
 
 def from_pipe(log: str) -> Iterator[list[LogLine]]:
-    """Give the lines of a pipe as they come; an empty list where nothing came for a moment."""
+    """Yield the lines of a pipe as they come; an empty list where nothing came for a moment."""
     pieces: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     descriptor = 0 if log == "-" else os.open(log, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     # A thread, because on Windows nothing tells whether a pipe has something to read.

@@ -122,7 +122,7 @@ class TimestampParser:
 
 
 def _date(groups: dict[str, str | None]) -> _Date | None:
-    """Give year, month and day of whichever form matched."""
+    """Return year, month and day of whichever form matched."""
     form: tuple[str | None, ...]
     if groups["year"]:
         form = groups["year"], groups["month"], groups["day"]
@@ -142,7 +142,7 @@ def _date(groups: dict[str, str | None]) -> _Date | None:
 
 
 def _seconds_of(of: _Minute) -> int | None:
-    """Give s since 1970, None if there is no such minute."""
+    """Return s since 1970, None if there is no such minute."""
     date, hour, minute, zone = of
     try:
         at = datetime(*date, hour, minute, tzinfo=_zone(zone) if zone else None)

@@ -24,7 +24,7 @@ class LogLine:
     encoding: str
 
     def encode(self, text: str) -> bytes:
-        """Give text as bytes that fit to this line."""
+        """Return text as bytes that fit to this line."""
         return text.encode(self.encoding, "backslashreplace")
 
 
@@ -48,7 +48,7 @@ class LineCutter:
             yield from map(self._line, whole)
 
     def end(self) -> Iterator[LogLine]:
-        """Give what is left: a last line that does not end."""
+        """Yield what is left: a last line that does not end."""
         if not self._encoding:
             self._recognize()
         *whole, last = self._split(self._rest)
@@ -97,7 +97,7 @@ class LineCutter:
 
 
 def lines(pieces: Iterable[bytes]) -> Iterator[LogLine]:
-    """Give all lines of a log that is there as a whole."""
+    """Yield all lines of a log that is there as a whole."""
     cutter = LineCutter()
     for piece in pieces:
         yield from cutter.feed(piece)

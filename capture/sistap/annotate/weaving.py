@@ -70,11 +70,11 @@ class Waitings:
         return waiting
 
     def last(self) -> Waiting | None:
-        """Give the newest line."""
+        """Return the newest line."""
         return self._queue[-1] if self._queue else None
 
     def release(self, *, everything: bool = False) -> Iterator[Waiting]:
-        """Give the lines that wait for nothing more, or all; the first too many of them must go, too.
+        """Yield the lines that wait for nothing more, or all; the first too many of them must go, too.
 
         A line without an ending stays until the end: nothing can be written behind it.
         """
@@ -84,7 +84,7 @@ class Waitings:
             yield self._pop()
 
     def rest(self) -> Iterator[Waiting]:
-        """Give all lines that are left at the end."""
+        """Yield all lines that are left at the end."""
         while self._queue:
             yield self._pop()
 

@@ -85,7 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play the bus until its end or a signal; gives the exit code. May raise PortError or PortLost."""
+    """Play the bus until its end or a signal; return the exit code. May raise PortError or PortLost."""
     if args.list:
         return _list()
     try:

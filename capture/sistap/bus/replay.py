@@ -66,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play the capture until its end or a signal; give the exit code. May raise PortError or PortLost."""
+    """Play the capture until its end or a signal; return the exit code. May raise PortError or PortLost."""
     try:
         _play(args)
     except Refusal as refusal:
@@ -110,14 +110,14 @@ def look(path: Path) -> Content:
 
 
 def played(path: Path, content: Content) -> Iterator[Played]:
-    """Give all reads of all lines in the order of their times, from time 0 on."""
+    """Return all reads of all lines in the order of their times, from time 0 on."""
     begin_ns = content.begin_ns - content.settings.character_ns
     lines = (_reads(path, line, begin_ns) for line in sorted(content.lines))
     return iter(heapq.merge(*lines, key=lambda one: one.time_ns))
 
 
 def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
-    """Give what came in one read each; a read can be in several records."""
+    """Yield what came in one read each; a read can be in several records."""
     read: Played | None = None
     for record in _with_characters(path):
         if record.line != line:

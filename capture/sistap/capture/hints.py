@@ -26,7 +26,7 @@ class Hints:
         self._given: set[str] = set()
 
     def look(self, counters: Counters, elapsed_s: float, searching: Scan | None = None) -> Iterator[str]:
-        """Give the new hints; `elapsed_s` is how long the capture has been running, `searching` for its settings."""
+        """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` for its settings."""
         hint = _diagnose_search(counters, elapsed_s, searching) if searching else self._diagnose(counters, elapsed_s)
         if hint and hint not in self._given:
             self._given.add(hint)

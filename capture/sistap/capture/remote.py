@@ -26,7 +26,7 @@ class Remote(Protocol):
     """The program. By reading no more, it ends the capture."""
 
     def requests(self) -> Iterable[Marker | Rate]:
-        """Give what was asked for since this was last called."""
+        """Return what was asked for since this was last called."""
 
     def show(self, counters: Counters, settings: LineSettings) -> None:
         """Take what was seen so far, and with which settings the line is read now."""

@@ -80,7 +80,7 @@ class Scan:
         self.found = good and now.faulty * ACCIDENT <= now.characters
 
     def look(self, now_ns: int) -> LineSettings | None:
-        """Give the settings to go on with, None to stay."""
+        """Return the settings to go on with, None to stay."""
         now = self._try
         if now.since_ns is None:
             now.since_ns = now_ns

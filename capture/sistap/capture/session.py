@@ -87,7 +87,7 @@ class Capture:
         self._refused: set[str] = set()  # settings that a port cannot do, said once
 
     def run(self, stop: Stop) -> int:
-        """Capture until something ends it; give the exit code."""
+        """Capture until something ends it; return the exit code."""
         # Nothing here makes reference cycles: the collector would only make a character wait now and then.
         gc.freeze()
         gc.disable()

@@ -53,7 +53,7 @@ class Steering:
             yield from self._take_followed(read, records)
 
     def look(self, now_ns: int) -> Iterator[Step]:
-        """Give what the time changes."""
+        """Yield what the time changes."""
         scan = self.searching
         settings = scan.look(now_ns) if scan else None
         if settings:

@@ -147,7 +147,7 @@ def config(name: str) -> list[str]:
 
 
 def choices(name: str, called: str) -> list[str]:
-    """Give the choices of an option again; `called` as Wireshark says it, with or without its hyphens."""
+    """Return the choices of an option again; `called` as Wireshark says it, with or without its hyphens."""
     return [
         line
         for number, option in _options_of(name)
@@ -157,7 +157,7 @@ def choices(name: str, called: str) -> list[str]:
 
 
 def _options_of(name: str) -> list[tuple[int, Option]]:
-    """Give the options of an interface with their numbers; those are shown in their order."""
+    """Return the options of an interface with their numbers; those are shown in their order."""
     return [item for item in enumerate(OPTIONS) if item[1].for_demo in (None, name == DEMO)]
 
 

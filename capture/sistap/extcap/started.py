@@ -25,7 +25,7 @@ from sistap.terminal.stop import Stop
 
 
 def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
-    """Capture until Wireshark ends it; give the exit code."""
+    """Capture until Wireshark ends it; return the exit code."""
     if args.uncertainty == dialog.SELFTEST and args.extcap_interface != DEMO:
         _measure(toolbar)
     stop = Stop.current()

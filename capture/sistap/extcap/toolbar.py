@@ -117,7 +117,7 @@ class Toolbar:
         """Do nothing: show() does."""
 
     def requests(self) -> Iterator[Marker | Rate]:
-        """Give what was asked for since this was last called."""
+        """Yield what was asked for since this was last called."""
         with suppress(Empty):
             while True:
                 yield self._requests.get_nowait()
@@ -172,7 +172,7 @@ class Toolbar:
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:
-    """Give control, command and text of each message, until the pipe ends."""
+    """Yield control, command and text of each message, until the pipe ends."""
     while len(header := pipe.read(_HEADER.size)) == _HEADER.size:
         _, high, low, control, command = _HEADER.unpack(header)
         yield control, command, pipe.read((high << 16 | low) - _COUNTED).decode(errors="replace")

@@ -31,7 +31,7 @@ _SYMBOL_ERRORS = Flag.CHARACTER_ERROR | Flag.BREAK | Flag.UNLOCATED_ERROR
 
 
 def packet_flags(record: Record) -> int:
-    """Give what the record's packet flags are."""
+    """Return what the record's packet flags are."""
     errors = record.errors
     return (
         _DIRECTIONS.get(record.line, 0)
@@ -41,7 +41,7 @@ def packet_flags(record: Record) -> int:
 
 
 def rtac_event(record: Record) -> int:
-    """Give the event of a record's RTAC header: the gravest error, else the direction."""
+    """Return the event of a record's RTAC header: the gravest error, else the direction."""
     errors = record.errors
     if errors & Flag.LOST_BEFORE:
         return _RTAC_LOST

@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Import; gives the exit code."""
+    """Import; return the exit code."""
     stop = Stop.current()
     console = Console()
     try:

@@ -37,7 +37,7 @@ class Rows:
 
 
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
-    """Give the protocols of a capture's first packets; none if it is no capture at all. May raise TsharkError."""
+    """Return the protocols of a capture's first packets; none if it is no capture at all. May raise TsharkError."""
     try:
         packets = list(Rows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
     except TsharkError as error:

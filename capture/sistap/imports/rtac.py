@@ -61,7 +61,7 @@ class RtacCapture:
         return self._rows.warning
 
     def reads(self) -> Iterator[Read]:
-        """Give the characters of each packet together: they have one stamp."""
+        """Yield the characters of each packet together: they have one stamp."""
         pending = {RECEIVED: Flag(0), SENT: Flag(0)}  # what is known of the next character
         for row in self._rows:
             if not row["rtacser.timestamp"]:

@@ -49,7 +49,7 @@ _FRACTION = re.compile(r"\.(\d+)")
 
 
 def reader(table: Table) -> Callable[[Path, Told], SampledLine]:
-    """Give what opens a file with such a table."""
+    """Return what opens a file with such a table."""
 
     def opened(path: Path, told: Told) -> SampledLine:
         need_rate(told.settings, path)

@@ -63,7 +63,7 @@ class SampledLine:
         )
 
     def reads(self) -> Iterator[Read]:
-        """Give each character as a read of its own. Times that count from a trigger begin at 0."""
+        """Yield each character as a read of its own. Times that count from a trigger begin at 0."""
         origin_s = min(self._rows[0].time_s, Fraction(0))
         for row in self._rows:
             time_ns = round((row.time_s - origin_s) * NS)
@@ -86,6 +86,6 @@ class SampledLine:
 
 
 def bits_to_stop(settings: LineSettings, *, after_start: bool) -> Fraction:
-    """Give how many bits a character takes to the middle of its stop bit: after its data, or from its start on."""
+    """Return how many bits a character takes to the middle of its stop bit: after its data, or from its start on."""
     after_data = (settings.parity != "N") + Fraction(1, 2)
     return 1 + settings.data_bits + after_data if after_start else after_data

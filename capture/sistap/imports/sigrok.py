@@ -37,7 +37,7 @@ def opened(path: Path, told: Told) -> SampledLine:
 
 
 def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unreadable]:
-    """Give the characters in the order of the file, each with the errors that belong to it."""
+    """Return the characters in the order of the file, each with the errors that belong to it."""
     bit = Fraction(samplerate, settings.baud)  # in samples
     to_stop = bits_to_stop(settings, after_start=False) * bit
     rows: list[Row | Unreadable] = []

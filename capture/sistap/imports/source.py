@@ -51,7 +51,7 @@ class Source(Protocol):
         """One line, after the last character: what could not be read; empty if all could."""
 
     def reads(self) -> Iterator[Read]:
-        """Give all characters, in the order of their times. May raise TsharkError."""
+        """Return all characters, in the order of their times. May raise TsharkError."""
 
 
 def numbered(received: str, sent: str, *, has_sent: bool, has_received: bool = True) -> dict[int, str]:

@@ -106,7 +106,7 @@ class UsbCapture:
         self.warning = ""
 
     def reads(self) -> Iterator[Read]:
-        """Give all characters; those that are sent leave the adapter after what has come meanwhile."""
+        """Yield all characters; those that are sent leave the adapter after what has come meanwhile."""
         adapter = Adapter(self._kind, self._told)
         waiting: list[tuple[int, int, Read]] = []
         number = itertools.count()

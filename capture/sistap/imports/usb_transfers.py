@@ -90,7 +90,7 @@ class Transfers:
         return self._rows.warning
 
     def __iter__(self) -> Iterator[Transfer]:
-        """Give them in the order of the capture. May raise TsharkError."""
+        """Yield them in the order of the capture. May raise TsharkError."""
         for row in self._rows:
             if row["usb.transfer_type"] and row["usb.device_address"]:
                 yield _transfer(row)

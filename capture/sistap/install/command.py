@@ -67,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Install; print a line for each file; give the exit code."""
+    """Install; print a line for each file; return the exit code."""
     console = Console()
     try:
         return _install(args.plugin, console)
@@ -126,7 +126,7 @@ def _supported_version(tshark: Tshark) -> Version:
 
 
 def _foreign(there: list[Loaded], ledger: Ledger) -> str:
-    """Give the file of a dissector that Wireshark loads and that install has not put."""
+    """Return the file of a dissector that Wireshark loads and that install has not put."""
     ours = [file.resolve() for file in ledger.files]
     return next((found.file for found in there if Path(found.file).resolve() not in ours), "")
 
@@ -140,7 +140,7 @@ def _dissector(plugin: Path | None, wireshark: Version, places: folders.Folders,
 
 
 def _others(places: folders.Folders) -> Iterator[File]:
-    """Give all but the dissector."""
+    """Yield all but the dissector."""
     text = launcher(sys.executable, sources.PACKAGE.parent, WINDOWS)
     yield File(places.extcap / ("sistap.bat" if WINDOWS else "sistap"), text.encode(), executable=True)
     for file in sources.profile():

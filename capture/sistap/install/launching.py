@@ -25,7 +25,7 @@ set "PYTHONPATH={package_root}"
 
 
 def launcher(interpreter: str, package_root: Path, windows: bool) -> str:
-    """Give the text of the launcher: `interpreter` is to run the package `sistap` that is in `package_root`.
+    """Return the text of the launcher: `interpreter` is to run the package `sistap` that is in `package_root`.
 
     A shell script, to be made executable; for Windows a .bat (in UTF-8). Both paths have to be absolute: a desktop
     starts Wireshark anywhere, with neither PATH nor PYTHONPATH as a terminal has them.

@@ -70,7 +70,7 @@ def dissector(named: Path | None, wireshark: Version) -> Dissector:
 
 
 def _built() -> Iterator[Path]:
-    """Give what cmake has built in this checkout, newest first."""
+    """Return what cmake has built in this checkout, newest first."""
     found = [file for pattern in _BUILDS for file in _checkout().glob(pattern)]
     return iter(sorted(found, key=lambda file: file.stat().st_mtime, reverse=True))
 

@@ -30,7 +30,7 @@ class Clock:
         self._looked_at = self._offset  # between the two clocks when a step was last asked for
 
     def wall_ns(self, monotonic_ns: int) -> int:
-        """Give the wall time of an instant; later instants never get earlier times."""
+        """Return the wall time of an instant; later instants never get earlier times."""
         elapsed = monotonic_ns - self._from
         if elapsed >= CHECK_NS:
             self._check(monotonic_ns)
@@ -38,11 +38,11 @@ class Clock:
         return monotonic_ns + self._offset + self._slewed(elapsed)
 
     def now_ns(self) -> int:
-        """Give the wall time of this moment."""
+        """Return the wall time of this moment."""
         return self.wall_ns(self._monotonic_ns())
 
     def step_ns(self) -> int:
-        """Give by how much the wall clock was set since this was last asked, in ns; 0 if by no more than STEP_NS.
+        """Return by how much the wall clock was set since this was last asked, in ns; 0 if by no more than STEP_NS.
 
         Ask every few seconds: what drifts meanwhile counts, too. The monotonic clock stands still while the computer
         sleeps: that is a step.

@@ -37,7 +37,7 @@ class Result(NamedTuple):
 
 
 def conditions(**more: str) -> Conditions:
-    """Give what a result depends on: this computer, its kernel, the priority now, and what the port adds."""
+    """Return what a result depends on: this computer, its kernel, the priority now, and what the port adds."""
     return {"machine": platform.node(), "kernel": platform.release(), "priority": priority.words(), **more}
 
 

@@ -151,7 +151,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has this shape
-    """Print the table of ports; give the exit code."""
+    """Print the table of ports; return the exit code."""
     ports = found()
     if not ports:
         print("no serial port found: plug the adapter in; if it stays away, `sudo dmesg | tail` says what became of it")

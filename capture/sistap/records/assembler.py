@@ -25,7 +25,7 @@ class Assembler:
     """The lines of one tap. The clock of `now_ns` is any that goes on; the other times are those of the characters."""
 
     def __init__(self, write: Callable[[Record], None], silence_ms: float | None = None) -> None:
-        """Give `write` each record when it is due. With `silence_ms`, silence cuts frames, and not what is in them."""
+        """Call `write` with each record when it is due. With `silence_ms`, silence cuts frames, not their content."""
         self._write = write
         self._silence_ms = silence_ms
         self._lines: dict[int, _Line] = {}
@@ -80,7 +80,7 @@ class Assembler:
         return records
 
     def change(self, number: int, settings: LineSettings, why: str, now_ns: int) -> None:
-        """Give a line other settings. The event comes with the next read, at its time."""
+        """Change the settings of a line. The event comes with the next read, at its time."""
         self.flush([number], now_ns)
         self._lines[number].framer.settings = settings
         self._lines[number].why = why
@@ -95,7 +95,7 @@ class Assembler:
         return completed
 
     def flush(self, numbers: Iterable[int], now_ns: int) -> None:
-        """Give all that is left of these lines."""
+        """Write all that is left of these lines."""
         for number in numbers:
             self.emit(self._lines[number].framer.flush(), now_ns)
 

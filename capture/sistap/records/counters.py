@@ -14,7 +14,7 @@ _IS_GAP = bytes(bool(flag & Flag.LOST_BEFORE) for flag in range(256))
 
 
 def longest_interval_ns(record: Record) -> int:
-    """Give the longest pause inside a frame; the one before its first character is not part of it."""
+    """Return the longest pause inside a frame; the one before its first character is not part of it."""
     return max(record.intervals[1:], default=0)
 
 
@@ -68,7 +68,7 @@ class Counters:
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
 
     def __str__(self) -> str:
-        """Give the progress line."""
+        """Return the progress line."""
         longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
         counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors}"
         return f"{counts}, longest interval {longest}"

@@ -74,7 +74,7 @@ class Framer(ABC):
         return self.flush() if idle_ns >= self.silence_ns else []
 
     def flush(self) -> list[Record]:
-        """Give all that is left: the line is silent, or the capture ends."""
+        """Return all that is left: the line is silent, or the capture ends."""
         records: list[Record] = []
         if self._data:
             self._cut(records, final=True)
@@ -191,7 +191,7 @@ class SisFramer(Framer):
         return records
 
     def settle(self) -> list[Record]:
-        """Give what is certainly no part of a telegram, without collecting more of it."""
+        """Return what is certainly no part of a telegram, without collecting more of it."""
         records: list[Record] = []
         self._emit_others(records, self._certain)
         self._forget_done()

@@ -34,7 +34,7 @@ class Order:
             self._since.append((now_ns, record.time_ns))
 
     def due(self, unfinished_ns: Iterable[int | None], now_ns: int) -> Iterator[Record]:
-        """Give what need not wait any longer; `unfinished_ns`: when what is not in records yet came, of each line."""
+        """Yield what need not wait any longer; `unfinished_ns`: when what is not in records yet came, of each line."""
         while self._since and now_ns - self._since[0][0] >= HOLD_NS:
             self._overdue_ns = max(self._overdue_ns, self._since.popleft()[1])
         first_ns = min((time_ns for time_ns in unfinished_ns if time_ns is not None), default=None)

@@ -22,7 +22,7 @@ _ERRORS = {
 
 
 def lines(record: Record) -> str:
-    """Give a frame or other characters as complete lines; with the number of the line if there are two."""
+    """Return a frame or other characters as complete lines; with the number of the line if there are two."""
     seconds, ns = divmod(record.time_ns, 1_000_000_000)
     when = time.strftime("%H:%M:%S", time.localtime(seconds)) + f".{ns // 1000:06d}"
     if record.line:

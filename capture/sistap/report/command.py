@@ -118,7 +118,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the report; gives the exit code."""
+    """Write the report; return the exit code."""
     console = Console()
     try:
         name = _format(args)

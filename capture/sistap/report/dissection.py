@@ -138,7 +138,7 @@ class Dissection:
         return [name for name in FIELDS if name in self._unknown]
 
     def packets(self, only: str = "") -> Iterator[Packet]:
-        """Give the packets that pass a display filter. May raise NotACapture and TsharkError.
+        """Yield the packets that pass a display filter. May raise NotACapture and TsharkError.
 
         Only with a filter they have their line of the packet list: it costs as much as all fields.
         """
@@ -198,7 +198,7 @@ def _packet(columns: dict[str, str]) -> Packet:
 
 
 def _intervals(columns: dict[str, str]) -> list[float]:
-    """Give the intervals inside a record: without that of its first character, which may be unknown."""
+    """Return the intervals inside a record: without that of its first character, which may be unknown."""
     text = columns.get("sertap.interval")
     if not text:
         return []
@@ -218,7 +218,7 @@ def _errors(columns: dict[str, str]) -> int:
 
 
 def _telegrams(columns: dict[str, str]) -> Iterator[Telegram]:
-    """Give each telegram of a packet: one, but over TCP there may be several."""
+    """Yield each telegram of a packet: one, but over TCP there may be several."""
     starts = columns.get("sis.start", "")
     if not starts:
         return

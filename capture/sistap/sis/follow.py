@@ -53,7 +53,7 @@ class Follow:
         return None
 
     def due(self, now_ns: int) -> Change | None:
-        """Give what the time changes."""
+        """Return what the time changes."""
         if self._test_end_ns is None or now_ns < self._test_end_ns:
             return None
         self._test_end_ns = None

@@ -8,5 +8,5 @@ RATES = tuple(BAUD_MASKS)
 
 
 def rate_of(mask: int) -> int | None:
-    """Give the rate in Bd that a mask says; None if it says several or none: that is not defined."""
+    """Return the rate in Bd that a mask says; None if it says several or none: that is not defined."""
     return next((baud for baud, of_baud in BAUD_MASKS.items() if of_baud == mask), None)

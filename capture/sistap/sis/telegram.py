@@ -49,7 +49,7 @@ class Header(NamedTuple):
 
 
 def status(header: Header) -> int | None:
-    """Give the status byte of a reaction, None where there is none: product groups need not send one (chapter 2.1)."""
+    """Return the status byte of a reaction, or None: product groups need not send one (chapter 2.1)."""
     has_status = header.reaction and (header.service <= 0x1F or 0x80 <= header.service <= 0x9F)
     return header.body[0] if has_status and header.body else None
 

@@ -76,5 +76,5 @@ class Channel:
 
 
 def _header(request: Request) -> bytes:
-    """Give the useful data header as it stays the same in all telegrams of a transfer."""
+    """Return the useful data header as it stays the same in all telegrams of a transfer."""
     return bytes([request.body[0] & ~LAST]) + request.body[1:HEADER]

@@ -59,7 +59,7 @@ def _initialization(drive: int, settings: LineSettings) -> Iterator[bytes]:
 
 
 def _velocities(scatter: random.Random) -> Iterator[int]:
-    """Give a slowly varying velocity in 0.0001 rpm."""
+    """Yield a slowly varying velocity in 0.0001 rpm."""
     velocity = 10_000_000
     while True:
         yield velocity

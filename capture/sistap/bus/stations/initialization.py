@@ -61,13 +61,13 @@ class Initialization:
         self._test: _Test | None = None
 
     def timing(self, now_ns: int) -> Timing:
-        """Give what holds now, with the rate of a test while it lasts."""
+        """Return what holds now, with the rate of a test while it lasts."""
         if self._test and self._test.holds(now_ns):
             return self.accepted._replace(baud=self._test.baud)
         return self.accepted
 
     def test_ends_ns(self, now_ns: int) -> int | None:
-        """Give when the running test of a rate ends; None without one."""
+        """Return when the running test of a rate ends; None without one."""
         return self._test.end_ns if self._test and now_ns < self._test.end_ns else None
 
     def _set(self, name: str, data: bytes) -> bytes:

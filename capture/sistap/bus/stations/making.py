@@ -115,7 +115,7 @@ def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
 
 
 def _sercos_services(kind: _Kind, parameters: Parameters, phases: Phases) -> dict[int, Service]:
-    """Give those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
+    """Return those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
     services = parameters.services(_GENERAL) | parameters.services(kind.group, kind.words)
     for group in (_GENERAL, kind.group) if kind.synax else (_GENERAL,):
         services |= {group | 0x2: phases.read_service, group | 0xD: phases.switch_service}

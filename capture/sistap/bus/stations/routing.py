@@ -26,7 +26,7 @@ class Router:
         return self._station.initialization
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Give the station's own reaction, or that from below; None also if nobody below answers."""
+        """Return the station's own reaction, or that from below; None also if nobody below answers."""
         if damage(command) is not None:
             return self._station.react(command, now_ns)
         header = parse(command)

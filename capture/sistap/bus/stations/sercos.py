@@ -25,7 +25,7 @@ class Parameters:
         self._longest = longest
 
     def services(self, group: int, segments_in_words: bool = False) -> dict[int, Service]:
-        """Give the services of a group, 0x10, 0x80 or 0x90; offset and length of 0x81 and 0x8E count words."""
+        """Return the services of a group, 0x10, 0x80 or 0x90; offset and length of 0x81 and 0x8E count words."""
         unit = _WORDS if segments_in_words else 1
         return {
             group | 0x0: _translated(HEADER, self._read),
@@ -110,6 +110,6 @@ def _translated(least: int, execute: Callable[[Request], bytes]) -> Service:
 
 
 def _segment(body: bytes, unit: int) -> tuple[int, int]:
-    """Give offset and length in bytes."""
+    """Return offset and length in bytes."""
     offset, length = body[HEADER : HEADER + 2], body[HEADER + 2 : HEADER + _SEGMENT]
     return unit * int.from_bytes(offset, "little"), unit * int.from_bytes(length, "little")

@@ -37,7 +37,7 @@ def _answer(execute: Callable[[Request], bytes], request: Request) -> bytes:
 
 
 def _items(body: bytes) -> Iterator[tuple[int, bytes]]:
-    """Give service and body of each; ServiceRefused where a length does not fit."""
+    """Yield service and body of each; ServiceRefused where a length does not fit."""
     place = 0
     while place < len(body):
         end = place + 1 + body[place]

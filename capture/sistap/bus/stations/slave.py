@@ -42,7 +42,7 @@ class Slave:
         self._kept: tuple[bytes, bytes] | None = None  # static header with number, and the reaction to it
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Give the reaction, with the addresses of the command; None to what is for others or for all.
+        """Return the reaction, with the addresses of the command; None to what is for others or for all.
 
         What is damaged is answered at a point-to-point connection only: on a bus nobody can tell for whom it was.
         """
@@ -113,7 +113,7 @@ class Slave:
 
 
 def damage(command: bytes) -> int | None:
-    """Give the status for a damaged telegram; None if it is whole."""
+    """Return the status for a damaged telegram; None if it is whole."""
     if len(command) < STATIC_LENGTH or command[0] != START:
         return Status.INVALID_TELEGRAM
     if command[2] != command[3] or len(command) != STATIC_LENGTH + command[3]:

@@ -35,5 +35,5 @@ class Pace:
             pass
 
     def wall_ns(self, time_ns: int = 0) -> int:
-        """Give the instant in ns since 1970."""
+        """Return the instant in ns since 1970."""
         return self._wall_zero + time_ns

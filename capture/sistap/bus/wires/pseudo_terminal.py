@@ -112,5 +112,5 @@ def set_speed(slave: int, baud: int) -> None:
 
 
 def speed(terminal: int) -> int | None:
-    """Give the rate that whoever has it open has set; None if it is none of RATES."""
+    """Return the rate that whoever has it open has set; None if it is none of RATES."""
     return _RATES.get(termios.tcgetattr(terminal)[4])

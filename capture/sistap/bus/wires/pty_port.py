@@ -36,7 +36,7 @@ class PseudoTerminalPort:
         os.set_blocking(self._ours, False)
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what arrived, nothing if nothing did in that time."""
+        """Return what arrived, nothing if nothing did in that time."""
         if not select.select([self._ours], [], [], timeout_s)[0]:
             return b""
         masters = self._masters

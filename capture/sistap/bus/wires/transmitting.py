@@ -54,7 +54,7 @@ class TransmittingPort:
             raise self._lost(error) from error
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what arrived, nothing if nothing did in that time. May raise PortLost."""
+        """Return what arrived, nothing if nothing did in that time. May raise PortLost."""
         try:
             self._device.timeout = timeout_s
             data: bytes = self._device.read(1)

@@ -35,7 +35,7 @@ class Reader(Protocol):
     line: int
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived, None if nothing did in that time. May raise PortLost."""
 
     def change(self, settings: LineSettings) -> None:
         """Read with other settings from now on. Read first what is there: it came with the old ones.

@@ -85,5 +85,5 @@ def _read(reading: int, written: array[int], writer: threading.Thread) -> array[
 
 
 def _characters(start: int, count: int) -> bytes:
-    """Give the characters sent from number `start` on."""
+    """Return the characters sent from number `start` on."""
     return bytes(_FIRST + number % _VALUES for number in range(start, start + count))

@@ -56,12 +56,12 @@ class PosixReader:
         self._counters = _error_counters(self._fd)
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived, None if nothing did in that time. May raise PortLost."""
         in_time = self._wait(timeout_s)
         return None if in_time is None else self.take(in_time=in_time)
 
     def fileno(self) -> int:
-        """Give the descriptor, for who waits for several ports at once and then calls take() and nothing_until()."""
+        """Return the descriptor, for who waits for several ports at once and then calls take() and nothing_until()."""
         return self._fd
 
     def nothing_until(self, time_ns: int) -> None:
@@ -70,7 +70,7 @@ class PosixReader:
             self._emptied_ns = time_ns
 
     def take(self, *, in_time: bool) -> Read | None:
-        """Give what is there; `in_time`: it came while it was waited for. May raise PortLost."""
+        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost."""
         asked_ns = monotonic_ns()
         try:
             data = os.read(self._fd, READ_SIZE)
@@ -166,7 +166,7 @@ class MarkDecoder:
         self.pending = b""  # the beginning of a mark that the last read cut
 
     def feed(self, data: bytes) -> tuple[bytes, bytes]:
-        """Give the characters and, for each, its Flag."""
+        """Return the characters and, for each, its Flag."""
         if self.pending:
             data, self.pending = self.pending + data, b""
         at = data.find(0xFF)

@@ -70,17 +70,17 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
 
 
 def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:
-    """Give what a self-test of a port depends on; the adapter as it is while it is tuned."""
+    """Return what a self-test of a port depends on; the adapter as it is while it is tuned."""
     return measurement.conditions(adapter=str(behind), line=f"{settings.baud} Bd {settings.format}")
 
 
 def held_by_fifo_ns(trigger: int, settings: LineSettings) -> int:
-    """Give how long at most a 16550 keeps a character until its interrupt, in ns."""
+    """Return how long at most a 16550 keeps a character until its interrupt, in ns."""
     return (trigger - 2 + _FIFO_TIMEOUT_CHARACTERS) * settings.character_ns
 
 
 def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
-    """Give how long the adapter is known to hold characters back, in ns, and why."""
+    """Return how long the adapter is known to hold characters back, in ns, and why."""
     if behind.latency_ms is not None:
         return behind.latency_ms * 1_000_000, behind.latency
     if behind.fifo_trigger is not None and behind.fifo_trigger > 1:

@@ -76,7 +76,7 @@ def change_device(device: serial.Serial, settings: LineSettings, pseudo_terminal
 
 
 def _control(settings: LineSettings, *, parity: bool) -> int:
-    """Give the control flags of a format."""
+    """Return the control flags of a format."""
     flags = _PARITIES[settings.parity] if parity else 0
     flags |= termios.CSTOPB if settings.stop_half_bits > 2 else 0
     size: int = getattr(termios, f"CS{settings.data_bits}")

@@ -25,7 +25,7 @@ class Source(Protocol):
     """Where characters come from: a reader, or several as one."""
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
 
 
 @runtime_checkable
@@ -33,10 +33,10 @@ class Pollable(Reader, Protocol):
     """A reader that somebody else can wait for."""
 
     def fileno(self) -> int:
-        """Give the descriptor to wait for."""
+        """Return the descriptor to wait for."""
 
     def take(self, *, in_time: bool) -> Read | None:
-        """Give what is there; `in_time`: it came while it was waited for. May raise PortLost."""
+        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost."""
 
     def nothing_until(self, time_ns: int) -> None:
         """Note that nothing was unread at this instant of the monotonic clock."""
@@ -72,7 +72,7 @@ class PolledReaders:
         self._lost: deque[PortLost] = deque()
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
         if not self._reads and not self._lost:
             self._wait(timeout_s)
         if self._reads:
@@ -130,7 +130,7 @@ class ThreadedReaders:
             thread.join()
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
         try:
             item = self._queue.get(timeout=timeout_s) if timeout_s else self._queue.get_nowait()
         except Empty:

@@ -37,7 +37,7 @@ class UrlReader:
         self._lost: str | None = None
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived, None if nothing did in that time. May raise PortLost."""
         end = time.monotonic() + timeout_s
         data = b""
         while not self._lost and not data and time.monotonic() <= end:

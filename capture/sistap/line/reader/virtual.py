@@ -40,7 +40,7 @@ class WireReader:
         self._answer = b""  # to the bus, when everything before was dealt with
 
     def read(self, timeout_s: float) -> Read | None:
-        """Give what arrived, None if nothing did in that time. May raise PortLost.
+        """Return what arrived, None if nothing did in that time. May raise PortLost.
 
         A read without characters tells the time of a bus whose time is simulated; the next call that may wait lets it
         go on.
