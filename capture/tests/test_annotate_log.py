@@ -7,27 +7,19 @@ from pathlib import Path
 
 import pytest
 from commands import refused, run
-from pcapng import FileScanner
-from pcapng.blocks import EnhancedPacket
+from independent import records
 from report_capture import BUS, READ, Sent, write
 from specification import TELEGRAMS
 
-from sistap.files import pcapng
-from sistap.records.record import Record, Type, unpack
+from sistap.records.record import Type
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
-WRAPPER = len(pcapng.upper_pdu("sertap", b""))
 ZONE = "CET-1CEST,M3.5.0,M10.5.0/3"  # central Europe, with rules that need no file
 
 
 def telegrams(path: Path) -> list[tuple[int, int, bytes]]:
     """Time in ns, line, and bytes of all frames of a capture."""
-    with path.open("rb") as stream:
-        packets = [block for block in FileScanner(stream) if isinstance(block, EnhancedPacket)]
-    records: list[Record] = [
-        unpack(packet.packet_data[WRAPPER:], packet.timestamp_high << 32 | packet.timestamp_low) for packet in packets
-    ]
-    return [(record.time_ns, record.line, record.data) for record in records if record.type == Type.FRAME]
+    return [(record.time_ns, record.line, record.data) for record in records(path) if record.type == Type.FRAME]
 
 
 def test_a_log(tmp_path: Path) -> None:

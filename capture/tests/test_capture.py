@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pcapng import FileScanner
+from independent import blocks, records
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
@@ -36,12 +36,11 @@ from sistap.line.reader import PortError, PortLost, latency
 from sistap.line.reader.device import PosixReader
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.counters import Counters
-from sistap.records.record import Event, Framing, Record, Type, unpack
+from sistap.records.record import Event, Framing, Type
 from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
 
 START_NS = 1_700_000_000_000_000_000
-WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
 ALL = list(TELEGRAMS.values())
 DEADLINE_S = 30  # only reached when a test fails
 
@@ -99,17 +98,6 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
 
 
 Run = Callable[..., int]
-
-
-def blocks(path: Path) -> list[Any]:
-    """All blocks of a file; an error if it does not end with a whole one."""
-    with path.open("rb") as stream:
-        return list(FileScanner(stream))
-
-
-def records(path: Path) -> list[Record]:
-    packets = [block for block in blocks(path) if isinstance(block, EnhancedPacket)]
-    return [unpack(packet.packet_data[WRAPPER:]) for packet in packets]
 
 
 def frames(path: Path) -> list[bytes]:

@@ -13,10 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from pcapng import FileScanner
+from independent import blocks, packets
 from pcapng.blocks import InterfaceStatistics
 from test_bus import TIMEOUT_S
-from test_end_to_end import packets
 from test_stations import drive
 
 from sistap.bus.playing.played import Played, reads
@@ -143,8 +142,7 @@ def expect_hourly_files(files: list[Path], hours: int) -> None:
             assert sum(record.type == Type.FRAME for record in records) in range(
                 3590 * 2 // EVERY_S, 3610 * 2 // EVERY_S
             )
-        with file.open("rb") as stream:
-            assert isinstance(list(FileScanner(stream))[-1], InterfaceStatistics)
+        assert isinstance(blocks(file)[-1], InterfaceStatistics)
 
 
 def expect_every_telegram_at_its_time(files: list[Path], hours: int) -> None:
