@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A capture that Wireshark started: `sistap capture` into its pipe, with what was set in the dialog."""
+"""A capture that Wireshark started: records go into its pipe, with what was set in the dialog."""
 
 from __future__ import annotations
 
