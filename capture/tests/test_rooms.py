@@ -14,7 +14,6 @@ import sistap
 from sistap import bus
 
 PACKAGE, BUS = Path(sistap.__file__).parent, Path(bus.__file__).parent
-PRODUCTS = {"extcap", "install", "imports", "report", "annotate"}
 LOOSE = {"__main__", "cli", "doctor", "selftest"}  # modules that are in no room
 
 
@@ -27,12 +26,13 @@ def allowed() -> dict[str, set[str]]:
     """Return what each room may use, itself included: the table's rooms, and what these may use."""
     table = [(room, uses) for rooms, uses, _ in rows(sistap.__doc__)[1:] for room in rooms.split(", ")]
     everything = {room for room, _ in table}
+    products = {room for room, uses in table if uses == "all above"}
     may: dict[str, set[str]] = {}
     for room, uses in table:
         if uses == "everything":
             may[room] = everything
         elif uses == "all above":
-            may[room] = {room} | (may.keys() - PRODUCTS)
+            may[room] = {room} | (may.keys() - products)
         else:
             named = [] if uses == "nothing" else uses.split(", ")
             may[room] = {room}.union(*(may[used] for used in named))
