@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sistap.tshark import Tshark, TsharkError
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 SISTAP = [sys.executable, "-m", "sistap"]
 CAPTURE = Path(__file__).parent.parent / "build" / "demo.pcapng"
@@ -60,7 +60,7 @@ def show(tshark: Tshark) -> None:
 
 
 def main() -> int:
-    """Run the demo; give the exit code."""
+    """Run the demo; return the exit code."""
     CAPTURE.parent.mkdir(exist_ok=True)
     with virtual_bus() as port:
         command = ["capture", "-i", port, "-w", str(CAPTURE), "-a", f"duration:{SECONDS}"]

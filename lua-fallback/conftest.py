@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "test-captures"), str(HERE.parent / "capture")]
 
 from parity import SCRIPT  # noqa: E402
-from sistap.tshark import Tshark  # noqa: E402
+from sistap.wireshark.tshark import Tshark  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -14,8 +14,8 @@ import bad_input
 import mutate
 import parity
 from make import HERE, Scenario
-from sistap import pcapng
-from sistap.tshark import Tshark
+from sistap.files import pcapng, reading
+from sistap.wireshark.tshark import Tshark
 
 T = TypeVar("T")
 
@@ -68,8 +68,8 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
 
 def mutants(link_type: int, count: int, *, far: bool) -> bytes:
     """Make a capture of packets with bytes changed, added and missing."""
-    packets = [packet for path in sorted(HERE.glob("*.pcapng")) for packet in mutate.packets(path)]
-    originals = [data for link, data in packets if link == link_type]
+    packets = [packet for path in sorted(HERE.glob("*.pcapng")) for packet in reading.packets(path)]
+    originals = [packet.data for packet in packets if packet.link_type == link_type]
     return mutate.round_capture(SEED, link_type, originals, count, far=far)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 from test_exchange import check_many_routes
 
 

@@ -13,7 +13,7 @@ import pytest
 import parity
 from make import Scenario, scenarios
 from merging import Group, apart, groups
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from make import HERE
-from mutate import packets
 from parity import SCRIPT
-from sistap import pcapng
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.files.reading import packets
+from sistap.wireshark.tshark import Tshark
 
 SESSIONS = 8
 BYTES_ANYHOW = 4096  # of tables that Lua keeps at the size that they had
@@ -30,7 +30,7 @@ end
 
 def repeated(name: str, folder: Path) -> tuple[Path, int]:
     """Make a capture that has the packets of another so many times; give it and how many the other has."""
-    originals = [data for _, data in packets(HERE / f"{name}.pcapng")]
+    originals = [packet.data for packet in packets(HERE / f"{name}.pcapng")]
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, name)
     blocks = [pcapng.section_header("", ""), pcapng.interface_description(interface)]
     blocks += [

@@ -14,14 +14,13 @@ from pathlib import Path
 
 import pytest
 
-import mutate
 import parity
 from make import HERE
-from sistap import pcapng
-from sistap.line import Flag, LineSettings
-from sistap.record import Record, Type
-from sistap.telegram import build
-from sistap.tshark import Tshark
+from sistap.files import pcapng, reading
+from sistap.line.settings import Flag, LineSettings
+from sistap.records.record import Record, Type
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
 
 SEEDS = (1, pytest.param(2, marks=pytest.mark.thorough))
 PACKETS = 3000
@@ -81,8 +80,10 @@ def compare(plugin: Tshark, script: Tshark, capture: Path, *options: str) -> Non
 
 def in_pieces(chance: random.Random) -> Iterable[bytes]:
     """Give pieces of all captures of records in any order, some of them several times."""
-    captures = [list(mutate.packets(path)) for path in sorted(HERE.glob("*.pcapng"))]
-    records = [[data for link, data in one if link == pcapng.LINKTYPE_WIRESHARK_UPPER_PDU] for one in captures]
+    captures = [list(reading.packets(path)) for path in sorted(HERE.glob("*.pcapng"))]
+    records = [
+        [packet.data for packet in one if packet.link_type == pcapng.LINKTYPE_WIRESHARK_UPPER_PDU] for one in captures
+    ]
     sources = [data for data in records if data]
     for _ in range(PACKETS * 2 // LONGEST_PIECE):
         source = chance.choice(sources)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from random import Random
 from typing import NamedTuple
 
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.record import Record, Type
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.records.record import Record, Type
 
 OK, EXCEEDED, UNRESOLVED = range(3)
 TOLERANCE = 0.02  # how much faster than its rate a sender may be for a receiver to understand it

@@ -14,7 +14,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "capture" / "tests")]
 
 from sharkd import Sharkd  # noqa: E402
 
-from sistap.tshark import Tshark  # noqa: E402
+from sistap.wireshark.tshark import Tshark  # noqa: E402
 
 
 @pytest.fixture(scope="session")

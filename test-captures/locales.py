@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 NAME = "de_DE.UTF-8"
 

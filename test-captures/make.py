@@ -24,9 +24,11 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "capture"))
 
-from sistap import pcapng, record, telegram  # noqa: E402
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings  # noqa: E402
-from sistap.tshark import Tshark  # noqa: E402
+from sistap.files import pcapng  # noqa: E402
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings  # noqa: E402
+from sistap.records import record  # noqa: E402
+from sistap.sis import telegram  # noqa: E402
+from sistap.wireshark.tshark import Tshark  # noqa: E402
 
 START_NS = 1_700_000_000_000_000_000
 SILENCE_NS = 25_000_000  # before the next packet, unless `silence` says otherwise

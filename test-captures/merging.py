@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from make import Scenario, scenarios
-from sistap import pcapng
+from sistap.files import pcapng
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,9 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "capture"))
 
-from sistap import pcapng  # noqa: E402
-from sistap.tshark import Tshark, TsharkError  # noqa: E402
+from sistap.files import pcapng  # noqa: E402
+from sistap.files.reading import packets  # noqa: E402
+from sistap.wireshark.tshark import Tshark, TsharkError  # noqa: E402
 
 MUTANTS_PER_ROUND = 4000
 INTERESTING = (0x00, 0x01, 0x02, 0x07, 0x08, 0x0F, 0x10, 0x7F, 0x80, 0xF0, 0xFE, 0xFF)
@@ -39,19 +40,6 @@ RESOLUTIONS = (9, 9, 9, 6, 3, 0, 12, 0x80, 0x80 | 10, 0x80 | 30, 0x80 | 62)  # i
 FAR_TIMES = (0, 1, 2**31, 2**32, 2**53, 2**62, 2**63 - 1, 2**63, 2**63 + 1, 2**64 - 1)  # in units of the resolution
 STEPS = (0, 1, 1_000, 1_000_000, 1_000_000, 20_000_000, 999_999_999, 1_000_000_000, 5_000_000_000, -1, -2_000_000_000)
 OFFSETS = (0, 1, -1, 2**31, 2**33, -(2**33), 2**62, -(2**63))  # if_tsoffset: seconds
-
-
-def packets(capture: Path) -> Iterator[tuple[int, bytes]]:
-    """Give link type and data of every packet of one of our pcapng files."""
-    data, offset, link_type = capture.read_bytes(), 0, 0
-    while offset < len(data):
-        kind, length = struct.unpack_from("<II", data, offset)
-        if kind == pcapng.INTERFACE_DESCRIPTION:
-            (link_type,) = struct.unpack_from("<H", data, offset + 8)
-        elif kind == pcapng.ENHANCED_PACKET:
-            (size,) = struct.unpack_from("<I", data, offset + 20)
-            yield link_type, data[offset + 28 : offset + 28 + size]
-        offset += length
 
 
 def protected(link_type: int, data: bytes) -> int:
@@ -237,8 +225,8 @@ def main() -> int:
     arguments = parser.parse_args()
     by_link: dict[int, list[bytes]] = {}
     for capture in sorted(HERE.rglob("*.pcapng")):
-        for link_type, data in packets(capture):
-            by_link.setdefault(link_type, []).append(data)
+        for packet in packets(capture):
+            by_link.setdefault(packet.link_type, []).append(packet.data)
     end = time.monotonic() + arguments.seconds
     rounds = 0
     try:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import bad_input
-from sistap import telegram
-from sistap.tshark import Tshark
+from sistap.sis import telegram
+from sistap.wireshark.tshark import Tshark
 
 # How many bytes the useful data have, from and to, by chapters 3 to 8 of the SIS definition.
 Limits = tuple[int, int]

@@ -11,7 +11,7 @@ import pytest
 
 from make import Scenario, scenarios
 from merging import Group, groups
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 from tables import LATER as LATER_NAMES
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 HERE = Path(__file__).parent
 SOURCE = (HERE.parent / "plugin" / "sis" / "names.c").read_text()

@@ -13,7 +13,7 @@ from sharkd import Sharkd
 
 from lesson import Bytes, Claim, Command, Filter, Value, claims
 from make import Scenario
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 from tables import BOOLEANS
 
 COURSE = Path(__file__).parent / "course"

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from make import HERE, Scenario
-from sistap import pcapng
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.wireshark.tshark import Tshark
 
 
 def dissect(tshark: Tshark, dissector: str, packets: list[bytes], folder: Path) -> list[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 HOUSE = Path(__file__).parent.parent
 FOLDERS = ("", "plugin", "capture", "capture/benchmark", "lua-fallback", "test-captures", "test-captures/course")

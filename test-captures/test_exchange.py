@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from bad_input import write
-from sistap.telegram import build
-from sistap.tshark import Tshark
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
 from tables import Table, check, shown
 
 FIELDS = "reaction_in command_in reaction_time repeat_of routed_from"

@@ -11,11 +11,11 @@ import pytest
 
 import mutate
 from make import START_NS
-from sistap import pcapng
-from sistap.line import LineSettings
-from sistap.record import Record, Type
-from sistap.telegram import build
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.line.settings import LineSettings
+from sistap.records.record import Record, Type
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 S = 1_000_000_000

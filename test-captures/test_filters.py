@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sharkd import Sharkd
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 HERE = Path(__file__).parent
 

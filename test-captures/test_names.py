@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from sistap import names
+from sistap.sis import names
 
 SOURCE = Path(__file__).parent.parent / "plugin" / "sis" / "names.c"
 

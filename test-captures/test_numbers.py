@@ -11,10 +11,10 @@ import pytest
 
 import locales
 from make import HERE, START_NS
-from sistap import pcapng
-from sistap.line import LineSettings
-from sistap.record import Record, Type
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.line.settings import LineSettings
+from sistap.records.record import Record, Type
+from sistap.wireshark.tshark import Tshark
 
 # Seconds, milliseconds, percent, scaled values, intervals of characters.
 FIRST, *REST = ("timing-reads", "values", "phases", "timing-pauses", "timing-cycle", "records")

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 from make import Scenario
-from sistap.tshark import Tshark, TsharkError
+from sistap.wireshark.tshark import Tshark, TsharkError
 from tables import HERE, Table, check
 
 FIELDS = "parameter parameter.name value attribute element.name element.unit error list.actual list.maximum"

@@ -14,10 +14,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from sistap import pcapng
 from sistap.bus.stations.making import make
-from sistap.telegram import build, parse
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.sis.telegram import build, parse
+from sistap.wireshark.tshark import Tshark
 from test_codes import PHASE_SERVICES, SOURCE, source_texts
 
 MS = 1_000_000

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from make import Scenario
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 from tables import HERE, Table, check, shown
 
 FIELDS = "data value sequence.piece sequence.length sequence.whole_in"

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from make import Scenario
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 CAPTURE = Path(__file__).parent / "statistics.pcapng"
 

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from make import Scenario
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 from tables import HERE, Table, check, shown
 
 TZA = "tza.limit tza.set_in tza.verdict"

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import pytest
 
 from adapter import EXCEEDED, OK, TOLERANCE, UNRESOLVED, Adapter, admissible, records, seen, windows
-from sistap import pcapng
-from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
-from sistap.record import Record
-from sistap.telegram import build
-from sistap.tshark import Tshark
+from sistap.files import pcapng
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.records.record import Record
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 MS = 1_000_000

@@ -16,11 +16,11 @@ from threading import Thread
 import pytest
 
 from adapter import EXCEEDED, OK, UNRESOLVED, Adapter, seen
-from sistap import wire
 from sistap.bus.playing.tap_faults import Faults
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.line import LineSettings, Read
-from sistap.tshark import Tshark
+from sistap.line import bus_socket
+from sistap.line.settings import LineSettings, Read
+from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 SISTAP = [sys.executable, "-m", "sistap"]
@@ -100,7 +100,7 @@ def tapped(reads: Sequence[Read]) -> Iterator[str]:
             connection, _ = listener.accept()
             with connection:
                 connection.recv(64)  # the tap's line settings
-                connection.sendall(b"".join(map(wire.pack_read, reads)))
+                connection.sendall(b"".join(map(bus_socket.pack_read, reads)))
                 connection.shutdown(socket.SHUT_WR)
                 while connection.recv(64):
                     pass

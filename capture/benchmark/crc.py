@@ -5,7 +5,7 @@ from __future__ import annotations
 
 
 def crc(data: bytes, polynomial: int, start: int) -> int:
-    """Give the check of `data`; the polynomial without its highest term, its bits reversed."""
+    """Return the check of `data`; the polynomial without its highest term, its bits reversed."""
     value = start
     for byte in data:
         value ^= byte

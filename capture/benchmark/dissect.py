@@ -26,10 +26,10 @@ sys.path.insert(0, str(HERE.parent))
 from crc import crc  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
-from sistap import pcapng  # noqa: E402
-from sistap.line import Flag, LineSettings  # noqa: E402
-from sistap.record import Record, Type  # noqa: E402
-from sistap.tshark import Tshark, TsharkError, Used  # noqa: E402
+from sistap.files import pcapng  # noqa: E402
+from sistap.line.settings import Flag, LineSettings  # noqa: E402
+from sistap.records.record import Record, Type  # noqa: E402
+from sistap.wireshark.tshark import Tshark, TsharkError, Used  # noqa: E402
 
 SETTINGS = LineSettings(115200, 8, "E", 2)
 START_NS = 1_700_000_000_000_000_000
@@ -118,7 +118,7 @@ class Benchmark:
         self._tshark = tshark
 
     def capture(self, protocol: Protocol, count: int) -> str:
-        """Give the path of a capture with so many packets."""
+        """Return the path of a capture with so many packets."""
         file = self._folder / f"{protocol.link_type}-{count}.pcapng"
         if not file.exists():
             write_capture(file, protocol, count)
@@ -132,7 +132,7 @@ class Benchmark:
             raise TsharkError(f"{protocol.name} is not decoded; is WIRESHARK_PLUGIN_DIR a folder with the plugin?")
 
     def cost_us(self, mode: str, count: int, rounds: int) -> list[float]:
-        """Give the time that a packet adds, in us, for each protocol."""
+        """Return the time that a packet adds, in us, for each protocol."""
         layers, part = MODES[mode]
         counts = (max(count // part, 2), 1)
         best_s = {(protocol.name, number): float("inf") for protocol in PROTOCOLS for number in counts}
@@ -147,7 +147,7 @@ class Benchmark:
         ]
 
     def memory(self, count: int) -> list[float]:
-        """Give the bytes that a packet adds to the memory of tshark, for each protocol, from half of them to all."""
+        """Return the bytes that a packet adds to the memory of tshark, for each protocol, from half of them to all."""
         sizes = [
             [self._usage(protocol, number, []).kilobytes for number in (count // 2, count)] for protocol in PROTOCOLS
         ]

@@ -27,7 +27,6 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from captured import Packet, pcap_packets, sistap_packets  # noqa: E402
 from crc import crc  # noqa: E402
 from playing import (  # noqa: E402
     PATIENCE_S,
@@ -41,8 +40,9 @@ from playing import (  # noqa: E402
     terminals,
 )
 from quantiles import QUANTILES, quantiles  # noqa: E402
+from recorded import Packet, pcap_packets, sistap_packets  # noqa: E402
 
-from sistap import priority  # noqa: E402
+from sistap.line import priority  # noqa: E402
 
 PAUSE_NS = 5_000_000  # before each frame
 SILENCE_US = 1500  # ends one, for those who go by silence: the sniffer's default
@@ -82,7 +82,7 @@ def mstp_frame(kind: int, destination: int, source: int, data: bytes = b"") -> b
 
 
 def frames() -> Iterator[bytes]:
-    """Give frames without end, of 8 to 60 characters: tokens, and test requests with numbers, so that none repeats."""
+    """Yield frames without end, of 8 to 60 characters: tokens, and test requests with numbers, so that none repeats."""
     for number in itertools.count():
         yield mstp_frame(_TOKEN, 4, 3)
         yield mstp_frame(_TEST_REQUEST, 3, 4, struct.pack(">I", number) * (1 + number % 12))
@@ -102,7 +102,7 @@ def stream(seconds: float) -> list[Character]:
 
 def sistap_tool(folder: Path, port: str) -> Tool:
     """Start sistap."""
-    file = folder / "sistap.pcapng"
+    file = folder / "sistap.files.pcapng"
     program, _ = start_sistap(file, [port], "--framing", f"silence:{SILENCE_US / 1000}")
     return Tool("sistap", program, lambda: sistap_packets(file))
 

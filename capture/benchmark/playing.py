@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 HERE = Path(__file__).parent
 SETTINGS = LineSettings(115200, 8, "E", 2)
@@ -84,7 +84,7 @@ def start_sistap(file: Path, ports: Sequence[str], *options: str) -> tuple[Progr
 
 
 def listening(process: Program, says: Iterable[str] | None, expected: str) -> str:
-    """Give the line in which a program says that it listens; Broken if it says something else."""
+    """Return the line in which a program says that it listens; Broken if it says something else."""
     said = next(iter(says or ()), "").strip()
     if expected not in said:
         process.kill()

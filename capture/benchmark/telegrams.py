@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from sistap.telegram import build
+from sistap.sis.telegram import build
 
 # Service, telegram number, body of the command, body of the reaction (IF02 chapters 3 to 9); {} is the drive.
 _EXCHANGES = [
@@ -23,7 +23,7 @@ _EXCHANGES = [
 
 
 def telegrams() -> Iterator[bytes]:
-    """Give telegrams without end, always the same ones; commands and reactions take turns."""
+    """Yield telegrams without end, always the same ones; commands and reactions take turns."""
     for service, number, command, reaction in itertools.cycle(_EXCHANGES):
         for drive in (3, 4):
             for is_reaction, body in enumerate((command, reaction)):

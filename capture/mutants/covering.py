@@ -14,29 +14,19 @@ class Part(NamedTuple):
     functions: tuple[str, ...] = ()  # only inside these, if only a part of the module belongs to the engine
 
 
-# The part of a capture that makes records of reads.
-ASSEMBLING = (
-    "_loop",
-    "_finish",
-    "_take_waiting",
-    "_take",
-    "_take_settings",
-    "_line",
-    "_idle",
-    "_emit",
-    "_write",
-    "_event",
-    "_wall_ns",
-)
+# The part of a capture through which reads go.
+PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
 PARTS = (
-    Part("sistap/framer.py", ("test_framer.py",)),
-    Part("sistap/record.py", ("test_record.py",)),
-    Part("sistap/order.py", ("test_order.py",)),
-    Part("sistap/session.py", ("test_assembling.py",), ASSEMBLING),
-    Part("sistap/output.py", ("test_output.py",)),
-    Part("sistap/pcapng.py", ("test_pcapng.py",)),
-    Part("sistap/writer.py", ("test_writer.py", "test_pcapng.py")),
-    Part("sistap/measurement.py", ("test_measurement.py",)),
-    Part("sistap/reader/latency.py", ("test_measurement.py",)),
+    Part("sistap/records/framer.py", ("test_framer.py",)),
+    Part("sistap/records/record.py", ("test_record.py",)),
+    Part("sistap/records/order.py", ("test_order.py",)),
+    Part("sistap/records/assembler.py", ("test_assembler.py", "test_assembling.py")),
+    Part("sistap/capture/tap.py", ("test_tap.py", "test_assembling.py")),
+    Part("sistap/capture/session.py", ("test_assembling.py",), PASSING),
+    Part("sistap/files/output.py", ("test_output.py",)),
+    Part("sistap/files/pcapng.py", ("test_pcapng.py",)),
+    Part("sistap/files/writer.py", ("test_writer.py", "test_pcapng.py")),
+    Part("sistap/line/measurement.py", ("test_measurement.py",)),
+    Part("sistap/line/reader/latency.py", ("test_measurement.py",)),
 )

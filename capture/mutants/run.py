@@ -143,7 +143,7 @@ def choose(parts: Iterable[Part], count: int | None, seed: int) -> list[Chosen]:
 
 
 def named(names: list[str]) -> list[Chosen]:
-    """Return all mutants of modules, or of lines such as sistap/framer.py:219."""
+    """Return all mutants of modules, or of lines such as sistap/records/framer.py:219."""
     found = []
     for name in names:
         module, _, line = name.partition(":")
@@ -218,7 +218,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=secrets.randbelow(10_000), help="which mutants; default: any")
     parser.add_argument("--count", type=positive, default=60, help="how many; default: 60")
     parser.add_argument("--workers", type=positive, default=WORKERS, help=f"how many at a time; default: {WORKERS}")
-    parser.add_argument("of", nargs="*", help="all mutants of these modules or lines, such as sistap/framer.py:219")
+    parser.add_argument("of", nargs="*", help="all mutants of these modules or lines, such as records/framer.py:219")
     asked = parser.parse_args()
     asked.chosen = named(asked.of) if asked.of else choose(PARTS, asked.count, asked.seed)
     if not asked.chosen:

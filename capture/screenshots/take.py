@@ -100,7 +100,7 @@ PICTURES = (
 
 
 def main() -> int:
-    """Take them all; give the exit code."""
+    """Take them all; return the exit code."""
     parser = argparse.ArgumentParser(
         description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )

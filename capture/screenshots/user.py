@@ -125,6 +125,6 @@ class User:
         return self.folder / f"{Path(name).name}.log"
 
     def last_words(self, name: str) -> str:
-        """Give the last line that a program said."""
+        """Return the last line that a program said."""
         lines = self.said(name).read_text(errors="replace").strip().splitlines()
         return lines[-1] if lines else "it did not say why"

@@ -1,4 +1,28 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""sistap: a passive tap for the SIS serial protocol that records the time of every character."""
+"""sistap: a passive tap for the SIS serial protocol that records the time of every character.
+
+It has a room for each job. A room may use those named beside it, and what these may use; tests/test_rooms.py watches:
+
+    room                    may use                    what is in it
+    terminal                nothing                    what a command has to do with whoever started it
+    sis                     nothing                    telegrams, names, rates, what the bus is told of them
+    line                    terminal, sis              ports, settings, clocks, and readers: characters with times
+    records                 line, sis                  characters are cut into records, put in order, counted, shown
+    files                   records                    pcapng files and rings of them, written and read
+    wireshark               terminal                   tshark: run, its rows, its folders
+    capture                 files, records, line       `sistap capture`
+    bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
+    selftest                line                       `sistap selftest`
+    doctor                  capture, wireshark         `sistap doctor`
+    extcap                  all above                  Wireshark's interfaces
+    install                 all above                  `sistap install` and `uninstall`
+    imports                 all above                  `sistap import`
+    report                  all above                  `sistap report`
+    annotate                all above                  `sistap annotate` and `log`
+    cli, __main__           everything                 the command `sistap`
+
+The five before the last are products: no product uses another. A character flows from a reader through framer and
+assembler to a writer, and never back. Behind the reader nothing knows what a serial port is.
+"""
 
 __version__ = "0.1.0"

@@ -10,19 +10,19 @@ import sys
 from collections.abc import Sequence
 
 import sistap
-from sistap.console import Console
-from sistap.exits import DONE, FAILED, PORT
-from sistap.output import end_standard_output, leave_standard_output
-from sistap.reader import PortError, PortLost
+from sistap.line.reader import PortError, PortLost
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.stop import Stop, Stopped
+from sistap.terminal.streams import end_standard_output, leave_standard_output
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {
-    "ports": ("sistap.ports", "list the serial ports of this machine"),
-    "capture": ("sistap.capture", "record a line into a pcapng file, or show it as text"),
+    "ports": ("sistap.line.ports", "list the serial ports of this machine"),
+    "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
-    "log": ("sistap.log", "write a capture as such a log, explained"),
+    "log": ("sistap.annotate.log", "write a capture as such a log, explained"),
     "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),
     "install": ("sistap.install.command", "put the dissector, the interfaces and the profile where Wireshark looks"),
     "uninstall": ("sistap.install.uninstall", "remove what install has put there"),
@@ -30,7 +30,7 @@ COMMANDS = {
     "selftest": ("sistap.selftest", "measure how exactly this machine tells when a character came"),
     "extcap": ("sistap.extcap.command", "be an interface of Wireshark, which calls this itself"),
     "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
-    "replay": ("sistap.replay", "play a capture again, with its own timing"),
+    "replay": ("sistap.bus.replay", "play a capture again, with its own timing"),
 }
 
 DESCRIPTION = """\

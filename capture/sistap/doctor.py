@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import measurement, ports, priority
-from sistap.bpf import Filter, FilterError
-from sistap.line import LineSettings
-from sistap.reader import PortError, open_reader
-from sistap.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
+from sistap.capture.filter import Filter, FilterError
+from sistap.line import measurement, ports, priority
+from sistap.line.reader import PortError, open_reader
+from sistap.line.settings import LineSettings
+from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 
 DESCRIPTION = """\
 Say in a line each what a capture needs and whether it is there; with -i, of this port, too.
@@ -50,8 +51,6 @@ _GRABBERS = {
 
 _AS_ROOT = "run as root, Wireshark skips personal plugins and WIRESHARK_PLUGIN_DIR: start it as an ordinary user"
 
-_MISSING, _PORT_NOT_OPENED = 1, 3
-
 
 class Point(NamedTuple):
     """One thing that was looked at."""
@@ -74,18 +73,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @priority.real_time()
 def run(args: argparse.Namespace) -> int:
-    """Print a line for each point; give the exit code."""
-    code = 0
+    """Print a line for each point; return the exit code."""
+    code = DONE
     for look in _LOOKS:
         for point in look():
             print(point, flush=True)
             if point.mark == "bad":
-                code = _MISSING
+                code = FAILED
     if args.port and _has_pyserial():
         for point in port_points(args.port):
             print(point, flush=True)
             if point.mark == "bad":
-                code = _PORT_NOT_OPENED
+                code = PORT
     return code
 
 

@@ -12,11 +12,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from sistap import measurement, ports, priority, state
-from sistap.console import Console
-from sistap.exits import FAILED, USAGE
-from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
-from sistap.rates import RATES
+from sistap.line import measurement, ports, priority
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.sis.rates import RATES
+from sistap.terminal import state
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE
 
 DESCRIPTION = """\
 Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
@@ -67,12 +68,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @priority.real_time()
 def run(args: argparse.Namespace) -> int:
-    """Measure, print and keep the result; give the exit code. May raise PortError."""
+    """Measure, print and keep the result; return the exit code. May raise PortError."""
     console = Console()
     if sys.platform == "win32":
         console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
         return FAILED
-    from sistap.reader import delay  # here, as Windows has no such module
+    from sistap.line.reader import delay  # here, as Windows has no such module
 
     try:
         settings = _checked(args)
@@ -115,10 +116,10 @@ def _measure(
     args: argparse.Namespace, settings: LineSettings, console: Console
 ) -> tuple[str, measurement.Conditions, Sequence[int]]:
     """Return what was measured, under which conditions, and the delays in ns. May raise PortError."""
-    from sistap.reader import delay  # here, as Windows has no such modules
-    from sistap.reader.latency import port_conditions
-    from sistap.reader.opening import open_device
-    from sistap.reader.tuning import Tuning
+    from sistap.line.reader import delay  # here, as Windows has no such modules
+    from sistap.line.reader.latency import port_conditions
+    from sistap.line.reader.opening import open_device
+    from sistap.line.reader.tuning import Tuning
 
     duration_ns = int(args.duration * 1e9)
     if not args.port:
@@ -153,7 +154,7 @@ def _cure(port: str | None) -> str:
 
 
 def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int], console: Console) -> int:
-    """Keep the result (of sorted delays) for later captures; give the exit code."""
+    """Keep the result (of sorted delays) for later captures; return the exit code."""
     if len(delays) < ENOUGH:
         console.say(f"not kept: {len(delays)} characters are too few for p99.9: measure longer with --duration")
         return FAILED
@@ -169,7 +170,7 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
         console.say(f"the result cannot be kept: {error}{cure}")
         return FAILED
     print(f"\nkept in {_short(path)}: captures under these conditions ({', '.join(conditions.values())}) use it")
-    return 0
+    return DONE
 
 
 def _short(path: Path) -> str:
@@ -180,7 +181,7 @@ def _short(path: Path) -> str:
 
 
 def quantile(ordered: Sequence[int], share: float) -> int:
-    """Give the smallest of the sorted values that `share` of them do not exceed."""
+    """Return the smallest of the sorted values that `share` of them do not exceed."""
     return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
 
 

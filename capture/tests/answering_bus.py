@@ -12,7 +12,7 @@ import sys
 from sistap.bus.real.answering import BusTime, serve
 from sistap.bus.stations.making import make
 from sistap.bus.wires.pty_port import PseudoTerminalPort
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 STATIONS: list[dict[str, object]] = [
     {"address": 3, "behind": [{"address": 2, "kind": "synax", "behind": [{"address": 8}]}]},

@@ -19,7 +19,7 @@ TIMEOUT_S = 120
 
 _PROCESSES = multiprocessing.get_context("forkserver")
 _PROCESSES.set_forkserver_preload(
-    ["sistap.cli", "sistap.report.command", "sistap.report.page", "sistap.annotate.annotating", "sistap.log"]
+    ["sistap.cli", "sistap.report.command", "sistap.report.page", "sistap.annotate.annotating", "sistap.annotate.log"]
 )
 
 

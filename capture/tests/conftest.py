@@ -15,7 +15,7 @@ import pytest
 from hypothesis import settings
 from sharkd import Sharkd
 
-import sistap.state
+import sistap.terminal.state
 
 # `test` tries fewer examples than `check`; a busy machine is no failure of either.
 settings.register_profile("quick", max_examples=25, deadline=None)
@@ -39,9 +39,9 @@ def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
     """A state folder (XDG_STATE_HOME) of the test's own, empty."""
     folder = tmp_path_factory.mktemp("state")
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
-    monkeypatch.setattr(sistap.state, "FOR_ROOT", folder / "sistap")
-    monkeypatch.setattr(sistap.state, "ROOT", os.getuid())  # whoever runs the tests can play root
-    monkeypatch.setattr(sistap.state, "HOME_OF_ROOT", str(folder / "root"))
+    monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", folder / "sistap")
+    monkeypatch.setattr(sistap.terminal.state, "ROOT", os.getuid())  # whoever runs the tests can play root
+    monkeypatch.setattr(sistap.terminal.state, "HOME_OF_ROOT", str(folder / "root"))
     return folder
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,9 +10,10 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap import cli, pcapng
-from sistap.record import Record, Type, unpack
-from sistap.tshark import Tshark
+from sistap import cli
+from sistap.files.reading import packets, record_of
+from sistap.records.record import Record, Type
+from sistap.wireshark.tshark import Tshark
 
 
 class Imported(NamedTuple):
@@ -51,17 +51,6 @@ def run(source: Path, *options: str) -> Imported:
     out = source.with_name(source.name + ".imported")
     with _each_reading_once():
         code = cli.main(["import", str(source), "-w", str(out), *options])
-    records = list(_records(out.read_bytes())) if out.exists() else []
+    records = list(filter(None, map(record_of, packets(out)))) if out.exists() else []
     events = [record.data.decode() for record in records if record.type == Type.EVENT]
     return Imported(code, [record for record in records if record.type != Type.EVENT], events)
-
-
-def _records(data: bytes) -> Iterator[Record]:
-    at = 0
-    while at < len(data):
-        kind, length = struct.unpack_from("<II", data, at)
-        if kind == pcapng.ENHANCED_PACKET:
-            high, low, size = struct.unpack_from("<III", data, at + 12)
-            packet = data[at + 28 : at + 28 + size]
-            yield unpack(packet.removeprefix(pcapng.upper_pdu("sertap", b"")), (high << 32) + low)
-        at += length

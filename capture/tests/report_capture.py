@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import pcapng
-from sistap.line import Flag, LineSettings
-from sistap.record import Event, Record, Type, event
-from sistap.telegram import build
+from sistap.files import pcapng
+from sistap.line.settings import Flag, LineSettings
+from sistap.records.record import Event, Record, Type, event
+from sistap.sis.telegram import build
 
 LINE = LineSettings()  # 9600 8E1
 START_NS = 1_700_000_000_000_000_000

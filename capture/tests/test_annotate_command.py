@@ -18,18 +18,16 @@ from pathlib import Path
 
 import pytest
 from commands import run_with
+from independent import packets
 from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
-from pcapng import FileScanner
-from pcapng.blocks import EnhancedPacket
 
-from sistap import cli, pcapng
+from sistap import cli
 from sistap.annotate import command
 from sistap.annotate.explaining import WholeCapture
-from sistap.record import Record, Type, unpack
-from sistap.tshark import Tshark
+from sistap.records.record import Record, Type
+from sistap.wireshark.tshark import Tshark
 
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
-WRAPPER = len(pcapng.upper_pdu("sertap", b""))
 
 # What the specification says of figures 6-14, 8-20 and 8-21, in the words of the dissector.
 SET_RATE_TEXT = "16 -> 3  Command  Initialization of the SIS communication: Set baud rate: 9600"
@@ -53,12 +51,7 @@ def refused(done: subprocess.CompletedProcess[bytes], code: int, *words: str) ->
 
 def records(path: Path) -> list[tuple[int, Record]]:
     """All records of a capture but its event, and the numbers of their interfaces."""
-    with path.open("rb") as stream:
-        packets = [block for block in FileScanner(stream) if isinstance(block, EnhancedPacket)]
-    found = [
-        (packet.interface_id, unpack(packet.packet_data[WRAPPER:], packet.timestamp_high << 32 | packet.timestamp_low))
-        for packet in packets
-    ]
+    found = [(packet.interface, packet.record) for packet in packets(path)]
     assert found[0][1].type == Type.EVENT
     return found[1:]
 

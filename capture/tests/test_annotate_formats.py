@@ -8,14 +8,14 @@ from logs import LOGS, PHASE, Expected
 from specification import TELEGRAMS
 
 from sistap.annotate.annotating import Passage
-from sistap.annotate.lines import lines
 from sistap.annotate.pattern import PatternReader
-from sistap.annotate.reading import AnyReader, Reader
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag
-from sistap.record import Record, Type
+from sistap.annotate.reading import AnyReader, LogReader
+from sistap.annotate.textlog import lines
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
+from sistap.records.record import Record, Type
 
 
-def records(text: str, reader: Reader | None = None, troubles: list[tuple[int, str]] | None = None) -> list[Record]:
+def records(text: str, reader: LogReader | None = None, troubles: list[tuple[int, str]] | None = None) -> list[Record]:
     said = [] if troubles is None else troubles
     passage = Passage(reader or AnyReader(), lambda number, why: said.append((number, why)))
     cuts = [cut for line in lines([text.encode()]) for cut in passage.feed(line).cuts]

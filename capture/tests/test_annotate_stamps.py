@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from sistap.annotate.stamps import Clock
+from sistap.annotate.stamps import TimestampParser
 
 
 @pytest.fixture(autouse=True)
@@ -22,8 +22,8 @@ def _berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     time.tzset()
 
 
-def read(clock: Clock, text: str) -> str:
-    """Give the first stamp of a text in UTC."""
+def read(clock: TimestampParser, text: str) -> str:
+    """Return the first stamp of a text in UTC."""
     ns = clock.find(text)[0].stamp.time_ns
     return datetime.fromtimestamp(ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M:%S") + f".{ns % 10**9:09d}"
 
@@ -50,7 +50,7 @@ def read(clock: Clock, text: str) -> str:
     ],
 )
 def test_forms(text: str, utc: str) -> None:
-    assert read(Clock(), text) == utc
+    assert read(TimestampParser(), text) == utc
 
 
 @pytest.mark.parametrize(
@@ -64,30 +64,30 @@ def test_forms(text: str, utc: str) -> None:
     ],
 )
 def test_steps(text: str, resolution_ns: int) -> None:
-    assert Clock().find(text)[0].stamp.resolution_ns == resolution_ns
+    assert TimestampParser().find(text)[0].stamp.resolution_ns == resolution_ns
 
 
 @pytest.mark.parametrize(
     "text", ["24:00:00", "08:60:00", "13:00:00 PM", "2013-02-30 08:00:00", "02:05:05:02:03:10", "1.2.3", "12.5", ""]
 )
 def test_what_is_no_time(text: str) -> None:
-    assert Clock().find(text) == []
+    assert TimestampParser().find(text) == []
 
 
 def test_bytes_behind_a_comma_are_no_fraction() -> None:
-    [stamped] = Clock().find("08:21:14,02,E1,05")
+    [stamped] = TimestampParser().find("08:21:14,02,E1,05")
     assert (stamped.start, stamped.end) == (0, 8)
 
 
 def test_a_date_holds_on_and_midnight_is_the_next_day() -> None:
-    clock = Clock()
+    clock = TimestampParser()
     assert read(clock, "2013-12-31 23:59:59.9") == "2013-12-31 22:59:59.900000000"
     assert read(clock, "00:00:00.1") == "2013-12-31 23:00:00.100000000"
     assert read(clock, "00:00:00.0") == "2013-12-31 23:00:00.000000000"  # a little back is not a day
 
 
 def test_a_date_in_the_heading() -> None:
-    clock = Clock()
+    clock = TimestampParser()
     assert clock.find_date("Log of 14.03.2013") is not None
     assert read(clock, "08:21:14") == "2013-03-14 07:21:14.000000000"
-    assert Clock().find_date("version 1.2.3.4, 99.99.2013") is None
+    assert TimestampParser().find_date("version 1.2.3.4, 99.99.2013") is None

@@ -16,12 +16,12 @@ from specification import TELEGRAMS
 
 from sistap.annotate.annotating import Passage, record, weave, weave_recorded
 from sistap.annotate.explaining import Said
-from sistap.annotate.lines import Line, lines
 from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
+from sistap.annotate.textlog import LogLine, lines
 from sistap.annotate.weaving import TextWeaver, sentence
-from sistap.annotate.writing import Incomplete
-from sistap.record import Record
+from sistap.records.record import Record
+from sistap.terminal.writing import Incomplete
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 
@@ -40,13 +40,13 @@ class Sayer:
         return Said(f"{told.type.name} {told.data.hex()}", True, None, False)
 
 
-def woven(batches: Iterable[list[Line]]) -> bytes:
+def woven(batches: Iterable[list[LogLine]]) -> bytes:
     output = io.BytesIO()
     weave(batches, Passage(AnyReader()), Sayer(), TextWeaver(output.write), output.flush)
     return output.getvalue()
 
 
-def kept_and_woven(batches: list[list[Line]]) -> bytes:
+def kept_and_woven(batches: list[list[LogLine]]) -> bytes:
     """By way of a spool, as a file is."""
     output, sayer = io.BytesIO(), Sayer()
     reading = Passage(AnyReader())
@@ -85,7 +85,7 @@ _LOG = st.lists(st.tuples(_LINE, st.sampled_from(["\n", "\r\n", "\r", ""])), max
 @given(_LOG, st.sampled_from(["utf-8", "latin-1"]), st.lists(st.booleans(), max_size=30))
 def test_without_the_explanations_it_is_the_log(log: str, encoding: str, pauses: list[bool]) -> None:
     data = log.encode(encoding, "replace").rstrip(b"\r")  # nobody could tell it from that of an explanation
-    batches: list[list[Line]] = []
+    batches: list[list[LogLine]] = []
     for number, line in enumerate(lines([data])):
         batches += [[]] if pauses[number : number + 1] == [True] else []
         batches.append([line])
@@ -188,7 +188,7 @@ def test_a_direction_that_keeps_silent_holds_up_only_so_many_lines() -> None:
     shown = io.BytesIO()
     sizes = []
 
-    def batches() -> Iterable[list[Line]]:
+    def batches() -> Iterable[list[LogLine]]:
         for line in lines([log]):
             yield [line]
             sizes.append(shown.tell())

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from sistap.bus.real.answering import Answering, BusTime, serve
 from sistap.bus.real.receiver import Receiver
 from sistap.bus.stations.making import make
-from sistap.line import LineSettings
-from sistap.telegram import build, checksum_good
+from sistap.line.settings import LineSettings
+from sistap.sis.telegram import build, checksum_good
 
 MS = 1_000_000
 TZA_NS = 5 * MS

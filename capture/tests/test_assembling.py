@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 from specification import TELEGRAMS
 
-from sistap import session
-from sistap.counters import Counters
-from sistap.line import LineSettings, Read
-from sistap.output import Limits, Output
-from sistap.reader import PortLost, Reader
-from sistap.record import Event, Framing, Record, Type
-from sistap.remote import Marker, Remote
-from sistap.session import Capture, Conditions
+from sistap.capture import session
+from sistap.capture.remote import Marker, Remote
+from sistap.capture.session import Capture, Conditions
+from sistap.files.output import Limits, Output
+from sistap.line.reader import PortLost, Reader
+from sistap.line.settings import LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Framing, Record, Type
 from sistap.terminal.stop import Stop
 
 MS = 1_000_000
@@ -205,7 +205,7 @@ def test_before_the_first_character_the_time_is_that_of_this_machine(
         def step_ns(self) -> int:
             return 0
 
-    monkeypatch.setattr(session, "CLOCK", WallClock())
+    monkeypatch.setattr("sistap.capture.tap.CLOCK", WallClock())
     assert take(tmp_path, end_ns=SECOND).sink.ended_ns == EPOCH
 
 

@@ -23,7 +23,6 @@ from commands import run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sistap import wire
 from sistap.bus.playing.hearing import hear
 from sistap.bus.playing.played import Character, Played, reads, uncertainty
 from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
@@ -33,8 +32,9 @@ from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.pseudo_terminal import PseudoTerminal
 from sistap.bus.wires.taps import Taps
-from sistap.line import Flag, LineSettings, Read
-from sistap.telegram import build, checksum_good, parse
+from sistap.line import bus_socket
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.sis.telegram import build, checksum_good, parse
 
 BUS = [sys.executable, "-m", "sistap", "bus"]
 TIMEOUT_S = 20
@@ -318,13 +318,13 @@ def connect(name: str, tap: LineSettings | None = LINE) -> socket.socket:
         host, _, port = where.rpartition(":")
         connection = socket.create_connection((host, int(port)), timeout=TIMEOUT_S)
     if tap:
-        connection.sendall(wire.pack_settings(tap))
+        connection.sendall(bus_socket.pack_settings(tap))
     return connection
 
 
 def listen(connection: socket.socket) -> list[Read]:
     """Take reads until the bus ends."""
-    decoder, heard = wire.Decoder(), []
+    decoder, heard = bus_socket.Decoder(), []
     while data := connection.recv(65536):
         heard += [message for message in decoder.feed(data) if isinstance(message, Read)]
     connection.close()
@@ -484,11 +484,11 @@ def test_a_tap_that_changes_its_settings_hears_better_and_is_told_from_where_on(
     wrong = LINE._replace(parity="N")
     with running("--listen", "127.0.0.1:0", "--fast") as (_, name):
         connection = connect(name, wrong)
-        decoder = wire.Decoder()
-        heard: list[wire.Message] = []
+        decoder = bus_socket.Decoder()
+        heard: list[bus_socket.Message] = []
         while not any(isinstance(message, Read) for message in heard):
             heard += decoder.feed(connection.recv(65536))
-        connection.sendall(wire.pack_settings(LINE))
+        connection.sendall(bus_socket.pack_settings(LINE))
         while LINE not in heard[:-100]:
             heard += decoder.feed(connection.recv(65536))  # the socket's time-out fails the test
         connection.close()
@@ -503,20 +503,20 @@ def test_simulated_time_waits_for_a_tap_that_asks_for_it() -> None:
     played = list(bus(LINE, 1, 1))
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
         connection = connect(name, None)
-        connection.sendall(wire.pack_time(0) + wire.pack_settings(LINE))  # with the settings the bus begins
-        decoder, count, pieces = wire.Decoder(), 0, [b""]
+        connection.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(LINE))  # with the settings the bus begins
+        decoder, count, pieces = bus_socket.Decoder(), 0, [b""]
         times: list[int] = []
         while data := connection.recv(65536):
             for message in decoder.feed(data):
                 if isinstance(message, Read):
                     pieces[-1] += message.data
                     times.append(message.time_ns)
-                elif isinstance(message, wire.Time):
+                elif isinstance(message, bus_socket.Time):
                     assert not times or message.time_ns >= times[-1]
                     times.append(message.time_ns)
                     pieces += [b""] if pieces[-1] else []
                     count += 1
-                    connection.sendall(wire.pack_settings(LINE) + wire.pack_time(message.time_ns))
+                    connection.sendall(bus_socket.pack_settings(LINE) + bus_socket.pack_time(message.time_ns))
         connection.close()
         assert finish(process) == (0, "")
     assert [piece for piece in pieces if piece] == [one.sent for one in played]
@@ -746,7 +746,7 @@ def test_a_tap_that_goes_on_talking_does_not_hold_up_the_end() -> None:
         until = time.monotonic() + TIMEOUT_S
         with contextlib.suppress(OSError):  # until the bus has gone
             while process.poll() is None:
-                connection.sendall(wire.pack_settings(LINE))
+                connection.sendall(bus_socket.pack_settings(LINE))
                 assert time.monotonic() < until
         assert finish(process) == (0, "")
 

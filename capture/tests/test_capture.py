@@ -21,25 +21,26 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pcapng import FileScanner
+from independent import blocks, records
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap import capture, cli, ports, session
-from sistap.clock import Clock
-from sistap.console import Console
-from sistap.counters import Counters
-from sistap.line import Flag, LineSettings, Read
-from sistap.output import Output
-from sistap.pcapng import Interface
-from sistap.reader import PortError, PortLost, latency
-from sistap.reader.device import PosixReader
-from sistap.record import Event, Framing, Record, Type, unpack
+from sistap import cli
+from sistap.capture import running, session
+from sistap.files.output import Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line import ports
+from sistap.line.clock import Clock
+from sistap.line.reader import PortError, PortLost, latency
+from sistap.line.reader.device import PosixReader
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Framing, Type
+from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
-from sistap.writer import PcapngWriter
 
 START_NS = 1_700_000_000_000_000_000
-WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
 ALL = list(TELEGRAMS.values())
 DEADLINE_S = 30  # only reached when a test fails
 
@@ -90,24 +91,13 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
             reader.settings = settings
             return reader
 
-        monkeypatch.setattr(capture, "open_reader", open_reader)
+        monkeypatch.setattr(running, "open_reader", open_reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     return run
 
 
 Run = Callable[..., int]
-
-
-def blocks(path: Path) -> list[Any]:
-    """All blocks of a file; an error if it does not end with a whole one."""
-    with path.open("rb") as stream:
-        return list(FileScanner(stream))
-
-
-def records(path: Path) -> list[Record]:
-    packets = [block for block in blocks(path) if isinstance(block, EnhancedPacket)]
-    return [unpack(packet.packet_data[WRAPPER:]) for packet in packets]
 
 
 def frames(path: Path) -> list[bytes]:
@@ -315,7 +305,7 @@ class SilentReader(FakeReader):
         super().__init__([])
         self.now = 100.0
         self.count = count
-        monkeypatch.setattr("sistap.output.time.monotonic", lambda: self.now)
+        monkeypatch.setattr("sistap.files.output.time.monotonic", lambda: self.now)
 
     def read(self, timeout_s: float) -> Read | None:
         self.now += 0.1
@@ -357,7 +347,7 @@ def test_if_the_next_file_cannot_be_opened_all_is_in_the_one_before(
 ) -> None:
     path = tmp_path / "x"
     names = iter([str(path), "/missing/x"])
-    monkeypatch.setattr("sistap.output.file_name", lambda *_: next(names))
+    monkeypatch.setattr("sistap.files.output.file_name", lambda *_: next(names))
     what = reads(b"".join(ALL), b"text")
     assert run(FakeReader(what), "-w", str(path), "-b", "filesize:1") == 1
     assert b"".join(record.data for record in records(path)[1:]) in (b"".join(ALL), b"".join(ALL) + b"text")
@@ -419,7 +409,7 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
         raise PortError(f"{port} does not exist: try another")
 
-    monkeypatch.setattr(capture, "open_reader", open_reader)
+    monkeypatch.setattr(running, "open_reader", open_reader)
     path = tmp_path / "x"
     path.write_bytes(b"old")
     assert cli.main(["capture", "-i", "/dev/x", "-w", str(path)]) == 3
@@ -536,10 +526,10 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
     stop = Stop()
     output = Output(str(tmp_path / "x"))
     conditions = session.Conditions(duration_s=7)
-    running = session.Capture(
-        [Slow([])], capture.LineSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
+    made = session.Capture(
+        [Slow([])], running.TextSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
-    assert running.run(stop) == 0
+    assert made.run(stop) == 0
     err = capfd.readouterr().err
     assert err.count("\r\x1b[Ksistap: nothing received for 5 s") == 1  # not behind the progress
     assert (
@@ -563,7 +553,9 @@ def test_a_wall_clock_that_is_set_is_an_event(
             return None
 
     hour = 3_600_000_000_000
-    monkeypatch.setattr(session, "CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0)))
+    monkeypatch.setattr(
+        "sistap.capture.tap.CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0))
+    )
     output = Output(str(path))
     reader, counters = Idle([]), Counters()
     sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
@@ -596,7 +588,7 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
     output = Output(str(path))
     conditions = session.Conditions(duration_s=3)
     session.Capture(
-        [Busy([])], capture.LineSink(output), output, Counters(), Console(), conditions, clock_ns=clock
+        [Busy([])], running.TextSink(output), output, Counters(), Console(), conditions, clock_ns=clock
     ).run(Stop())
     output.close()
     assert seen[-1] > 0  # before the end

@@ -4,7 +4,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.clock import Clock
+from sistap.line.clock import Clock
 
 SECOND = 1_000_000_000
 EPOCH = 1_700_000_000 * SECOND

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from sistap.console import Console
+from sistap.terminal.console import Console
 
 
 @pytest.fixture
 def terminal() -> Iterator[tuple[int, int]]:
-    """Give both ends of a terminal, first that of whoever watches."""
+    """Yield both ends of a terminal, first that of whoever watches."""
     ends = pty.openpty()
     yield ends
     for descriptor in ends:

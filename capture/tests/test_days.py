@@ -13,13 +13,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from pcapng import FileScanner
+from independent import blocks, packets
 from pcapng.blocks import InterfaceStatistics
 from test_bus import TIMEOUT_S
-from test_end_to_end import packets
 from test_stations import drive
 
-from sistap import session
 from sistap.bus.playing.played import Played, reads
 from sistap.bus.playing.player import Player
 from sistap.bus.playing.script import Rate
@@ -27,16 +25,17 @@ from sistap.bus.playing.tap_faults import NO_FAULTS
 from sistap.bus.scenarios.demo import read_parameter
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.taps import Taps
-from sistap.clock import Clock
-from sistap.console import Console
-from sistap.counters import Counters
-from sistap.line import LineSettings, Read
-from sistap.output import Limits, Output
-from sistap.pcapng import Interface
-from sistap.reader.virtual import WireReader
-from sistap.record import Event, Type
+from sistap.capture import session
+from sistap.files.output import Limits, Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line.clock import Clock
+from sistap.line.reader.virtual import WireReader
+from sistap.line.settings import LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Type
+from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
-from sistap.writer import PcapngWriter
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
@@ -107,11 +106,11 @@ def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         assert bus.stdout
         machine = Machine()
         reader = StampingReader(bus.stdout.readline().strip(), machine)
-        monkeypatch.setattr(session, "CLOCK", machine.clock)
+        monkeypatch.setattr("sistap.capture.tap.CLOCK", machine.clock)
         folder = tmp_path / "files"
         folder.mkdir()
         with monkeypatch.context() as patched:
-            patched.setattr("sistap.output.time.monotonic", lambda: machine.monotonic / 1e9)
+            patched.setattr("sistap.files.output.time.monotonic", lambda: machine.monotonic / 1e9)
             output = Output(str(folder / "x"), Limits(duration_s=3600, several=True))
             counters = Counters()
             sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
@@ -143,8 +142,7 @@ def expect_hourly_files(files: list[Path], hours: int) -> None:
             assert sum(record.type == Type.FRAME for record in records) in range(
                 3590 * 2 // EVERY_S, 3610 * 2 // EVERY_S
             )
-        with file.open("rb") as stream:
-            assert isinstance(list(FileScanner(stream))[-1], InterfaceStatistics)
+        assert isinstance(blocks(file)[-1], InterfaceStatistics)
 
 
 def expect_every_telegram_at_its_time(files: list[Path], hours: int) -> None:

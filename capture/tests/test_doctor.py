@@ -17,10 +17,11 @@ from pathlib import Path
 import pytest
 import serial
 
-from sistap import cli, doctor, measurement, ports, priority
+from sistap import cli, doctor
 from sistap.doctor import Point
-from sistap.reader import latency
-from sistap.tshark import TsharkError
+from sistap.line import measurement, ports, priority
+from sistap.line.reader import latency
+from sistap.wireshark.tshark import TsharkError
 
 TSHARK = "TShark (Wireshark) 4.2.5 (Git v4.2.5 packaged as 4.2.5-1).\n"
 PLUGIN = (
@@ -80,7 +81,7 @@ def port() -> Iterator[str]:
 
 
 def examined(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, tuple[str, str]]]:
-    """Run it; give the exit code and, by subject, mark and text of its points."""
+    """Run it; return the exit code and, by subject, mark and text of its points."""
     code = cli.main(["doctor", *arguments])
     rows = [line.split(maxsplit=2) for line in capsys.readouterr().out.splitlines()]
     assert len({row[1] for row in rows}) == len(rows)

@@ -5,44 +5,21 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
-from pcapng import FileScanner
-from pcapng.blocks import EnhancedPacket
+from independent import Packet, packets
 from test_bus import MANY_FAULTS_TEXT, TIMEOUT_S, expected_of, finish, logged, running
 
-from sistap.line import Flag
-from sistap.record import Record, Type, unpack
-from sistap.telegram import checksum_good
-from sistap.tshark import Tshark
+from sistap.line.settings import Flag
+from sistap.records.record import Record, Type
+from sistap.sis.telegram import checksum_good
+from sistap.wireshark.tshark import Tshark
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
 
 CAPTURE = [sys.executable, "-m", "sistap", "capture", "-q"]
 CRC_ERROR, SYMBOL_ERROR = 1 << 24, 1 << 31
-
-
-class Packet(NamedTuple):
-    record: Record
-    flags: int  # of the packet
-
-
-def packets(path: Path) -> list[Packet]:
-    """Read a file with somebody else's reader."""
-    found = []
-    with path.open("rb") as file:
-        for block in FileScanner(file):
-            if isinstance(block, EnhancedPacket):
-                time_ns = block.timestamp_high << 32 | block.timestamp_low
-                flags = int.from_bytes(
-                    block.options.get_raw("epb_flags") if "epb_flags" in block.options else b"", "little"
-                )
-                # An exported PDU: tag 12 with the dissector's name (6, padded to 8), the end tag, then the record.
-                assert block.packet_data[:16] == bytes.fromhex("000C0008") + b"sertap\0\0" + bytes(4)
-                found.append(Packet(unpack(block.packet_data[16:], time_ns), flags))
-    return found
 
 
 def frames(captured: list[Packet]) -> list[bytes]:
@@ -108,7 +85,7 @@ def test_faults_are_flagged_at_their_characters(tmp_path: Path, most: int) -> No
     captured = packets(file)
     sent = logged(log)
     assert received(captured) == expected_of(sent)
-    for record, flags in captured:
+    for record, _, flags in captured:
         errors = any(flag & (Flag.CHARACTER_ERROR | Flag.BREAK) for flag in record.flags)
         assert bool(flags & SYMBOL_ERROR) is errors
         wrong = record.type == Type.FRAME and not checksum_good(record.data)

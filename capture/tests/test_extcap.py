@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from sistap import cli, ports
-from sistap.extcap import interfaces, launcher
-from sistap.ports import Adapter
+from sistap import cli
+from sistap.extcap import interfaces
+from sistap.install.launching import launcher
+from sistap.line import ports
+from sistap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
 

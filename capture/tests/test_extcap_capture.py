@@ -20,7 +20,7 @@ from typing import BinaryIO, NamedTuple
 
 import pytest
 
-from sistap.record import Event, Record, Type, unpack
+from sistap.records.record import Event, Record, Type, unpack
 
 CAPTURE = Path(__file__).parents[1]
 PATIENCE_S = 60
@@ -41,7 +41,8 @@ SISTAP = [sys.executable, "-m", "sistap"]
 KEEPING = """\
 import sys
 from pathlib import Path
-from sistap import cli, state
+from sistap import cli
+from sistap.terminal import state
 state.FOR_ROOT = Path(sys.argv.pop(1))
 sys.exit(cli.main())
 """
@@ -97,13 +98,13 @@ class Wireshark:
         self._control.close()
 
     def told(self, control: int, command: int) -> Iterator[str]:
-        """Give the texts of messages of one kind, until the capture closes the pipe."""
+        """Yield the texts of messages of one kind, until the capture closes the pipe."""
         while message := self.messages.get():
             if message[:2] == (control, command):
                 yield message.text
 
     def blocks(self) -> Iterator[tuple[int, bytes]]:
-        """Give kind and body of each block until the capture ends; there is never a part of one."""
+        """Yield kind and body of each block until the capture ends; there is never a part of one."""
         while head := self.capture.read(8):
             kind, length = struct.unpack("<II", head)
             rest = self.capture.read(length - 8)
@@ -112,7 +113,7 @@ class Wireshark:
             yield kind, rest[:-4]
 
     def records(self) -> Iterator[Record]:
-        """Give the records until the capture ends."""
+        """Yield the records until the capture ends."""
         for kind, body in self.blocks():
             if kind == PACKET:
                 yield record_of(body)
@@ -206,7 +207,7 @@ def test_counters_and_log_are_shown(demo: Wireshark) -> None:
 
 @pytest.fixture
 def line() -> Iterator[tuple[int, str]]:
-    """Give a pseudo terminal that plays a serial port: its other end, and the interface that it is."""
+    """Yield a pseudo terminal that plays a serial port: its other end, and the interface that it is."""
     master, slave = pty.openpty()
     tty.setraw(slave)
     yield master, "sistap-" + os.ttyname(slave).removeprefix("/dev/")

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import sistap
-from sistap.extcap import launcher
-from sistap.tshark import Tshark
+from sistap.install.launching import launcher
+from sistap.wireshark.tshark import Tshark
 
 NOT_LONGER = ["-a", "duration:60"]
 
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def tshark() -> Iterator[Tshark]:
-    """Give a tshark whose only extcap is sistap, installed where everybody may read it."""
+    """Yield a tshark whose only extcap is sistap, installed where everybody may read it."""
     folder = Path(tempfile.mkdtemp(prefix="sistap-extcap-"))
     folder.chmod(0o755)
     shutil.copytree(Path(sistap.__file__).parent, folder / "package/sistap")

@@ -6,11 +6,11 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.follow import Follow
-from sistap.framer import SisFramer
-from sistap.line import LineSettings, Read
-from sistap.steering import Steering
-from sistap.telegram import build
+from sistap.capture.steering import Steering
+from sistap.line.settings import LineSettings, Read
+from sistap.records.framer import SisFramer
+from sistap.sis.follow import Follow
+from sistap.sis.telegram import build
 
 MS = 1_000_000
 SECOND = 1_000_000_000

@@ -11,10 +11,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from specification import TELEGRAMS
 
-from sistap import telegram
-from sistap.framer import Framer, SilenceFramer, SisFramer
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.record import INTERVAL_MAX, Framing, Record, Type
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.records.framer import Framer, SilenceFramer, SisFramer
+from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
+from sistap.sis import telegram
 
 SILENCE_NS = 1_000_000_000  # after this a telegram does not go on
 RUN_LIMIT = 4096  # other characters of one record

@@ -6,12 +6,12 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.counters import Counters
-from sistap.framer import SisFramer
-from sistap.hints import Hints
-from sistap.line import Flag, LineSettings, Read
-from sistap.record import Framing
-from sistap.scan import Scan
+from sistap.capture.hints import Hints
+from sistap.capture.scan import Scan
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.framer import SisFramer
+from sistap.records.record import Framing
 
 E81 = LineSettings(9600)
 N81 = LineSettings(9600, parity="N")

@@ -15,8 +15,9 @@ import pytest
 from imported import Imported, run
 
 from sistap.imports.formats import opened
-from sistap.imports.source import Refused, Told
-from sistap.line import Flag
+from sistap.imports.source import Told
+from sistap.line.settings import Flag
+from sistap.terminal.exits import UsageError
 
 CHARACTER_MS = 11 / 9.6
 TO_STOP_MS = 10.5 / 9.6  # from the start bit to the middle of the stop bit, 8E1
@@ -224,7 +225,7 @@ def test_an_export_that_is_cut_anywhere(tmp_path: Path, text: str) -> None:
         try:
             with ExitStack() as tools:
                 found = [read.data[0] for read in opened(source, Told(9600, samplerate=1_000_000), tools).reads()]
-        except Refused:
+        except UsageError:
             found = []
         whole = text.rfind("\n", 0, length)
         assert len(found) >= text.count("0x", 0, whole) + text.count("data: ", 0, whole)

@@ -14,14 +14,14 @@ from specification import TELEGRAMS
 from usb_captures import STATUS, ftdi
 
 from sistap import cli
-from sistap.counters import Counters
+from sistap.files.output import Output
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
 from sistap.imports.convert import Conversion
 from sistap.imports.formats import NAMES
-from sistap.line import LineSettings, Read
-from sistap.output import Output
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.tshark import TsharkError
-from sistap.writer import PcapngWriter
+from sistap.line.settings import LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.wireshark.tshark import TsharkError
 
 COMMAND, REACTION = TELEGRAMS["2-12"], TELEGRAMS["2-13"]
 TABLE = "Time [s],Value,Parity Error,Framing Error\n" + "".join(

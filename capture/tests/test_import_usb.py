@@ -36,9 +36,9 @@ from sistap.imports import cdc as cdc_says
 from sistap.imports import ftdi as ftdi_says
 from sistap.imports.dissected import nanoseconds
 from sistap.imports.usb_transfers import Setup
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.record import Record
-from sistap.tshark import Tshark
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.records.record import Record
+from sistap.wireshark.tshark import Tshark
 
 LINE = LineSettings()  # 9600 8E1
 COMMAND, REACTION = TELEGRAMS["2-12"], TELEGRAMS["2-13"]

@@ -13,8 +13,8 @@ import pytest
 from imported import run
 from usb_captures import RTAC, STATUS, T0, ftdi, pcap
 
-from sistap.telegram import build
-from sistap.tshark import Tshark
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
 
 OK, EXCEEDED, UNRESOLVED = "0", "1", "2"
 COMMAND = build(0x10, 16, 3, bytes.fromhex("3C 03 00 24 00"))  # 13 characters: read S-0-0036

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-import sistap.state
+import sistap.terminal.state
 from sistap import cli
 from sistap.install import command, sources
-from sistap.tshark import NOBODY, TsharkError
+from sistap.wireshark.tshark import NOBODY, TsharkError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 VERSION = "TShark (Wireshark) 4.0.17 (Git v4.0.17 packaged as 4.0.17-0+deb12u3).\n"
@@ -245,7 +245,7 @@ def test_uninstall_goes_on_after_what_cannot_be_removed(root: Path, run: Run, mo
 def test_what_was_put_when_signals_come_is_on_the_list(
     root: Path, run: Run, state: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    replace = sistap.state.replace
+    replace = sistap.terminal.state.replace
     counts = iter(range(100))
 
     def interrupted(file: Path, content: bytes, *, executable: bool = False) -> None:
@@ -254,7 +254,7 @@ def test_what_was_put_when_signals_come_is_on_the_list(
             for number in (signal.SIGINT, signal.SIGTERM) * 15:
                 signal.raise_signal(number)
 
-    monkeypatch.setattr(sistap.state, "replace", interrupted)
+    monkeypatch.setattr(sistap.terminal.state, "replace", interrupted)
     code, out, _ = run("install")
     (listed,) = state.rglob("*.json")
     assert code == 0
@@ -289,7 +289,7 @@ def test_root_believes_no_list_that_an_environment_names(
     (state / "sistap").chmod(0o777)
     before = files(root)
     become(monkeypatch, 0)
-    monkeypatch.setattr(sistap.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
+    monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
     code, out, err = run("uninstall")
     assert (code, out) == (1, "nothing to remove: nothing was installed for all users\n")
     assert f"{state}/sistap/installed-for-all.json is not used, because others than root could have written" in err
@@ -432,7 +432,7 @@ def as_user(home: Path, *arguments: str | Path) -> str:
 
 
 def in_wireshark(home: Path) -> list[str]:
-    """Give the columns of figure 6-14, sets 9600 Bd, as the profile has them."""
+    """Return the columns of figure 6-14, sets 9600 Bd, as the profile has them."""
     capture = home / "capture.pcapng"
     shutil.copy(REPOSITORY / "test-captures/specification.pcapng", capture)
     row = as_user(home, "tshark", "-C", "SIS", "-r", capture, "-Y", "frame.number == 7", "-T", "tabs")

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-import sistap.state
-from sistap.install.folders import Own
+import sistap.terminal.state
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
-from sistap.state import StateError
+from sistap.terminal.state import StateError
+from sistap.wireshark.folders import Own
 
 
 @pytest.fixture
@@ -226,8 +226,8 @@ def test_no_link_leads_to_another_file_while_one_is_written(place: Path) -> None
 def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Be root; his folder is returned, it does not exist yet."""
     monkeypatch.setattr(os, "geteuid", lambda: 0)
-    monkeypatch.setattr(sistap.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
-    return sistap.state.FOR_ROOT
+    monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
+    return sistap.terminal.state.FOR_ROOT
 
 
 def test_root_does_not_take_a_list_of_somebody_else(root: Path, state: Path, place: Path) -> None:
@@ -278,4 +278,4 @@ def test_a_folder_of_root_that_others_could_write_is_not_used(root: Path, tmp_pa
         Ledger(for_all=True)
     if who != "a list for all":
         with pytest.raises(StateError):
-            sistap.state.save("selftest.json", b"")
+            sistap.terminal.state.save("selftest.json", b"")

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from sistap import measurement, ports, priority
-from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings
-from sistap.measurement import MACHINE, Conditions, Result
-from sistap.reader import delay, latency
+from sistap.line import measurement, ports, priority
+from sistap.line.measurement import MACHINE, Conditions, Result
+from sistap.line.reader import delay, latency
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
 HERE: Conditions = {"machine": "bench", "kernel": "6.1.0-28-amd64", "priority": "ordinary priority"}
 FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285BI")

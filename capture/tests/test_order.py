@@ -6,9 +6,9 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.line import LineSettings
-from sistap.order import HOLD_NS, Order
-from sistap.record import Record, Type
+from sistap.line.settings import LineSettings
+from sistap.records.order import HOLD_NS, Order
+from sistap.records.record import Record, Type
 
 MS = 1_000_000
 

@@ -17,16 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap.output import (
-    NO_LIMITS,
-    Limits,
-    Output,
-    OutputError,
-    OutputRefused,
-    file_name,
-    leave_standard_output,
-    never_waiting,
-)
+from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
+from sistap.terminal.streams import leave_standard_output, never_waiting
 
 
 def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
@@ -507,7 +499,7 @@ def test_if_the_next_file_cannot_be_opened_this_one_is_the_last(
 ) -> None:
     said: list[str] = []
     output = ring(tmp_path, said)
-    monkeypatch.setattr("sistap.output.file_name", lambda *_: "/missing/x")
+    monkeypatch.setattr("sistap.files.output.file_name", lambda *_: "/missing/x")
     assert not output.done
     assert not output.open_next()
     assert output.done and output.failed

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap.line import LineSettings
-from sistap.reader import latency, open_reader
+from sistap.line.reader import latency, open_reader
+from sistap.line.settings import LineSettings
 
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
@@ -78,8 +78,8 @@ def assert_only_listens(calls: list[str]) -> None:
 
 READ_SOME = """
 import sys
-from sistap.line import LineSettings
-from sistap.reader import open_reader
+from sistap.line.settings import LineSettings
+from sistap.line.reader import open_reader
 source = open_reader(sys.argv[1], LineSettings())
 count = 0
 while count < 100:

@@ -15,12 +15,12 @@ from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics, SectionHeader
 from specification import TELEGRAMS
 
-from sistap import pcapng, writer
-from sistap.counters import Counters
-from sistap.line import Flag, LineSettings
-from sistap.output import Output
-from sistap.pcapng import Interface
-from sistap.record import Event, Record, Type, event
+from sistap.files import pcapng, writer
+from sistap.files.output import Output
+from sistap.files.pcapng import Interface
+from sistap.line.settings import Flag, LineSettings
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, Type, event
 
 SETTINGS = LineSettings(9600)
 START_NS = 1_700_000_000_123_456_789

@@ -11,7 +11,7 @@ import pytest
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from sistap import ports
+from sistap.line import ports
 
 
 def put(file: Path, text: str) -> None:

@@ -15,7 +15,7 @@ import pytest
 
 import sistap
 from sistap import cli
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 PROFILE = Path(sistap.__file__).parent / "profile" / "SIS"
 CAPTURES = Path(__file__).resolve().parents[2] / "test-captures"
@@ -191,7 +191,7 @@ SIGHT = {
 
 
 def seen(colour: Colour, cones: tuple[tuple[float, ...], ...]) -> Colour:
-    """Give the colour in CIE L*a*b*, where distance is difference as the eye has it."""
+    """Return the colour in CIE L*a*b*, where distance is difference as the eye has it."""
     red, green, blue = (
         min(max(sum(part * light for part, light in zip(row, colour, strict=True)), 0), 1) for row in cones
     )

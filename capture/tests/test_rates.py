@@ -12,15 +12,16 @@ import tty
 from collections.abc import Iterator
 from pathlib import Path
 
+import independent
 import pytest
 from specification import TELEGRAMS
 from test_bus import TIMEOUT_S, finish, logged, running
-from test_end_to_end import CAPTURE, packets
+from test_end_to_end import CAPTURE
 
-from sistap import capture, cli
-from sistap.line import LineSettings, Read
-from sistap.reader import PortError, PortLost
-from sistap.record import Event, Record, Type
+from sistap import cli
+from sistap.line.reader import PortError, PortLost
+from sistap.line.settings import LineSettings, Read
+from sistap.records.record import Event, Record, Type
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
@@ -34,7 +35,7 @@ def captured(port: str, file: Path, *options: str) -> tuple[int, str, list[Recor
     command = [*CAPTURE, "-i", port, "-w", str(file), *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
     assert "Traceback" not in done.stderr
-    return done.returncode, done.stderr, [packet.record for packet in packets(file)]
+    return done.returncode, done.stderr, independent.records(file)
 
 
 def characters(records: list[Record]) -> bytes:
@@ -149,7 +150,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
 
     def run(reader: FakeReader, *arguments: str) -> int:
-        monkeypatch.setattr(capture, "open_reader", lambda port, settings, line: reader)
+        monkeypatch.setattr("sistap.capture.running.open_reader", lambda port, settings, line: reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     yield run
@@ -158,7 +159,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
 
 
 def read_back(file: Path) -> list[Record]:
-    return [packet.record for packet in packets(file)]
+    return independent.records(file)
 
 
 def test_a_silent_line_is_searched_and_fills_no_file(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]

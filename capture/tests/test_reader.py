@@ -20,12 +20,12 @@ import serial
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap import ports, wire
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
-from sistap.reader.contract import READ_SIZE
-from sistap.reader.device import MarkDecoder, PosixReader
-from sistap.reader.tuning import Tuning
+from sistap.line import bus_socket, ports
+from sistap.line.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
+from sistap.line.reader.contract import READ_SIZE
+from sistap.line.reader.device import MarkDecoder, PosixReader
+from sistap.line.reader.tuning import Tuning
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
@@ -471,7 +471,7 @@ def test_a_change_of_format_at_a_real_port(
     source = open_reader(bus.port, before)
     asked: list[tuple[int, list[int]]] = []
     monkeypatch.setattr(termios, "tcsetattr", lambda fd, when, attributes: asked.append((when, attributes)))
-    monkeypatch.setattr("sistap.reader.opening._check_speed", lambda fd, baud: None)
+    monkeypatch.setattr("sistap.line.reader.opening._check_speed", lambda fd, baud: None)
     source.change(settings)
     ((when, attributes),) = asked
     mask = termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB
@@ -494,7 +494,7 @@ def test_a_rate_that_the_port_cannot_do_changes_nothing(bus: Pty, monkeypatch: p
     def slower(fd: int, baud: int) -> None:
         raise ValueError("the driver set 9600 Bd")
 
-    monkeypatch.setattr("sistap.reader.opening._check_speed", slower)
+    monkeypatch.setattr("sistap.line.reader.opening._check_speed", slower)
     for settings in (LineSettings(115200), LineSettings(12345)):
         with pytest.raises(PortError, match=f"cannot do {settings.baud} Bd 8E1"):
             source.change(settings)
@@ -924,13 +924,13 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
 def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
     settings = LineSettings(19200, 7, "O", 4)
-    assert wire.Decoder().feed(connection.recv(100)) == [wire.Time(0), settings]
+    assert bus_socket.Decoder().feed(connection.recv(100)) == [bus_socket.Time(0), settings]
     assert source.read(0) is None
     sent = [
         Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000, settings),
         Read(2, 1_700_000_000_223_456_789, b"A", b"\x18", settings=settings),
     ]
-    stream = b"".join(map(wire.pack_read, sent))
+    stream = b"".join(map(bus_socket.pack_read, sent))
     connection.sendall(stream[:20])
     assert source.read(0) is None  # half a message is not delivered
     connection.sendall(stream[20:])
@@ -945,9 +945,9 @@ def test_a_bus_says_from_where_on_it_is_heard_otherwise(tapped: tuple[Reader, so
     before, after = LineSettings(19200, 7, "O", 4), LineSettings(38400)
     connection.recv(100)
     source.change(after)
-    assert wire.Decoder().feed(connection.recv(100)) == [after]
+    assert bus_socket.Decoder().feed(connection.recv(100)) == [after]
     on_its_way, later = Read(0, START_NS, b"A", b"\0", 0), Read(0, START_NS + 1, b"B", b"\0", 0)
-    connection.sendall(wire.pack_read(on_its_way) + wire.pack_settings(after) + wire.pack_read(later))
+    connection.sendall(bus_socket.pack_read(on_its_way) + bus_socket.pack_settings(after) + bus_socket.pack_read(later))
     assert source.read(PATIENCE_S) == on_its_way._replace(settings=before)
     assert source.read(PATIENCE_S) == later._replace(settings=after)
 
@@ -955,7 +955,7 @@ def test_a_bus_says_from_where_on_it_is_heard_otherwise(tapped: tuple[Reader, so
 def test_simulated_time_goes_on_only_when_the_reader_may_wait(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
     connection.recv(100)
-    connection.sendall(wire.pack_time(START_NS))
+    connection.sendall(bus_socket.pack_time(START_NS))
     read = source.read(PATIENCE_S)
     assert read and (read.time_ns, read.data) == (START_NS, b"")
     assert source.read(0) is None
@@ -963,7 +963,7 @@ def test_simulated_time_goes_on_only_when_the_reader_may_wait(tapped: tuple[Read
     with pytest.raises(BlockingIOError):
         connection.recv(100)
     assert source.read(0.001) is None
-    assert wire.Decoder().feed(connection.recv(100)) == [wire.Time(START_NS)]
+    assert bus_socket.Decoder().feed(connection.recv(100)) == [bus_socket.Time(START_NS)]
 
 
 def test_not_a_wire(tapped: tuple[Reader, socket.socket]) -> None:

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.line import PARITIES, Flag, LineSettings
-from sistap.record import HEADER, INTERVAL_MAX, Event, Framing, Record, Type, event, unpack
+from sistap.line.settings import PARITIES, Flag, LineSettings
+from sistap.records.record import HEADER, INTERVAL_MAX, Event, Framing, Record, Type, event, unpack
 
 SETTINGS = LineSettings(19200)
 # Written down by hand from the layout: two characters, 19200 Bd 8E1, uncertainty 0.3 ms.

@@ -15,11 +15,12 @@ from pathlib import Path
 import pytest
 from test_bus import BUS, TIMEOUT_S, drain, finish
 
-from sistap import pcapng, record
-from sistap.captured import NotCaptured, records
-from sistap.line import Flag, LineSettings
-from sistap.record import Event, Record, Type
-from sistap.replay import look, played
+from sistap.bus.replay import look, played
+from sistap.files import pcapng
+from sistap.files.reading import NotCaptured, records
+from sistap.line.settings import Flag, LineSettings
+from sistap.records import record
+from sistap.records.record import Event, Record, Type
 
 REPLAY = [sys.executable, "-m", "sistap", "replay"]
 CAPTURE = [sys.executable, "-m", "sistap", "capture", "-q"]

@@ -12,14 +12,15 @@ import pytest
 from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
 from sharkd import Sharkd
 
-from sistap.record import Type
+from sistap.records.record import Type
 from sistap.report import plain, tables
-from sistap.report.dissection import FIELDS, Dissection, Packet, info
+from sistap.report.dissection import FIELDS, Dissection, Packet
 from sistap.report.figures import Figures
 from sistap.report.gather import Report, gather
 from sistap.report.windows import PACKETS_KEPT, Window, parse
-from sistap.telegram import build
-from sistap.tshark import Tshark, TsharkError
+from sistap.sis.telegram import build
+from sistap.wireshark.rows import info
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 CHARACTER_S = LINE.character_ns / 1e9
 FRAMES = [sent for sent in BUS if sent.type == Type.FRAME]

@@ -16,12 +16,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, write
 
-from sistap.line import Flag
+from sistap.line.settings import Flag
 from sistap.report import plots
 from sistap.report.gather import Report, gather
 from sistap.report.page import page
 from sistap.report.windows import parse
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 VOID = {"meta", "br"}
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.framer import SisFramer
-from sistap.line import Flag, LineSettings, Read
-from sistap.scan import Scan
+from sistap.capture.scan import Scan
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.records.framer import SisFramer
 
 SECOND = 1_000_000_000
 # All that SIS has (fig. 6-11), 9600 first: that is what stations have after power-on.

@@ -23,10 +23,10 @@ from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.faults import _KINDS
 from sistap.bus.scenarios.scenario import Playing, Scenario, load
 from sistap.bus.scenarios.steps import _STEPS
-from sistap.captured import records
-from sistap.line import Flag
-from sistap.record import Event, Type
-from sistap.telegram import parse
+from sistap.files.reading import records
+from sistap.line.settings import Flag
+from sistap.records.record import Event, Type
+from sistap.sis.telegram import parse
 
 MS = 1_000_000
 ONCE = Playing(cycles=1)

@@ -18,8 +18,9 @@ from pathlib import Path
 
 import pytest
 
-from sistap import cli, measurement, selftest
-from sistap.reader import delay
+from sistap import cli, selftest
+from sistap.line import measurement
+from sistap.line.reader import delay
 
 MS = 1_000_000
 PATIENCE_S = 30  # only reached when a test fails

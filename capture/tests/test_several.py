@@ -16,17 +16,16 @@ import time
 import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from pcapng import FileScanner
-from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
+from independent import blocks, packets
+from pcapng.blocks import InterfaceDescription, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap.line import LineSettings, Read
-from sistap.reader import PortLost, Reader, device, latency, open_reader, several, together
-from sistap.reader.several import PolledReaders, ThreadedReaders
-from sistap.record import Event, Record, Type, unpack
+from sistap.line.reader import PortLost, Reader, device, latency, open_reader, several, together
+from sistap.line.reader.several import PolledReaders, ThreadedReaders
+from sistap.line.settings import LineSettings, Read
+from sistap.records.record import Event, Type
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
@@ -252,22 +251,6 @@ def capture(lines: tuple[Line, Line]) -> Iterator[Callable[..., Captured]]:
     for captured in started:
         captured.process.kill()
         captured.process.communicate()
-
-
-def blocks(path: Path) -> list[Any]:
-    with path.open("rb") as stream:
-        return list(FileScanner(stream))
-
-
-def packets(path: Path) -> list[tuple[Record, int, int]]:
-    """Records with their interface and direction."""
-    found = []
-    for block in blocks(path):
-        if isinstance(block, EnhancedPacket):
-            raw = block.options.get_raw("epb_flags") if "epb_flags" in block.options else b""
-            time_ns = block.timestamp_high << 32 | block.timestamp_low
-            found.append((unpack(block.packet_data[16:], time_ns), block.interface_id, int.from_bytes(raw, "little")))
-    return found
 
 
 def test_one_file_two_interfaces_two_directions(

@@ -33,7 +33,7 @@ from sistap.bus.stations.memory import module
 from sistap.bus.stations.routing import Router
 from sistap.bus.stations.slave import Slave
 from sistap.bus.stations.station import Station
-from sistap.telegram import build, parse
+from sistap.sis.telegram import build, parse
 
 MS = 1_000_000
 

@@ -24,7 +24,7 @@ import pytest
 
 from sistap.terminal import temporary
 from sistap.terminal.stop import Stop, Stopped, held
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 BURST = NUMBERS * 10

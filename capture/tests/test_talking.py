@@ -20,8 +20,8 @@ from sistap.bus.playing.played import Played
 from sistap.bus.playing.script import Script, repeating
 from sistap.bus.playing.times import Times
 from sistap.bus.real.talking import UNASKED, RealLine
-from sistap.line import LineSettings
-from sistap.telegram import build
+from sistap.line.settings import LineSettings
+from sistap.sis.telegram import build
 
 TIMES = Times(trs=50, tza=5, tmas=500)
 TWM_NS = 60_000_000

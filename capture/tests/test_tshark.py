@@ -4,11 +4,13 @@
 import errno
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from sistap.tshark import NOBODY, Tshark, TsharkError
+from sistap.wireshark.tshark import NOBODY, Tshark, TsharkError
 
 
 def test_lines_come_while_it_runs_and_the_rest_is_not_waited_for() -> None:
@@ -104,3 +106,9 @@ def test_plugins_that_only_root_may_read_are_seen(tmp_path: Path) -> None:
     (folder / "x.so").chmod(0o600)
     with Tshark("sh", plugins=tmp_path / "plugins") as shell:
         assert shell.output("-c", "cat $WIRESHARK_PLUGIN_DIR/4.0/epan/x.so") == "a plugin"
+
+
+def test_the_room_is_tshark_that_sees_the_plugin() -> None:
+    command = [sys.executable, "-m", "sistap.wireshark", "-G", "plugins"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, "sis.so" in done.stdout) == (0, True), done.stderr

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap.line import LineSettings
-from sistap.reader.tuning import Tuning
+from sistap.line.reader.tuning import Tuning
+from sistap.line.settings import LineSettings
 
 LOW_LATENCY = 0x2000  # ASYNC_LOW_LATENCY, <linux/tty_flags.h>: bit 13
 OTHER_FLAGS = 0x40  # ASYNC_SKIP_TEST
@@ -167,8 +167,8 @@ def test_undone_when_the_port_has_gone(tmp_path: Path, timer: Path, descriptor: 
 FORGETFUL = """
 import os, sys
 from pathlib import Path
-from sistap.line import LineSettings
-from sistap.reader.tuning import Tuning
+from sistap.line.settings import LineSettings
+from sistap.line.reader.tuning import Tuning
 Tuning("/dev/ttyUSB0", 0, LineSettings(), Path(sys.argv[1]))
 print(Path(sys.argv[2]).read_text(), flush=True)
 sys.stdin.read()

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap import cli, ports
-from sistap.line import LineSettings
-from sistap.reader import PortError, open_reader
+from sistap import cli
+from sistap.line import ports
+from sistap.line.reader import PortError, open_reader
+from sistap.line.settings import LineSettings
 
 
 class Status(NamedTuple):

@@ -6,21 +6,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import independent
 import pytest
-from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 
-from sistap.counters import Counters
-from sistap.line import LineSettings
-from sistap.output import Limits, Output
-from sistap.pcapng import LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.record import Event, Record, Type, event, unpack
-from sistap.writer import LINK_TYPES, PcapngWriter
+from sistap.files.output import Limits, Output
+from sistap.files.pcapng import LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import LINK_TYPES, PcapngWriter
+from sistap.line.settings import LineSettings
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, Type, event
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
 
-WRAPPER = 16  # bytes before the record: tag and name of the dissector, end of tags
 SLOW, FAST = LineSettings(9600), LineSettings(57600)
 FIRST_NS, SECOND_NS, NOW_NS, LATER_NS = 1000, 2000, 9000, 9500
 
@@ -49,11 +48,7 @@ class Writing:
         """End the last; all blocks of each."""
         self.writer.end(LATER_NS)
         self.output.close()
-        found = []
-        for path in sorted(self._folder.iterdir()):
-            with path.open("rb") as stream:
-                found.append(list(FileScanner(stream)))
-        return found
+        return [independent.blocks(path) for path in sorted(self._folder.iterdir())]
 
 
 def of(kind: type, blocks: list[Any]) -> list[Any]:
@@ -61,7 +56,7 @@ def of(kind: type, blocks: list[Any]) -> list[Any]:
 
 
 def records(blocks: list[Any]) -> list[Record]:
-    return [unpack(block.packet_data[WRAPPER:]) for block in of(EnhancedPacket, blocks)]
+    return [independent.record_of(block) for block in of(EnhancedPacket, blocks)]
 
 
 def test_each_file_describes_both_lines_though_one_is_silent(tmp_path: Path) -> None:
@@ -94,8 +89,7 @@ def test_what_an_older_capture_left_is_gone(tmp_path: Path) -> None:
     writer = PcapngWriter(output, {0: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "/dev/ttyS0")}, Counters())
     writer.begin(started(0, FIRST_NS))
     output.close()
-    with path.open("rb") as stream:
-        assert len(list(FileScanner(stream))) == 3
+    assert len(independent.blocks(path)) == 3
 
 
 def test_the_link_types() -> None:

@@ -6,16 +6,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from sistap.annotate.capturing import Blocks
+from sistap.annotate.blocks import Blocks
 from sistap.annotate.cutting import Cut, Cutter
 from sistap.annotate.explaining import Explainer, Sayer
-from sistap.annotate.lines import Line
-from sistap.annotate.reading import Piece, Reader
+from sistap.annotate.reading import LogReader, Piece
 from sistap.annotate.spool import Entry, Spool
+from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Weaver
-from sistap.record import Type
+from sistap.records.record import Type
 
-Batches = Iterable[list[Line]]  # lines that came together; an empty one: nothing came for a moment
+Batches = Iterable[list[LogLine]]  # lines that came together; an empty one: nothing came for a moment
 Trouble = Callable[[int, str], None]  # told the number of a line, and why it cannot be read
 
 
@@ -34,7 +34,7 @@ class Found(NamedTuple):
 class Passage:
     """The reading of a log, from its first line to its last."""
 
-    def __init__(self, reader: Reader, trouble: Trouble = lambda _, __: None) -> None:
+    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None) -> None:
         """Read with this reader; `trouble` is told of lines that cannot be read."""
         self._reader = reader
         self._trouble = trouble
@@ -43,9 +43,9 @@ class Passage:
         self.bytes = 0
         self.telegrams = 0
 
-    def feed(self, line: Line) -> Found:
+    def feed(self, line: LogLine) -> Found:
         """Read the next line."""
-        pieces, trouble = self._reader.read(line)
+        pieces, trouble = self._reader.contents(line)
         if trouble:
             self._trouble(line.number, trouble)
         cuts: list[Cut] = []
@@ -57,7 +57,7 @@ class Passage:
         return found
 
     def end(self) -> list[Cut]:
-        """Give what is left."""
+        """Return what is left."""
         return self._counted(self._cutter.end())
 
     def _counted(self, cuts: list[Cut]) -> list[Cut]:

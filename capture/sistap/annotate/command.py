@@ -14,17 +14,17 @@ from sistap.annotate.explaining import Running, WholeCapture
 from sistap.annotate.meanings import Meanings
 from sistap.annotate.page import PageWeaver
 from sistap.annotate.pattern import PatternReader
-from sistap.annotate.reading import AnyReader, Reader
+from sistap.annotate.reading import AnyReader, LogReader
 from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
-from sistap.annotate.writing import Incomplete, NotOpened, opened
-from sistap.console import Console
-from sistap.exits import DONE, FAILED, USAGE
-from sistap.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
 from sistap.terminal import temporary
-from sistap.tshark import Tshark, TsharkError
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Explain a log. Any text with the bytes of SIS telegrams in it becomes the same text with a line under each telegram that
@@ -55,11 +55,7 @@ exit status:
 """
 
 
-class _Refused(Exception):
-    """Options or files that cannot be right; the text is the one line to show."""
-
-
-def _reader(pattern: str) -> Callable[[], Reader]:
+def _reader(pattern: str) -> Callable[[], LogReader]:
     try:
         PatternReader(pattern)
     except ValueError as error:
@@ -90,7 +86,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Explain a log; gives the exit code."""
+    """Explain a log; return the exit code."""
     console = Console()
     troubles = Troubles(console.say)
     passage = Passage(args.reader(), troubles.add)
@@ -100,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
             _capture(args, passage, console)
         else:
             _explain(args, passage, console)
-    except (_Refused, SourceError, NotOpened, OutputRefused) as error:
+    except (UsageError, SourceError, NotOpened, OutputRefused) as error:
         console.say(str(error))
         return USAGE
     except ReaderGone:
@@ -114,10 +110,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> None:
     if args.capture and args.output:
-        raise _Refused("-w names the file already: leave out -o")
+        raise UsageError("-w names the file already: leave out -o")
     for option, path in (("-w", args.capture), ("-o", args.output)):
         if path and _is_same(path, args.log):
-            raise _Refused(f"{path} is the log itself; name another file with {option}")
+            raise UsageError(f"{path} is the log itself; name another file with {option}")
 
 
 def _is_same(path: str, log: str) -> bool:

@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from sistap import line as serial
 from sistap.annotate.reading import Piece
-from sistap.framer import SisFramer
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.rates import RATES
-from sistap.record import Record
+from sistap.line import settings as serial
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.records.framer import SisFramer
+from sistap.records.record import Record
+from sistap.sis.rates import RATES
 
 _SETTINGS = LineSettings(baud=0)  # nobody has written it down
 _SLOWEST_CHARACTER_NS = LineSettings(min(RATES)).character_ns
@@ -109,7 +109,7 @@ class Cutter:
         return cuts + stream.add(piece, self._uncertainty_ns(piece))
 
     def end(self) -> list[Cut]:
-        """Give what is left at the end of the log."""
+        """Return what is left at the end of the log."""
         return [cut for stream in self._streams.values() for cut in stream.cuts(stream.framer.flush())]
 
     def _uncertainty_ns(self, piece: Piece) -> int:
@@ -118,7 +118,7 @@ class Cutter:
         return min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
 
     def _silent(self, piece: Piece) -> list[Cut]:
-        """Give what no longer waits for its rest, in both directions; the time can also have been set back."""
+        """Return what no longer waits for its rest, in both directions; the time can also have been set back."""
         cuts = []
         if piece.stamp:
             for direction, stream in list(self._streams.items()):

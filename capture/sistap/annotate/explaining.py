@@ -15,15 +15,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Protocol
 
-from sistap.annotate.capturing import Blocks
-from sistap.record import Record
-from sistap.report.dissection import INFO_FIELDS, info
-from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
+from sistap.annotate.blocks import Blocks
+from sistap.records.record import Record
+from sistap.wireshark import rows
+from sistap.wireshark.rows import INFO_FIELDS, NECESSARY, NO_DISSECTOR, first, info, unknown_fields
+from sistap.wireshark.tshark import Tshark, TsharkError
 
-_NECESSARY = "sis.start"
 _REACTION, _UNANSWERED = "sis.reaction_time", "sis.command.unanswered"
-_FIELDS = (*INFO_FIELDS, _NECESSARY, _REACTION, _UNANSWERED)
-JOINT = "\x1f"  # between several values of a field: in no text
+_FIELDS = (*INFO_FIELDS, NECESSARY, _REACTION, _UNANSWERED)
 _INFO_COLUMN = ("-o", 'gui.column.format:"Info","%i"')  # the user's own columns may be without
 _ANSWER_S = 30  # so long, at most, does a running tshark take
 
@@ -59,31 +58,30 @@ class Fields:
         self._names = [*_FIELDS, *more]
         with tempfile.TemporaryFile() as nothing:
             unknown = unknown_fields(tshark.run(["-r", "-", *self.arguments], stdin=nothing).stderr)
-        if _NECESSARY in unknown:
+        if NECESSARY in unknown:
             raise TsharkError(NO_DISSECTOR)
         self._names = [name for name in self._names if name not in unknown]
 
     @property
     def arguments(self) -> list[str]:
         """What tells tshark to print them."""
-        names = (word for name in self._names for word in ("-e", name))
-        return [*_INFO_COLUMN, "-T", "fields", "-E", f"aggregator={JOINT}", *names]
+        return [*_INFO_COLUMN, *rows.printing(self._names)]
 
     def columns(self, line: str) -> dict[str, str]:
         """Take apart what it prints for one packet; several values are joined by JOINT."""
-        return dict(zip(self._names, line.split("\t"), strict=False))
+        return rows.columns(self._names, line)
 
-    def read(self, line: str) -> Said:
+    def said(self, line: str) -> Said:
         """Read what it prints for one record."""
         return said(self.columns(line))
 
 
 def said(columns: dict[str, str]) -> Said:
-    """Give what is said of one record."""
-    reaction = columns.get(_REACTION, "").partition(JOINT)[0]
+    """Return what is said of one record."""
+    reaction = first(columns.get(_REACTION, ""))
     return Said(
         info(columns),
-        bool(columns.get(_NECESSARY)),
+        bool(columns.get(NECESSARY)),
         float(reaction) if reaction else None,
         bool(columns.get(_UNANSWERED)),
     )
@@ -101,7 +99,7 @@ class WholeCapture:
     def get(self) -> Said:
         """Return what is said of the next record."""
         try:
-            return self._fields.read(next(self._lines))
+            return self._fields.said(next(self._lines))
         except StopIteration:
             raise TsharkError("tshark has said less than the log holds: is there room for its files?") from None
 
@@ -140,7 +138,7 @@ class Running:
         if self._first:
             self._first = False
             self._answer()  # the event
-        return self._fields.read(self._answer())
+        return self._fields.said(self._answer())
 
     def _answer(self) -> str:
         try:

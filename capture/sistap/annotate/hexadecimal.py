@@ -153,7 +153,7 @@ def _run(match: re.Match[str]) -> Run | None:
 
 
 def _character(unit: str) -> int:
-    """Give the byte that is written so in a literal."""
+    """Return the byte that is written so in a literal."""
     if len(unit) == 1:
         return ord(unit)
     if unit[1] == "x":

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, XMLPullParser
 
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 # Kinds of fields.
 FRAME, CONTROL, SERVICE, ADDRESS = "frame", "control", "service", "address"
@@ -58,7 +58,7 @@ class Meanings:
         next(self._packets, None)
 
     def get(self, data: bytes) -> list[Meaning | None]:
-        """Give the meaning of each byte of the next record, None where the dissector says nothing."""
+        """Return the meaning of each byte of the next record, None where the dissector says nothing."""
         meanings: list[Meaning | None] = [None] * len(data)
         packet = next(self._packets, None)
         for protocol in packet.iterfind("proto[@name='sis']") if packet is not None else ():

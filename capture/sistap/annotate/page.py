@@ -12,8 +12,8 @@ import sistap
 from sistap.annotate import meanings
 from sistap.annotate.cutting import Part
 from sistap.annotate.explaining import Said
-from sistap.annotate.lines import Line
 from sistap.annotate.meanings import Meaning, Meanings
+from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, place
 
 # Colours that eyes without one kind of cone tell apart (Okabe and Ito); the stroke under the bytes tells them apart
@@ -62,7 +62,7 @@ class PageWeaver:
         self._marked: dict[int, list[tuple[int, int, Meaning]]] = defaultdict(list)  # by line: from, to
         self._write(_head(name).encode())
 
-    def add(self, line: Line, count: int) -> None:
+    def add(self, line: LogLine, count: int) -> None:
         """Take the next line."""
         self._waitings.add(line, count)
 

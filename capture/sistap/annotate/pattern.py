@@ -6,9 +6,9 @@ from __future__ import annotations
 import re
 
 from sistap.annotate import hexadecimal, marks
-from sistap.annotate.lines import Line
-from sistap.annotate.reading import Read, State, is_explanation
-from sistap.annotate.stamps import Clock
+from sistap.annotate.reading import Contents, State, is_explanation
+from sistap.annotate.stamps import TimestampParser
+from sistap.annotate.textlog import LogLine
 
 
 class PatternReader:
@@ -25,10 +25,10 @@ class PatternReader:
             raise ValueError(f"'{pattern}' has no group (?<data>...) for the bytes")
         if unknown := names.keys() - {"data", "time", "dir"}:
             raise ValueError(f"'{pattern}': groups are data, time and dir, not {', '.join(sorted(unknown))}")
-        self._clock = Clock()
+        self._timestamps = TimestampParser()
         self._state = State()
 
-    def read(self, line: Line) -> Read:
+    def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line, each time the expression matches."""
         pieces = []
         trouble = ""
@@ -42,13 +42,13 @@ class PatternReader:
                     trouble = str(error)
                 else:
                     pieces.append(self._state.piece(line, run))
-        return Read(pieces, trouble)
+        return Contents(pieces, trouble)
 
     def _set(self, groups: dict[str, str | None]) -> str:
         """Take time and direction over; give what is wrong with them."""
         trouble = ""
         if time := groups.get("time"):
-            stamps = self._clock.find(time)
+            stamps = self._timestamps.find(time)
             if stamps:
                 self._state.stamp = stamps[0].stamp
             else:

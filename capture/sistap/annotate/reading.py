@@ -16,9 +16,9 @@ from typing import NamedTuple, Protocol
 
 from sistap.annotate import hexadecimal, marks
 from sistap.annotate.hexadecimal import Run
-from sistap.annotate.lines import Line
 from sistap.annotate.marks import MASK, Marks
-from sistap.annotate.stamps import Clock, Stamp, Stamped
+from sistap.annotate.stamps import Stamp, Stamped, TimestampParser
+from sistap.annotate.textlog import LogLine
 
 # Begins each line that annotate or log adds, behind spaces; such lines are never read.
 EXPLANATION = "^-- "
@@ -45,7 +45,7 @@ _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 class Piece:
     """Bytes that one line has in one go."""
 
-    line: Line
+    line: LogLine
     run: Run
     direction: int  # SHARED, RECEIVED or SENT
     stamp: Stamp | None
@@ -62,17 +62,17 @@ def is_explanation(text: str) -> bool:
     return _EXPLANATION.match(text) is not None
 
 
-class Read(NamedTuple):
+class Contents(NamedTuple):
     """What was found in a line."""
 
     pieces: list[Piece]
     trouble: str = ""  # why some of it could not be read
 
 
-class Reader(Protocol):
+class LogReader(Protocol):
     """Reads the lines of one log, in order."""
 
-    def read(self, line: Line) -> Read:
+    def contents(self, line: LogLine) -> Contents:
         """Find what a line holds."""
 
 
@@ -85,7 +85,7 @@ class State:
         self.stamp: Stamp | None = None
         self._used: Stamp | None = None
 
-    def piece(self, line: Line, run: Run) -> Piece:
+    def piece(self, line: LogLine, run: Run) -> Piece:
         """Make a piece of bytes, with what is known of when and by whom they were sent."""
         continues = self.stamp is not None and self.stamp is self._used
         self._used = self.stamp
@@ -97,26 +97,26 @@ class AnyReader:
 
     def __init__(self) -> None:
         """Nothing is known of the log."""
-        self._clock = Clock()
+        self._timestamps = TimestampParser()
         self._marks = Marks()
         self._state = State()
         self._dumped = False  # the line before was one of a dump
         self._style: tuple[str, ...] = ("",)  # of the last bytes
 
-    def read(self, line: Line) -> Read:
+    def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
         text = line.text
         if is_explanation(text):
-            return Read([])
+            return Contents([])
         if "\x1b" in text:
             text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
-        stamps = self._clock.find(text)
+        stamps = self._timestamps.find(text)
         masked = self._mask_offset(_mask_counts(_mask(text, stamps)), stamps)
         found = hexadecimal.runs(masked, self._style)
         data = self._certain(masked, found)
         if not data:
             self._heading(masked, stamps)
-            return Read([], _trouble(masked))
+            return Contents([], _trouble(masked))
         state = self._state
         if stamps and stamps[0].start > data[-1].start:
             state.stamp = stamps[0].stamp  # behind the bytes
@@ -130,10 +130,10 @@ class AnyReader:
                 state.direction = mark[0]
             pieces.append(state.piece(line, run))
             end = run.end
-        return Read(pieces, _foreign(masked, found, data) if len(found) > 1 else "")
+        return Contents(pieces, _foreign(masked, found, data) if len(found) > 1 else "")
 
     def _certain(self, masked: str, found: list[Run]) -> list[Run]:
-        """Give those that are bytes: by themselves, or because nothing else is in the line."""
+        """Return those that are bytes: by themselves, or because nothing else is in the line."""
         certain = [run for run in found if run.certain]
         if len(found) == 1:
             data = certain or [
@@ -149,7 +149,7 @@ class AnyReader:
         return data
 
     def _alike(self, masked: str, found: list[Run], certain: list[Run]) -> list[Run]:
-        """Give those that are written as the bytes of this log are; numbers beside them count or name something.
+        """Return those that are written as the bytes of this log are; numbers beside them count or name something.
 
         Few bytes need a mark in front of them, or a time and nothing behind them.
         """
@@ -187,13 +187,13 @@ class AnyReader:
             direction = self._marked(masked[stamps[-1].end :], shows=True) or self._marked(masked[: stamps[0].start])
         else:
             if any(character.isdigit() for character in masked):
-                self._clock.find_date(masked)
+                self._timestamps.find_date(masked)
             direction = self._marked(masked)
         if direction := direction or marks.joined(masked):
             self._state.direction = direction
 
     def _marked(self, text: str, *, shows: bool = False) -> int | None:
-        """Give the direction of a text that says nothing else; `shows`: an arrow may have characters behind it."""
+        """Return the direction of a text that says nothing else; `shows`: an arrow may have characters behind it."""
         mark = self._marks.find(text)
         if not mark:
             return None
@@ -219,7 +219,7 @@ def _mask_counts(text: str) -> str:
 
 
 def _gaps(text: str, found: list[Run]) -> Iterator[str]:
-    """Give what stands before and between runs."""
+    """Yield what stands before and between runs."""
     end = 0
     for run in found:
         yield text[end : run.start]

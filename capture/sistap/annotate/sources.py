@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from sistap.annotate.lines import Line, Lines
+from sistap.annotate.textlog import LineCutter, LogLine
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
@@ -32,9 +32,9 @@ def is_file(log: str) -> bool:
         raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
 
 
-def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[Line]]:
-    """Give the lines of a file, many at a time; `progress` is told the part that has been read, 0 to 1."""
-    lines = Lines()
+def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
+    """Yield the lines of a file, many at a time; `progress` is told the part that has been read, 0 to 1."""
+    lines = LineCutter()
     with open(log, "rb") as file:
         size = os.fstat(file.fileno()).st_size or 1
         while piece := file.read(_PIECE):
@@ -45,13 +45,13 @@ def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[Line
         yield rest
 
 
-def from_pipe(log: str) -> Iterator[list[Line]]:
-    """Give the lines of a pipe as they come; an empty list where nothing came for a moment."""
+def from_pipe(log: str) -> Iterator[list[LogLine]]:
+    """Yield the lines of a pipe as they come; an empty list where nothing came for a moment."""
     pieces: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     descriptor = 0 if log == "-" else os.open(log, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     # A thread, because on Windows nothing tells whether a pipe has something to read.
     threading.Thread(target=_read, args=(descriptor, pieces), daemon=True).start()
-    lines = Lines()
+    lines = LineCutter()
     waits = None
     while True:
         try:

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 from sistap.annotate.cutting import Cut, Part, Pieces
 from sistap.annotate.hexadecimal import Run
-from sistap.annotate.lines import Line
 from sistap.annotate.reading import Piece
 from sistap.annotate.stamps import Stamp
-from sistap.annotate.writing import Incomplete
+from sistap.annotate.textlog import LogLine
+from sistap.terminal.writing import Incomplete
 
 _SIZE = 8  # bytes in front of a blob
 
@@ -27,7 +27,7 @@ _SIZE = 8  # bytes in front of a blob
 class Entry(NamedTuple):
     """A line with its number of bytes, and where the telegrams and other characters stand that are complete by it."""
 
-    line: Line | None  # None: behind the last one
+    line: LogLine | None  # None: behind the last one
     size: int
     complete: list[list[Part]]
 
@@ -48,7 +48,7 @@ class Spool:
         with suppress(OSError):  # what found no room is still in the buffer
             self._file.close()
 
-    def put(self, entries: Iterable[tuple[Line | None, list[Piece], list[Cut]]]) -> None:
+    def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[Cut]]]) -> None:
         """Keep a batch: lines with their pieces, and what is complete by them. Incomplete if there is no room."""
         blob = pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL)
         try:
@@ -76,7 +76,7 @@ _PackedPiece = tuple[int, bool, tuple[Any, ...], tuple[Any, ...] | None]  # dire
 _Packed = tuple[_PackedLine | None, list[_PackedPiece], list[tuple[int, int]]]
 
 
-def _packed(line: Line | None, pieces: list[Piece], cuts: list[Cut]) -> _Packed:
+def _packed(line: LogLine | None, pieces: list[Piece], cuts: list[Cut]) -> _Packed:
     return (
         (line.raw, line.ending, line.text, line.encoding) if line else None,
         [
@@ -101,7 +101,7 @@ class _Unpacker:
         size = 0
         if packed_line:
             self._number += 1
-            line = Line(self._number, *packed_line)
+            line = LogLine(self._number, *packed_line)
             for direction, continues, run, stamp in pieces:
                 size += len(run[-1])
                 piece = Piece(line, Run(*run), direction, Stamp(*stamp) if stamp else None, continues)

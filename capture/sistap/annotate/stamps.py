@@ -55,7 +55,7 @@ class Stamped(NamedTuple):
     stamp: Stamp
 
 
-class Clock:
+class TimestampParser:
     """Reads the stamps of one log, in order: one without a date needs those before it."""
 
     def __init__(self) -> None:
@@ -122,7 +122,7 @@ class Clock:
 
 
 def _date(groups: dict[str, str | None]) -> _Date | None:
-    """Give year, month and day of whichever form matched."""
+    """Return year, month and day of whichever form matched."""
     form: tuple[str | None, ...]
     if groups["year"]:
         form = groups["year"], groups["month"], groups["day"]
@@ -142,7 +142,7 @@ def _date(groups: dict[str, str | None]) -> _Date | None:
 
 
 def _seconds_of(of: _Minute) -> int | None:
-    """Give s since 1970, None if there is no such minute."""
+    """Return s since 1970, None if there is no such minute."""
     date, hour, minute, zone = of
     try:
         at = datetime(*date, hour, minute, tzinfo=_zone(zone) if zone else None)

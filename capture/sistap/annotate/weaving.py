@@ -12,8 +12,8 @@ from typing import Protocol
 
 from sistap.annotate.cutting import Part
 from sistap.annotate.explaining import Said
-from sistap.annotate.lines import Line
 from sistap.annotate.reading import EXPLANATION
+from sistap.annotate.textlog import LogLine
 
 _WIDEST = 120  # what begins further to the right is not aligned
 _WAITING = 1000  # lines; one direction can keep silent for the rest of the log
@@ -24,7 +24,7 @@ _TAKEN = re.compile(r"(, (?:reached|failed)) after [\d.]+ s")
 class Weaver(Protocol):
     """Takes lines and what is said of the telegrams in them, and writes both in the order of the lines."""
 
-    def add(self, line: Line, count: int) -> None:
+    def add(self, line: LogLine, count: int) -> None:
         """Take the next line and the number of bytes that were found in it."""
 
     def explain(self, parts: list[Part], said: Said) -> None:
@@ -41,7 +41,7 @@ class Weaver(Protocol):
 class Waiting:
     """A line whose bytes are not all explained."""
 
-    line: Line
+    line: LogLine
     unexplained: int  # bytes
     explanations: list[tuple[int, str]] = field(default_factory=list)  # column, text
 
@@ -54,7 +54,7 @@ class Waitings:
         self._queue: deque[Waiting] = deque()
         self._by_line: dict[int, Waiting] = {}
 
-    def add(self, line: Line, count: int) -> None:
+    def add(self, line: LogLine, count: int) -> None:
         """Let a line wait for so many bytes."""
         waiting = Waiting(line, count)
         self._queue.append(waiting)
@@ -70,11 +70,11 @@ class Waitings:
         return waiting
 
     def last(self) -> Waiting | None:
-        """Give the newest line."""
+        """Return the newest line."""
         return self._queue[-1] if self._queue else None
 
     def release(self, *, everything: bool = False) -> Iterator[Waiting]:
-        """Give the lines that wait for nothing more, or all; the first too many of them must go, too.
+        """Yield the lines that wait for nothing more, or all; the first too many of them must go, too.
 
         A line without an ending stays until the end: nothing can be written behind it.
         """
@@ -84,7 +84,7 @@ class Waitings:
             yield self._pop()
 
     def rest(self) -> Iterator[Waiting]:
-        """Give all lines that are left at the end."""
+        """Yield all lines that are left at the end."""
         while self._queue:
             yield self._pop()
 
@@ -103,7 +103,7 @@ class TextWeaver:
         self._waitings = Waitings()
         self._ending = b""  # of the first line
 
-    def add(self, line: Line, count: int) -> None:
+    def add(self, line: LogLine, count: int) -> None:
         """Take the next line."""
         self._ending = self._ending or line.ending or line.encode("\n")
         self._waitings.add(line, count)

@@ -10,8 +10,10 @@ Each room says in its own first lines what is in it. A room knows only those abo
     scenarios/               TOML: who is there, what the masters say, what goes wrong
     wires/                   where it is heard: pseudo terminal, socket, port, capture file
     real/                    our master at real stations; our stations at a real master
-    command                  `sistap bus`, which puts them together
+    replay, command          `sistap replay` and `sistap bus`, which put them together
 
 A telegram flows forward: a step of a scenario makes a command, conducting brings it onto a line, the stations there
 react, each character gets its time, and a wire brings it to whoever listens.
+
+Beside its own rooms the bus may use files, records, line and sis.
 """

@@ -20,11 +20,12 @@ from sistap.bus.wires import choice
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire, play
-from sistap.exits import DONE, FAILED, USAGE
-from sistap.line import LineSettings
-from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
-from sistap.rates import RATES
+from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.line.settings import LineSettings
+from sistap.sis.rates import RATES
+from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop
+from sistap.terminal.streams import STANDARD_OUTPUT
 
 DESCRIPTION = """\
 Play a SIS bus: masters that ask, stations that answer, and what goes wrong between them, as a scenario says. It begins
@@ -84,7 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play the bus until its end or a signal; gives the exit code. May raise PortError or PortLost."""
+    """Play the bus until its end or a signal; return the exit code. May raise PortError or PortLost."""
     if args.list:
         return _list()
     try:

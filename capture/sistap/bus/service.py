@@ -35,7 +35,7 @@ class ChannelError(enum.IntEnum):
     STILL_ACTIVE = 0x800C
 
 
-class Refused(Exception):
+class ServiceRefused(Exception):
     """Nothing was executed: the reaction has the status and the useful data header, but no useful data."""
 
     def __init__(self, status: int) -> None:
@@ -44,7 +44,7 @@ class Refused(Exception):
         self.status = status
 
 
-class Failed(Exception):
+class ServiceFailed(Exception):
     """The execution failed: the reaction has an error code in the place of useful data."""
 
     def __init__(self, code: bytes, status: int = Status.EXECUTION_ERROR) -> None:
@@ -54,7 +54,7 @@ class Failed(Exception):
         self.status = status
 
     @classmethod
-    def in_channel(cls, error: ChannelError) -> Failed:
+    def in_channel(cls, error: ChannelError) -> ServiceFailed:
         """Make that of the internal transmission channel."""
         return cls(error.to_bytes(2, "little"), Status.CHANNEL_ERROR)
 
@@ -71,7 +71,7 @@ class Request(NamedTuple):
 class Service(NamedTuple):
     """How a command is executed.
 
-    `execute` gives the reaction's body after the status; it may raise Refused and Failed.
+    `execute` gives the reaction's body after the status; it may raise ServiceRefused and ServiceFailed.
     """
 
     repeated: int  # bytes of the useful data header that a reaction repeats
@@ -96,9 +96,9 @@ def by_subservice(subservices: Mapping[int, Subservice]) -> Service:
         header, data = request.body[:2], request.body[2:]
         subservice = subservices.get(header[1])
         if subservice is None:
-            raise Refused(Status.INVALID_SUBSERVICE)
+            raise ServiceRefused(Status.INVALID_SUBSERVICE)
         if len(data) < subservice.least:
-            raise Refused(Status.DATA_MISSING)
+            raise ServiceRefused(Status.DATA_MISSING)
         return header + subservice.execute(data, request.now_ns)
 
     return Service(2, 2, execute)

@@ -26,19 +26,19 @@ class Table:
         return key in self._values
 
     def take(self, key: str, reading: Reading[T], default: T) -> T:
-        """Give what a key says, `default` where it is missing. ValueError if the value cannot be read."""
+        """Return what a key says, `default` where it is missing. ValueError if the value cannot be read."""
         self._known.append(key)
         return self._read(key, reading) if key in self._values else default
 
     def need(self, key: str, reading: Reading[T]) -> T:
-        """Give what a key says. ValueError if it is missing or cannot be read."""
+        """Return what a key says. ValueError if it is missing or cannot be read."""
         self._known.append(key)
         if key not in self._values:
             raise ValueError(f"{self.where}: {key} is missing")
         return self._read(key, reading)
 
     def one_of(self, keys: Sequence[str]) -> str:
-        """Give the one of these keys that is there. ValueError if none or several are."""
+        """Return the one of these keys that is there. ValueError if none or several are."""
         found = [key for key in keys if key in self._values]
         self._known += found
         if len(found) != 1:

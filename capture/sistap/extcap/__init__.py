@@ -2,11 +2,7 @@
 """sistap as an extcap: serial ports among the interfaces of Wireshark, and a bus in software as one more.
 
 Wireshark runs `sistap extcap` for every question: which interfaces there are (interfaces), which options their dialog
-has (dialog), whether a capture filter is right; and then for a capture, which goes through `sistap capture` into a
-pipe, with the toolbar beside it (toolbar). command answers. All extcaps are run while Wireshark starts: what only a
-capture needs is imported when one begins.
+has (dialog), whether a capture filter is right; and then for a capture into a pipe (started), with the toolbar beside
+it (toolbar). command answers. All extcaps are run while Wireshark starts: what only a capture needs is imported when
+one begins. It may use all rooms but the other products.
 """
-
-from sistap.extcap.launching import launcher
-
-__all__ = ["launcher"]

@@ -9,12 +9,12 @@ import sys
 from collections.abc import Callable
 
 import sistap
-from sistap.console import Console
-from sistap.exits import USAGE
 from sistap.extcap import dialog, interfaces
 from sistap.extcap.sentences import sentence
 from sistap.extcap.toolbar import Toolbar, controls
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, USAGE
 
 DESCRIPTION = """\
 Be an interface of Wireshark: every serial port of this machine, and a bus in software to try it with. Wireshark runs
@@ -66,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Answer; give the exit code."""
+    """Answer; return the exit code."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")  # what Wireshark expects, also on Windows
     answer: Answer = args.answer
@@ -76,22 +76,22 @@ def run(args: argparse.Namespace) -> int:
 def _interfaces(_: argparse.Namespace) -> int:
     print(sentence("extcap", version=sistap.__version__, display="SIS tap"))
     print(*interfaces.found(), *controls(), sep="\n")
-    return 0
+    return DONE
 
 
 def _dlts(_: argparse.Namespace) -> int:
     print(sentence("dlt", number=LINKTYPE_WIRESHARK_UPPER_PDU, name="WIRESHARK_UPPER_PDU", display="SIS tap"))
-    return 0
+    return DONE
 
 
 def _config(args: argparse.Namespace) -> int:
     name, option = args.extcap_interface, args.extcap_reload_option
     print(*(dialog.choices(name, option) if option else dialog.config(name)), sep="\n")
-    return 0
+    return DONE
 
 
 def _check_filter(args: argparse.Namespace) -> int:
-    from sistap.bpf import Filter, FilterError
+    from sistap.capture.filter import Filter, FilterError
 
     if args.extcap_capture_filter is None:
         Console().say("nothing is asked: Wireshark calls this; `sistap capture` captures, `sistap ports` lists ports")
@@ -100,7 +100,7 @@ def _check_filter(args: argparse.Namespace) -> int:
         Filter(args.extcap_capture_filter)
     except FilterError as error:
         print(str(error).partition("\n")[0])  # Wireshark takes any text as what is wrong, and 0 as an answer
-    return 0
+    return DONE
 
 
 def _capture(args: argparse.Namespace) -> int:
@@ -108,9 +108,9 @@ def _capture(args: argparse.Namespace) -> int:
         Console().say("--capture needs --extcap-interface and --fifo, as Wireshark says them")
         return USAGE
     with Toolbar(args.extcap_control_in, args.extcap_control_out) as toolbar:
-        from sistap.extcap import capturing  # now that Wireshark does not wait for the toolbar any more
+        from sistap.extcap import started  # now that Wireshark does not wait for the toolbar any more
 
-        return capturing.run(args, toolbar)
+        return started.run(args, toolbar)
 
 
 _ANSWERS: dict[str, tuple[Answer, str]] = {

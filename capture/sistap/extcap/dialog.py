@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The options of an interface: how Wireshark's dialog shows them, and what they are for `sistap capture`."""
+"""The options of an interface: how Wireshark's dialog shows them."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from sistap.capture.scan import AUTO, FORMATS
 from sistap.extcap import interfaces
 from sistap.extcap.interfaces import DEMO
 from sistap.extcap.sentences import sentence
-from sistap.rates import RATES
-from sistap.scan import FORMATS
+from sistap.sis.rates import RATES
 
-AUTO = "auto"
 SELFTEST = "selftest"
 
 Choice = tuple[str, str]  # a value, and how it is shown
@@ -149,7 +147,7 @@ def config(name: str) -> list[str]:
 
 
 def choices(name: str, called: str) -> list[str]:
-    """Give the choices of an option again; `called` as Wireshark says it, with or without its hyphens."""
+    """Return the choices of an option again; `called` as Wireshark says it, with or without its hyphens."""
     return [
         line
         for number, option in _options_of(name)
@@ -158,18 +156,8 @@ def choices(name: str, called: str) -> list[str]:
     ]
 
 
-def capture_options(values: argparse.Namespace) -> list[str]:
-    """Say the values of the dialog to `sistap capture`, but for the ports."""
-    options = ["--baud", values.other_baud or values.baud or str(RATES[0])]
-    if values.format:
-        options += ["--format", values.format]
-    if values.follow_baud:
-        options.append("--follow-baud")
-    return options
-
-
 def _options_of(name: str) -> list[tuple[int, Option]]:
-    """Give the options of an interface with their numbers; those are shown in their order."""
+    """Return the options of an interface with their numbers; those are shown in their order."""
     return [item for item in enumerate(OPTIONS) if item[1].for_demo in (None, name == DEMO)]
 
 

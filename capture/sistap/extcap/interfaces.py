@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap import ports
 from sistap.extcap.sentences import plain, sentence
+from sistap.line import ports
 
 BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")
@@ -45,7 +45,7 @@ def found() -> list[Interface]:
 
 
 def port_of(name: str) -> str:
-    """Give the device of an interface, which need not exist any more."""
+    """Return the device of an interface, which need not exist any more."""
     known_as = name.removeprefix(PREFIX)
     link = BY_ID / known_as
     if os.path.lexists(link):
@@ -60,6 +60,6 @@ def _of_port(port: str, adapter: str, names: dict[str, str]) -> Interface:
 
 
 def _adapter_names() -> dict[str, str]:
-    """Give the names of adapters by their devices."""
+    """Return the names of adapters by their devices."""
     links = sorted(BY_ID.iterdir()) if BY_ID.is_dir() else []
     return {os.path.realpath(link): link.name for link in reversed(links)}

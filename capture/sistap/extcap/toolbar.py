@@ -17,13 +17,13 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import BinaryIO
 
-from sistap.console import Console
-from sistap.counters import Counters
-from sistap.extcap.dialog import AUTO
+from sistap.capture.remote import Marker, Rate
+from sistap.capture.scan import AUTO
 from sistap.extcap.sentences import sentence
-from sistap.line import LineSettings
-from sistap.rates import RATES
-from sistap.remote import Marker, Rate
+from sistap.line.settings import LineSettings
+from sistap.records.counters import Counters
+from sistap.sis.rates import RATES
+from sistap.terminal.console import Console
 from sistap.terminal.stop import Stopped
 
 PATIENCE_S = 5  # for Wireshark to open its ends of the pipes
@@ -117,7 +117,7 @@ class Toolbar:
         """Do nothing: show() does."""
 
     def requests(self) -> Iterator[Marker | Rate]:
-        """Give what was asked for since this was last called."""
+        """Yield what was asked for since this was last called."""
         with suppress(Empty):
             while True:
                 yield self._requests.get_nowait()
@@ -172,7 +172,7 @@ class Toolbar:
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:
-    """Give control, command and text of each message, until the pipe ends."""
+    """Yield control, command and text of each message, until the pipe ends."""
     while len(header := pipe.read(_HEADER.size)) == _HEADER.size:
         _, high, low, control, command = _HEADER.unpack(header)
         yield control, command, pipe.read((high << 16 | low) - _COUNTED).decode(errors="replace")

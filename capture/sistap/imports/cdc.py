@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 
 from sistap.imports.usb_transfers import Setup
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 CLASSES = frozenset({0x02, 0x0A})  # of its interfaces: control and data
 
@@ -26,7 +26,7 @@ def is_request(setup: Setup) -> bool:
 
 
 def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSettings:
-    """Give the line settings that a request leaves behind."""
+    """Return the line settings that a request leaves behind."""
     if not is_request(setup) or len(data) < _LINE_CODING.size:
         return settings
     baud, stop, parity, bits = _LINE_CODING.unpack_from(data)
@@ -36,7 +36,7 @@ def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSet
 
 
 def errors(notification: bytes) -> Flag:
-    """Give the line errors that a notification tells of: which character has them it does not say."""
+    """Return the line errors that a notification tells of: which character has them it does not say."""
     if len(notification) <= _STATE_AT or notification[:2] != bytes([_NOTIFICATION, _SERIAL_STATE]):
         return Flag(0)
     state = notification[_STATE_AT]

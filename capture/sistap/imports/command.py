@@ -9,19 +9,20 @@ from collections import Counter
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from sistap.capture import LARGEST_RATE
-from sistap.console import Console
-from sistap.counters import Counters
-from sistap.exits import DONE, FAILED, USAGE
+from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
 from sistap.imports.convert import Conversion
 from sistap.imports.formats import NAMES, opened
-from sistap.imports.source import Refused, Source, Told
-from sistap.line import UNCERTAINTY_UNKNOWN
-from sistap.output import STANDARD_OUTPUT, Output, OutputError, OutputRefused
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.imports.source import Source, Told
+from sistap.line.settings import UNCERTAINTY_UNKNOWN
+from sistap.records.counters import Counters
+from sistap.records.record import LARGEST_RATE
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import Stop
-from sistap.tshark import TsharkError
-from sistap.writer import PcapngWriter
+from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.wireshark.tshark import TsharkError
 
 _LIST = "\n".join(f"  {name}" for name in NAMES)
 
@@ -78,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Import; gives the exit code."""
+    """Import; return the exit code."""
     stop = Stop.current()
     console = Console()
     try:
@@ -88,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
             output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.asked)))
             stop.at_once = False
             return _convert(args, source, output, stop, console)
-    except (Refused, OutputRefused) as error:
+    except (UsageError, OutputRefused) as error:
         console.say(str(error))
         return USAGE
     except (TsharkError, OutputError) as error:
@@ -97,16 +98,16 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _told(args: argparse.Namespace) -> Told:
-    """Check what the options say. May raise Refused."""
+    """Check what the options say. May raise UsageError."""
     told = Told(args.baud, args.format, args.samplerate, args.device)
     try:
         told.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
-        raise Refused(str(error)) from None
+        raise UsageError(str(error)) from None
     if args.output == STANDARD_OUTPUT and os.isatty(1):
-        raise Refused("a terminal cannot show a pcapng file: add | wireshark -k -i -, or name a file with -w")
+        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -k -i -, or name a file with -w")
     if args.file.exists() and Path(args.output).exists() and args.file.samefile(args.output):
-        raise Refused(f"{args.output} is FILE itself: name another file with -w")
+        raise UsageError(f"{args.output} is FILE itself: name another file with -w")
     return told
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes a capture of a source: characters through the framer of their line, records in order of time to the writer."""
+"""Makes a capture of a source: its reads through the assembler to the writer."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from collections import Counter
 from collections.abc import Callable
 
 import sistap
-from sistap.counters import Counters
-from sistap.framer import SisFramer
+from sistap.files.writer import PcapngWriter
 from sistap.imports.source import Source
-from sistap.line import UNCERTAINTY_UNKNOWN, Read
-from sistap.order import Order
-from sistap.record import Event, Record, event
-from sistap.tshark import TsharkError
-from sistap.writer import PcapngWriter
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Read
+from sistap.records.assembler import Assembler
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, event
+from sistap.wireshark.tshark import TsharkError
 
 _PROGRESS_S = 0.5
 _LOOK_NS = 100_000_000  # how often a line is asked whether it has been silent for long
@@ -30,9 +29,7 @@ class Conversion:
         self._writer = writer
         self._counters = counters
         self._name = name
-        self._framers = {line: SisFramer(line, source.settings) for line in source.lines}
-        self._last_ns = {line: 0 for line in source.lines}  # when a character came
-        self._order = Order()
+        self._assembler = Assembler(self._write)
         self._begun = False
         self._now_ns = 0
         self._looked_ns = 0
@@ -60,14 +57,14 @@ class Conversion:
                 break
 
     def _finish(self) -> None:
-        for framer in self._framers.values():
-            self._emit(framer.flush())
+        self._assembler.flush(self._assembler.lines, self._now_ns)
         self._writer.end(self._now_ns)
 
     def _begin(self, time_ns: int) -> None:
         source = self._source
         self._begun = True
-        self._last_ns = dict.fromkeys(self._last_ns, time_ns)
+        for line in source.lines:
+            self._assembler.add_line(line, source.settings, time_ns)
         said = f"sistap {sistap.__version__}; imported from {self._name}: "
         self._writer.begin(
             *(
@@ -83,43 +80,22 @@ class Conversion:
         )
 
     def _take(self, read: Read) -> None:
-        if read.line not in self._framers:  # the only direction there is
-            read = read._replace(line=next(iter(self._framers)))
-        framer = self._framers[read.line]
+        lines = self._assembler.lines
+        if read.line not in lines:  # the only direction there is
+            read = read._replace(line=lines[0])
         self._now_ns = max(self._now_ns, read.time_ns)
         self._counters.add_read(read)
         self.uncertainties[_rounded(read.uncertainty_ns)] += len(read.data)
-        if read.settings not in (None, framer.settings):
-            self._take_settings(framer, read)
-        self._emit(framer.feed(read))
-        self._last_ns[read.line] = self._now_ns
-        self._look()
-
-    def _take_settings(self, framer: SisFramer, read: Read) -> None:
-        """Note that this is the first read with other settings."""
-        assert read.settings
-        self._emit(framer.flush())
-        framer.settings = read.settings
-        text = f"{read.settings}: {self._source.settings_from}"
-        self._emit([event(read.time_ns, framer.line, read.settings, Event.SETTINGS_CHANGED, text)])
-
-    def _look(self) -> None:
-        """Let a line that has been silent give what it holds back, though others are not."""
-        if self._now_ns - self._looked_ns >= _LOOK_NS:
+        self._assembler.take(read, self._now_ns, self._source.settings_from)
+        if self._now_ns - self._looked_ns >= _LOOK_NS:  # one line can be silent while another is not
             self._looked_ns = self._now_ns
-            for line, framer in self._framers.items():
-                self._emit(framer.idle(self._now_ns - self._last_ns[line]))
+            self._assembler.idle(self._now_ns)
 
-    def _emit(self, records: list[Record]) -> None:
-        """Write records, and those of the other line, in order of time."""
-        if not records and self._order.empty:
-            return
-        self._order.add(records, self._now_ns)
-        for record in self._order.due((framer.oldest_ns for framer in self._framers.values()), self._now_ns):
-            written = self._writer.write(record)
-            if record.event == Event.NONE:
-                self._counters.accepted[record.line] += written
-                self._counters.add_record(record)
+    def _write(self, record: Record) -> None:
+        written = self._writer.write(record)
+        if record.event == Event.NONE:
+            self._counters.accepted[record.line] += written
+            self._counters.add_record(record)
 
 
 def _rounded(uncertainty_ns: int) -> int:

@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from pathlib import Path
 
-from sistap.tshark import Tshark, TsharkError
+from sistap.wireshark import rows
+from sistap.wireshark.tshark import Tshark, TsharkError
 
-_CUT = ("cut short", "damaged")
-_NOT_A_CAPTURE = "isn't a capture file"
+_JOINT = ","
 _LATEST_NS = 1 << 63
 
 
@@ -22,8 +21,7 @@ class Rows:
         """Nothing is read yet."""
         self._tshark = tshark
         self._fields = fields
-        self._arguments = ["-n", "-r", str(capture), "-T", "fields", *options]
-        self._arguments += [word for name in fields for word in ("-e", name)]
+        self._arguments = ["-n", "-r", str(capture), *options, *rows.printing(fields, _JOINT)]
         self.warning = ""  # of a capture that is cut, with what tshark says of it
 
     def __iter__(self) -> Iterator[dict[str, str]]:
@@ -31,24 +29,22 @@ class Rows:
         self.warning = ""
         try:
             for line in self._tshark.lines(self._arguments):
-                yield dict(zip(self._fields, line.split("\t"), strict=True))
+                yield rows.columns(self._fields, line)
         except TsharkError as error:
-            if not any(words in str(error) for words in _CUT):
+            if not rows.is_cut(error):
                 raise
-            # As root tshark reads a copy, whose name means nothing to anybody.
-            last = str(error).splitlines()[-1].removeprefix("tshark: ")
-            self.warning = re.sub(r'The file "[^"]*"', "what comes before the damage is imported: it", last)
+            self.warning = rows.last_words(error, "what comes before the damage is imported: it")
 
 
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
-    """Give the protocols of a capture's first packets; none if it is no capture at all. May raise TsharkError."""
+    """Return the protocols of a capture's first packets; none if it is no capture at all. May raise TsharkError."""
     try:
-        rows = list(Rows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
+        packets = list(Rows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
     except TsharkError as error:
-        if _NOT_A_CAPTURE in str(error):
+        if rows.is_no_capture(error):
             return frozenset()
         raise
-    return frozenset(name for row in rows for name in row["frame.protocols"].split(":"))
+    return frozenset(name for row in packets for name in row["frame.protocols"].split(":"))
 
 
 def nanoseconds(seconds: str) -> int:

@@ -12,9 +12,10 @@ from typing import NamedTuple
 from sistap.imports import saleae, sigrok
 from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
-from sistap.imports.source import Refused, Source, Told
+from sistap.imports.source import Source, Told
 from sistap.imports.usb import UsbCapture
-from sistap.tshark import Tshark
+from sistap.terminal.exits import UsageError
+from sistap.wireshark.tshark import Tshark
 
 
 class Text(NamedTuple):
@@ -49,7 +50,7 @@ _HEAD = 4096  # bytes; in them is the first line
 
 
 def opened(path: Path, told: Told, tools: ExitStack) -> Source:
-    """Recognise a file and open it; what is needed to read it stays in `tools`. May raise Refused and TsharkError."""
+    """Recognise a file and open it; what it needs stays in `tools`. May raise UsageError and TsharkError."""
     first_line = _head(path).removeprefix("\\ufeff").lstrip()
     for text in TEXTS:
         if re.match(text.first_line, first_line):
@@ -59,14 +60,14 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     for capture in CAPTURES:
         if capture.protocol in seen:
             return capture.opened(tshark, path, told)
-    raise Refused(f"{path} is none of the files that can be imported: {'; '.join(NAMES)}")
+    raise UsageError(f"{path} is none of the files that can be imported: {'; '.join(NAMES)}")
 
 
 def _head(path: Path) -> str:
     if path.exists() and not path.is_file():
-        raise Refused(f"{path} is not a file: it is read more than once, so save it first")
+        raise UsageError(f"{path} is not a file: it is read more than once, so save it first")
     try:
         with path.open("rb") as file:
             return file.read(_HEAD).decode(errors="replace")
     except OSError as error:
-        raise Refused(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None
+        raise UsageError(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sistap.imports.usb_transfers import Setup
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 VENDOR = 0x0403
 LATENCY_MS = 16  # of the timer after power-on
@@ -36,17 +36,17 @@ def is_request(setup: Setup) -> bool:
 
 
 def port_of_request(setup: Setup) -> int:
-    """Give the port of a chip with several, from 0; chips with one use the place for something else."""
+    """Return the port of a chip with several, from 0; chips with one use the place for something else."""
     return max((setup.place & 0xFF) - 1, 0)
 
 
 def port_of_endpoint(endpoint: int) -> int:
-    """Give the port, from 0, of the two endpoints each has: 1 and 2, 3 and 4, ..."""
+    """Return the port, from 0, of the two endpoints each has: 1 and 2, 3 and 4, ..."""
     return ((endpoint & 0x0F) - 1) // 2
 
 
 def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSettings:
-    """Give the line settings that a request leaves behind."""
+    """Return the line settings that a request leaves behind."""
     if setup.type != _VENDOR_REQUEST:
         return settings
     if setup.request == _SET_BAUD_RATE:
@@ -59,13 +59,13 @@ def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSet
 
 
 def latency_ms(setup: Setup) -> int | None:
-    """Give the latency timer, in ms, that a request sets; None if it sets none."""
+    """Return the latency timer, in ms, that a request sets; None if it sets none."""
     is_timer = setup.type == _VENDOR_REQUEST and setup.request == _SET_LATENCY_TIMER
     return setup.value & 0xFF if is_timer else None
 
 
 def baud_rate(value: int, place: int) -> int:
-    """Give the rate in Bd of a SetBaudRate request (wValue, wIndex).
+    """Return the rate in Bd of a SetBaudRate request (wValue, wIndex).
 
     Where the third bit of the fraction is depends on the chip, which a capture need not show: of the readings, the one
     next to a usual rate.

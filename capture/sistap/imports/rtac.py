@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.imports.dissected import Rows, nanoseconds
-from sistap.imports.source import RECEIVED, SENT, Refused, Told, need_rate, numbered
-from sistap.line import UNCERTAINTY_UNKNOWN, Flag, Read
-from sistap.tshark import Tshark
+from sistap.imports.source import RECEIVED, SENT, Told, need_rate, numbered
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, Read
+from sistap.terminal.exits import UsageError
+from sistap.wireshark.tshark import Tshark
 
 _FIELDS = ("rtacser.timestamp", "rtacser.eventtype", "data.data")
 _OPTIONS = ("-d", "rtacser.data,data")  # not what a user decodes it as
@@ -41,14 +42,14 @@ class RtacCapture:
     """The characters of such a capture; a Source."""
 
     def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
-        """Look through the capture for its lines. May raise Refused and TsharkError."""
+        """Look through the capture for its lines. May raise UsageError and TsharkError."""
         self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
         self.settings = told.settings
         need_rate(self.settings, capture)
         self.settings_from = "as told"
         lines = {read.line for read in self.reads()}
         if not lines:
-            raise Refused(f"{capture} has no characters in it: capture while the line is in use")
+            raise UsageError(f"{capture} has no characters in it: capture while the line is in use")
         self.lines = numbered(
             "serial port, received", "serial port, sent", has_received=RECEIVED in lines, has_sent=SENT in lines
         )
@@ -60,7 +61,7 @@ class RtacCapture:
         return self._rows.warning
 
     def reads(self) -> Iterator[Read]:
-        """Give the characters of each packet together: they have one stamp."""
+        """Yield the characters of each packet together: they have one stamp."""
         pending = {RECEIVED: Flag(0), SENT: Flag(0)}  # what is known of the next character
         for row in self._rows:
             if not row["rtacser.timestamp"]:

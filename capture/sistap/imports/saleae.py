@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from sistap.imports.sampled import HEXADECIMAL, Row, SampledLine, Unreadable, bits_to_stop
 from sistap.imports.source import Told, need_rate
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 _Cells = dict[str, str]
 
@@ -49,7 +49,7 @@ _FRACTION = re.compile(r"\.(\d+)")
 
 
 def reader(table: Table) -> Callable[[Path, Told], SampledLine]:
-    """Give what opens a file with such a table."""
+    """Return what opens a file with such a table."""
 
     def opened(path: Path, told: Told) -> SampledLine:
         need_rate(told.settings, path)

@@ -9,8 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.imports.source import NS, RECEIVED, SENT, Refused, Told, numbered
-from sistap.line import Flag, LineSettings, Read
+from sistap.imports.source import NS, RECEIVED, SENT, Told, numbered
+from sistap.line.settings import Flag, LineSettings, Read
+from sistap.terminal.exits import UsageError
 
 HEXADECIMAL = "let the decoder show hexadecimal values, and export again"
 
@@ -39,16 +40,17 @@ class SampledLine:
     """The characters of one channel or two; a Source."""
 
     def __init__(self, path: Path, rows: Iterable[Row | Unreadable], told: Told) -> None:
-        """Read them all: a table may have one channel after the other. May raise Refused."""
+        """Read them all: a table may have one channel after the other. May raise UsageError."""
         self.settings = told.settings
         self.settings_from = "as told"
         self.warning = ""
         self._rows = sorted(self._readable(rows), key=lambda row: row.time_s)
         if not self._rows:
-            raise Refused(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
+            raise UsageError(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
         channels = sorted({row.channel for row in self._rows})
         if len(channels) > 2:
-            raise Refused(f"{path} has {len(channels)} decoders ({', '.join(channels)}): export one, or two of a line")
+            listed = ", ".join(channels)
+            raise UsageError(f"{path} has {len(channels)} decoders ({listed}): export one, or two of a line")
         self._lines = dict(zip(channels, (RECEIVED, SENT), strict=False))
         self.lines = numbered(channels[0], channels[-1], has_sent=len(channels) > 1)
         self._period_ns = (
@@ -61,7 +63,7 @@ class SampledLine:
         )
 
     def reads(self) -> Iterator[Read]:
-        """Give each character as a read of its own. Times that count from a trigger begin at 0."""
+        """Yield each character as a read of its own. Times that count from a trigger begin at 0."""
         origin_s = min(self._rows[0].time_s, Fraction(0))
         for row in self._rows:
             time_ns = round((row.time_s - origin_s) * NS)
@@ -84,6 +86,6 @@ class SampledLine:
 
 
 def bits_to_stop(settings: LineSettings, *, after_start: bool) -> Fraction:
-    """Give how many bits a character takes to the middle of its stop bit: after its data, or from its start on."""
+    """Return how many bits a character takes to the middle of its stop bit: after its data, or from its start on."""
     after_data = (settings.parity != "N") + Fraction(1, 2)
     return 1 + settings.data_bits + after_data if after_start else after_data

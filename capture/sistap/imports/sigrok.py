@@ -15,8 +15,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from sistap.imports.sampled import Row, SampledLine, Unreadable, bits_to_stop
-from sistap.imports.source import Refused, Told, need_rate
-from sistap.line import Flag, LineSettings
+from sistap.imports.source import Told, need_rate
+from sistap.line.settings import Flag, LineSettings
+from sistap.terminal.exits import UsageError
 
 FIRST_LINE = r"\d+-\d+ [^:]+: "
 
@@ -28,15 +29,15 @@ _ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_E
 
 
 def opened(path: Path, told: Told) -> SampledLine:
-    """Open a file of annotations. May raise Refused."""
+    """Open a file of annotations. May raise UsageError."""
     if told.samplerate is None:
-        raise Refused(f"{path} counts samples and does not say how many a second has: add --samplerate HZ")
+        raise UsageError(f"{path} counts samples and does not say how many a second has: add --samplerate HZ")
     need_rate(told.settings, path)
     return SampledLine(path, _rows(path, told.settings, told.samplerate), told)
 
 
 def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unreadable]:
-    """Give the characters in the order of the file, each with the errors that belong to it."""
+    """Return the characters in the order of the file, each with the errors that belong to it."""
     bit = Fraction(samplerate, settings.baud)  # in samples
     to_stop = bits_to_stop(settings, after_start=False) * bit
     rows: list[Row | Unreadable] = []

@@ -6,14 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, Protocol
 
-from sistap.line import LineSettings, Read
+from sistap.line.settings import LineSettings, Read
+from sistap.terminal.exits import UsageError
 
 NS = 1_000_000_000
 SHARED, RECEIVED, SENT = 0, 1, 2  # lines: the only one, or the two directions
-
-
-class Refused(Exception):
-    """A file that cannot be imported so; the text is one line that names the cure."""
 
 
 class Told(NamedTuple):
@@ -54,7 +51,7 @@ class Source(Protocol):
         """One line, after the last character: what could not be read; empty if all could."""
 
     def reads(self) -> Iterator[Read]:
-        """Give all characters, in the order of their times. May raise TsharkError."""
+        """Return all characters, in the order of their times. May raise TsharkError."""
 
 
 def numbered(received: str, sent: str, *, has_sent: bool, has_received: bool = True) -> dict[int, str]:
@@ -67,4 +64,4 @@ def numbered(received: str, sent: str, *, has_sent: bool, has_received: bool = T
 def need_rate(settings: LineSettings, name: object) -> None:
     """Refuse to go on without a rate: the times inside a transfer, and what a record says, depend on it."""
     if not settings.baud:
-        raise Refused(f"{name} does not say at which rate the line ran: add it, such as --baud 9600")
+        raise UsageError(f"{name} does not say at which rate the line ran: add it, such as --baud 9600")

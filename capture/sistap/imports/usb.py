@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sistap.imports import cdc, ftdi
-from sistap.imports.source import SENT, Refused, Told, need_rate, numbered
+from sistap.imports.source import SENT, Told, need_rate, numbered
 from sistap.imports.usb_adapter import CDC, FTDI, KINDS, Adapter, Kind
 from sistap.imports.usb_times import latest_ns
 from sistap.imports.usb_transfers import BULK, Transfer, Transfers
-from sistap.line import LineSettings, Read
-from sistap.tshark import Tshark
+from sistap.line.settings import LineSettings, Read
+from sistap.terminal.exits import UsageError
+from sistap.wireshark.tshark import Tshark
 
 
 @dataclass(slots=True)
@@ -86,7 +87,7 @@ class UsbCapture:
     """The characters of one adapter; a Source."""
 
     def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
-        """Look through the capture for the adapter that is meant. May raise Refused and TsharkError."""
+        """Look through the capture for the adapter that is meant. May raise UsageError and TsharkError."""
         self._transfers = Transfers(tshark, capture)
         self._told = told
         port = _chosen(_ports(self._transfers, told), capture, told.device)
@@ -105,7 +106,7 @@ class UsbCapture:
         self.warning = ""
 
     def reads(self) -> Iterator[Read]:
-        """Give all characters; those that are sent leave the adapter after what has come meanwhile."""
+        """Yield all characters; those that are sent leave the adapter after what has come meanwhile."""
         adapter = Adapter(self._kind, self._told)
         waiting: list[tuple[int, int, Read]] = []
         number = itertools.count()
@@ -155,17 +156,17 @@ def _ports(transfers: Transfers, told: Told) -> list[_Port]:
 def _chosen(ports: list[_Port], capture: Path, device: str | None) -> _Port:
     listed = "; ".join(str(port) for port in ports)
     if not ports:
-        raise Refused(
+        raise UsageError(
             f"{capture} has no characters of an FTDI or CDC adapter; begin the capture before the adapter is plugged "
             "in, so that it shows what it is"
         )
     if device is None and len(ports) > 1:
-        raise Refused(f"{capture} has several adapters: choose one with --device: {listed}")
+        raise UsageError(f"{capture} has several adapters: choose one with --device: {listed}")
     meant = [port for port in ports if device in (None, port.name)]
     if not meant:
-        raise Refused(f"{capture} has no adapter {device} with characters, only {listed}")
+        raise UsageError(f"{capture} has no adapter {device} with characters, only {listed}")
     if len(meant[0].sources) > 1:
-        raise Refused(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
+        raise UsageError(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
     return meant[0]
 
 

@@ -10,7 +10,7 @@ from sistap.imports import cdc, ftdi
 from sistap.imports.source import RECEIVED, Told
 from sistap.imports.usb_times import Arrivals, Departures, bounded, latest_ns
 from sistap.imports.usb_transfers import BULK, INTERRUPT, Setup, Transfer
-from sistap.line import Flag, LineSettings, Read
+from sistap.line.settings import Flag, LineSettings, Read
 
 
 class Kind(NamedTuple):
@@ -70,7 +70,7 @@ class Adapter:
         self._next_sent = Flag(0)
 
     def take(self, transfer: Transfer) -> Iterator[Read]:
-        """Give the characters that a transfer brings, or that it has taken away."""
+        """Yield the characters that a transfer brings, or that it has taken away."""
         if transfer.setup is not None:
             self._take_request(transfer.setup, transfer.data)
         elif transfer.type == INTERRUPT:
@@ -81,7 +81,7 @@ class Adapter:
             yield from self._take_outbound(transfer)
 
     def finish(self) -> Iterator[Read]:
-        """Give what was still on its way out when the capture ended."""
+        """Yield what was still on its way out when the capture ended."""
         for submitted in self._submitted.values():
             yield from self._departures.sent(submitted, None, bytes(len(submitted.data)), self.settings)
 

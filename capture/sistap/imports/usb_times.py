@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from sistap.imports.source import SENT
 from sistap.imports.usb_transfers import Transfer
-from sistap.line import UNCERTAINTY_UNKNOWN, LineSettings, Read
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
 
 FRAME_NS = 1_000_000  # in which the host asks at least once, and is told (USB 2.0 chapter 5.8)
 # USBPcap takes the time from the clock that Windows moves on in ticks: a stamp is as much too early as that is old.
@@ -16,7 +16,7 @@ _MS = 1_000_000
 
 
 def latest_ns(transfer: Transfer) -> int:
-    """Give the latest time at which a transfer can have been stamped."""
+    """Return the latest time at which a transfer can have been stamped."""
     return transfer.time_ns + (WINDOWS_TICK_NS if transfer.by_windows else 0)
 
 
@@ -37,7 +37,7 @@ class Arrivals:
         self._asked_ns = transfer.time_ns
 
     def waited_ns(self, transfer: Transfer, latency_ms: int | None, *, is_full: bool) -> int:
-        """Give that time in ns for a completed transfer. `latency_ms` is None for an adapter without such a timer.
+        """Return that time in ns for a completed transfer. `latency_ms` is None for an adapter without such a timer.
 
         `is_full`: it has no room for more, so the adapter may not be empty after it.
         """
@@ -61,7 +61,7 @@ class Departures:
     def sent(
         self, submitted: Transfer, completed: Transfer | None, flags: bytes, settings: LineSettings
     ) -> Iterator[Read]:
-        """Give each character when it has left; `flags` has one byte for each that was taken.
+        """Yield each character when it has left; `flags` has one byte for each that was taken.
 
         None begins before it was handed over; when the transfer is completed, all are in the adapter. Without the
         completion nobody knows.
@@ -77,5 +77,5 @@ class Departures:
 
 
 def bounded(uncertainty_ns: int) -> int:
-    """Give what of an uncertainty fits into a record: one that does not is unknown."""
+    """Return what of an uncertainty fits into a record: one that does not is unknown."""
     return uncertainty_ns if 0 <= uncertainty_ns < UNCERTAINTY_UNKNOWN else UNCERTAINTY_UNKNOWN

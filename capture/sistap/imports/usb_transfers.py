@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.imports.dissected import Rows, nanoseconds
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 CONTROL, BULK, INTERRUPT = 2, 3, 1
 _INBOUND = 0x80  # in the address of an endpoint
@@ -90,7 +90,7 @@ class Transfers:
         return self._rows.warning
 
     def __iter__(self) -> Iterator[Transfer]:
-        """Give them in the order of the capture. May raise TsharkError."""
+        """Yield them in the order of the capture. May raise TsharkError."""
         for row in self._rows:
             if row["usb.transfer_type"] and row["usb.device_address"]:
                 yield _transfer(row)

@@ -11,13 +11,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.console import Console
-from sistap.exits import FAILED, USAGE
-from sistap.install import folders, module, sources
+from sistap.install import module, sources
+from sistap.install.launching import launcher
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
-from sistap.state import is_root
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
-from sistap.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
+from sistap.wireshark import folders
+from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
 DESCRIPTION = """\
 Put the dissector, the serial ports among Wireshark's interfaces (extcap) and the profile SIS where the Wireshark of
@@ -65,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Install; print a line for each file; give the exit code."""
+    """Install; print a line for each file; return the exit code."""
     console = Console()
     try:
         return _install(args.plugin, console)
@@ -124,7 +126,7 @@ def _supported_version(tshark: Tshark) -> Version:
 
 
 def _foreign(there: list[Loaded], ledger: Ledger) -> str:
-    """Give the file of a dissector that Wireshark loads and that install has not put."""
+    """Return the file of a dissector that Wireshark loads and that install has not put."""
     ours = [file.resolve() for file in ledger.files]
     return next((found.file for found in there if Path(found.file).resolve() not in ours), "")
 
@@ -138,9 +140,7 @@ def _dissector(plugin: Path | None, wireshark: Version, places: folders.Folders,
 
 
 def _others(places: folders.Folders) -> Iterator[File]:
-    """Give all but the dissector."""
-    from sistap.extcap import launcher
-
+    """Yield all but the dissector."""
     text = launcher(sys.executable, sources.PACKAGE.parent, WINDOWS)
     yield File(places.extcap / ("sistap.bat" if WINDOWS else "sistap"), text.encode(), executable=True)
     for file in sources.profile():
@@ -211,4 +211,4 @@ def _check(console: Console) -> int:
         console.say(f"Wireshark does not load the dissector: {why}")
         return FAILED
     print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + "; start it with `wireshark -C SIS`")
-    return 0
+    return DONE

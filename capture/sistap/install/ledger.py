@@ -12,8 +12,8 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
-from sistap import state
-from sistap.install.folders import Own
+from sistap.terminal import state
+from sistap.wireshark.folders import Own
 
 
 class LedgerError(Exception):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import sistap
 from sistap.install import module
-from sistap.tshark import Version
+from sistap.wireshark.tshark import Version
 
 PACKAGE = Path(sistap.__file__).resolve().parent
 PROFILE = "SIS"
@@ -70,7 +70,7 @@ def dissector(named: Path | None, wireshark: Version) -> Dissector:
 
 
 def _built() -> Iterator[Path]:
-    """Give what cmake has built in this checkout, newest first."""
+    """Return what cmake has built in this checkout, newest first."""
     found = [file for pattern in _BUILDS for file in _checkout().glob(pattern)]
     return iter(sorted(found, key=lambda file: file.stat().st_mtime, reverse=True))
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import argparse
 
-from sistap.console import Console
-from sistap.exits import DONE, FAILED
-from sistap.install import command, folders
+from sistap.install import command
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
-from sistap.state import is_root
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED
+from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
-from sistap.tshark import TsharkError
+from sistap.wireshark import folders
+from sistap.wireshark.tshark import TsharkError
 
 DESCRIPTION = """\
 Remove what `sistap install` has put on this machine, and the folders that it made; as root, what was installed for all

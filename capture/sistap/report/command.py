@@ -10,15 +10,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.console import Console
-from sistap.exits import DONE, FAILED, USAGE
-from sistap.output import STANDARD_OUTPUT
 from sistap.report import plain, windows
-from sistap.report.dissection import NotACapture
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
-from sistap.tshark import Tshark, TsharkError
+from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.wireshark.rows import NotACapture
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Put a whole capture on one page: what was captured and how exact its times are, what the bus limits and who exceeded it,
@@ -79,12 +80,8 @@ FORMATS = {
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
 
 
-class _Refused(Exception):
-    """Options or files that cannot be right; the text is the one line to show."""
-
-
-class _Failed(Exception):
-    """Something is not installed, or the disk is full; the text is the one line to show."""
+class _NoMatplotlib(Exception):
+    """It is not installed; the text is the one line to show."""
 
 
 def _window(text: str) -> Window:
@@ -121,7 +118,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the report; gives the exit code."""
+    """Write the report; return the exit code."""
     console = Console()
     try:
         name = _format(args)
@@ -129,10 +126,10 @@ def run(args: argparse.Namespace) -> int:
         if FORMATS[name].has_plots:
             _check_matplotlib()
         _write(args, name, _gather(args, console), console)
-    except (_Refused, NotACapture) as error:
+    except (UsageError, NotACapture, NotOpened) as error:
         console.say(str(error))
         return USAGE
-    except (_Failed, TsharkError) as error:
+    except (_NoMatplotlib, Incomplete, TsharkError) as error:
         console.say(str(error))
         return FAILED
     return DONE
@@ -145,19 +142,19 @@ def _format(args: argparse.Namespace) -> str:
         return "html"
     ending = Path(args.output).suffix.lstrip(".").lower()
     if ending not in _ENDINGS:
-        raise _Refused(f"'{args.output}' does not say what to write: end it in .html, or use --format")
+        raise UsageError(f"'{args.output}' does not say what to write: end it in .html, or use --format")
     return _ENDINGS[ending]
 
 
 def _check_files(args: argparse.Namespace) -> None:
     if args.capture.exists() and not args.capture.is_file():
-        raise _Refused(f"{args.capture} is not a file: it is read twice, so save the capture first")
+        raise UsageError(f"{args.capture} is not a file: it is read twice, so save the capture first")
     try:
         args.capture.open("rb").close()
     except OSError as error:
-        raise _Refused(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
+        raise UsageError(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
     if args.output and Path(args.output).exists() and args.capture.samefile(args.output):
-        raise _Refused(f"{args.output} is the capture itself; name another file with -o")
+        raise UsageError(f"{args.output} is the capture itself; name another file with -o")
 
 
 def _check_matplotlib() -> None:
@@ -166,7 +163,7 @@ def _check_matplotlib() -> None:
         with held():
             import matplotlib  # noqa: F401, PLC0415
     except ImportError:
-        raise _Failed(
+        raise _NoMatplotlib(
             f"matplotlib is missing for {sys.executable}: `pip install 'sistap[report]'`, or install the package "
             "python3-matplotlib; --format text and json do without"
         ) from None
@@ -192,13 +189,6 @@ def _write(args: argparse.Namespace, name: str, report: Report, console: Console
     if path == STANDARD_OUTPUT:
         sys.stdout.buffer.write(written)
         return
-    try:
-        file = open(path, "wb")  # noqa: SIM115 - a disk that is full then is another kind of failure
-    except OSError as error:
-        raise _Refused(f"cannot write {path}: {error.strerror}; name another file with -o") from None
-    try:
-        with file:
-            file.write(written)
-    except OSError as error:
-        raise _Failed(f"{path} is incomplete: {error.strerror}; make room, or name another file with -o") from None
+    with opened(path) as file:
+        file.write(written)
     console.say(f"{path} written")

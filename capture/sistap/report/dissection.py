@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.line import Flag
-from sistap.tshark import NO_DISSECTOR, Tshark, TsharkError, unknown_fields
+from sistap.line.settings import Flag
+from sistap.wireshark import rows
+from sistap.wireshark.rows import INFO_FIELDS, JOINT, NECESSARY, NO_DISSECTOR, damage, first, info, unknown_fields
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 # Those that the installed dissector does not know are left out, and named in the report.
 FIELDS = (
@@ -54,11 +55,6 @@ FIELDS = (
     "sis.tmas.verdict",
     "sis.bus.load",
 )
-# The line of the packet list: a column in 4.0, a field of another name since 4.2.
-INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
-
-_NECESSARY = "sis.start"
-_JOINT = "\x1f"  # between several values of a field: in no text
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
 _LINE_ERRORS = (
@@ -67,11 +63,6 @@ _LINE_ERRORS = (
     ("sertap.error.unlocated", int(Flag.UNLOCATED_ERROR)),
     ("sertap.error.lost", int(Flag.LOST_BEFORE)),
 )
-FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
-
-
-class NotACapture(Exception):
-    """tshark cannot read the file; the text is the one line to show."""
 
 
 class Judged(NamedTuple):
@@ -147,7 +138,7 @@ class Dissection:
         return [name for name in FIELDS if name in self._unknown]
 
     def packets(self, only: str = "") -> Iterator[Packet]:
-        """Give the packets that pass a display filter. May raise NotACapture and TsharkError.
+        """Yield the packets that pass a display filter. May raise NotACapture and TsharkError.
 
         Only with a filter they have their line of the packet list: it costs as much as all fields.
         """
@@ -156,20 +147,18 @@ class Dissection:
             yield from self._packets(wanted, only)
         except _UnknownFields as unknown:
             self._unknown |= unknown.names
-            if _NECESSARY in self._unknown:
+            if NECESSARY in self._unknown:
                 raise TsharkError(NO_DISSECTOR) from None
             yield from self._packets(wanted, only)
 
     def _packets(self, wanted: Sequence[str], only: str) -> Iterator[Packet]:
         names = [name for name in wanted if name not in self._unknown]
-        arguments = ["-r", str(self._capture), "-2", "-T", "fields", "-E", f"aggregator={_JOINT}"]
-        arguments += [word for name in names for word in ("-e", name)]
-        arguments += ["-Y", only] if only else []
+        arguments = ["-r", str(self._capture), "-2", *rows.printing(names), *(["-Y", only] if only else [])]
         came = False
         try:
             for line in self._tshark.lines(arguments):
                 came = True
-                yield _packet(dict(zip(names, line.split("\t"), strict=False)))
+                yield _packet(rows.columns(names, line))
         except TsharkError as error:
             self._judge(error, came)
 
@@ -178,21 +167,6 @@ class Dissection:
         if unknown := unknown_fields(str(error)):
             raise _UnknownFields(unknown) from None
         self.warning = damage(self._capture, error, came)
-
-
-def damage(capture: Path, error: TsharkError, came: bool) -> str:
-    """Say in a line how a capture is damaged at whose end tshark failed; `came`: it said something before.
-
-    NotACapture if it is none, TsharkError if tshark failed for another reason.
-    """
-    text = str(error)
-    if "isn't a capture file" in text:
-        raise NotACapture(f"{capture} is not a capture that tshark can read") from None
-    # As root tshark reads a copy, whose name means nothing to anybody.
-    last = re.sub(r'The file "[^"]*"', "the capture", text.splitlines()[-1].removeprefix("tshark: "))
-    if not came and not any(words in text for words in ("cut short", "damaged")):
-        raise TsharkError(f"tshark: {last}") from None
-    return last
 
 
 class _UnknownFields(Exception):
@@ -223,24 +197,15 @@ def _packet(columns: dict[str, str]) -> Packet:
     )
 
 
-def info(columns: dict[str, str]) -> str:
-    """Return the line of the packet list; its own escapes (`\\r` for a carriage return) stay.
-
-    A field is escaped once more when it is printed, a column is not.
-    """
-    column, field = INFO_FIELDS
-    return columns.get(column) or columns.get(field, "").replace("\\\\", "\\")
-
-
 def _intervals(columns: dict[str, str]) -> list[float]:
-    """Give the intervals inside a record: without that of its first character, which may be unknown."""
+    """Return the intervals inside a record: without that of its first character, which may be unknown."""
     text = columns.get("sertap.interval")
     if not text:
         return []
     unknown = _how_often(columns, "sertap.interval.unknown")
     if unknown > 1:
         return []  # which ones they are is not said
-    intervals = list(map(float, text.split(_JOINT)))
+    intervals = list(map(float, text.split(JOINT)))
     return intervals if unknown else intervals[1:]
 
 
@@ -253,16 +218,16 @@ def _errors(columns: dict[str, str]) -> int:
 
 
 def _telegrams(columns: dict[str, str]) -> Iterator[Telegram]:
-    """Give each telegram of a packet: one, but over TCP there may be several."""
+    """Yield each telegram of a packet: one, but over TCP there may be several."""
     starts = columns.get("sis.start", "")
     if not starts:
         return
-    count = starts.count(_JOINT) + 1
+    count = starts.count(JOINT) + 1
     if count == 1:
         yield _telegram(columns)
         return
     # A field that not every one of them has cannot be told apart, and is left out.
-    split = {name: text.split(_JOINT) for name, text in columns.items() if name.startswith("sis.")}
+    split = {name: text.split(JOINT) for name, text in columns.items() if name.startswith("sis.")}
     for index in range(count):
         yield _telegram({name: texts[index] for name, texts in split.items() if len(texts) == count})
 
@@ -295,21 +260,17 @@ def _judged(columns: dict[str, str], time: str, limit: str) -> Judged | None:
 
 
 def _integer(columns: dict[str, str], name: str) -> int | None:
+    """Read the first of several values: a list of services has its own status before those of its services."""
     text = columns.get(name)
-    return int(_first(text), 0) if text else None
+    return int(first(text), 0) if text else None
 
 
 def _number(columns: dict[str, str], name: str) -> float | None:
     text = columns.get(name)
-    return float(_first(text)) if text else None
-
-
-def _first(text: str) -> str:
-    """Give the first of several values: a list of services has its own status before those of its services."""
-    return text.partition(_JOINT)[0]
+    return float(first(text)) if text else None
 
 
 def _how_often(columns: dict[str, str], name: str) -> int:
     """Count the characters that have a flag."""
     text = columns.get(name)
-    return sum(value in _TRUE for value in text.split(_JOINT)) if text else 0
+    return sum(value in _TRUE for value in text.split(JOINT)) if text else 0

@@ -52,7 +52,7 @@ class Distribution:
                 found.longest_s = time_s
 
     def within_s(self, share: float) -> float:
-        """Give one of the times that this share of all, 0 to 1, does not exceed; at most 2.4 % above the least such."""
+        """Return a time that this share of all, 0 to 1, does not exceed; at most 2.4 % above the least such."""
         wanted = share * self.count
         passed = self.zeros
         if not self.count or passed >= wanted:
@@ -70,7 +70,7 @@ class Distribution:
 
     @classmethod
     def edge_s(cls, number: int) -> float:
-        """Give the lower edge of a bin."""
+        """Return the lower edge of a bin."""
         return math.pow(10, number / cls.PER_DECADE)
 
 
@@ -90,7 +90,7 @@ class Slices:
         self.used = 0  # slices, from the first
 
     def at(self, time_s: float) -> int:
-        """Give the slice of a time since the first packet; an earlier one belongs to the first."""
+        """Return the slice of a time since the first packet; an earlier one belongs to the first."""
         number = int(time_s / self.width_s)
         while number >= self.COUNT:
             self._double()

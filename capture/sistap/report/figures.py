@@ -7,9 +7,10 @@ import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
-from sistap.report.dissection import EVENT, FRAME, OTHER, Judged, Packet, Telegram
+from sistap.report.dissection import Judged, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
 from sistap.report.moments import LOST, Moments
+from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20
 
@@ -52,7 +53,7 @@ class Station:
 
 
 @dataclass
-class Clock:
+class Exactness:
     """How exact the times are, in s."""
 
     least_s: float = math.inf
@@ -87,7 +88,7 @@ class Figures:
     interfaces: Counter[str] = field(default_factory=Counter)
     settings: Counter[tuple[int, str]] = field(default_factory=Counter)  # rate and format
     events: list[Packet] = field(default_factory=list)  # the first ones
-    clock: Clock = field(default_factory=Clock)
+    exactness: Exactness = field(default_factory=Exactness)
     intervals: Distribution = field(default_factory=Distribution)  # inside telegrams, from character to character
     limits: dict[str, Limit] = field(default_factory=lambda: {name: Limit() for name in ("tza", "trs", "tmas")})
     services: defaultdict[int, Service] = field(default_factory=lambda: defaultdict(Service))
@@ -117,12 +118,12 @@ class Figures:
             self.slices.counts[kind.name][at] += 1
 
     def _add_record(self, packet: Packet) -> None:
-        self.clock.add(packet)
+        self.exactness.add(packet)
         if packet.baud:
             self.settings[packet.baud, packet.format] += 1
         # The time in which characters were lost is none between neighbours.
         if packet.telegrams and not packet.errors & LOST:
-            self.clock.same_read += packet.same_read
+            self.exactness.same_read += packet.same_read
             self.intervals.add(packet.intervals_s)
 
     def _add_telegram(self, telegram: Telegram, at: int) -> None:

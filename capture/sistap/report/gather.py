@@ -12,7 +12,7 @@ from sistap.report.dissection import Dissection
 from sistap.report.figures import Figures
 from sistap.report.moments import Moment
 from sistap.report.windows import Window
-from sistap.tshark import Tshark
+from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
 

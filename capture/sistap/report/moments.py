@@ -8,9 +8,10 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from sistap.line import Flag
-from sistap.record import Event
-from sistap.report.dissection import EXCEEDED, FRAME, OTHER, Judged, Packet, Telegram
+from sistap.line.settings import Flag
+from sistap.records.record import Event
+from sistap.report.dissection import EXCEEDED, Judged, Packet, Telegram
+from sistap.wireshark.rows import FRAME, OTHER
 
 WORST = 10  # moments, in all
 LOST = int(Flag.LOST_BEFORE)
@@ -173,7 +174,7 @@ class Moments:
         (heapq.heappushpop if len(worst) == WORST else heapq.heappush)(worst, entry)
 
     def worst(self) -> list[Moment]:
-        """Give the worst ones: first the worst of each kind, then the second of each, and so on."""
+        """Return the worst ones: first the worst of each kind, then the second of each, and so on."""
         ranked = [[entry[-1] for entry in sorted(self._worst[kind.name], reverse=True)] for kind in KINDS]
         rounds = itertools.zip_longest(*ranked)
         return [moment for moments in rounds for moment in moments if moment][:WORST]

@@ -183,7 +183,7 @@ def _windows(report: Report) -> str:
 
 
 def _times(report: Report) -> str:
-    count = report.figures.clock.same_read
+    count = report.figures.exactness.same_read
     text = _INTERVALS + (_SAME_READ.format(count=count) if count else "")
     figures = _figure(plots.intervals(report), "intervals", text)
     figures += _figure(plots.reactions(report), "reactions", _REACTIONS)

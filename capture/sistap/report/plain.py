@@ -6,14 +6,15 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from sistap.names import service_name
 from sistap.report import tables
-from sistap.report.dissection import EVENT, EXCEEDED, FRAME, OK, OTHER, UNRESOLVED, Packet
+from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.report.distribution import Distribution
 from sistap.report.figures import Figures, Limit, Station
 from sistap.report.gather import Report
 from sistap.report.moments import Moment
 from sistap.report.windows import Window
+from sistap.sis.names import service_name
+from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 
 def as_text(report: Report) -> str:
@@ -75,7 +76,7 @@ def _report(report: Report) -> dict[str, Any]:
 
 
 def _clock(figures: Figures) -> dict[str, Any]:
-    clock = figures.clock
+    clock = figures.exactness
     return {
         "uncertainty_least_s": clock.least_s if clock.is_known else None,
         "uncertainty_most_s": clock.most_s if clock.is_known else None,

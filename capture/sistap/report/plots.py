@@ -16,13 +16,13 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from sistap.names import service_name
 from sistap.report.dissection import EXCEEDED, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
 from sistap.report.gather import Report
 from sistap.report.moments import KINDS
 from sistap.report.tables import ms
 from sistap.report.windows import Window
+from sistap.sis.names import service_name
 
 # By role, on white paper. The page gives each role another colour in the dark. Blue, green and vermilion can be told
 # apart by people who do not see red or green; red things have words beside them as well.
@@ -115,7 +115,7 @@ def overview(report: Report) -> Drawing | None:
 
 
 def _load(slices: Slices) -> tuple[list[float], list[float]]:
-    """Give times and percent of the load. It is that of the last second: a second after a telegram it is 0."""
+    """Return times and percent of the load. It is that of the last second: a second after a telegram it is 0."""
     times: list[float] = []
     percents: list[float] = []
     for number, percent in enumerate(slices.loads):
@@ -311,7 +311,7 @@ def _say(axes: Axes, at_ms: float, base: float, text: str) -> None:
 
 
 def _exceeded(packet: Packet, telegram: Telegram) -> dict[int, float]:
-    """Give the pauses that were too long, in s, by the character after them, counted from 0.
+    """Return the pauses that were too long, in s, by the character after them, counted from 0.
 
     The dissector names the longest. Others of the same telegram are certain only where each character has a read, and
     so a time, of its own.
@@ -329,7 +329,7 @@ def _exceeded(packet: Packet, telegram: Telegram) -> dict[int, float]:
 
 
 def drawings(report: Report) -> list[Drawing]:
-    """Give all pictures that the capture has something for."""
+    """Return all pictures that the capture has something for."""
     made = [overview(report), *map(window, report.windows), intervals(report), reactions(report)]
     return [drawing for drawing in made if drawing]
 

@@ -7,12 +7,13 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
-from sistap.names import service_name
-from sistap.record import Event
-from sistap.report.dissection import EVENT, EXCEEDED, FRAME, OK, OTHER, UNRESOLVED, Judged
+from sistap.records.record import Event
+from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Judged
 from sistap.report.figures import Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.moments import KINDS, Moment
+from sistap.sis.names import service_name
+from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
 _LIMITS = {
@@ -80,7 +81,7 @@ def _records(figures: Figures) -> str:
 
 
 def _uncertainty(figures: Figures) -> str:
-    clock = figures.clock
+    clock = figures.exactness
     if not figures.records[FRAME] + figures.records[OTHER]:
         return "there are no times of characters"
     if not clock.is_known:
@@ -90,7 +91,8 @@ def _uncertainty(figures: Figures) -> str:
 
 
 def _same_read(figures: Figures) -> str:
-    return f"{figures.clock.same_read} of {figures.intervals.count} intervals in telegrams: their length is not known"
+    same_read = figures.exactness.same_read
+    return f"{same_read} of {figures.intervals.count} intervals in telegrams: their length is not known"
 
 
 def events(report: Report) -> Table:

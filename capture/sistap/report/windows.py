@@ -7,8 +7,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from sistap.report.dissection import FRAME, OTHER, Dissection, Packet
+from sistap.report.dissection import Dissection, Packet
 from sistap.report.moments import Moment
+from sistap.wireshark.rows import FRAME, OTHER
 
 WORST_SHOWN = 3  # windows around the worst moments
 PACKETS_KEPT = 1000  # in a window: more would be a grey bar and a page of many megabytes

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What every command has to do with whoever started it: signals (stop), and what they may not leave (temporary).
+"""What every command has to do with whoever started it.
 
-It uses nothing else of sistap but the exit codes.
+Lines on standard error (console), standard output (streams, writing), exit codes (exits), the signals that end a
+command (stop), what no signal may leave behind (temporary), and what sistap remembers from one run to the next (state).
+It uses nothing else of sistap.
 """

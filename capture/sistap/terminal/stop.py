@@ -18,7 +18,7 @@ import signal
 import sys
 from types import FrameType, TracebackType
 
-from sistap.exits import DONE
+from sistap.terminal.exits import DONE
 
 _AGAIN_S = 0.01  # until a stop that was swallowed is tried again
 _DEAF = "ignored due to race condition"  # what Python says of a signal that came just before it was ignored

@@ -32,18 +32,18 @@ class Device:
         phases.on_switch.append(self.channel.interrupt)
 
     def named(self, name: str) -> Parameter | None:
-        """Give a parameter by its name; None if the device has none."""
+        """Return a parameter by its name; None if the device has none."""
         return self.parameters.get(ident(name))
 
     def find(self, number: bytes) -> Parameter:
-        """Give a parameter by its type and number. May raise AccessError."""
+        """Return a parameter by its type and number. May raise AccessError."""
         parameter = self.parameters.get(number)
         if parameter is None:
             raise AccessError(_IDENT_NUMBER_NOT_AVAILABLE)
         return parameter
 
     def read(self, number: bytes, element: Element, now_ns: int) -> bytes:
-        """Give an element of a parameter. May raise AccessError."""
+        """Return an element of a parameter. May raise AccessError."""
         self.refresh(now_ns)
         return self.find(number).read(element)
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 from sistap.bus.devices.device import Device
 from sistap.bus.devices.parameters import AccessError, Element
-from sistap.bus.service import ChannelError, Failed, Request
+from sistap.bus.service import ChannelError, Request, ServiceFailed
 
-# Raises Failed or AccessError while there is no way through.
+# Raises ServiceFailed or AccessError while there is no way through.
 Gate = Callable[[Request], None]
 
 _CHANNEL_NOT_OPEN = 0x0001
@@ -51,9 +51,9 @@ def through_control(device: Device, off: bool, *, initialization_mode: bool) -> 
         if request.body[2] != 0:
             return  # parameters of the axis are in the control
         if off:
-            raise Failed.in_channel(ChannelError.FAULT)
+            raise ServiceFailed.in_channel(ChannelError.FAULT)
         if device.phases.switching(request.now_ns):
-            raise Failed.in_channel(ChannelError.BUSY)
+            raise ServiceFailed.in_channel(ChannelError.BUSY)
         if device.phases.at(request.now_ns) < _FIRST_WITH_CHANNEL:
             raise AccessError(_NOT_ALLOWED if initialization_mode else _CHANNEL_NOT_OPEN)
 

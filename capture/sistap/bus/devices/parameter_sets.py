@@ -68,7 +68,7 @@ def built_in(name: str) -> Rows:
 
 
 def changed(rows: Rows, changes: object) -> Rows:
-    """Give the rows with some keys of some of them replaced, and new ones. ValueError: a change is no table."""
+    """Return the rows with some keys of some of them replaced, and new ones. ValueError: a change is no table."""
     result = dict(rows)
     if not isinstance(changes, Mapping) or not all(isinstance(change, Mapping) for change in changes.values()):
         raise ValueError("use a table of tables, { S-0-0036 = { value = 1 } }")

@@ -176,7 +176,7 @@ class Parameter:
         return SIZES[self._length]
 
     def read(self, element: Element) -> bytes:
-        """Give an element. May raise AccessError."""
+        """Return an element. May raise AccessError."""
         elements = {
             Element.IDENT_NUMBER: ident(self.ident)[1:],
             Element.NAME: None if self.name is None else text(self.name),
@@ -212,11 +212,11 @@ class Parameter:
         return b""
 
     def data_status(self, now_ns: int) -> int:
-        """Give the data status (fig. 8-44)."""
+        """Return the data status (fig. 8-44)."""
         return (self.procedure.status(now_ns) if self.procedure else 0) | (0 if self.valid else _INVALID)
 
     def read_segment(self, offset: int, length: int) -> bytes:
-        """Give a part of a list, in bytes from its first element on, as far as it goes. May raise AccessError."""
+        """Return a part of a list, in bytes from its first element on, as far as it goes. May raise AccessError."""
         elements = self.data[LENGTH_WORDS:]
         self._check_refused(Element.DATA)
         self._check_offset(offset, len(elements))

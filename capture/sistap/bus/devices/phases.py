@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sistap.bus.devices.parameters import PARAMETER_MODE
-from sistap.bus.service import Failed, Request, Service, Status
+from sistap.bus.service import Request, Service, ServiceFailed, Status
 
 OPERATING_MODE = 4
 _MS = 1_000_000
@@ -48,7 +48,7 @@ class Phases:
         self._switch = _Switch(self._power_on_phase, self._power_on_phase, 0, 0, None)
 
     def at(self, now_ns: int) -> int:
-        """Give the phase; on the way from 2 to 4 it is 3 for the second half of the time."""
+        """Return the phase; on the way from 2 to 4 it is 3 for the second half of the time."""
         switch = self._switch
         if now_ns >= switch.end_ns:
             return switch.before if switch.failure else switch.target
@@ -60,7 +60,7 @@ class Phases:
         return now_ns < self._switch.end_ns
 
     def _read(self, request: Request) -> bytes:
-        """Give the phase, or why the last switching failed: a master that missed it can ask again."""
+        """Return the phase, or why the last switching failed: a master that missed it can ask again."""
         if self._switch.failure and not self.switching(request.now_ns):
             raise self._failed(self._switch.failure, request.now_ns)
         return bytes([self.at(request.now_ns)])
@@ -81,5 +81,5 @@ class Phases:
                 listener()
         return b""
 
-    def _failed(self, code: int, now_ns: int) -> Failed:
-        return Failed(bytes([self.at(now_ns)]) + code.to_bytes(2, "little"), Status.PHASE_ERROR)
+    def _failed(self, code: int, now_ns: int) -> ServiceFailed:
+        return ServiceFailed(bytes([self.at(now_ns)]) + code.to_bytes(2, "little"), Status.PHASE_ERROR)

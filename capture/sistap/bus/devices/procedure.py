@@ -29,7 +29,7 @@ class Procedure:
         self._since_ns = now_ns
 
     def status(self, now_ns: int) -> int:
-        """Give bits 0 to 3 of the data status."""
+        """Return bits 0 to 3 of the data status."""
         if not self._written & SET:
             return 0
         elapsed_ns = now_ns - self._since_ns if self._running else 0

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from sistap.bus.devices.parameters import LAST, AccessError
-from sistap.bus.service import ChannelError, Failed, Refused, Request, Status
+from sistap.bus.service import ChannelError, Request, ServiceFailed, ServiceRefused, Status
 
 HEADER = 5  # control byte, device, parameter
 _OCCUPIED = 0x800C  # as a code of a parameter (IndraDrive)
@@ -44,7 +44,7 @@ class Channel:
         """Let a command in: gives the transfer that it continues, None if none is under way.
 
         If only one of service, sender and header is another, that is a continuation gone wrong; if more are, it is
-        something else, which has to wait. Raises Refused, Failed or AccessError; the transfer goes on.
+        something else, which has to wait. Raises ServiceRefused, ServiceFailed or AccessError; the transfer goes on.
         """
         transfer = self.transfer
         if transfer is None or request.now_ns - transfer.last_ns > ABANDONED_NS:
@@ -53,14 +53,14 @@ class Channel:
         same_header = transfer.header == _header(request)
         other = (transfer.service != request.service) + (transfer.sender != request.sender) + (not same_header)
         if other == 1:
-            raise Refused(Status.INVALID_SEQUENCE)
+            raise ServiceRefused(Status.INVALID_SEQUENCE)
         if other:
             if transfer.header[1:] == _header(request)[1:]:
                 raise AccessError(_OCCUPIED)
-            raise Failed.in_channel(ChannelError.STILL_ACTIVE)
+            raise ServiceFailed.in_channel(ChannelError.STILL_ACTIVE)
         if transfer.cancelled:
             self.transfer = None
-            raise Failed.in_channel(ChannelError.CANCELLED)
+            raise ServiceFailed.in_channel(ChannelError.CANCELLED)
         transfer.last_ns = request.now_ns
         return transfer
 
@@ -76,5 +76,5 @@ class Channel:
 
 
 def _header(request: Request) -> bytes:
-    """Give the useful data header as it stays the same in all telegrams of a transfer."""
+    """Return the useful data header as it stays the same in all telegrams of a transfer."""
     return bytes([request.body[0] & ~LAST]) + request.body[1:HEADER]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 
 from sistap.bus.playing.sending import Sending, Slot
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 
 def collide(sending: Sending, other: bytes, scatter: random.Random) -> None:
@@ -33,5 +33,5 @@ def _mixed(one: int, other: int, scatter: random.Random) -> Slot:
 
 
 def _either(one: int, other: int, bits: int, scatter: random.Random) -> int:
-    """Give bits on which the two agree; where they do not, any."""
+    """Return bits on which the two agree; where they do not, any."""
     return one ^ ((one ^ other) & scatter.getrandbits(bits))

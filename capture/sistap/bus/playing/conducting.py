@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from sistap.bus.playing.line import Line
 from sistap.bus.playing.played import Played
 from sistap.bus.playing.script import Action, Rate, Raw, Script, Token, Wait
-from sistap.telegram import is_whole
+from sistap.sis.telegram import is_whole
 
 
 class _Master:

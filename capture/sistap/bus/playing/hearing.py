@@ -9,11 +9,11 @@ from __future__ import annotations
 import random
 
 from sistap.bus.playing.played import Character
-from sistap.line import Flag, LineSettings
+from sistap.line.settings import Flag, LineSettings
 
 
 def received(character: Character, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, int]:
-    """Give value and flags of a character of the bus, as a tap receives it; a fault of the line is one for any tap."""
+    """Return value and flags of a character of the bus, as a tap receives it; a fault of the line is everybody's."""
     if tap[:3] == line[:3]:  # a receiver looks at no more than one stop bit
         return character.value, character.flags
     value, flags = hear(character.value, line, tap, noise)
@@ -21,7 +21,7 @@ def received(character: Character, line: LineSettings, tap: LineSettings, noise:
 
 
 def hear(value: int, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, Flag]:
-    """Give value and flags of a character sent with `line` and received with `tap`; at the same rate exactly so.
+    """Return value and flags of a character sent with `line` and received with `tap`; at the same rate exactly so.
 
     At another rate one character is heard as one, too, and where the receiver still listens when it is over, `noise` is
     what follows it.

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from sistap.bus.playing.played import Played
 from sistap.bus.playing.script import Rate
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 Exchange = Generator[Played, None, bytes | None]  # what is sent, and the reaction it came to
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 
 class Character(NamedTuple):

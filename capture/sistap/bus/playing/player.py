@@ -17,9 +17,9 @@ from sistap.bus.playing.sending import Sending
 from sistap.bus.playing.tap_faults import Branch, Faults
 from sistap.bus.playing.times import Times
 from sistap.bus.stations.station import Station
-from sistap.follow import Change, Follow
-from sistap.line import LineSettings
-from sistap.telegram import is_whole
+from sistap.line.settings import LineSettings
+from sistap.sis.follow import Change, Follow
+from sistap.sis.telegram import is_whole
 
 _MS = 1_000_000
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 CHECKSUM = 1  # its place in a telegram
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from sistap.bus.playing.played import Character
 from sistap.bus.playing.sending import CHECKSUM, Sending, Slot
-from sistap.line import Flag
+from sistap.line.settings import Flag
 
 
 class Faults(NamedTuple):
@@ -58,14 +58,14 @@ class Branch:
             sending.set_checksum(sending.sent[CHECKSUM] ^ self._noise.randrange(1, 256))
 
     def pause(self, index: int, tza_ns: int, marks: list[str]) -> int | None:
-        """Give the interval, in ns, in front of a character that comes later than TzA allows; None: it does not."""
+        """Return the interval, in ns, in front of a character that comes later than TzA allows; None: it does not."""
         if not index or not self._happens(self._faults.pause):
             return None
         marks.append(f"pause@{index}")
         return int(tza_ns * self._noise.uniform(1.5, 3))
 
     def arrived(self, index: int, slot: Slot, time_ns: int, marks: list[str]) -> Character | None:
-        """Give a character as it arrives; None: it is lost, and the next one tells."""
+        """Return a character as it arrives; None: it is lost, and the next one tells."""
         if self._happens(self._faults.loss):
             marks.append(f"loss@{index}")
             self._lost = True

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 
 class Times(NamedTuple):

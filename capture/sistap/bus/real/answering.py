@@ -13,7 +13,7 @@ from typing import NamedTuple, NoReturn, Protocol
 from sistap.bus.real.receiver import Receiver
 from sistap.bus.stations.initialization import Timing
 from sistap.bus.stations.station import Station
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 _MS = 1_000_000
 _SECOND = 1_000_000_000
@@ -30,7 +30,7 @@ class Port(Protocol):
         """With which settings it is open."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what arrived, nothing if nothing did in that time."""
+        """Return what arrived, nothing if nothing did in that time."""
 
     def write(self, data: bytes) -> None:
         """Send."""
@@ -102,7 +102,7 @@ class Answering:
         return answers
 
     def wake_ns(self, now_ns: int) -> int | None:
-        """Give when `wait` has something to do, if nothing is heard until then; None: never."""
+        """Return when `wait` has something to do, if nothing is heard until then; None: never."""
         tests = [ear.station.initialization.test_ends_ns(now_ns) for ear in self._ears]
         silences = [ear.receiver.silence_ends_ns(ear.tza_ns(now_ns, self._settings)) for ear in self._listening()]
         return min((time_ns for time_ns in (*tests, *silences) if time_ns is not None), default=None)

@@ -6,7 +6,7 @@ It knows no clock: every call says what time it is.
 
 from __future__ import annotations
 
-from sistap.telegram import MAX_LENGTH, START, STATIC_LENGTH, checksum_good
+from sistap.sis.telegram import MAX_LENGTH, START, STATIC_LENGTH, checksum_good
 
 _LENGTHS = 4  # characters after which both lengths are there
 
@@ -32,11 +32,11 @@ class Receiver:
         return self._take() if self._complete else over
 
     def silence_ends_ns(self, tza_ns: int) -> int | None:
-        """Give when what cannot become a telegram is over, if no more characters come; None if nothing waits."""
+        """Return when what cannot become a telegram is over, if no more characters come; None if nothing waits."""
         return self._last_ns + tza_ns if self._last_ns is not None and self._hopeless else None
 
     def silence(self, now_ns: int, tza_ns: int) -> bytes | None:
-        """Give what cannot become a telegram, if it is over."""
+        """Return what cannot become a telegram, if it is over."""
         ends_ns = self.silence_ends_ns(tza_ns)
         return self._take() if ends_ns is not None and now_ns >= ends_ns else None
 

@@ -15,12 +15,12 @@ from sistap.bus.playing.times import Times
 from sistap.bus.scenarios.scenario import Playing, Scenario
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.transmitting import TransmittingPort
-from sistap.clock import CLOCK
-from sistap.follow import Change, Follow
-from sistap.framer import SisFramer
-from sistap.line import LineSettings, Read
-from sistap.record import Record, Type
-from sistap.telegram import parse
+from sistap.line.clock import CLOCK
+from sistap.line.settings import LineSettings, Read
+from sistap.records.framer import SisFramer
+from sistap.records.record import Record, Type
+from sistap.sis.follow import Change, Follow
+from sistap.sis.telegram import parse
 
 _MS = 1_000_000
 _HELD_BACK_NS = 20 * _MS  # a USB adapter delivers so late, at most: its latency timer, and the way

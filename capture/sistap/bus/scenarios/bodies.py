@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sistap.bus.devices.parameters import Element, as_list, control, ident
 from sistap.bus.table import BYTE, WORD, Reading, Table, characters, choice, octets, text, whole
-from sistap.rates import BAUD_MASKS
+from sistap.sis.rates import BAUD_MASKS
 
 
 class Body(NamedTuple):

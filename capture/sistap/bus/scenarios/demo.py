@@ -10,9 +10,9 @@ from collections.abc import Iterator, Sequence
 from sistap.bus.devices.parameters import Element, control, ident, number
 from sistap.bus.playing.script import Rate, Script
 from sistap.bus.playing.times import Times
-from sistap.line import LineSettings
-from sistap.rates import BAUD_MASKS
-from sistap.telegram import BROADCAST, build
+from sistap.line.settings import LineSettings
+from sistap.sis.rates import BAUD_MASKS
+from sistap.sis.telegram import BROADCAST, build
 
 MASTER = 16
 DRIVES = (3, 4)
@@ -59,7 +59,7 @@ def _initialization(drive: int, settings: LineSettings) -> Iterator[bytes]:
 
 
 def _velocities(scatter: random.Random) -> Iterator[int]:
-    """Give a slowly varying velocity in 0.0001 rpm."""
+    """Yield a slowly varying velocity in 0.0001 rpm."""
     velocity = 10_000_000
     while True:
         yield velocity

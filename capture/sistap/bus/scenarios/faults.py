@@ -22,8 +22,8 @@ from sistap.bus.table import (
     several,
     whole,
 )
-from sistap.line import Flag
-from sistap.telegram import is_whole, parse
+from sistap.line.settings import Flag
+from sistap.sis.telegram import is_whole, parse
 
 _EVER_NS = 1 << 62
 

@@ -22,7 +22,7 @@ from sistap.bus.scenarios.steps import Master, Step, read_steps, script
 from sistap.bus.stations.making import make
 from sistap.bus.stations.station import Station
 from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, tables, text, whole
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 DEFAULT = "demo"
 _SUFFIX = ".toml"
@@ -71,12 +71,12 @@ class Scenario:
         return make(self.station_tables, seed)
 
     def times_for(self, settings: LineSettings) -> Times:
-        """Give the times that are kept on the line: those of the file, or what the line can keep."""
+        """Return the times that are kept on the line: those of the file, or what the line can keep."""
         usual = Times.for_line(settings)
         return usual._replace(**{name: self.times[name] for name in ("trs", "tza") if name in self.times})
 
     def scripts(self, line: Line, how: Playing) -> dict[int, Script]:
-        """Give what the masters say on this line, by address."""
+        """Return what the masters say on this line, by address."""
         twm_ns = self.times.get("twm", self.times_for(line.settings).trs) * _MS
         return {
             master.address: repeating(
@@ -178,7 +178,7 @@ def _master(table: Table) -> _MasterTable:
 
 
 def _tokens(content: object) -> Iterator[object]:
-    """Give to whom tokens are handed, wherever in scripts."""
+    """Yield to whom tokens are handed, wherever in scripts."""
     if isinstance(content, Mapping):
         if "token" in content:
             yield content["token"]

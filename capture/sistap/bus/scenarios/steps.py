@@ -15,7 +15,7 @@ from sistap.bus.scenarios.bodies import BODIES, Body, access, operating_data, ra
 from sistap.bus.scenarios.demo import commands
 from sistap.bus.stations.memory import CHECKSUMS, module
 from sistap.bus.table import BYTE, LONG, STATION, Table, choice, milliseconds, octets, several, tables, whole
-from sistap.telegram import build, parse, status
+from sistap.sis.telegram import build, parse, status
 
 _POLL_NS = 100_000_000  # between two questions whether the phase is reached
 _FALL_BACK_MS = 50  # nobody's timer is exact: silence until all have the old rate again

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from sistap.bus.service import Failed, Refused, Status, Subservice, by_subservice
+from sistap.bus.service import ServiceFailed, ServiceRefused, Status, Subservice, by_subservice
 from sistap.bus.stations.memory import DUAL_PORT_RAM, FIRMWARE, RAM, Memory, additive_good, crc_good
 
 LONGEST_READ = 244  # bytes
@@ -65,7 +65,7 @@ class Flash:
         def noticing(data: bytes, now_ns: int) -> bytes:
             try:
                 return execute(data, now_ns)
-            except Failed:
+            except ServiceFailed:
                 self.error = True
                 raise
 
@@ -73,7 +73,7 @@ class Flash:
 
     def _shutdown(self, data: bytes, now_ns: int) -> bytes:
         if data[0] not in (_FIRMWARE_TARGET, _LOADER_TARGET):
-            raise Refused(Status.INVALID_ADDRESS)
+            raise ServiceRefused(Status.INVALID_ADDRESS)
         self._check_start(now_ns, firmware=data[0] == _FIRMWARE_TARGET)
         self.in_loader = data[0] == _LOADER_TARGET
         return b""
@@ -87,16 +87,16 @@ class Flash:
     def _check_start(self, now_ns: int, firmware: bool) -> None:
         code = None if self.in_loader else self._not_in_phase.get(self._phase(now_ns))
         if code is not None:
-            raise Failed(bytes([code]))
+            raise ServiceFailed(bytes([code]))
         if firmware and not self._memory.has_firmware:
-            raise Failed(bytes([_FIRMWARE_DELETED]))
+            raise ServiceFailed(bytes([_FIRMWARE_DELETED]))
 
     def _read(self, data: bytes, now_ns: int) -> bytes:
         if data[4] > LONGEST_READ:
-            raise Failed(bytes([_TOO_MUCH]))
+            raise ServiceFailed(bytes([_TOO_MUCH]))
         block = self._memory.read(_address(data), data[4])
         if block is None:
-            raise Failed(bytes([_READ_ERROR]))
+            raise ServiceFailed(bytes([_READ_ERROR]))
         return block
 
     def _find_header(self, data: bytes, now_ns: int) -> bytes:
@@ -104,33 +104,33 @@ class Flash:
 
     def _erase(self, data: bytes, now_ns: int) -> bytes:
         if not self.in_loader:
-            raise Failed(bytes([_ONLY_IN_LOADER]))
+            raise ServiceFailed(bytes([_ONLY_IN_LOADER]))
         if self._worn:
-            raise Failed(bytes([_ERASE_TIMEOUT]))
+            raise ServiceFailed(bytes([_ERASE_TIMEOUT]))
         block = FIRMWARE if data[:8] == _EVERYTHING else (_address(data), _address(data[4:]))
         if not self._memory.erase(*block):
-            raise Refused(Status.INVALID_ADDRESS)
+            raise ServiceRefused(Status.INVALID_ADDRESS)
         return b""
 
     def _program(self, data: bytes, now_ns: int) -> bytes:
         address, device, contents = _address(data), data[4], data[5:]
         if device == _FLASH:
             if self._worn:
-                raise Failed(bytes([_PROGRAM_TIMEOUT]))
+                raise ServiceFailed(bytes([_PROGRAM_TIMEOUT]))
             if not self._memory.program(address, contents):
-                raise Failed(bytes([_VERIFY_ERROR]))
+                raise ServiceFailed(bytes([_VERIFY_ERROR]))
         elif device not in _DEVICES:
-            raise Refused(Status.INVALID_ADDRESS)
+            raise ServiceRefused(Status.INVALID_ADDRESS)
         elif not self._memory.write(_DEVICES[device], address, contents):
-            raise Failed(bytes([_RAM_ERROR]))
+            raise ServiceFailed(bytes([_RAM_ERROR]))
         return b""
 
     def _build_checksum(self, data: bytes, now_ns: int) -> bytes:
         whole = self._memory.read(_address(data), _address(data[4:]))
         if whole is None or not additive_good(whole):
-            raise Failed(bytes([_ADDITIVE_WRONG]))
+            raise ServiceFailed(bytes([_ADDITIVE_WRONG]))
         if not crc_good(whole):
-            raise Failed(bytes([_CRC_WRONG]))
+            raise ServiceFailed(bytes([_CRC_WRONG]))
         return b""
 
     def _reset(self, data: bytes, now_ns: int) -> bytes:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from sistap.bus.service import Service, Subservice, by_subservice
-from sistap.rates import BAUD_MASKS
+from sistap.sis.rates import BAUD_MASKS
 
 _SIS_VERSION = b"01V01"  # fig. 3-4
 LONGEST = 40  # characters of firmware and type key

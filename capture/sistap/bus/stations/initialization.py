@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import NamedTuple
 
-from sistap.bus.service import Failed, Subservice, by_subservice
-from sistap.rates import RATES, rate_of
+from sistap.bus.service import ServiceFailed, Subservice, by_subservice
+from sistap.sis.rates import RATES, rate_of
 
 _MS = 1_000_000
 _LONGEST_TEST_MS = 0x7FFF  # a timer of 16 bits that counts half milliseconds
@@ -61,13 +61,13 @@ class Initialization:
         self._test: _Test | None = None
 
     def timing(self, now_ns: int) -> Timing:
-        """Give what holds now, with the rate of a test while it lasts."""
+        """Return what holds now, with the rate of a test while it lasts."""
         if self._test and self._test.holds(now_ns):
             return self.accepted._replace(baud=self._test.baud)
         return self.accepted
 
     def test_ends_ns(self, now_ns: int) -> int | None:
-        """Give when the running test of a rate ends; None without one."""
+        """Return when the running test of a rate ends; None without one."""
         return self._test.end_ns if self._test and now_ns < self._test.end_ns else None
 
     def _set(self, name: str, data: bytes) -> bytes:
@@ -81,7 +81,7 @@ class Initialization:
     def _test_rate(self, data: bytes, now_ns: int) -> bytes:
         duration_ms, baud = int.from_bytes(data[:2], "little"), self._rate(data[2])
         if duration_ms > _LONGEST_TEST_MS:
-            raise Failed(_TEST_TOO_LONG)
+            raise ServiceFailed(_TEST_TOO_LONG)
         self._test = _Test(baud, now_ns, now_ns + duration_ms * _MS)
         return b""
 
@@ -94,5 +94,5 @@ class Initialization:
     def _rate(self, mask: int) -> int:
         baud = rate_of(mask)
         if baud is None or baud not in self._rates:
-            raise Failed(_NOT_SUPPORTED)
+            raise ServiceFailed(_NOT_SUPPORTED)
         return baud

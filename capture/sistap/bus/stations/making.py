@@ -22,7 +22,7 @@ from sistap.bus.stations.service_list import service_list
 from sistap.bus.stations.slave import Slave
 from sistap.bus.stations.station import Station
 from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole
-from sistap.rates import BAUD_MASKS, RATES
+from sistap.sis.rates import BAUD_MASKS, RATES
 
 _GENERAL = 0x10  # the group of services that every station has
 _LOADER_SERVICES = range(0x04)  # what is there while no firmware runs
@@ -115,7 +115,7 @@ def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
 
 
 def _sercos_services(kind: _Kind, parameters: Parameters, phases: Phases) -> dict[int, Service]:
-    """Give those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
+    """Return those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
     services = parameters.services(_GENERAL) | parameters.services(kind.group, kind.words)
     for group in (_GENERAL, kind.group) if kind.synax else (_GENERAL,):
         services |= {group | 0x2: phases.read_service, group | 0xD: phases.switch_service}

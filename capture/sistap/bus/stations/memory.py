@@ -33,7 +33,7 @@ CHECKSUMS = 6  # bytes at the end of a module
 
 
 def module(payload: bytes) -> bytes:
-    """Give a module: the payload, its CRC32, and the word that makes the sum of all words zero (chapter 5.1, 0x97).
+    """Return a module: the payload, its CRC32, and the word that makes the sum of all words zero (chapter 5.1, 0x97).
 
     Which CRC32, and that the sum is of words, is not said; it is the one of Ethernet, and words are what can give
     zero. The payload has an even length.
@@ -67,7 +67,7 @@ class Memory:
         self._bytes[FIRMWARE][:] = module(contents.randbytes(FIRMWARE.size - CHECKSUMS))
 
     def read(self, address: int, length: int) -> bytes | None:
-        """Give a block; None if there is no such memory."""
+        """Return a block; None if there is no such memory."""
         for area in _AREAS:
             if area.has(address, length):
                 return bytes(self._bytes[area][address - area.begin : address - area.begin + length])

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.slave import Slave, damage
 from sistap.bus.stations.station import Station
-from sistap.telegram import BROADCAST, CONTROL_SYSTEM, Header, build, parse
+from sistap.sis.telegram import BROADCAST, CONTROL_SYSTEM, Header, build, parse
 
 
 class Router:
@@ -26,7 +26,7 @@ class Router:
         return self._station.initialization
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Give the station's own reaction, or that from below; None also if nobody below answers."""
+        """Return the station's own reaction, or that from below; None also if nobody below answers."""
         if damage(command) is not None:
             return self._station.react(command, now_ns)
         header = parse(command)

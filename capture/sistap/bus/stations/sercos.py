@@ -9,7 +9,7 @@ from sistap.bus.devices.device import Device
 from sistap.bus.devices.gates import Gate
 from sistap.bus.devices.parameters import LAST, TOO_LONG, WRONG_ACCESS, AccessError, Element
 from sistap.bus.devices.transfers import HEADER, Transfer
-from sistap.bus.service import Failed, Refused, Request, Service, Status
+from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 
 _SEGMENT = 4  # bytes of list offset and length
 _LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can say
@@ -25,7 +25,7 @@ class Parameters:
         self._longest = longest
 
     def services(self, group: int, segments_in_words: bool = False) -> dict[int, Service]:
-        """Give the services of a group, 0x10, 0x80 or 0x90; offset and length of 0x81 and 0x8E count words."""
+        """Return the services of a group, 0x10, 0x80 or 0x90; offset and length of 0x81 and 0x8E count words."""
         unit = _WORDS if segments_in_words else 1
         return {
             group | 0x0: _translated(HEADER, self._read),
@@ -35,7 +35,7 @@ class Parameters:
         }
 
     def cancel(self, device: int | None, service: int | None) -> None:
-        """End transfers: of all devices or of one, of all services or of one. Raises Refused for no device."""
+        """End transfers: of all devices or of one, of all services or of one. Raises ServiceRefused for no device."""
         if device is not None:
             self._device(device)[0].channel.cancel(service)
             return
@@ -93,7 +93,7 @@ class Parameters:
 
     def _device(self, address: int) -> tuple[Device, Gate]:
         if address not in self._devices:
-            raise Refused(Status.INVALID_ADDRESS)
+            raise ServiceRefused(Status.INVALID_ADDRESS)
         return self._devices[address]
 
 
@@ -104,12 +104,12 @@ def _translated(least: int, execute: Callable[[Request], bytes]) -> Service:
         try:
             return execute(request)
         except AccessError as error:
-            raise Failed(error.code.to_bytes(2, "little")) from None
+            raise ServiceFailed(error.code.to_bytes(2, "little")) from None
 
     return Service(2, least, translating)
 
 
 def _segment(body: bytes, unit: int) -> tuple[int, int]:
-    """Give offset and length in bytes."""
+    """Return offset and length in bytes."""
     offset, length = body[HEADER : HEADER + 2], body[HEADER + 2 : HEADER + _SEGMENT]
     return unit * int.from_bytes(offset, "little"), unit * int.from_bytes(length, "little")

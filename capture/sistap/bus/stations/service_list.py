@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from sistap.bus.service import Failed, Refused, Request, Service, Status
+from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 
 SERVICE = 0x04
 _LONGEST = 247  # bytes of the reaction that fit with any header, but for the overall status
@@ -25,7 +25,7 @@ def service_list(execute: Callable[[Request], bytes]) -> Service:
                 break
             answers += item
         if not good:
-            raise Failed(answers)
+            raise ServiceFailed(answers)
         return answers
 
     return Service(0, 1, run)
@@ -37,11 +37,11 @@ def _answer(execute: Callable[[Request], bytes], request: Request) -> bytes:
 
 
 def _items(body: bytes) -> Iterator[tuple[int, bytes]]:
-    """Give service and body of each; Refused where a length does not fit."""
+    """Yield service and body of each; ServiceRefused where a length does not fit."""
     place = 0
     while place < len(body):
         end = place + 1 + body[place]
         if body[place] == 0 or end > len(body):
-            raise Refused(Status.DATA_MISSING)
+            raise ServiceRefused(Status.DATA_MISSING)
         yield body[place + 1], body[place + 2 : end]
         place = end

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from sistap.bus.service import Failed, Refused, Request, Service, Status
+from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 from sistap.bus.stations.edition import Edition
 from sistap.bus.stations.initialization import Initialization
-from sistap.telegram import BROADCAST, LEVEL_BROADCAST, START, STATIC_LENGTH, Header, build, checksum_good, parse
+from sistap.sis.telegram import BROADCAST, LEVEL_BROADCAST, START, STATIC_LENGTH, Header, build, checksum_good, parse
 
 
 class Slave:
@@ -42,7 +42,7 @@ class Slave:
         self._kept: tuple[bytes, bytes] | None = None  # static header with number, and the reaction to it
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Give the reaction, with the addresses of the command; None to what is for others or for all.
+        """Return the reaction, with the addresses of the command; None to what is for others or for all.
 
         What is damaged is answered at a point-to-point connection only: on a bus nobody can tell for whom it was.
         """
@@ -70,18 +70,18 @@ class Slave:
         repeated = request.body[: service.repeated] if service else b""
         try:
             return bytes([Status.OK]) + self._checked(service, request).execute(request)
-        except Refused as refused:
+        except ServiceRefused as refused:
             return bytes([refused.status]) + repeated
-        except Failed as failed:
+        except ServiceFailed as failed:
             return bytes([failed.status]) + repeated + failed.code
 
     def _checked(self, service: Service | None, request: Request) -> Service:
         if request.service in self._refuse:
-            raise Refused(self._refuse[request.service])
+            raise ServiceRefused(self._refuse[request.service])
         if service is None or not self._available(request.service):
-            raise Refused(Status.INVALID_SERVICE)
+            raise ServiceRefused(Status.INVALID_SERVICE)
         if len(request.body) < service.least:
-            raise Refused(Status.DATA_MISSING)
+            raise ServiceRefused(Status.DATA_MISSING)
         return service
 
     def _once(self, header: Header, static_header: bytes, now_ns: int) -> bytes:
@@ -113,7 +113,7 @@ class Slave:
 
 
 def damage(command: bytes) -> int | None:
-    """Give the status for a damaged telegram; None if it is whole."""
+    """Return the status for a damaged telegram; None if it is whole."""
     if len(command) < STATIC_LENGTH or command[0] != START:
         return Status.INVALID_TELEGRAM
     if command[2] != command[3] or len(command) != STATIC_LENGTH + command[3]:

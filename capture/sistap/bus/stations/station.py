@@ -23,4 +23,4 @@ class Station(Protocol):
         """What it was told of its line with service 0x03."""
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Give the reaction to a command whose last character has come; None if there is none, e.g. for another."""
+        """Return the reaction to a command whose last character has come; None if there is none, e.g. for another."""

@@ -6,12 +6,12 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from sistap import ports
 from sistap.bus.ending import Refusal
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire
-from sistap.exits import PORT, USAGE
-from sistap.line import LineSettings
+from sistap.line import ports
+from sistap.line.settings import LineSettings
+from sistap.terminal.exits import PORT, USAGE
 
 if TYPE_CHECKING:  # Windows has no pseudo terminals, and a pty needs no pyserial
     from sistap.bus.wires.pty_port import PseudoTerminalPort

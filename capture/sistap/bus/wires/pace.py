@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 
-from sistap.clock import CLOCK
+from sistap.line.clock import CLOCK
 
 _SPIN_NS = 150_000  # a sleep ends up to about this much late
 
@@ -35,5 +35,5 @@ class Pace:
             pass
 
     def wall_ns(self, time_ns: int = 0) -> int:
-        """Give the instant in ns since 1970."""
+        """Return the instant in ns since 1970."""
         return self._wall_zero + time_ns

@@ -6,7 +6,7 @@ from __future__ import annotations
 from sistap.bus.playing.played import Played
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.transmitting import TransmittingPort
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 
 class PortWire:

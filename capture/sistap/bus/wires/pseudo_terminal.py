@@ -18,8 +18,8 @@ import tty
 from sistap.bus.playing.hearing import hear
 from sistap.bus.playing.played import Played
 from sistap.bus.wires.pace import Pace
-from sistap.line import LineSettings
-from sistap.rates import RATES
+from sistap.line.settings import LineSettings
+from sistap.sis.rates import RATES
 
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")
@@ -112,5 +112,5 @@ def set_speed(slave: int, baud: int) -> None:
 
 
 def speed(terminal: int) -> int | None:
-    """Give the rate that whoever has it open has set; None if it is none of RATES."""
+    """Return the rate that whoever has it open has set; None if it is none of RATES."""
     return _RATES.get(termios.tcgetattr(terminal)[4])

@@ -12,7 +12,7 @@ import tty
 
 from sistap.bus.playing.hearing import hear
 from sistap.bus.wires.pseudo_terminal import set_speed, speed
-from sistap.line import LineSettings
+from sistap.line.settings import LineSettings
 
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")
@@ -36,7 +36,7 @@ class PseudoTerminalPort:
         os.set_blocking(self._ours, False)
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what arrived, nothing if nothing did in that time."""
+        """Return what arrived, nothing if nothing did in that time."""
         if not select.select([self._ours], [], [], timeout_s)[0]:
             return b""
         masters = self._masters

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus straight into a capture file, as a tap would have written it: its framer, records and writer, no waiting."""
+"""The bus straight into a capture file, as a tap would have written it: its assembler and writer, no waiting."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import random
 import sistap
 from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import Played, reads, uncertainty
-from sistap.counters import Counters
-from sistap.framer import SisFramer
-from sistap.line import LineSettings, Read
-from sistap.output import Output
-from sistap.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.record import Event, Record, event
-from sistap.steering import Steering, Step
-from sistap.writer import PcapngWriter
+from sistap.files.output import Output
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line.settings import LineSettings, Read
+from sistap.records.assembler import Assembler
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, event
+from sistap.sis.follow import Change, Follow
 
 START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
 _LINE = 0  # one shared bus
@@ -35,10 +35,10 @@ class Recording:
         self._output = output
         self._most = most
         self._noise = random.Random(f"{seed} tap")
-        self._framer = SisFramer(_LINE, settings)
-        self._steering = Steering(settings, follow=True)
+        self._assembler = Assembler(self._write)
+        self._assembler.add_line(_LINE, settings, START_NS)
+        self._follow = Follow(settings.baud)
         self._now_ns = START_NS
-        self._changed = ""  # why the settings are others than those of the character before
         timing = "times and their uncertainty are those the virtual bus says"
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {timing}", settings.baud, "virtual bus")
         self._writer = PcapngWriter(output, {_LINE: interface}, self.counters)
@@ -52,9 +52,8 @@ class Recording:
         """Record all characters. May raise OutputError."""
         for read in reads(played.characters, self._most, played.settings.character_ns):
             time_ns = START_NS + read[-1].time_ns
-            for step in self._steering.look(time_ns - uncertainty(read)):
-                self._change(step)
-            settings = self._framer.settings
+            self._change(self._follow.due(time_ns - uncertainty(read)))
+            settings = self._assembler.settings(_LINE)
             heard = [received(character, played.settings, settings, self._noise) for character in read]
             values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
             self._take(Read(_LINE, time_ns, values, flags, uncertainty(read), settings))
@@ -62,28 +61,25 @@ class Recording:
 
     def close(self) -> None:
         """End the file. May raise OutputError."""
-        self._write(self._framer.flush())
+        self._assembler.flush([_LINE], self._now_ns)
         self._writer.end(self._now_ns)
         self._output.close()
 
     def _take(self, read: Read) -> None:
         self._now_ns = read.time_ns
         self.counters.add_read(read)
-        if self._changed:
-            self._writer.write(event(read.time_ns, _LINE, self._framer.settings, Event.SETTINGS_CHANGED, self._changed))
-            self._changed = ""
-        records = self._framer.feed(read)
-        self._write(records)
-        for step in self._steering.take(read, records):
-            self._change(step)
+        for record in self._assembler.take(read, read.time_ns, ""):
+            if record.is_good_frame:
+                self._change(self._follow.take(record.data, record.end_ns))
 
-    def _change(self, step: Step) -> None:
-        """Listen with other settings from the next character on."""
-        self._write(self._framer.flush())
-        self._framer.settings = step.settings
-        self._changed = f"{step.settings}: {step.why}"
+    def _change(self, change: Change | None) -> None:
+        """Listen at another rate from the next character on."""
+        settings = self._assembler.settings(_LINE)
+        if change and change.baud != settings.baud:
+            self._assembler.change(_LINE, settings._replace(baud=change.baud), change.why, self._now_ns)
 
-    def _write(self, records: list[Record]) -> None:
-        for record in records:
-            self.counters.accepted[_LINE] += self._writer.write(record)
+    def _write(self, record: Record) -> None:
+        written = self._writer.write(record)
+        if record.event == Event.NONE:
+            self.counters.accepted[_LINE] += written
             self.counters.add_record(record)

@@ -10,8 +10,8 @@ from sistap.bus.ending import Refusal
 from sistap.bus.playing.played import Played
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
-from sistap.exits import FAILED
-from sistap.output import OutputError
+from sistap.files.output import OutputError
+from sistap.terminal.exits import FAILED
 
 
 class Wire(Protocol):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus at a socket: taps connect, say their line settings and get reads with times and errors (sistap.wire).
+"""The bus at a socket: taps connect, say their line settings and get reads with times and errors
+(sistap.line.bus_socket).
 
 A tap that stops reading holds up the bus once the buffers are full, and so loses nothing.
 """
@@ -15,11 +16,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from sistap import wire
 from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import Character, Played, reads, uncertainty
 from sistap.bus.wires.pace import Pace
-from sistap.line import LineSettings, Read
+from sistap.line import bus_socket
+from sistap.line.settings import LineSettings, Read
 
 _LEAVE_S = 2.0  # how long a tap may take to notice that the bus has ended
 _TICK_NS = 1_000_000_000  # so often, at least, does a tap hear of simulated time
@@ -33,7 +34,7 @@ class Tap:
         self.connection = connection
         self.settings: LineSettings | None = None
         self._noise = random.Random(f"{seed} tap")
-        self._decoder = wire.Decoder()
+        self._decoder = bus_socket.Decoder()
         self._dealt_with_ns: int | None = None  # all before this; None: this tap does not tell
 
     def receive(self) -> bool:
@@ -43,8 +44,8 @@ class Tap:
             for message in self._decoder.feed(data):
                 if isinstance(message, LineSettings):
                     self.settings = message
-                    self.connection.sendall(wire.pack_settings(message))
-                elif isinstance(message, wire.Time):
+                    self.connection.sendall(bus_socket.pack_settings(message))
+                elif isinstance(message, bus_socket.Time):
                     self._dealt_with_ns = message.time_ns
         except OSError:
             return False
@@ -58,7 +59,7 @@ class Tap:
         if self._dealt_with_ns is None:
             return True
         try:
-            self.connection.sendall(wire.pack_time(wall_ns))
+            self.connection.sendall(bus_socket.pack_time(wall_ns))
         except OSError:
             return False
         while self._dealt_with_ns < wall_ns:
@@ -74,7 +75,7 @@ class Tap:
         values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
         uncertainty_ns = max(uncertainty(read), played.uncertainty_ns)
         try:
-            self.connection.sendall(wire.pack_read(Read(played.line, wall_ns, values, flags, uncertainty_ns)))
+            self.connection.sendall(bus_socket.pack_read(Read(played.line, wall_ns, values, flags, uncertainty_ns)))
         except OSError:
             return False
         return True

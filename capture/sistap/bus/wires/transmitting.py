@@ -6,11 +6,11 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 
-from sistap import ports
-from sistap.line import LineSettings
-from sistap.reader import PortError, PortLost
-from sistap.reader.listening import closed_serial
-from sistap.reader.trouble import device_trouble, url_trouble
+from sistap.line import ports
+from sistap.line.reader import PortError, PortLost
+from sistap.line.reader.listening import closed_serial
+from sistap.line.reader.trouble import device_trouble, url_trouble
+from sistap.line.settings import LineSettings
 
 if sys.platform == "win32":
     _TROUBLE: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, OverflowError)
@@ -54,7 +54,7 @@ class TransmittingPort:
             raise self._lost(error) from error
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what arrived, nothing if nothing did in that time. May raise PortLost."""
+        """Return what arrived, nothing if nothing did in that time. May raise PortLost."""
         try:
             self._device.timeout = timeout_s
             data: bytes = self._device.read(1)

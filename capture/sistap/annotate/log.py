@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap log`: a capture as a log, to be read without Wireshark or sent by mail.
+
+It is what annotate makes of the log of another program: a line with time, direction and bytes, under it what they are.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from sistap.annotate.explaining import Fields, said
+from sistap.annotate.reading import EXPLANATION
+from sistap.annotate.weaving import sentence
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage
+from sistap.wireshark.tshark import Tshark, TsharkError
+
+DESCRIPTION = """\
+Write a capture of sistap as a log: a line for each telegram, with its time, its direction and its bytes, and under it
+what it is. `sistap annotate` reads such a log back to the same telegrams at the same times. Wireshark's dissector
+explains, through tshark, which has to be installed with the plugin or sis.lua.
+"""
+
+EPILOG = """\
+Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; on a shared bus there are none.
+Line errors and the times inside a telegram do not fit into a log: keep the capture, too.
+
+examples:
+  sistap log day.pcapng                  on standard output
+  sistap log day.pcapng -o day.txt       for a mail
+
+exit status:
+  0  done; also of a capture that is cut, which is said on standard error
+  1  failed while running: tshark or the plugin is missing, disk full
+  2  wrong usage, a CAPTURE that cannot be read or has no records of sistap, a FILE that cannot be written
+"""
+
+_TIME, _TYPE, _LINE, _CHARACTER = "frame.time_epoch", "sertap.type", "sertap.line", "sertap.character"
+_DIRECTIONS = {"1": "RX  ", "2": "TX  "}
+_NS = 1  # resolution of the times
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture of sistap")
+    parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the log; return the exit code."""
+    console = Console()
+    try:
+        written, left_out = _write(args, console)
+    except (NotACapture, NotOpened) as error:
+        console.say(str(error))
+        return USAGE
+    except (Incomplete, TsharkError) as error:
+        console.say(str(error))
+        return FAILED
+    if left_out:
+        packets = "1 packet is no record" if left_out == 1 else f"{left_out} packets are no records"
+        console.say(f"{args.capture}: {packets} of sistap, and not in the log")
+    return DONE if written or not left_out else USAGE
+
+
+def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
+    """Write the log; give how many packets are in it, and how many are not."""
+    _check(args)
+    written = left_out = 0
+    with Tshark() as tshark, opened(args.output) as file:
+        for line in _lines(tshark, args.capture, console.say):
+            written += bool(line)
+            left_out += not line
+            file.write(line.encode())
+    return written, left_out
+
+
+def _check(args: argparse.Namespace) -> None:
+    try:
+        args.capture.open("rb").close()
+    except OSError as error:
+        raise NotACapture(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
+    if args.output and Path(args.output).exists() and args.capture.samefile(args.output):
+        raise NotOpened(f"{args.output} is the capture itself; name another file with -o")
+
+
+def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterator[str]:
+    """Yield the lines of each packet; an empty text for one that is no record."""
+    fields = Fields(tshark, (_TIME, _TYPE, _LINE, _CHARACTER))
+    came = False
+    try:
+        for line in tshark.lines(["-r", str(capture), "-2", *fields.arguments]):
+            came = True
+            yield _entry(fields.columns(line))
+    except TsharkError as error:
+        say(f"{capture}: the log is of what comes before the damage: {damage(capture, error, came)}")
+
+
+def _entry(columns: dict[str, str]) -> str:
+    """Return the line of a packet and its explanation; events are nothing but an explanation."""
+    stamp = _stamp(columns[_TIME])
+    text = sentence(said(columns), _NS if stamp else None)
+    if columns.get(_TYPE) == str(EVENT):
+        return f"{EXPLANATION}{stamp}{text}\n"
+    characters = columns.get(_CHARACTER, "").replace("0x", "").replace(JOINT, " ").upper()
+    if not characters:
+        return ""
+    start = stamp + _DIRECTIONS.get(columns.get(_LINE, ""), "")
+    return f"{start}{characters}\n{' ' * len(start)}{EXPLANATION}{text}\n"
+
+
+def _stamp(epoch: str) -> str:
+    """Return local time with its zone; nothing for 0, which is the time of a log without times."""
+    seconds, _, ns = epoch.partition(".")
+    if not int(seconds) and not int(ns):
+        return ""
+    local = time.localtime(int(seconds))
+    return f"{time.strftime('%Y-%m-%d %H:%M:%S', local)}.{ns.ljust(9, '0')}{time.strftime('%z', local)}  "

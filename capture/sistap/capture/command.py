@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap capture`: what it takes."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from contextlib import closing
+from typing import Any
+
+from sistap.capture.filter import FilterError
+from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
+from sistap.capture.running import record
+from sistap.files.output import Output, OutputRefused
+from sistap.files.writer import LINK_TYPES, UPPER_PDU
+from sistap.terminal.console import Console
+from sistap.terminal.exits import USAGE, UsageError
+from sistap.terminal.stop import Stop
+from sistap.terminal.streams import STANDARD_OUTPUT
+
+LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
+
+DESCRIPTION = """\
+Listen to a serial line and record every character with its time: telegrams of the SIS protocol, and whatever else is on
+the line, into a pcapng file for Wireshark, or as lines of text. The port is never written to.
+"""
+
+EPILOG = """\
+A PORT is a device (/dev/ttyUSB0; `sistap ports` lists them), a virtual bus (bus://HOST:PORT), or a URL of pyserial
+(socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
+
+With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
+telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
+changes when the bus is told so (service 0x03), also for the time of a timed test; if then nothing valid comes, a line
+says so, and with --baud auto, too, the search begins again.
+
+RS422 and RS232 have a line for each direction: tap both, each with a port of its own, and give -i twice. Line 1 is the
+first, line 2 the second. Their records are in one file, in the order in which they began; for that a record waits while
+an older telegram is still coming in on the other line, half a second at most.
+
+A capture filter is written as for tcpdump and sees the plain telegram: link[5] is the service, link[6] the sender
+address, link[7] the receiver address. Other characters and events always pass.
+
+examples:
+  sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
+  sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
+  sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
+  sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
+                                                               the last 24 hours, a file for each
+  sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
+                                                               only telegrams that write a parameter
+
+exit status:
+  0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
+  1  failed while running (port lost, disk full): what came before is saved
+  2  wrong usage, wrong filter, or a FILE that cannot be written
+  3  the port cannot be opened
+"""
+
+
+class _Once(argparse.Action):
+    """An option that, given twice, would silently lose one of its values."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, option: str | None = None
+    ) -> None:
+        if not value:
+            parser.error(f"{option} needs a {self.metavar}")
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"{option} can be given only once: start a capture for each {self.metavar}")
+        setattr(namespace, self.dest, value)
+
+
+class _Ports(argparse.Action):
+    """One port, or two for the two directions of a line."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, option: str | None = None
+    ) -> None:
+        if not value:
+            parser.error(f"{option} needs a {self.metavar}")
+        ports = [*(namespace.ports or []), value]
+        if len(ports) > len(BOTH_LINES):
+            parser.error(f"{option} can be given once, or twice for the two directions of a line")
+        namespace.ports = ports
+
+
+def _positive(kind: Callable[[str], float], text: str) -> float:
+    value = kind(text)
+    if not 0 < value <= LARGEST:
+        raise ValueError
+    return value
+
+
+def _number(text: str) -> int:
+    try:
+        return int(_positive(int, text))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
+
+
+def _rate(text: str) -> int | None:
+    try:
+        return rate(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _condition(text: str) -> tuple[str, float]:
+    name, _, value = text.partition(":")
+    try:
+        return name, _positive({"duration": float, "filesize": int, "files": int}[name], value)
+    except (KeyError, ValueError):
+        raise argparse.ArgumentTypeError(f"'{text}' is not duration:SECONDS, filesize:KB or files:NUMBER") from None
+
+
+def _framing(text: str) -> float | None:
+    if text == "sis":
+        return None
+    name, _, value = text.partition(":")
+    try:
+        if name == "silence":
+            return _positive(float, value)
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not sis or silence:MILLISECONDS")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add(
+        "-i",
+        dest="ports",
+        action=_Ports,
+        metavar="PORT",
+        required=True,
+        help="the port to listen to; given twice, the two directions of an RS422 or RS232 line, line 1 and line 2",
+    )
+    add(
+        "-w",
+        dest="file",
+        action=_Once,
+        metavar="FILE",
+        help="write a pcapng file; - is standard output. Without it, print text",
+    )
+    add(
+        "--baud",
+        type=_rate,
+        default=9600,
+        metavar="RATE|auto",
+        help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",
+    )
+    add("--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
+    add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
+    add(
+        "--framing",
+        dest="silence_ms",
+        type=_framing,
+        metavar="sis|silence:MS",
+        help="cut SIS telegrams (the default), or, for another protocol, frames with so much silence between them",
+    )
+    add(
+        "--link-type",
+        choices=LINK_TYPES,
+        default=UPPER_PDU,
+        metavar="TYPE",
+        help="upper-pdu (the default) has everything; rtac and user0 .. user15 have only telegrams, for other tools",
+    )
+    add(
+        "-c",
+        dest="count",
+        type=_number,
+        metavar="N",
+        help="stop after N records; the event that starts a file is not counted",
+    )
+    add(
+        "-a",
+        dest="autostop",
+        type=_condition,
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="stop after duration:SECONDS, filesize:KB (1000 bytes) or files:NUMBER",
+    )
+    add(
+        "-b",
+        dest="ring",
+        type=_condition,
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="begin a new file after duration:SECONDS or filesize:KB; files:NUMBER: keep only the newest",
+    )
+    add("-f", dest="filter", metavar="FILTER", help="write only telegrams that pass this capture filter")
+    add("-q", dest="quiet", action="store_true", help="do not show progress")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Capture as told; return the exit code. May raise PortError."""
+    stop = Stop.current()
+    console = Console()
+    try:
+        options = _options(args)
+        plan = checked(options)
+        output = Output(options.file or STANDARD_OUTPUT, options.limits, lambda: stop.asked, console.say)
+    except (UsageError, FilterError, OutputRefused) as error:
+        console.alarm(str(error))
+        return USAGE
+    with closing(output):
+        return record(options, plan, output, stop, console)
+
+
+def _options(args: argparse.Namespace) -> CaptureOptions:
+    return CaptureOptions(
+        ports=tuple(args.ports),
+        file=args.file,
+        baud=args.baud,
+        format=args.format,
+        follow_baud=args.follow_baud,
+        silence_ms=args.silence_ms,
+        link_type=args.link_type,
+        count=args.count,
+        autostop=dict(args.autostop),
+        ring=dict(args.ring),
+        filter=args.filter,
+        quiet=args.quiet,
+    )

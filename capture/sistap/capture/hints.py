@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""First aid while capturing: what most probably is wrong when nothing sensible arrives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from sistap.capture.scan import Scan
+from sistap.line.settings import LineSettings
+from sistap.records.counters import Counters
+from sistap.records.record import Framing
+from sistap.sis.rates import RATES
+
+SILENT_S = 5
+ENOUGH_ERRORS = 20  # characters, all of them wrong, that are no accident
+ENOUGH_CHARACTERS = 500  # more than the longest telegram (263): one at least should have been complete
+
+
+class Hints:
+    """Each hint is given once."""
+
+    def __init__(self, settings: LineSettings, framing: Framing) -> None:
+        """Start with no hint given."""
+        self._settings = settings
+        self._framing = framing
+        self._given: set[str] = set()
+
+    def look(self, counters: Counters, elapsed_s: float, searching: Scan | None = None) -> Iterator[str]:
+        """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` for its settings."""
+        hint = _diagnose_search(counters, elapsed_s, searching) if searching else self._diagnose(counters, elapsed_s)
+        if hint and hint not in self._given:
+            self._given.add(hint)
+            yield hint
+
+    def _diagnose(self, counters: Counters, elapsed_s: float) -> str | None:
+        settings = self._settings
+        characters = counters.characters
+        all_wrong = characters > 0 and counters.faulty_characters == characters
+        hint = None
+        if not characters and elapsed_s >= SILENT_S:
+            hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground), the port and --baud"
+        # A wrong parity makes no break and spoils no telegram; swapped wires and a wrong rate do both.
+        elif all_wrong and characters >= ENOUGH_ERRORS and (counters.telegrams or not counters.breaks):
+            other = "8E1" if settings.parity == "N" else "8N1"
+            hint = f"every character has an error with {settings.format}: try --format {other}, then another --baud"
+        elif all_wrong and characters >= ENOUGH_ERRORS:
+            hint = "only breaks and framing errors: A and B may be swapped, or --baud is wrong"
+        elif self._framing == Framing.SIS and characters >= ENOUGH_CHARACTERS and not counters.telegrams:
+            hint = (
+                f"{ENOUGH_CHARACTERS} characters and no valid telegram at {settings.baud} Bd: "
+                "try another --baud, or this is another protocol"
+            )
+        return hint
+
+
+def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:
+    hint = None
+    if not counters.characters and elapsed_s >= SILENT_S:
+        hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground) and the port; the search goes on"
+    elif scan.in_vain and counters.telegrams:
+        hint = "telegrams come, but none without line errors: try --format 8O1, then others; the search goes on"
+    elif scan.in_vain:
+        hint = (
+            f"no valid telegram at any rate from {RATES[0]} to {RATES[-1]} Bd: A and B may be swapped, "
+            "or this is another protocol; the search goes on"
+        )
+    return hint

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a capture is told, and whether it goes together, whoever says it: the command line or a dialog of Wireshark."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from sistap.capture.filter import Filter
+from sistap.capture.scan import AUTO, FORMATS
+from sistap.files.output import Limits
+from sistap.files.writer import UPPER_PDU
+from sistap.line import ports
+from sistap.line.settings import LineSettings
+from sistap.records.record import LARGEST_RATE
+from sistap.sis.rates import RATES
+from sistap.terminal.exits import UsageError
+from sistap.terminal.streams import STANDARD_OUTPUT
+
+ONE_LINE, BOTH_LINES = (0,), (1, 2)  # their numbers: a shared bus, the directions of a full-duplex line
+
+
+@dataclass(frozen=True)
+class CaptureOptions:
+    """The options of `sistap capture`, each as its help says."""
+
+    ports: Sequence[str]
+    file: str | None = None  # None: print text
+    baud: int | None = RATES[0]  # None: look for it
+    format: str | None = None  # None: that of the specification, or looked for with the rate
+    follow_baud: bool = False
+    silence_ms: float | None = None  # None: cut SIS telegrams
+    link_type: str = UPPER_PDU
+    count: int | None = None
+    autostop: Mapping[str, float] = field(default_factory=dict)  # -a: duration, filesize, files
+    ring: Mapping[str, float] = field(default_factory=dict)  # -b: the same
+    filter: str | None = None
+    quiet: bool = False
+
+    @property
+    def lines(self) -> Sequence[int]:
+        """The number of the line of each port."""
+        return BOTH_LINES if len(self.ports) > 1 else ONE_LINE
+
+    @property
+    def formats(self) -> Sequence[str]:
+        """Those among which the format is looked for with the rate; none if the rate is known."""
+        if self.baud:
+            return ()
+        return (self.format,) if self.format else FORMATS
+
+    @property
+    def limits(self) -> Limits:
+        """Return what -w, -a and -b say together; they mean what they mean in dumpcap. May raise UsageError."""
+        _check_limits(self)
+        size = _size(self)
+        return Limits(
+            size=int(size) * 1000 if size else None,
+            duration_s=self.ring.get("duration"),
+            several=bool(self.ring),
+            keep=_whole(self.ring.get("files")),
+            files=_whole(self.autostop.get("files")),
+        )
+
+
+class Plan(NamedTuple):
+    """What options come to."""
+
+    settings: LineSettings  # to begin with
+    only: Filter | None
+
+
+def rate(text: str) -> int | None:
+    """Read a rate; None is auto. ValueError says what it has to be."""
+    if text == AUTO:
+        return None
+    try:
+        if 0 < (baud := int(text)) <= LARGEST_RATE:
+            return baud
+    except ValueError:
+        pass
+    raise ValueError(f"'{text}' is neither auto nor a rate from 1 to {LARGEST_RATE} Bd")
+
+
+def checked(options: CaptureOptions) -> Plan:
+    """Check the options that do not concern the output. May raise UsageError or FilterError."""
+    settings = _settings(options)
+    _check_ports(options)
+    return Plan(settings, Filter(options.filter) if options.filter else None)
+
+
+def _settings(options: CaptureOptions) -> LineSettings:
+    """Return the settings to begin with."""
+    fixed = [port for port in options.ports if port.startswith("socket://")]
+    steered = "--baud auto" if options.baud is None else "--follow-baud" if options.follow_baud else ""
+    if steered and options.silence_ms is not None:
+        raise UsageError(f"{steered} needs SIS telegrams: leave out --framing or {steered}")
+    if steered and fixed:
+        raise UsageError(f"{steered} cannot change the rate behind {fixed[0]}: set it there, and leave out {steered}")
+    try:
+        return LineSettings.parse(options.baud or RATES[0], options.format or FORMATS[0])
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+
+
+def _size(options: CaptureOptions) -> float | None:
+    """Return how large a file may become, in kB."""
+    return options.ring.get("filesize", options.autostop.get("filesize"))
+
+
+def _whole(number: float | None) -> int | None:
+    return None if number is None else int(number)
+
+
+def _check_limits(options: CaptureOptions) -> None:
+    ring, size = options.ring, _size(options)
+    if options.file is None and (size or ring or options.link_type != UPPER_PDU):
+        raise UsageError("-a filesize:, -b and --link-type need a file: say it with -w")
+    if options.file == STANDARD_OUTPUT and ring:
+        raise UsageError("-b needs files: standard output is only one")
+    if options.file == STANDARD_OUTPUT and os.isatty(1):
+        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -k -i - or leave out -w")
+    if ring and not size and "duration" not in ring:
+        raise UsageError("-b files: does not say when a file is full: add -b duration:SECONDS or -b filesize:KB")
+    if "files" in options.autostop and not ring:
+        raise UsageError("-a files: needs several files: add -b duration:SECONDS or -b filesize:KB")
+
+
+def _check_ports(options: CaptureOptions) -> None:
+    """Refuse a port that something would be written to, and one port for both lines."""
+    for port in options.ports:
+        if options.file and ports.is_same_file(options.file, port):
+            raise UsageError(f"{options.file} is the port itself, which is never written to: choose a file with -w")
+        if ports.is_own_terminal(port):
+            raise UsageError(f"{port} is the terminal that sistap itself reads or writes: choose another port with -i")
+    first, last = options.ports[0], options.ports[-1]
+    if len(options.ports) > 1 and (first == last or ports.is_same_file(first, last)):
+        raise UsageError(f"{last} is the same port again: the second -i is the port of the other direction")

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One capture, from its options to its exit code: opens the ports, puts the parts together, says what was written."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+from sistap.capture.filter import Filter
+from sistap.capture.options import CaptureOptions, Plan
+from sistap.capture.remote import Remote
+from sistap.capture.session import Capture, Conditions
+from sistap.capture.tap import Sink
+from sistap.files.output import Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import LINK_TYPES, PcapngWriter
+from sistap.line import priority
+from sistap.line.reader import Reader, open_reader
+from sistap.records.counters import Counters
+from sistap.records.record import Record, Type
+from sistap.records.text import lines
+from sistap.terminal.console import Audience
+from sistap.terminal.stop import Stop
+
+
+class TextSink:
+    """Prints records as text."""
+
+    def __init__(self, output: Output) -> None:
+        """Print to `output`."""
+        self._output = output
+
+    def begin(self, *started: Record) -> None:
+        """Print nothing: standard error says it."""
+
+    def write(self, record: Record) -> bool:
+        """Print a record at once; not an event, that standard error tells."""
+        if record.type == Type.EVENT:
+            return False
+        self._output.write(lines(record).encode())
+        return True
+
+    def look(self, time_ns: int) -> None:
+        """Do nothing: it is one output only."""
+
+    def end(self, time_ns: int) -> None:
+        """Print nothing."""
+
+
+@priority.real_time()
+def record(  # noqa: PLR0913 - it puts the parts together
+    options: CaptureOptions, plan: Plan, output: Output, stop: Stop, console: Audience, remote: Remote | None = None
+) -> int:
+    """Capture into `output`, perhaps controlled by `remote`; return the exit code. May raise PortError."""
+    with ExitStack() as opened:
+        readers: list[Reader] = []
+        for line, port in zip(options.lines, options.ports, strict=True):
+            readers.append(open_reader(port, plan.settings, line))
+            opened.callback(readers[-1].close)
+        counters = Counters()
+        capture = Capture(
+            readers,
+            _sink(options, readers, output, counters),
+            output,
+            counters,
+            console,
+            _conditions(options, plan.only),
+            quiet=options.quiet,
+            progress=bool(options.file) and not options.quiet and console.shows_progress,
+            remote=remote,
+        )
+        code = capture.run(stop)
+    if options.file:
+        console.say(_summary(counters, output))
+    elif not options.quiet:
+        console.say(str(counters))
+    return code
+
+
+def _sink(options: CaptureOptions, readers: list[Reader], output: Output, counters: Counters) -> Sink:
+    if not options.file:
+        return TextSink(output)
+    return PcapngWriter(output, {reader.line: _interface(options, reader) for reader in readers}, counters)
+
+
+def _conditions(options: CaptureOptions, only: Filter | None) -> Conditions:
+    duration_s = options.autostop.get("duration")
+    return Conditions(options.silence_ms, only, options.count, duration_s, options.formats, options.follow_baud)
+
+
+def _interface(options: CaptureOptions, reader: Reader) -> Interface:
+    settings = str(reader.settings) if options.baud else "rate by --baud auto"
+    return Interface(
+        LINK_TYPES[options.link_type],
+        reader.name,
+        f"{settings}; {reader.timing}",
+        options.baud or 0,
+        reader.adapter,
+        options.filter or "",
+    )
+
+
+def _summary(counters: Counters, output: Output) -> str:
+    received = counters.received.total()
+    of_received = f" of {received}" if counters.written != received else ""
+    return (
+        f"{counters.written}{of_received} records ({counters.telegrams} telegrams, {counters.characters} characters, "
+        f"{counters.errors}) written to {output.summary}"
+    )

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The lines of a capture: what is read on them becomes records in a sink, filtered and counted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from sistap.capture.filter import Filter
+from sistap.capture.hints import Hints
+from sistap.capture.scan import Scan
+from sistap.line.clock import CLOCK
+from sistap.line.reader import Reader
+from sistap.line.settings import Read
+from sistap.records.assembler import Assembler
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, Type, event
+
+
+class Sink(Protocol):
+    """Where records go."""
+
+    def begin(self, *started: Record) -> None:
+        """Begin, with an event for each port that says how the capture is taken."""
+
+    def write(self, record: Record) -> bool:
+        """Take a record; tell whether it was written."""
+
+    def look(self, time_ns: int) -> None:
+        """Look, while nothing comes, whether the time for something has come."""
+
+    def end(self, time_ns: int) -> None:
+        """End."""
+
+
+@dataclass
+class _Line:
+    """One line: the port it comes from, what has come on it, and what was said of that."""
+
+    reader: Reader
+    counters: Counters
+    hints: Hints
+
+
+class Tap:
+    """From reads to a sink. `now` is the time of the monotonic clock, in ns; events have that of the line."""
+
+    def __init__(  # noqa: PLR0913 - it puts the parts together
+        self,
+        readers: Sequence[Reader],
+        sink: Sink,
+        counters: Counters,
+        clock_ns: Callable[[], int],
+        *,
+        silence_ms: float | None = None,
+        only: Filter | None = None,
+        count: int | None = None,
+    ) -> None:
+        """Cut frames by `silence_ms`, if it is said; write those that `only` lets pass, and no more than `count`."""
+        self._sink = sink
+        self._counters = counters
+        self._clock_ns = clock_ns
+        self._only = only
+        self._count = count
+        self._several = len(readers) > 1
+        self._assembler = Assembler(self._write, silence_ms)
+        self._lines: dict[int, _Line] = {}
+        self._last: Read | None = None
+        for reader in readers:
+            self.add_line(reader.line, reader)
+
+    def add_line(self, number: int, reader: Reader) -> None:
+        """Begin a line."""
+        self._assembler.add_line(number, reader.settings, self._clock_ns())
+        counters = Counters() if self._several else self._counters
+        self._lines[number] = _Line(reader, counters, self._new_hints(reader))
+
+    def has(self, number: int) -> bool:
+        """Tell whether there is such a line: one port, a virtual bus, can bring several."""
+        return number in self._lines
+
+    def reader(self, number: int) -> Reader:
+        """Return what reads a line."""
+        return self._lines[number].reader
+
+    def which(self, number: int) -> str:
+        """Name a line for people, in front of what is said of it; with one port there is only one."""
+        return f"line {number}: " if self._several else ""
+
+    def begin(self, started: Mapping[int, str]) -> None:
+        """Begin the sink, with how the capture is taken on each line."""
+        self._sink.begin(*(self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()))
+
+    def end(self) -> None:
+        """Write what is left, and end the sink."""
+        self._assembler.flush(self._lines, self._clock_ns())
+        self._sink.end(self.wall_ns())
+
+    def lose(self, reader: Reader, number: int, text: str) -> None:
+        """Write what is left of the lines of a port that is gone, and why it is."""
+        self._assembler.flush(self._lines_of(reader), self._clock_ns())
+        self.note(number, Event.ADAPTER_LOST, text)
+
+    def note(self, number: int, code: Event, text: str) -> None:
+        """Write an event that has nothing to do with what was read."""
+        self._assembler.emit([self._event(number, code, text)], self._clock_ns())
+
+    def note_clock_step(self, number: int) -> str:
+        """Write an event if the wall clock was set. Return what to say of it, or nothing."""
+        step_ns = CLOCK.step_ns()
+        if not step_ns:
+            return ""
+        text = (
+            f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
+            "times in this capture go on without the step"
+        )
+        self.note(number, Event.MARKER, text)
+        return text
+
+    def brings_settings(self, read: Read) -> bool:
+        """Tell whether this is the first read with other settings."""
+        return self._assembler.brings_settings(read)
+
+    def take(self, read: Read, now: int, why: str) -> list[Record]:
+        """Take what was read; `why` is said of other settings. Return the records that it completed."""
+        self._last = read
+        self._counters.add_read(read)
+        if self._several:
+            self._lines[read.line].counters.add_read(read)
+        return self._assembler.take(read, now, why)
+
+    def idle(self, now: int) -> list[tuple[int, list[Record]]]:
+        """Look which lines have been silent for long. Return the records that this completed, with their lines."""
+        completed = self._assembler.idle(now)
+        # What a framer holds is older than now, and a new file begins with the time now. Without it no record waits.
+        if self._assembler.empty:
+            self._sink.look(self.wall_ns())
+        return completed
+
+    def renew_hints(self, reader: Reader) -> None:
+        """Begin the hints of a port again: it has other settings."""
+        self._lines[reader.line].hints = self._new_hints(reader)
+
+    def hints(self, reader: Reader, elapsed_s: float, searching: Scan | None) -> Iterator[str]:
+        """Return the new hints of a port, each for its line."""
+        line = self._lines[reader.line]
+        for hint in line.hints.look(line.counters, elapsed_s, searching):
+            yield self.which(reader.line) + hint
+
+    def wall_ns(self) -> int:
+        """Return the time now by the clock of the line: a virtual bus may have its own."""
+        if self._last is None:
+            return CLOCK.now_ns()
+        return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
+
+    def _new_hints(self, reader: Reader) -> Hints:
+        return Hints(reader.settings, self._assembler.framing)
+
+    def _lines_of(self, reader: Reader) -> Iterable[int]:
+        return [number for number, line in self._lines.items() if line.reader is reader]
+
+    def _event(self, number: int, code: Event, text: str) -> Record:
+        return event(self.wall_ns(), number, self._assembler.settings(number), code, text)
+
+    def _write(self, record: Record) -> None:
+        if record.type == Type.EVENT:
+            self._sink.write(record)
+            return
+        counters, only, count = self._counters, self._only, self._count
+        passes = only is None or record.type != Type.FRAME or only.matches(record.data)
+        if passes and (count is None or counters.written < count):
+            counters.accepted[record.line] += self._sink.write(record)
+        counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
+        if self._several:
+            self._lines[record.line].counters.add_record(record)

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: GPL-2.0-or-later
-"""How every command of sistap ends; `sistap --help` says what the codes mean."""
-
-DONE, FAILED, USAGE, PORT = 0, 1, 2, 3

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A capture that Wireshark started: records go into its pipe, with what was set in the dialog."""
+
+from __future__ import annotations
+
+import argparse
+import io
+from contextlib import closing, redirect_stdout
+
+from sistap import selftest
+from sistap.capture.filter import FilterError
+from sistap.capture.options import CaptureOptions, checked, rate
+from sistap.capture.running import record
+from sistap.extcap import demo, dialog
+from sistap.extcap.interfaces import DEMO, port_of
+from sistap.extcap.toolbar import Toolbar
+from sistap.files.output import Output, OutputRefused
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line.reader import PortError
+from sistap.records.counters import Counters
+from sistap.sis.rates import RATES
+from sistap.terminal.exits import PORT, USAGE, UsageError
+from sistap.terminal.stop import Stop
+
+
+def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
+    """Capture until Wireshark ends it; return the exit code."""
+    if args.uncertainty == dialog.SELFTEST and args.extcap_interface != DEMO:
+        _measure(toolbar)
+    stop = Stop.current()
+    toolbar.when_left(stop.ask)
+    try:
+        output = Output(args.fifo, stopped=lambda: stop.asked)
+    except OutputRefused as error:
+        toolbar.alarm(str(error))
+        return USAGE
+    with closing(output):
+        try:
+            options = _options(args)
+            return record(options, checked(options), output, stop, toolbar, toolbar)
+        except (ValueError, UsageError, FilterError) as error:
+            code, trouble = USAGE, str(error)
+        except PortError as error:
+            code, trouble = PORT, str(error)
+        toolbar.alarm(trouble)
+        # An empty capture: where there is none, Wireshark blames the pipe.
+        interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, args.extcap_interface)
+        PcapngWriter(output, {0: interface}, Counters()).begin()
+        return code
+
+
+def _options(args: argparse.Namespace) -> CaptureOptions:
+    """Make the options of the capture; ValueError says what is wrong with those of the dialog."""
+    demo_bus = args.extcap_interface == DEMO
+    ports = [demo.start(args.faults, args.scenario) if demo_bus else port_of(args.extcap_interface)]
+    if args.second_port:
+        ports.append(port_of(args.second_port))
+    return CaptureOptions(
+        ports=ports,
+        file=args.fifo,
+        baud=_rate(args.other_baud or args.baud),
+        format=args.format or None,
+        follow_baud=args.follow_baud,
+        filter=args.extcap_capture_filter or None,
+    )
+
+
+def _rate(text: str) -> int | None:
+    try:
+        return rate(text) if text else RATES[0]
+    except ValueError as error:
+        raise ValueError(f"argument --baud: {error}") from None
+
+
+def _measure(toolbar: Toolbar) -> None:
+    """Make a self-test; the event that starts the capture will say what it found."""
+    parser = argparse.ArgumentParser()
+    selftest.add_arguments(parser)
+    options = parser.parse_args([])
+    toolbar.say(f"a self-test, for {options.duration:g} s, before the capture begins")
+    with redirect_stdout(io.StringIO()):
+        selftest.run(options)

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Where a capture goes, block by block: a file, a pipe, or a row of files named as dumpcap names them.
+
+A block goes into a file with one write and without a buffer, so that whatever happens to this process, whole blocks are
+there. Into a pipe or a terminal it goes in pieces that do not have to wait, so that a reader who does not read can
+never hold up a stop.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import select
+import stat
+import sys
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, never_waiting
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
+_WAIT_MS = 100  # so long, at most, does a stop take
+_WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
+_PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
+
+
+class OutputError(Exception):
+    """Nothing more can be written; str() is the one line to show."""
+
+
+class ReaderGone(OutputError):
+    """Nobody reads the pipe any more."""
+
+
+class OutputRefused(Exception):
+    """It cannot be written to at all; str() is the one line to show."""
+
+
+class Limits(NamedTuple):
+    """When a file is full, and how many there may be; None: no limit."""
+
+    size: int | None = None  # bytes of a file
+    duration_s: float | None = None  # of a file
+    several: bool = False  # go on with the next file when one is full
+    keep: int | None = None  # of several files, delete the oldest above this number
+    files: int | None = None  # stop after so many
+
+
+NO_LIMITS = Limits()
+
+
+def file_name(path: str, number: int, seconds: float) -> str:
+    """Name one of several files: BASE_00001_YYYYMMDDHHMMSS.EXT, local time. A folder keeps its name: it is refused."""
+    plain = Path(path)
+    if plain.is_dir():
+        return path
+    stamp = time.strftime("%Y%m%d%H%M%S", time.localtime(seconds))
+    return str(plain.with_name(f"{plain.stem}_{number % FILE_NUMBERS:05d}_{stamp}{plain.suffix}"))
+
+
+class Output:
+    """Opens at once, so that what is wrong with a path is said before anything else happens; truncates in `begin`."""
+
+    def __init__(
+        self,
+        path: str,
+        limits: Limits = NO_LIMITS,
+        stopped: Callable[[], bool] = lambda: False,
+        say: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """Open the (first) file. `stopped` tells when not to wait any longer for the reader of a pipe.
+
+        `say` is told what does not end the capture at once. May raise OutputRefused.
+        """
+        self._base = path
+        self._limits = limits
+        self._stopped = stopped
+        self._say = say
+        self._number = 1
+        self._begun = time.monotonic()
+        self._file = self._open()
+        self._next: _File | None = None
+        self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
+        self.failed = False  # the next of several files could not be opened: this one is the last
+
+    @property
+    def full(self) -> bool:
+        """Whether the file has reached a limit."""
+        size, duration_s = self._limits.size, self._limits.duration_s
+        return (size is not None and self._file.size >= size) or (
+            duration_s is not None and time.monotonic() - self._begun >= duration_s
+        )
+
+    @property
+    def done(self) -> bool:
+        """Whether the last file is full."""
+        return self.full and (self.failed or not self._limits.several or self._number == self._limits.files)
+
+    def begin(self) -> None:
+        """Start the file: empty it, if it is one."""
+        self._file.empty()
+        self._begun = time.monotonic()
+
+    def write(self, block: bytes) -> None:
+        """Write one block. OutputError if that fails: then a file has been cut back to the block before."""
+        file = self._file
+        rest = memoryview(block)
+        try:
+            while rest:
+                written = file.write_some(rest)
+                rest = rest[written:]
+                if not written and self._stopped():
+                    raise OutputError(f"{self} is not being read; the last records are missing in it")
+        except OSError as error:
+            file.cut(len(block) - len(rest))
+            raise self._failure(error) from error
+        file.size += len(block)
+
+    def check(self) -> None:
+        """Tell while there is nothing to write whether a pipe still has a reader; ReaderGone if not."""
+        if self._file.deserted:
+            raise self._failure(BrokenPipeError(errno.EPIPE, ""))
+
+    def open_next(self) -> bool:
+        """Open the next of several files while this one can still be written; if that fails this one is the last."""
+        try:
+            self._next = self._open(self._number + 1)
+        except OutputRefused as error:
+            self.failed = True
+            self._say(f"{error}; everything before it is saved")
+        return not self.failed
+
+    def go_on(self) -> None:
+        """Close this file for the one that `open_next` opened; delete the oldest if there are too many."""
+        assert self._next
+        self._file.close()
+        self._file, self._next = self._next, None
+        self._number += 1
+        if not self._limits.keep:
+            return
+        self._kept.append(self._file.path)
+        if len(self._kept) > self._limits.keep:
+            oldest = self._kept.popleft()
+            try:
+                Path(oldest).unlink(missing_ok=True)
+            except OSError as error:
+                self._say(f"{oldest} cannot be deleted: {error.strerror}; it stays, delete it yourself")
+
+    def close(self) -> None:
+        """Close the file. A new one with nothing in it does not stay behind."""
+        for file in (self._file, self._next):
+            if file:
+                file.close()
+
+    def __str__(self) -> str:
+        """Name for people what is written to now."""
+        return self._file.name
+
+    @property
+    def summary(self) -> str:
+        """Name for people all that was written to."""
+        if self._number == 1:
+            return str(self)
+        kept = len(self._kept) if self._limits.keep else self._number
+        deleted = f", of which the last {kept} were kept" if kept < self._number else ""
+        return f"{self._number} files{deleted}: {self._kept[0]} to {self._file.path}"
+
+    def _open(self, number: int = 1) -> _File:
+        return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
+
+    def _failure(self, error: OSError) -> OutputError:
+        if error.errno == errno.EPIPE:
+            return ReaderGone(f"the reader of {self} is gone; the capture has ended")
+        return OutputError(f"{self}: {error.strerror}; everything before it is saved")
+
+
+class _File:
+    """A file, pipe or terminal that is open for writing; `size` is that of what was written to it, in bytes."""
+
+    def __init__(self, path: str) -> None:
+        """Open without touching the content. May raise OutputRefused."""
+        self.path = path
+        self.name = "standard output" if path == STANDARD_OUTPUT else path  # for people
+        self.size = 0
+        try:
+            self._descriptor, self._created = _open(path)
+        except OSError as error:
+            raise OutputRefused(
+                f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
+            ) from error
+        self._regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
+        self._poll: select.poll | None = None
+        if self._regular and path != STANDARD_OUTPUT:
+            self._lock()
+        elif sys.platform != "win32" and not self._regular:
+            self._poll = select.poll()
+            self._poll.register(self._descriptor, select.POLLOUT)
+
+    def _lock(self) -> None:
+        """Keep other captures out. Where locks do not exist there is no protection."""
+        if sys.platform != "win32":
+            try:
+                fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                os.close(self._descriptor)
+                raise OutputRefused(
+                    f"{self.path} is being written by another capture; choose another file with -w"
+                ) from None
+            except OSError:
+                pass
+
+    def empty(self) -> None:
+        """Drop what an older capture left; not what a shell appends to."""
+        if self._regular and self.path != STANDARD_OUTPUT:
+            os.ftruncate(self._descriptor, 0)
+
+    def write_some(self, data: memoryview) -> int:
+        """Write what can be, after waiting a moment if nothing can; give how many bytes. May raise OSError."""
+        if not self._poll:
+            return os.write(self._descriptor, data)
+        if not self._poll.poll(_WAIT_MS):
+            return 0
+        try:
+            return os.write(self._descriptor, data[:PIECE])
+        except BlockingIOError:
+            time.sleep(_PAUSE_S)
+            return 0
+
+    def cut(self, count: int) -> None:
+        """Take away the last bytes, if that is possible."""
+        if self._regular:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - count)
+
+    @property
+    def deserted(self) -> bool:
+        """Whether it is a pipe that has no reader any more."""
+        if sys.platform == "win32" or self._poll is None:
+            return False
+        return any(events & select.POLLERR for _, events in self._poll.poll(0))
+
+    def close(self) -> None:
+        """Close, and delete it if it is new and empty."""
+        os.close(self._descriptor)
+        if self._created and not self.size:
+            Path(self.path).unlink(missing_ok=True)
+
+
+def _open(path: str) -> tuple[int, bool]:
+    """Open for writing without touching the content: descriptor, and whether the file is new."""
+    if path == STANDARD_OUTPUT:
+        os.write(1, b"")  # an OSError if it is closed, or open only for reading
+        if sys.platform == "win32":
+            msvcrt.setmode(1, os.O_BINARY)
+        return never_waiting(1), False
+    if sys.platform == "win32":
+        flags = os.O_WRONLY | os.O_BINARY
+    else:
+        flags = os.O_WRONLY | os.O_NOCTTY
+    if path.startswith(_WINDOWS_PIPES):
+        return os.open(path, flags), False
+    try:
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666), True
+    except FileExistsError:
+        return os.open(path, flags | os.O_CREAT, 0o666), False

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads capture files (pcapng): block by block, packet by packet, or as the records of protocol `sertap` in them."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+from sistap.files import pcapng
+from sistap.records import record
+from sistap.records.record import Record
+
+_MAGIC = 0x1A2B3C4D
+_LARGEST = 1 << 24  # bytes of a block; Wireshark refuses packets far smaller
+_NAME = 12  # the tag of an exported PDU that names its dissector
+_RESOLUTION = 9  # the option if_tsresol
+_MICROSECONDS = 6  # decimal places, where the option is missing
+_FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}  # bytes of a body
+_CURE = "open and save it in Wireshark"
+
+
+class NotCaptured(ValueError):
+    """The file cannot be read as a capture; the text is one line that names the cure."""
+
+
+class Block(NamedTuple):
+    """A block of a file."""
+
+    kind: int
+    order: str  # of its bytes, as struct names it
+    body: bytes
+
+
+class Packet(NamedTuple):
+    """A packet of a file."""
+
+    link_type: int
+    time_ns: int | None  # None: its interface counts in units that are read by nobody here
+    data: bytes
+
+
+class _Interface(NamedTuple):
+    link_type: int
+    decimals: int  # of its time stamps, in seconds
+
+
+def records(path: Path) -> Iterator[Record]:
+    """Read all records in the order of the file; one that was cut off in mid-block ends before that block.
+
+    OSError, or NotCaptured if it is something else.
+    """
+    found = False
+    for packet in packets(path):
+        try:
+            one = record_of(packet)
+        except (ValueError, IndexError) as error:
+            raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
+        if one:
+            found = True
+            yield one
+    if not found:
+        raise NotCaptured(
+            f"{path} has no records of sistap: it takes what `sistap capture -w` or `sistap bus -w` writes "
+            "without --link-type"
+        )
+
+
+def record_of(packet: Packet) -> Record | None:
+    """Read the record in a packet; None if there is none of ours. ValueError or IndexError if it is damaged."""
+    if packet.link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU or packet.time_ns is None:
+        return None
+    payload = _payload(packet.data)
+    return None if payload is None else record.unpack(payload, packet.time_ns)
+
+
+def packets(path: Path) -> Iterator[Packet]:
+    """Read all packets of interfaces that the file describes. OSError or NotCaptured."""
+    with path.open("rb") as file:
+        interfaces: list[_Interface] = []
+        for kind, order, body in blocks(file, path):
+            if kind == pcapng.SECTION_HEADER:
+                interfaces = []
+            elif kind == pcapng.INTERFACE_DESCRIPTION:
+                interfaces.append(_interface(order, body))
+            elif kind == pcapng.ENHANCED_PACKET:
+                number, high, low, length = struct.unpack_from(f"{order}IIII", body)
+                if number < len(interfaces):
+                    time_ns = _time_ns(high << 32 | low, interfaces[number].decimals)
+                    yield Packet(interfaces[number].link_type, time_ns, body[20 : 20 + length])
+
+
+def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
+    """Read each whole block of the file named `path`. OSError or NotCaptured."""
+    order = ""
+    while len(head := file.read(8)) == 8:
+        if head[:4] == struct.pack("<I", pcapng.SECTION_HEADER):
+            magic = file.read(4)
+            order = {struct.pack(f"{order}I", _MAGIC): order for order in "<>"}.get(magic, "")
+            file.seek(-len(magic), 1)
+        if not order:
+            raise NotCaptured(f"{path} is no pcapng file: open it in Wireshark and save it as pcapng")
+        kind, length = struct.unpack(f"{order}II", head)
+        if length % 4 or not 12 <= length <= _LARGEST:
+            raise NotCaptured(f"{path} is damaged: a block says it has {length} bytes; {_CURE}")
+        body = file.read(length - 8)[:-4]
+        if len(body) < length - 12:
+            return
+        if len(body) < _FIXED.get(kind, 0):
+            raise NotCaptured(f"{path} is damaged: a block of kind {kind} has only {len(body)} bytes; {_CURE}")
+        yield Block(kind, order, body)
+
+
+def _interface(order: str, body: bytes) -> _Interface:
+    (link_type,) = struct.unpack_from(f"{order}H", body)
+    decimals = _MICROSECONDS
+    place = 8
+    while place + 4 <= len(body):
+        code, length = struct.unpack_from(f"{order}HH", body, place)
+        if code == _RESOLUTION and length == 1 and place + 4 < len(body):
+            decimals = body[place + 4]
+        place += 4 + length + -length % 4
+    return _Interface(link_type, decimals)
+
+
+def _time_ns(ticks: int, decimals: int) -> int | None:
+    return ticks * 10 ** (9 - decimals) if decimals <= 9 else None
+
+
+def _payload(packet: bytes) -> bytes | None:
+    """Return what is for the dissector `sertap` (exported PDU: tags, the last is 0, then the payload)."""
+    place, name = 0, b""
+    while place + 4 <= len(packet):
+        tag, length = struct.unpack_from(">HH", packet, place)
+        value = packet[place + 4 : place + 4 + length]
+        place += 4 + length
+        if tag == 0:
+            return packet[place:] if name.rstrip(b"\0") == b"sertap" else None
+        if tag == _NAME:
+            name = value
+    return None

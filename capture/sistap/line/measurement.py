@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What self-tests have measured: where it is kept, and when it still holds.
+
+A list of results in one file of the user's state folder. A result holds only under the conditions under which it was
+measured, all of them; whatever else is in the file is passed over with one line, never an error.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.line import priority
+from sistap.line.settings import UNCERTAINTY_UNKNOWN
+from sistap.terminal import state
+
+MACHINE = "machine"  # the place of a result that holds for every port
+
+_LARGEST_FILE = 1_000_000  # bytes; what is larger was not written here
+_KEPT = 50  # results
+
+Conditions = dict[str, str]
+
+
+class Result(NamedTuple):
+    """One self-test: how late characters were seen."""
+
+    place: str  # MACHINE, or what ports.identity says
+    date: str  # "2026-11-21", local
+    characters: int
+    p999_ns: int
+    longest_ns: int
+    conditions: Conditions
+
+
+def conditions(**more: str) -> Conditions:
+    """Return what a result depends on: this computer, its kernel, the priority now, and what the port adds."""
+    return {"machine": platform.node(), "kernel": platform.release(), "priority": priority.words(), **more}
+
+
+def file() -> Path:
+    """Say where the results are. RuntimeError if this user has no home."""
+    return state.folder() / "selftest.json"
+
+
+def load() -> tuple[list[Result], str]:
+    """Read all results, newest last, and one line if there is a file but it cannot be used."""
+    try:
+        path = file()
+        if not path.exists():
+            return [], ""
+        if state.is_root():
+            state.check(path)
+        return _parse(_text(path)), ""
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return [], f"{path} is not what `sistap selftest` writes and is ignored: run it again to replace the file"
+    except (OSError, RuntimeError) as error:
+        return [], f"the result of the last self-test cannot be read and is ignored: {error}"
+
+
+def store(result: Result) -> Path:
+    """Add a result, in place of one under the same conditions; give the file. May raise OSError or RuntimeError."""
+    path = file()
+    others = [old for old in load()[0] if (old.place, old.conditions) != (result.place, result.conditions)]
+    kept = [old._asdict() for old in [*others, result][-_KEPT:]]
+    return state.save(path.name, (json.dumps({"results": kept}, indent=2) + "\n").encode())
+
+
+def fitting(results: Iterable[Result], place: str, now: Conditions) -> tuple[Result | None, str]:
+    """Find the newest result of a place that holds now, or say in one line why there is none of those it has."""
+    of_place = [result for result in results if result.place == place]
+    for result in reversed(of_place):
+        if result.conditions == now:
+            return result, ""
+    if not of_place:
+        return None, ""
+    newest = of_place[-1]
+    others = [
+        f"{name} {newest.conditions.get(name, 'not known')}, now {value}"
+        for name, value in now.items()
+        if newest.conditions.get(name) != value
+    ]
+    return None, f"the self-test of {newest.date} does not hold here ({'; '.join(others)}): run `sistap selftest` again"
+
+
+def _text(path: Path) -> str:
+    if not path.is_file() or path.stat().st_size > _LARGEST_FILE:  # reading a pipe would wait
+        raise ValueError
+    return path.read_bytes().decode()
+
+
+def _parse(text: str) -> list[Result]:
+    """Take the results out of a file; ValueError, TypeError, KeyError or RecursionError if it is something else."""
+    return [_checked(Result(**entry)) for entry in json.loads(text)["results"]]
+
+
+def _checked(result: Result) -> Result:
+    if not isinstance(result.conditions, dict):
+        raise TypeError
+    texts = (result.place, result.date, *result.conditions, *result.conditions.values())
+    numbers = (result.characters, result.p999_ns, result.longest_ns)
+    if not all(isinstance(text, str) for text in texts) or not all(type(number) is int for number in numbers):
+        raise TypeError
+    if not 0 < result.p999_ns <= result.longest_ns < UNCERTAINTY_UNKNOWN or result.characters <= 0:
+        raise ValueError
+    return result

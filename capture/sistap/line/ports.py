@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Finds serial ports and tells what is behind them: adapter, driver, and how long either may hold characters back."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.terminal.exits import DONE
+
+SYSFS = Path("/sys")
+
+# Linux: include/uapi/linux/serial_core.h, the attribute `type` of a ttyS.
+_UART_NONE = "0"
+_UARTS = {"1": "8250", "2": "16450", "3": "16550", "4": "16550A", "8": "16750", "9": "16850"}
+
+_NOT_KNOWN = "n/a"  # pyserial's word for it
+
+# Unix98 pseudo terminals (Linux: Documentation/admin-guide/devices.txt).
+_PTY_SLAVE_MAJORS = range(136, 144)
+
+
+class Adapter(NamedTuple):
+    """What is behind a port; empty or None where the system does not tell."""
+
+    name: str = ""
+    driver: str = ""
+    latency_ms: int | None = None  # latency timer of a USB adapter: it sends no earlier unless it is full
+    fifo_trigger: int | None = None  # characters in the FIFO of a UART that raise an interrupt
+    pseudo_terminal: bool = False
+    serial: str = ""  # serial number of a USB adapter
+
+    @property
+    def latency(self) -> str:
+        """How long it holds characters back, in words."""
+        if self.latency_ms is not None:
+            return f"latency timer {self.latency_ms} ms"
+        if self.fifo_trigger is not None:
+            return f"FIFO trigger {self.fifo_trigger}"
+        return ""
+
+    def __str__(self) -> str:
+        """One line such as "FT232R USB UART (ftdi_sio, latency timer 16 ms)"."""
+        details = ", ".join(detail for detail in (self.driver, self.latency) if detail)
+        name = self.name or "unknown adapter"
+        return f"{name} ({details})" if details else name
+
+
+def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
+    """Describe what is behind a device; a port that does not exist is an unknown adapter, not an error."""
+    if _is_pseudo_terminal(port):
+        return Adapter("pseudo terminal", pseudo_terminal=True)
+    tty = sysfs / "class/tty" / Path(os.path.realpath(port)).name
+    uart = _UARTS.get(_line(tty / "type"), "")
+    usb = _usb_device(tty / "device")
+    return Adapter(
+        (_line(usb / "product") if usb else "") or (f"{uart} UART" if uart else ""),
+        _driver(tty / "device"),
+        number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
+        number(tty / "rx_trig_bytes"),
+        serial=_line(usb / "serial") if usb else "",
+    )
+
+
+def identity(port: str, behind: Adapter) -> str:
+    """Name the hardware itself: an adapter with a serial number is the same at whatever port it turns up."""
+    if behind.serial:
+        return f"{behind.name} {behind.serial}"
+    return f"{behind.name or 'unknown adapter'} at {os.path.realpath(port)}"
+
+
+def _is_pseudo_terminal(port: str) -> bool:
+    if sys.platform == "win32":
+        return False
+    try:
+        return os.major(Path(port).stat().st_rdev) in _PTY_SLAVE_MAJORS
+    except OSError:
+        return False
+
+
+def is_own_terminal(port: str) -> bool:
+    """Tell whether a port is the terminal that this program reads or writes."""
+    if sys.platform == "win32":
+        return False
+    try:
+        device = Path(port).stat().st_rdev
+    except (OSError, ValueError):
+        return False
+    standard = any(os.isatty(stream) and os.fstat(stream).st_rdev == device for stream in range(3))
+    return standard or is_same_file(port, "/dev/tty")
+
+
+def is_same_file(one: str, other: str) -> bool:
+    """Tell whether two paths are one file; no if one of them does not exist."""
+    try:
+        return Path(one).samefile(other)
+    except OSError:
+        return False
+
+
+def _line(file: Path) -> str:
+    try:
+        return file.read_text().strip()
+    except OSError:
+        return ""
+
+
+def number(file: Path) -> int | None:
+    """Read a number of sysfs; None if there is none."""
+    text = _line(file)
+    return int(text) if text.isdecimal() else None
+
+
+def _usb_device(device: Path) -> Path | None:
+    """Find the USB device that has the device as an interface, or below one: it names its product."""
+    real = device.resolve()
+    return next((folder for folder in (real, *real.parents[:3]) if _line(folder / "product")), None)
+
+
+def _driver(device: Path) -> str:
+    """Name the driver; from Linux 6.5 on the core's own "port" and "ctrl" lie between a ttyS and its driver."""
+    real = device.resolve()
+    for folder in (real, *real.parents[:3]):
+        driver = folder / "driver"
+        if driver.exists() and driver.resolve().name not in ("port", "ctrl"):
+            return driver.resolve().name
+    return ""
+
+
+def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
+    """List the ports there are, each with what is behind it, in natural order."""
+    from serial.tools import list_ports  # here: without pyserial the rest still works
+
+    ports = []
+    for info in sorted(list_ports.comports()):
+        if _line(sysfs / "class/tty" / Path(info.device).name / "type") == _UART_NONE:
+            continue  # a ttyS without hardware
+        behind = adapter(info.device, sysfs)
+        if not behind.name and info.description != _NOT_KNOWN:  # not on Linux: what pyserial knows
+            behind = behind._replace(name=info.description)
+        ports.append((info.device, behind))
+    return ports
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `sistap ports`: there are none."""
+    parser.description = "List the serial ports with adapter, driver and latency."
+
+
+def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has this shape
+    """Print the table of ports; return the exit code."""
+    ports = found()
+    if not ports:
+        print("no serial port found: plug the adapter in; if it stays away, `sudo dmesg | tail` says what became of it")
+        return DONE
+    rows = [("port", "adapter", "driver", "latency")]
+    rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    return DONE

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Readers: characters with their times and errors from a serial device, a pyserial URL, or a virtual bus.
+
+A reader only listens. It never writes to a port, sends no break, flushes no output, and lowers RTS and DTR: on many
+adapters RTS switches the RS485 transmitter on.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from sistap.line.reader.contract import PortError, PortLost, Reader
+from sistap.line.reader.several import Source, together
+from sistap.line.settings import LineSettings
+
+__all__ = ["PortError", "PortLost", "Reader", "Source", "open_reader", "together"]
+
+
+def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
+    """Open a device, a pyserial URL or a virtual bus ("bus://HOST:PORT", "bus:///SOCKET"). May raise PortError."""
+    # Each imported where it is needed: a program that only lists ports is to start at once.
+    if port.startswith("bus://"):
+        from sistap.line.reader.virtual import WireReader
+
+        return WireReader(port, settings, line)
+    if settings.baud <= 0:
+        raise PortError(f"{port} needs a rate: say it with --baud")
+    if "://" in port or sys.platform == "win32":
+        from sistap.line.reader.url import UrlReader
+
+        return UrlReader(port, settings, line)
+    from sistap.line.reader.device import PosixReader
+
+    return PosixReader(port, settings, line)

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How late a character can be seen: what the adapter adds, and what this machine was measured to add."""
+
+from __future__ import annotations
+
+import functools
+from typing import NamedTuple
+
+from sistap.line import measurement, ports
+from sistap.line.ports import Adapter
+from sistap.line.reader import delay
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+
+MEASURE_NS = 200_000_000
+
+# A 16550 raises its interrupt at its trigger level, or four character times after the last character: then the first of
+# trigger - 1 characters has been there for trigger - 2 more.
+_FIFO_TIMEOUT_CHARACTERS = 4
+
+
+class Known(NamedTuple):
+    """What is known before a port is opened: how late this machine is, and the self-tests there were."""
+
+    machine_ns: int
+    how: str  # "measured when the capture started"
+    results: list[measurement.Result]
+    notes: tuple[str, ...] = ()
+
+
+class Bound(NamedTuple):
+    """The longest time from a character's arrival to its time stamp, in ns, a phrase that says how, and notes."""
+
+    ns: int
+    how: str
+    notes: tuple[str, ...] = ()
+
+
+def known() -> Known:
+    """Take the machine's part from the self-test if there was one that holds here, else measure it for MEASURE_NS."""
+    results, trouble = measurement.load()
+    result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
+    notes = tuple(note for note in (trouble, misfit) if note)
+    if result:
+        return Known(result.p999_ns, f"measured by selftest on {result.date}", results, notes)
+    return Known(measured_latency_ns(), "measured when the capture started", results, notes)
+
+
+def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> Bound:
+    """Bound what machine and adapter add together; a self-test of the port itself only ever makes it more."""
+    if before.machine_ns >= UNCERTAINTY_UNKNOWN:
+        return Bound(UNCERTAINTY_UNKNOWN, "uncertainty unknown: there is no pseudo terminal to measure it with")
+    place = ports.identity(port, behind)
+    result, misfit = measurement.fitting(before.results, place, port_conditions(behind, settings))
+    notes = (*before.notes, misfit) if misfit else before.notes
+    held_ns, why = _held(behind, settings)
+    total_ns = min(held_ns + before.machine_ns, UNCERTAINTY_UNKNOWN)
+    if result and result.p999_ns >= total_ns:
+        return Bound(
+            result.p999_ns,
+            f"uncertainty {_ms(result.p999_ns)}, measured by selftest of the port on {result.date}",
+            notes,
+        )
+    parts = f": {why} and {_ms(before.machine_ns)}" if why else ""
+    silent = not result and not why and behind.fifo_trigger is None and not behind.pseudo_terminal
+    unknown = ""
+    if silent:
+        unknown = "; what the adapter adds is not known"
+        notes = (*notes, _unknown(port))
+    return Bound(total_ns, f"uncertainty {_ms(total_ns)}{parts}, {before.how}{unknown}", notes)
+
+
+def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:
+    """Return what a self-test of a port depends on; the adapter as it is while it is tuned."""
+    return measurement.conditions(adapter=str(behind), line=f"{settings.baud} Bd {settings.format}")
+
+
+def held_by_fifo_ns(trigger: int, settings: LineSettings) -> int:
+    """Return how long at most a 16550 keeps a character until its interrupt, in ns."""
+    return (trigger - 2 + _FIFO_TIMEOUT_CHARACTERS) * settings.character_ns
+
+
+def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
+    """Return how long the adapter is known to hold characters back, in ns, and why."""
+    if behind.latency_ms is not None:
+        return behind.latency_ms * 1_000_000, behind.latency
+    if behind.fifo_trigger is not None and behind.fifo_trigger > 1:
+        return held_by_fifo_ns(behind.fifo_trigger, settings), f"FIFO trigger {behind.fifo_trigger}"
+    return 0, ""
+
+
+def _unknown(port: str) -> str:
+    return (
+        f"{port}: how long its adapter holds characters back is not known and not in the uncertainty: off the bus, "
+        f"with its lines joined, `sistap selftest -i {port} --transmit` measures it"
+    )
+
+
+def _ms(ns: int) -> str:
+    return f"{ns / 1e6:.2f} ms"
+
+
+@functools.cache
+def measured_latency_ns() -> int:
+    """Measure how late, at worst, this process sees a character: for MEASURE_NS, once in its life.
+
+    Fewer than a thousand samples: so the bound p99.9 is the largest. UNCERTAINTY_UNKNOWN without a pty.
+    """
+    try:
+        return max(delay.through_pty(MEASURE_NS))
+    except (OSError, delay.LoopBroken):
+        return UNCERTAINTY_UNKNOWN

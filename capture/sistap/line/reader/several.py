@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Several ports read as one, each character in its turn.
+
+Where the system can wait for all of them at once, one thread does: a time stamp is then as good as that of a single
+port, and a reader that was late knows it. Threads of their own would wait for each other without noticing.
+"""
+
+from __future__ import annotations
+
+import select
+import sys
+import threading
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from queue import Empty, SimpleQueue
+from time import monotonic_ns
+from typing import Protocol, runtime_checkable
+
+from sistap.line.reader.contract import STEP_MS, PortLost, Reader
+from sistap.line.settings import Read
+
+
+class Source(Protocol):
+    """Where characters come from: a reader, or several as one."""
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+
+
+@runtime_checkable
+class Pollable(Reader, Protocol):
+    """A reader that somebody else can wait for."""
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait for."""
+
+    def take(self, *, in_time: bool) -> Read | None:
+        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost."""
+
+    def nothing_until(self, time_ns: int) -> None:
+        """Note that nothing was unread at this instant of the monotonic clock."""
+
+
+@contextmanager
+def together(readers: Sequence[Reader]) -> Iterator[Source]:
+    """Read several readers as one, each with a line of its own, until the block ends. They stay open."""
+    pollable = [reader for reader in readers if isinstance(reader, Pollable)]
+    if len(readers) == 1:
+        yield readers[0]
+    elif sys.platform != "win32" and len(pollable) == len(readers):
+        yield PolledReaders(pollable)
+    else:
+        threaded = ThreadedReaders(readers)
+        try:
+            yield threaded
+        finally:
+            threaded.end()
+
+
+class PolledReaders:
+    """One thread waits for all."""
+
+    def __init__(self, readers: Sequence[Pollable]) -> None:
+        """Wait for these."""
+        self._readers = {reader.fileno(): reader for reader in readers}
+        self._poll = select.poll()
+        if sys.platform != "win32":  # which never gets here
+            for descriptor in self._readers:
+                self._poll.register(descriptor, select.POLLIN)
+        self._reads: deque[Read] = deque()
+        self._lost: deque[PortLost] = deque()
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        if not self._reads and not self._lost:
+            self._wait(timeout_s)
+        if self._reads:
+            return self._reads.popleft()
+        if self._lost:
+            raise self._lost.popleft()
+        return None
+
+    def _wait(self, timeout_s: float) -> None:
+        left_ms, step_ms = timeout_s * 1000, 0.0
+        while not self._look(step_ms):
+            if left_ms <= 0:
+                return
+            step_ms = min(STEP_MS, left_ms)
+            left_ms -= step_ms
+        if step_ms:
+            self._look(0)  # until when the others were silent
+
+    def _look(self, step_ms: float) -> bool:
+        """Take what comes within the step; tell whether anything did."""
+        asked_ns = monotonic_ns()
+        ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
+        for descriptor in ready:  # first of all: until then nothing has its time
+            self._take(descriptor, self._readers[descriptor], in_time=step_ms > 0)
+        silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
+        for descriptor in self._readers.keys() - ready:
+            self._readers[descriptor].nothing_until(silent_ns)
+        return bool(ready)
+
+    def _take(self, descriptor: int, reader: Pollable, *, in_time: bool) -> None:
+        try:
+            if read := reader.take(in_time=in_time):
+                self._reads.append(read)
+        except PortLost as lost:
+            self._poll.unregister(descriptor)
+            del self._readers[descriptor]
+            self._lost.append(PortLost(str(lost), reader.line))
+
+
+class ThreadedReaders:
+    """A thread waits for each: for ports whose times have no bound anyway, or are those of a virtual bus."""
+
+    def __init__(self, readers: Sequence[Reader]) -> None:
+        """Begin to read these."""
+        self._queue: SimpleQueue[Read | PortLost] = SimpleQueue()
+        self._ended = False
+        self._threads = [threading.Thread(target=self._listen, args=(reader,), daemon=True) for reader in readers]
+        for thread in self._threads:
+            thread.start()
+
+    def end(self) -> None:
+        """Read no more: afterwards the ports can be closed."""
+        self._ended = True
+        for thread in self._threads:
+            thread.join()
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        try:
+            item = self._queue.get(timeout=timeout_s) if timeout_s else self._queue.get_nowait()
+        except Empty:
+            return None
+        if isinstance(item, PortLost):
+            raise item
+        return item
+
+    def _listen(self, reader: Reader) -> None:
+        while not self._ended:
+            try:
+                read = reader.read(STEP_MS / 1000)
+            except PortLost as lost:
+                self._queue.put(PortLost(str(lost), reader.line))
+                return
+            if read:
+                self._queue.put(read)

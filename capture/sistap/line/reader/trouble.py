@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Why a port cannot be opened or was lost, and what to do: one line each."""
+
+from __future__ import annotations
+
+import errno
+import socket
+import stat
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from sistap.line.settings import LineSettings
+
+if sys.platform == "win32":
+    _NUMBERED: tuple[type[BaseException], ...] = (OSError,)
+else:
+    import grp
+    import pwd
+    import termios
+
+    _NUMBERED = (OSError, termios.error)
+
+
+def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
+    """Say why a device could not be opened, and what to do."""
+    number = _errno(error)
+    text = f"{port} cannot be opened: {error}"
+    if number == errno.ENOENT:
+        text = f"{port} does not exist: `sistap ports` lists the ports there are"
+    elif number in (errno.ENOTTY, errno.EISDIR):
+        text = f"{port} is not a serial port: `sistap ports` lists the ports there are"
+    elif number in (errno.EACCES, errno.EPERM):
+        text = f"no permission to open {port}: {_permission_cure(port)}"
+    elif number in (errno.EBUSY, errno.EWOULDBLOCK):
+        text = f"{port} is in use by another program (often ModemManager): `sudo fuser -v {port}` names it"
+    elif number in (errno.ENXIO, errno.ENODEV, errno.EIO):
+        text = f"there is no working hardware behind {port}: `sistap ports` lists the ports there are"
+    elif isinstance(error, ValueError | OverflowError) or number == errno.EINVAL:
+        text = f"{port} cannot do {settings.baud} Bd {settings.format}: choose another --baud or --format"
+    return text
+
+
+def lost_text(port: str, pseudo_terminal: bool) -> str:
+    """Say that a device was lost while it was read, and what to do."""
+    if pseudo_terminal:
+        return f"{port}: the program at its other end has ended: start it and a new capture"
+    return f"{port} is gone: plug the adapter in and start a new capture"
+
+
+def url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
+    """Say why pyserial could not open a port, and what to do."""
+    import serial  # here: without pyserial the rest still works
+
+    known = "bus://HOST:PORT, socket://HOST:PORT, rfc2217://HOST:PORT"
+    text = f"{port} cannot be opened: {error}"
+    cause = error.__context__
+    if "invalid baudrate" in str(error) or "Cannot configure port" in str(error):
+        text = f"{port} cannot do {settings.baud} Bd {settings.format}: choose another --baud or --format"
+    elif isinstance(error, OSError) and error.errno == errno.ENOENT:  # spy:// and the like have a device behind them
+        text = f"{port} does not exist: `sistap ports` lists the ports there are"
+    elif isinstance(cause, OSError) and not isinstance(cause, serial.SerialException):
+        text = connection_trouble(port, cause)
+    elif "://" in port and (cause or isinstance(error, ValueError | KeyError)):
+        text = f"{port} is not the URL of a port: it is written {known}"
+    elif "FileNotFoundError" in str(error):  # Windows
+        text = f"{port} does not exist: `sistap ports` lists the ports there are"
+    elif "PermissionError" in str(error):
+        text = f"{port} is in use by another program: close that one first"
+    return text
+
+
+def connection_trouble(port: str, error: OSError) -> str:
+    """Say why a connection failed, and what to do."""
+    if isinstance(error, ConnectionRefusedError | FileNotFoundError):
+        return f"nothing listens at {port}: start the other end first"
+    if isinstance(error, socket.gaierror):
+        return f"{port}: no host of that name is known"
+    if isinstance(error, TimeoutError):
+        return f"{port} does not answer: check address and network"
+    return f"{port} cannot be reached: {error.strerror or error}"
+
+
+def _errno(error: BaseException) -> int | None:
+    """Find the number of an error that pyserial may have wrapped without it."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, _NUMBERED) and cause.args and isinstance(cause.args[0], int):
+            return cause.args[0]
+        cause = cause.__context__
+    return None
+
+
+def _permission_cure(port: str) -> str:
+    try:
+        status = Path(port).stat()
+    except OSError:
+        return "its folder is not open to you"
+    if not stat.S_ISCHR(status.st_mode):
+        return "it is not a serial port; `sistap ports` lists the ports there are"
+    if status.st_mode & 0o060 == 0o060 and status.st_gid != 0:
+        group = _group(status.st_gid)
+        return f"it is for group {group}: `sudo usermod -aG {group} $USER`, then log in again"
+    return f"it belongs to {_user(status.st_uid)}: run sistap as that user"
+
+
+def _group(number: int) -> str:
+    if sys.platform != "win32":
+        with suppress(KeyError):
+            return grp.getgrgid(number).gr_name
+    return str(number)
+
+
+def _user(number: int) -> str:
+    if sys.platform != "win32":
+        with suppress(KeyError):
+            return pwd.getpwuid(number).pw_name
+    return str(number)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads any port that pyserial can open."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from time import monotonic_ns
+
+from sistap.line.clock import CLOCK
+from sistap.line.reader.contract import READ_SIZE, PortError, PortLost
+from sistap.line.reader.listening import closed_serial
+from sistap.line.reader.trouble import url_trouble
+from sistap.line.settings import LineSettings, Read
+
+
+class UrlReader:
+    """Reads through pyserial: URLs such as socket:// and rfc2217://, and the ports of Windows. No error flags."""
+
+    def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
+        """Open the port. May raise PortError."""
+        self.name = port
+        self.adapter = port
+        self.settings = settings
+        self.line = line
+        scheme, separator, _ = port.partition("://")
+        over = scheme + separator
+        self.timing = f"times are those of arrival at this program over {over}; no bound known"
+        self.notes: tuple[str, ...] = (
+            f"{port}: without a bound no verdict on its times is possible: a device of this computer has one",
+        )
+        try:
+            self._device = closed_serial(port, settings)
+            self._device.open()
+        except (OSError, ValueError, KeyError) as error:  # KeyError: an option of loop:// that pyserial does not know
+            raise PortError(url_trouble(port, settings, error)) from error
+        self._lost: str | None = None
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        end = time.monotonic() + timeout_s
+        data = b""
+        while not self._lost and not data and time.monotonic() <= end:
+            data = self._waiting()
+        if data:
+            return Read(self.line, CLOCK.wall_ns(monotonic_ns()), data, bytes(len(data)), settings=self.settings)
+        if self._lost:
+            raise PortLost(self._lost)
+        return None
+
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        try:
+            self._apply(settings)
+        except (OSError, ValueError) as error:
+            with suppress(OSError, ValueError):
+                self._apply(self.settings)
+            raise PortError(url_trouble(self.name, settings, error)) from error
+        self.settings = settings
+
+    def _apply(self, settings: LineSettings) -> None:
+        device = self._device
+        device.baudrate = settings.baud
+        device.bytesize = settings.data_bits
+        device.parity = settings.parity
+        device.stopbits = settings.stop_half_bits / 2
+
+    def _waiting(self) -> bytes:
+        """Take one character, and all that are there with it; what came before the port was lost is kept."""
+        data = b""
+        try:
+            data = self._device.read(1)
+            while data and len(data) < READ_SIZE and (waiting := self._device.in_waiting):
+                data += self._device.read(waiting)
+        except OSError as error:
+            self._lost = f"{self.name} is gone ({error}): connect it again and start a new capture"
+        return data
+
+    def close(self) -> None:
+        """Let the port go."""
+        self._device.close()

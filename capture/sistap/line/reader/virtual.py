@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads a virtual bus."""
+
+from __future__ import annotations
+
+import socket
+import sys
+from collections import deque
+from contextlib import suppress
+from urllib.parse import urlsplit
+
+from sistap.line import bus_socket
+from sistap.line.reader.contract import PortError, PortLost
+from sistap.line.reader.trouble import connection_trouble
+from sistap.line.settings import LineSettings, Read
+
+CONNECT_TIMEOUT_S = 5
+
+
+class WireReader:
+    """Reads the socket of a virtual bus (sistap.line.bus_socket): its reads carry their own times, errors and line."""
+
+    def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
+        """Connect and say the line settings. May raise PortError."""
+        self.name = port
+        self.adapter = "virtual bus"
+        self.timing = "times and their uncertainty are those the virtual bus says"
+        self.notes: tuple[str, ...] = ()
+        self.settings = settings
+        self.line = line
+        try:
+            self._socket = _connect(port)
+            # First the time (simulated time is to wait for this reader): with the settings the bus begins.
+            self._socket.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(settings))
+        except OSError as error:
+            raise PortError(connection_trouble(port, error)) from error
+        self._decoder = bus_socket.Decoder()
+        self._heard_with = settings
+        self._reads: deque[Read] = deque()
+        self._answer = b""  # to the bus, when everything before was dealt with
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived, None if nothing did in that time. May raise PortLost.
+
+        A read without characters tells the time of a bus whose time is simulated; the next call that may wait lets it
+        go on.
+        """
+        if not self._reads:
+            self._receive(timeout_s)
+        return self._reads.popleft() if self._reads else None
+
+    def change(self, settings: LineSettings) -> None:
+        """Read with other settings from the bus's next character on."""
+        self.settings = settings
+        with suppress(OSError):  # the next read tells that the bus has ended
+            self._socket.sendall(bus_socket.pack_settings(settings))
+
+    def _receive(self, timeout_s: float) -> None:
+        try:
+            if self._answer and timeout_s:
+                self._socket.sendall(self._answer)
+                self._answer = b""
+            self._socket.settimeout(timeout_s)
+            data = self._socket.recv(65536)
+            for message in self._decoder.feed(data):
+                self._take(message)
+        except (TimeoutError, BlockingIOError):
+            return
+        except OSError:
+            data = b""
+        except ValueError as error:
+            raise PortLost(f"{self.name}: {error}: give the address that `sistap bus` prints") from error
+        if not data:
+            raise PortLost(f"the bus has ended ({self.name}): start it and a new capture")
+
+    def _take(self, message: bus_socket.Message) -> None:
+        if isinstance(message, LineSettings):
+            self._heard_with = message
+            return
+        if isinstance(message, bus_socket.Time):
+            self._answer = bus_socket.pack_time(message.time_ns)
+            message = Read(0, message.time_ns, b"", b"", 0)
+        self._reads.append(message._replace(line=self.line or message.line, settings=self._heard_with))
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._socket.close()
+
+
+def _connect(port: str) -> socket.socket:
+    """Connect to bus://HOST:PORT or bus:///SOCKET. OSError, or PortError if it is written otherwise."""
+    try:
+        url = urlsplit(port)
+        host, number, path = url.hostname, url.port, url.path
+        if host and number:
+            return socket.create_connection((host, number), CONNECT_TIMEOUT_S)
+    except ValueError:  # also from a host that cannot be one, "a..b"
+        host, path = None, ""
+    if host or not path:
+        raise PortError(f"{port} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET")
+    if sys.platform == "win32":
+        raise PortError(f"{port}: Windows has no sockets that are files: start the bus with --listen HOST:PORT")
+    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    connection.settimeout(CONNECT_TIMEOUT_S)
+    connection.connect(path)
+    return connection

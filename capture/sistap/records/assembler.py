@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""From reads to records: cut line by line, in order of time, with an event where the settings of a line change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from sistap.line.settings import LineSettings, Read
+from sistap.records.framer import Framer, SilenceFramer, SisFramer
+from sistap.records.order import Order
+from sistap.records.record import Event, Framing, Record, event
+
+
+@dataclass
+class _Line:
+    """One line, and what has come on it."""
+
+    framer: Framer
+    arrived_ns: int  # when something last came
+    why: str | None = None  # the settings are others than those of the last read
+
+
+class Assembler:
+    """The lines of one tap. The clock of `now_ns` is any that goes on; the other times are those of the characters."""
+
+    def __init__(self, write: Callable[[Record], None], silence_ms: float | None = None) -> None:
+        """Call `write` with each record when it is due. With `silence_ms`, silence cuts frames, not their content."""
+        self._write = write
+        self._silence_ms = silence_ms
+        self._lines: dict[int, _Line] = {}
+        self._order = Order()
+        self.framing = Framing.SIS if silence_ms is None else Framing.SILENCE
+
+    def add_line(self, number: int, settings: LineSettings, now_ns: int) -> None:
+        """Begin a line, on which nothing has come yet."""
+        silence_ms = self._silence_ms
+        framer: Framer = (
+            SisFramer(number, settings)
+            if silence_ms is None
+            else SilenceFramer(number, settings, int(silence_ms * 1e6))
+        )
+        self._lines[number] = _Line(framer, now_ns)
+
+    @property
+    def lines(self) -> Sequence[int]:
+        """The numbers of the lines, in the order in which they were added."""
+        return tuple(self._lines)
+
+    @property
+    def empty(self) -> bool:
+        """Whether all characters are in records."""
+        return all(line.framer.empty for line in self._lines.values())
+
+    def settings(self, number: int) -> LineSettings:
+        """Return the settings that a line has now."""
+        return self._lines[number].framer.settings
+
+    def arrived_ns(self, number: int) -> int:
+        """Return when something last came on a line."""
+        return self._lines[number].arrived_ns
+
+    def brings_settings(self, read: Read) -> bool:
+        """Tell whether this is the first read with other settings."""
+        return bool(read.data) and read.settings not in (None, self.settings(read.line))
+
+    def take(self, read: Read, now_ns: int, why: str) -> list[Record]:
+        """Take what was read, perhaps with other settings, and `why`. Return the records that it completed."""
+        line = self._lines[read.line]
+        line.arrived_ns = now_ns
+        if read.settings and self.brings_settings(read):
+            self.change(read.line, read.settings, why, now_ns)
+        if line.why is not None:
+            settings = line.framer.settings
+            changed = event(read.time_ns, read.line, settings, Event.SETTINGS_CHANGED, f"{settings}: {line.why}")
+            line.why = None
+            self.emit([changed], now_ns)
+        records = line.framer.feed(read)
+        self.emit(records, now_ns)
+        return records
+
+    def change(self, number: int, settings: LineSettings, why: str, now_ns: int) -> None:
+        """Change the settings of a line. The event comes with the next read, at its time."""
+        self.flush([number], now_ns)
+        self._lines[number].framer.settings = settings
+        self._lines[number].why = why
+
+    def idle(self, now_ns: int) -> list[tuple[int, list[Record]]]:
+        """Look which lines have been silent for long. Return the records that this completed, with their lines."""
+        completed = []
+        for number, line in self._lines.items():
+            records = line.framer.idle(now_ns - line.arrived_ns)
+            self.emit(records, now_ns)
+            completed.append((number, records))
+        return completed
+
+    def flush(self, numbers: Iterable[int], now_ns: int) -> None:
+        """Write all that is left of these lines."""
+        for number in numbers:
+            self.emit(self._lines[number].framer.flush(), now_ns)
+
+    def emit(self, records: Sequence[Record], now_ns: int) -> None:
+        """Write records, also events from outside, when those of the other line that began earlier are written."""
+        if not records and self._order.empty:
+            return
+        self._order.add(records, now_ns)
+        for record in self._order.due((line.framer.oldest_ns for line in self._lines.values()), now_ns):
+            self._write(record)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a capture has seen so far, in numbers: for the progress line, the hints and the statistics of the file."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from sistap.line.settings import ERROR_FLAGS, Flag, Read
+from sistap.records.record import Record, Type
+
+_IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
+_IS_BREAK = bytes(bool(flag & Flag.BREAK) for flag in range(256))
+_IS_GAP = bytes(bool(flag & Flag.LOST_BEFORE) for flag in range(256))
+
+
+def longest_interval_ns(record: Record) -> int:
+    """Return the longest pause inside a frame; the one before its first character is not part of it."""
+    return max(record.intervals[1:], default=0)
+
+
+def faulty(read: Read) -> int:
+    """Count the characters with any error, breaks included."""
+    return sum(read.flags.translate(_IS_ERROR))
+
+
+class Counters:
+    """All counts since the capture started."""
+
+    def __init__(self) -> None:
+        """Start at zero."""
+        self.characters = 0
+        self.faulty_characters = 0  # with any error, breaks included
+        self.breaks = 0
+        self.telegrams = 0  # good ones
+        self.damaged = 0  # telegrams with a wrong checksum
+        self.longest_ns = 0  # interval inside any of these
+        # By line, for its interface statistics:
+        self.received: Counter[int] = Counter()  # records that the framer made
+        self.accepted: Counter[int] = Counter()  # those that were written; events do not count
+        self.gaps: Counter[int] = Counter()  # places where characters were lost
+
+    @property
+    def written(self) -> int:
+        """Records written, of all lines."""
+        return self.accepted.total()
+
+    @property
+    def errors(self) -> str:
+        """Faulty characters and telegrams with a wrong checksum, in words."""
+        faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
+        return f"{faulty}, {self.damaged} wrong checksum{'' if self.damaged == 1 else 's'}"
+
+    def add_read(self, read: Read) -> None:
+        """Count characters."""
+        self.characters += len(read.data)
+        flags = read.flags
+        if flags.count(0) != len(flags):
+            self.faulty_characters += faulty(read)
+            self.breaks += sum(flags.translate(_IS_BREAK))
+            self.gaps[read.line] += sum(flags.translate(_IS_GAP))
+
+    def add_record(self, record: Record) -> None:
+        """Count a record that the framer made."""
+        self.received[record.line] += 1
+        if record.type == Type.FRAME:
+            self.telegrams += not record.checksum_bad
+            self.damaged += record.checksum_bad
+            self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
+
+    def __str__(self) -> str:
+        """Return the progress line."""
+        longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
+        counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors}"
+        return f"{counts}, longest interval {longest}"

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The record: one packet of protocol `sertap` as bytes (layout: plugin/README.md; network byte order)."""
+
+from __future__ import annotations
+
+import enum
+import struct
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from sistap.line.settings import ERROR_FLAGS, PARITIES, UNCERTAINTY_UNKNOWN, Flag, LineSettings
+
+VERSION = 1
+HEADER = struct.Struct(">BBBBIBBBBIHH")
+MAX_CHARACTERS = 43_000  # 6 bytes each: Wireshark refuses a file with a packet of more than 262,144 bytes
+INTERVAL_MAX = 0xFFFFFFFF
+LARGEST_RATE = 0xFFFFFFFF
+
+
+class Type(enum.IntEnum):
+    """What a record holds."""
+
+    FRAME = 0
+    OTHER = 1
+    EVENT = 2
+
+
+class Framing(enum.IntEnum):
+    """By which rule frames were cut; the key of Wireshark's table `sertap.framing`."""
+
+    SIS = 0
+    PROCEDURE_3964R = 1
+    SILENCE = 255
+
+
+class Event(enum.IntEnum):
+    """Event codes of records of type EVENT."""
+
+    NONE = 0
+    CAPTURE_STARTED = 1
+    SETTINGS_CHANGED = 2
+    CHARACTERS_LOST = 3
+    ADAPTER_LOST = 4
+    MARKER = 5
+    CAPTURE_ENDED = 6
+
+
+class Record(NamedTuple):
+    """One record. `intervals[i]` is ns since the character before it on that line; for an event both arrays are empty.
+
+    `time_ns` is not part of the bytes: it is the packet's time stamp, that of the first character.
+    """
+
+    time_ns: int
+    type: Type
+    line: int
+    settings: LineSettings
+    data: bytes
+    intervals: Sequence[int] = ()
+    flags: bytes = b""
+    uncertainty_ns: int = UNCERTAINTY_UNKNOWN
+    framing: Framing = Framing.SIS
+    event: Event = Event.NONE
+    checksum_bad: bool = False  # a complete telegram with a wrong checksum; not stored, shown in the packet flags
+
+    def pack(self) -> bytes:
+        """Make the bytes of the record. OverflowError if it has more than MAX_CHARACTERS."""
+        count = len(self.data)
+        if count > MAX_CHARACTERS:
+            raise OverflowError(f"{count} characters do not fit into one record")
+        settings = self.settings
+        header = HEADER.pack(
+            VERSION,
+            HEADER.size,
+            self.type,
+            self.line,
+            settings.baud,
+            settings.data_bits,
+            PARITIES.index(settings.parity),
+            settings.stop_half_bits,
+            self.framing,
+            self.uncertainty_ns,
+            count,
+            self.event,
+        )
+        if self.type == Type.EVENT:
+            return header + self.data
+        return header + self.data + struct.pack(f">{count}I", *self.intervals) + self.flags
+
+    @property
+    def end_ns(self) -> int:
+        """When its last character came."""
+        return self.time_ns + sum(self.intervals[1:])
+
+    @property
+    def is_good_frame(self) -> bool:
+        """Whether it is a frame whose checksum, if it has one, is right."""
+        return self.type == Type.FRAME and not self.checksum_bad
+
+    @property
+    def errors(self) -> Flag:
+        """All line errors of the record's characters, ORed."""
+        union = 0
+        for flag in self.flags:
+            union |= flag
+        return Flag(union) & ERROR_FLAGS
+
+
+def event(time_ns: int, line: int, settings: LineSettings, code: Event, text: str) -> Record:
+    """Make an event record; the text is cut where it does not fit."""
+    data = text.encode(errors="backslashreplace")[:MAX_CHARACTERS].decode(errors="ignore").encode()
+    return Record(time_ns, Type.EVENT, line, settings, data, event=code)
+
+
+def unpack(data: bytes, time_ns: int = 0) -> Record:
+    """Read a record's bytes back. ValueError says what does not fit."""
+    if len(data) < HEADER.size:
+        raise ValueError(f"{len(data)} bytes are shorter than the header of a record ({HEADER.size})")
+    version, size, kind, line, baud, bits, parity, stop, framing, uncertainty, count, code = HEADER.unpack_from(data)
+    if version != VERSION:
+        raise ValueError(f"record version {version} is not {VERSION}")
+    per_character = 1 if kind == Type.EVENT else 6
+    if size < HEADER.size or len(data) != size + per_character * count:
+        raise ValueError(f"{count} characters do not fit a record of {len(data)} bytes with a header of {size}")
+    settings = LineSettings(baud, bits, PARITIES[parity], stop)
+    characters = data[size : size + count]
+    intervals: tuple[int, ...] = ()
+    flags = b""
+    if kind != Type.EVENT:
+        intervals = struct.unpack_from(f">{count}I", data, size + count)
+        flags = data[size + 5 * count :]
+    return Record(
+        time_ns, Type(kind), line, settings, characters, intervals, flags, uncertainty, Framing(framing), Event(code)
+    )

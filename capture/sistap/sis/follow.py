@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the bus has been told about its rate: service 0x03 (IF02 chapter 6), read off its good telegrams.
+
+A rate is set (0x07), by one station after the other or for all, and becomes valid when it is accepted (0xFF): for all
+at once by broadcast; by one station with its reaction, which already comes at the new rate. A timed test (0x08) begins
+after the reaction and ends by itself.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sistap.sis import telegram
+from sistap.sis.rates import rate_of
+from sistap.sis.telegram import BROADCAST, LEVEL_BROADCAST, Header
+
+INITIALIZATION = 0x03
+SET_RATE, TEST_RATE, ACCEPT = 0x07, 0x08, 0xFF
+_GOOD = 0x00
+_MS = 1_000_000
+
+
+class Change(NamedTuple):
+    """The rate that the bus has from now on, in Bd, and why."""
+
+    baud: int
+    why: str
+
+
+class Follow:
+    """The rate of one bus. Times are those of the telegrams, in ns."""
+
+    def __init__(self, baud: int) -> None:
+        """Begin with the rate of now."""
+        self._valid = baud  # apart from a test
+        self._set: dict[int, int] = {}  # by whom they were told, a station or BROADCAST: rates not yet accepted
+        self._command: Header | None = None  # to one station, of this service, not yet answered
+        self._test_end_ns: int | None = None
+
+    def take(self, data: bytes, end_ns: int) -> Change | None:
+        """Take a good telegram, whose last character came at `end_ns`; give what it changes."""
+        header = telegram.parse(data)
+        command, self._command = self._command, None
+        if header.service != INITIALIZATION or header.subaddresses:  # behind a router is another bus
+            return None
+        if not header.reaction:
+            if header.receiver == LEVEL_BROADCAST:
+                header = header._replace(receiver=BROADCAST)
+            return self._take_command(header, end_ns)
+        answers = command and (header.sender, header.receiver) == (command.sender, command.receiver)
+        if command and answers and header.body[:1] == bytes([_GOOD]) and header.body[1:3] == command.body[:2]:
+            return self._obeyed(command, end_ns)
+        return None
+
+    def due(self, now_ns: int) -> Change | None:
+        """Return what the time changes."""
+        if self._test_end_ns is None or now_ns < self._test_end_ns:
+            return None
+        self._test_end_ns = None
+        return Change(self._valid, "the timed test is over")
+
+    @property
+    def due_ns(self) -> int | None:
+        """When the time will change something."""
+        return self._test_end_ns
+
+    def _take_command(self, header: Header, end_ns: int) -> Change | None:
+        body = header.body
+        if header.receiver == BROADCAST:
+            return self._obeyed(header, end_ns)
+        # Whoever accepts answers at the new rate already.
+        if body[1:2] == bytes([ACCEPT]):
+            return self._accepted(header)
+        self._command = header
+        return None
+
+    def _obeyed(self, command: Header, end_ns: int) -> Change | None:
+        """Take what a station said yes to, or all of them were told."""
+        subservice, data = command.body[1:2], command.body[2:]
+        if subservice == bytes([SET_RATE]) and len(data) >= 1:
+            self._set.pop(command.receiver, None)
+            if baud := rate_of(data[0]):
+                self._set[command.receiver] = baud
+        elif subservice == bytes([TEST_RATE]) and len(data) >= 3:
+            return self._tested(command, int.from_bytes(data[:2], "little"), rate_of(data[2]), end_ns)
+        elif subservice == bytes([ACCEPT]):
+            return self._accepted(command)
+        return None
+
+    def _accepted(self, command: Header) -> Change | None:
+        everyone = command.receiver == BROADCAST
+        told = [baud for whom, baud in self._set.items() if everyone or whom in (command.receiver, BROADCAST)]
+        if not told:
+            return None
+        if everyone:
+            self._set.clear()
+        else:
+            self._set.pop(command.receiver, None)
+        self._valid, self._test_end_ns = told[-1], None
+        return Change(self._valid, f"{command.sender} let {_whom(command)} accept {self._valid} Bd")
+
+    def _tested(self, command: Header, duration_ms: int, baud: int | None, end_ns: int) -> Change | None:
+        if baud is None or not duration_ms:
+            return None
+        self._test_end_ns = end_ns + duration_ms * _MS
+        return Change(baud, f"{command.sender} lets {_whom(command)} test {baud} Bd for {duration_ms} ms")
+
+
+def _whom(command: Header) -> str:
+    return "all" if command.receiver == BROADCAST else str(command.receiver)

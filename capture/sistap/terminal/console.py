@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What sistap says on standard error: lines, and on a terminal a progress line that they do not tear."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import sys
+import weakref
+from typing import Protocol
+
+from sistap.terminal.streams import PIECE, never_waiting
+
+_ERASE = "\r\x1b[K"
+_WAIT_MS = 100  # for a terminal to take a line; then the line is dropped
+
+
+class Audience(Protocol):
+    """Whoever is told how a capture goes: a person at a terminal, or a program that shows it in windows of its own."""
+
+    @property
+    def shows_progress(self) -> bool:
+        """Whether progress() shows anything."""
+
+    def say(self, text: str) -> None:
+        """Tell one line."""
+
+    def alarm(self, text: str) -> None:
+        """Tell, in one line, why the capture or a part of it has ended."""
+
+    def progress(self, text: str) -> None:
+        """Show a line in place of the one before."""
+
+
+class Console:
+    """Standard error. That it cannot be written to must never end a capture, nor hold it up (Ctrl-S, a hung ssh)."""
+
+    def __init__(self, stream: int = 2) -> None:
+        """Start with no progress line shown; `stream` is the descriptor of standard error."""
+        self._progress = False
+        # Not through sys.stderr: what is left in its buffer would be tried again when Python ends.
+        self._descriptor = never_waiting(stream)
+        weakref.finalize(self, os.close, self._descriptor)
+        self._poll: select.poll | None = None
+        if sys.platform != "win32":
+            self._poll = select.poll()
+            self._poll.register(self._descriptor, select.POLLOUT)
+
+    @property
+    def shows_progress(self) -> bool:
+        """Whether it is a terminal that can write a line in place of another."""
+        return os.isatty(self._descriptor) and os.environ.get("TERM") != "dumb"
+
+    def say(self, text: str) -> None:
+        """Print one line."""
+        self._print((_ERASE if self._progress else "") + f"sistap: {text}\n", _WAIT_MS)
+        self._progress = False
+
+    def alarm(self, text: str) -> None:
+        """Print it as any line."""
+        self.say(text)
+
+    def progress(self, text: str) -> None:
+        """Show a line in place of the one before, cut to the width of the terminal."""
+        with contextlib.suppress(OSError):
+            columns = os.get_terminal_size(self._descriptor).columns
+            text = text[: columns - 1] if columns else text
+        self._print(_ERASE + text, 0)
+        self._progress = True
+
+    def _print(self, text: str, wait_ms: int) -> None:
+        data = text.encode(sys.stderr.encoding, "backslashreplace")
+        with contextlib.suppress(OSError):
+            while data and (not self._poll or self._poll.poll(wait_ms)):
+                data = data[os.write(self._descriptor, data[:PIECE]) :]

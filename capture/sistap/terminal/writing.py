@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A file of text, or standard output, opened for writing and refused in one line."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import BinaryIO
+
+from sistap.terminal.streams import STANDARD_OUTPUT, leave_standard_output
+
+
+class NotOpened(Exception):
+    """FILE cannot be written; the text is the one line to show."""
+
+
+class Incomplete(Exception):
+    """The disk is full; the text is the one line to show."""
+
+
+@contextmanager
+def opened(path: str | None, cure: str = "name another file with -o") -> Iterator[BinaryIO]:
+    """Open what is written to, standard output without a path. May raise NotOpened, and Incomplete at the end."""
+    if path in (None, STANDARD_OUTPUT):
+        try:
+            yield sys.stdout.buffer
+            sys.stdout.buffer.flush()
+        except BrokenPipeError:
+            raise  # nobody reads any more: nothing has to be said
+        except OSError as error:
+            leave_standard_output()
+            raise Incomplete(f"standard output is incomplete: {error.strerror}; make room, or {cure}") from None
+        return
+    try:
+        file = open(str(path), "wb")  # noqa: SIM115 - closed below
+    except OSError as error:
+        raise NotOpened(f"cannot write {path}: {error.strerror}; {cure}") from None
+    try:
+        with file:
+            yield file
+    except OSError as error:
+        raise Incomplete(f"{path} is incomplete: {error.strerror}; make room, or {cure}") from None

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The rows that tshark prints, one for each packet, and what it says of a capture that is damaged."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from sistap.wireshark.tshark import TsharkError
+
+NO_DISSECTOR = (
+    "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
+    "WIRESHARK_PLUGIN_DIR"
+)
+NECESSARY = "sis.start"  # a field that every dissector for SIS has
+# The line of the packet list: a column in 4.0, a field of another name since 4.2.
+INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
+FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
+JOINT = "\x1f"  # between several values of a field: in no text
+
+_CUT = ("cut short", "damaged")
+_NOT_A_CAPTURE = "isn't a capture file"
+
+
+class NotACapture(Exception):
+    """tshark cannot read the file; the text is the one line to show."""
+
+
+def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
+    """Make the arguments by which tshark prints these fields; `joint` is put between several values of one."""
+    return ["-T", "fields", "-E", f"aggregator={joint}", *(word for name in names for word in ("-e", name))]
+
+
+def columns(names: Sequence[str], line: str) -> dict[str, str]:
+    """Take apart what tshark prints for one packet."""
+    return dict(zip(names, line.split("\t"), strict=False))
+
+
+def first(text: str) -> str:
+    """Return the first of several values."""
+    return text.partition(JOINT)[0]
+
+
+def info(columns: dict[str, str]) -> str:
+    """Return the line of the packet list; its own escapes (`\\r` for a carriage return) stay.
+
+    A field is escaped once more when it is printed, a column is not.
+    """
+    column, field = INFO_FIELDS
+    return columns.get(column) or columns.get(field, "").replace("\\\\", "\\")
+
+
+def unknown_fields(said: str) -> set[str]:
+    """Find the fields that tshark refuses because it does not know them, in what it says."""
+    return set(re.findall(r"^\s+(\S+)$", said, re.MULTILINE)) if "fields aren't valid" in said else set()
+
+
+def is_no_capture(error: TsharkError) -> bool:
+    """Tell whether tshark failed because the file is no capture at all."""
+    return _NOT_A_CAPTURE in str(error)
+
+
+def is_cut(error: TsharkError) -> bool:
+    """Tell whether tshark failed at the end of a capture that is cut or damaged."""
+    return any(words in str(error) for words in _CUT)
+
+
+def last_words(error: TsharkError, capture: str = "the capture") -> str:
+    """Return the last line of what tshark said, with `capture` for its name: as root tshark reads a copy."""
+    return re.sub(r'The file "[^"]*"', capture, str(error).splitlines()[-1].removeprefix("tshark: "))
+
+
+def damage(capture: Path, error: TsharkError, came: bool) -> str:
+    """Say in a line how a capture is damaged at whose end tshark failed; `came`: it said something before.
+
+    NotACapture if it is none, TsharkError if tshark failed for another reason.
+    """
+    if is_no_capture(error):
+        raise NotACapture(f"{capture} is not a capture that tshark can read") from None
+    last = last_words(error)
+    if not came and not is_cut(error):
+        raise TsharkError(f"tshark: {last}") from None
+    return last

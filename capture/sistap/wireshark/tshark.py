@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Runs the tshark that is on PATH so that it sees our plugin, also as root.
+
+Run as root, Wireshark skips plugins and extcaps that an environment names without a word. So as root this module runs
+it as nobody, in a folder of its own with copies of the plugins and captures; `python3 -m sistap.wireshark ARGUMENTS` is
+tshark with that difference. Only root and nobody may enter that folder: a capture may be a secret.
+"""
+
+from __future__ import annotations
+
+import errno
+import itertools
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import weakref
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any, NamedTuple
+
+from sistap.terminal.stop import held
+
+NOBODY = 65534
+OLDEST_WIRESHARK = (4, 0)
+_PIECE = 1 << 20  # of a capture that is copied
+_FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
+
+# Where installers put Wireshark without adding it to PATH.
+_FOLDERS = {
+    "darwin": "/Applications/Wireshark.app/Contents/MacOS",
+    "win32": os.path.join(os.environ.get("PROGRAMFILES", r"C:\Program Files"), "Wireshark"),  # noqa: PTH118
+}
+
+
+class TsharkError(Exception):
+    """tshark is missing or failed; the text is the one line to show."""
+
+
+class Version(NamedTuple):
+    """Which Wireshark this is."""
+
+    text: str  # "4.0.17"
+    major: int
+    minor: int
+
+
+def version(text: str) -> Version | None:
+    """Find the version in what `--version` prints, if it is there."""
+    match = re.search(r"(\d+)\.(\d+)\S*\d", text)
+    return Version(match[0], int(match[1]), int(match[2])) if match else None
+
+
+class Loaded(NamedTuple):
+    """A plugin that Wireshark has loaded."""
+
+    name: str  # "sis.so"
+    version: str
+    file: str
+
+
+def loaded(text: str) -> list[Loaded]:
+    """Find sis.so and sis.lua in what `-G plugins` prints: name, version, kind and file of each."""
+    rows = [[column.strip() for column in line.split("\t")] for line in text.splitlines()]
+    return [Loaded(row[0], row[1], row[-1]) for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
+
+
+class Used(NamedTuple):
+    """What a run of tshark has used."""
+
+    seconds: float  # of processor time
+    kilobytes: int  # of memory, at most
+
+
+class Tshark:
+    """A place to run tshark in; as root with a copy of the plugins that nobody can read. Use it in a `with`.
+
+    At its end, whatever the reason, what still runs is killed and the copies are removed.
+    """
+
+    def __init__(self, program: str = "tshark", *, plugins: Path | None = None, drop_rights: bool = True) -> None:
+        """Prepare to run `program`, tshark or a sister of it. TsharkError if it is not installed.
+
+        It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Root stays root without
+        `drop_rights`: then folders are root's own, and personal plugins are not loaded.
+        """
+        path = shutil.which(program) or shutil.which(program, path=_FOLDERS.get(sys.platform, ""))
+        if path is None:
+            raise TsharkError(f"{program} is not on PATH; Debian and Ubuntu: apt-get install {program}")
+        self._path = path
+        self._environment = dict(os.environ)
+        if plugins is not None:
+            self._environment["WIRESHARK_PLUGIN_DIR"] = str(plugins)
+        self._children: list[subprocess.Popen[Any]] = []
+        self._own: _OwnFolder | None = None
+        with held():
+            if drop_rights and sys.platform != "win32" and os.geteuid() == 0:
+                self._own = _OwnFolder()
+            # Also at the end of the program, if a signal has come between the `with` and its end.
+            self._end = weakref.finalize(self, _end, self._children, self._own)
+        if self._own:
+            self._own.prepare(self._environment)
+
+    def __enter__(self) -> Tshark:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End what still runs; remove the folder."""
+        with held():
+            self._end()
+
+    @contextmanager
+    def _command(self, arguments: Sequence[str]) -> Iterator[list[str]]:
+        """Return what to run; as root the capture after -r is a copy that nobody can read, for as long as this runs."""
+        readable = list(arguments)
+        copy = ""
+        for index, argument in enumerate(arguments[:-1]):
+            if argument == "-r" and self._own and arguments[index + 1] != "-":
+                copy = readable[index + 1] = self._own.copy(Path(arguments[index + 1]))
+        try:
+            yield [self._path, *readable]
+        finally:
+            if self._own and copy:
+                self._own.remove(copy)
+
+    def _settings(self, arguments: Sequence[str]) -> dict[str, Any]:
+        """Make what subprocess has to be told beside the command."""
+        nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if self._own else {}
+        environment = {**self._environment, "LC_ALL": "C.UTF-8", "TZ": "UTC"}
+        stdin = subprocess.DEVNULL if "-" not in arguments else None
+        return {"stdin": stdin, "cwd": self._own and self._own.path, "env": environment, **nobody}
+
+    def _start(self, command: Sequence[str], **settings: Any) -> subprocess.Popen[Any]:
+        """Start a program that `__exit__` ends if it still runs then."""
+        self._children[:] = [child for child in self._children if child.returncode is None]
+        with held():
+            self._children.append(subprocess.Popen(command, **settings))
+        return self._children[-1]
+
+    @contextmanager
+    def _running(
+        self, command: Sequence[str], *, gently: bool = False, **settings: Any
+    ) -> Iterator[subprocess.Popen[Any]]:
+        """Run a program and wait for its end; when nobody wants the rest, kill it, or `gently` ask it to end."""
+        with self._start(command, **settings) as process:
+            try:
+                yield process
+            except BaseException:
+                (process.terminate if gently else process.kill)()
+                raise
+
+    def run(
+        self,
+        arguments: Sequence[str],
+        *,
+        capture: bool = True,
+        extra_environment: dict[str, str] | None = None,
+        stdin: IO[bytes] | None = None,
+    ) -> subprocess.CompletedProcess[str]:
+        """Run tshark to its end; `capture` keeps stdout and stderr as text, else they pass through."""
+        settings = self._settings(arguments)
+        settings["env"] |= extra_environment or {}
+        if stdin is not None:
+            settings["stdin"] = stdin
+        if capture:
+            settings |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        with (
+            self._command(arguments) as command,
+            self._running(command, gently=not capture, encoding="utf-8", errors="replace", **settings) as process,
+        ):
+            out, err = process.communicate()
+        return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+    def lines(self, arguments: Sequence[str]) -> Generator[str, None, None]:
+        """Run tshark and yield its stdout line by line, as it comes. TsharkError, after the last, if it failed.
+
+        Who does not want the rest closes the generator: that ends tshark.
+        """
+        with self._command(arguments) as command, tempfile.TemporaryFile() as errors:
+            settings = self._settings(arguments) | {"stdout": subprocess.PIPE, "stderr": errors}
+            with self._running(command, encoding="utf-8", errors="replace", **settings) as process:
+                assert process.stdout is not None
+                for line in process.stdout:
+                    yield line.rstrip("\n")
+            if process.returncode != 0:
+                errors.seek(0)
+                said = errors.read().decode(errors="replace").strip()
+                raise TsharkError(said or f"{Path(self._path).name} ended with exit code {process.returncode}")
+
+    def start(self, arguments: Sequence[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
+        """Start tshark with pipes to its stdin and from its stdout; what it says on stderr goes to `errors`."""
+        settings = self._settings(arguments) | {"stdin": subprocess.PIPE}
+        return self._start([self._path, *arguments], stdout=subprocess.PIPE, stderr=errors, **settings)
+
+    def usage(self, arguments: Sequence[str]) -> Used:
+        """Run tshark with its output thrown away; return what it used. TsharkError if it failed."""
+        if sys.platform == "win32":
+            raise TsharkError("Windows does not tell what a program has used: measure on Linux")
+        with (
+            self._command(arguments) as command,
+            self._running(command, stdout=subprocess.DEVNULL, **self._settings(arguments)) as process,
+        ):
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            raise TsharkError(f"{Path(self._path).name} ended with exit code {process.returncode}")
+        return Used(usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
+
+    def output(self, *arguments: str) -> str:
+        """Run tshark and return its stdout. TsharkError with its last words if it failed."""
+        done = self.run(arguments)
+        if done.returncode != 0:
+            words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+            raise TsharkError(f"{Path(self._path).name}: {words[-1]}")
+        return done.stdout
+
+
+class _OwnFolder:
+    """A folder in which nobody has a home, the plugins, and copies of captures. Nobody else may enter it, but root.
+
+    It belongs to nobody, so root writes into it through its descriptor, and only files that are not there yet: a link
+    that others who are nobody, too, have put in its way leads nowhere.
+    """
+
+    def __init__(self) -> None:
+        """Make it, for root alone at first."""
+        self.path = Path(tempfile.mkdtemp(prefix="sistap-"))
+        self._descriptor = os.open(self.path, os.O_RDONLY)
+        self._numbers = itertools.count(1)
+
+    def prepare(self, environment: dict[str, str]) -> None:
+        """Fill it, and let the environment name what is in it; at last let nobody in."""
+        home = self.path / "home"
+        home.mkdir()
+        environment["HOME"] = str(home)
+        environment.pop("XDG_CONFIG_HOME", None)
+        for variable in _FOLDER_VARIABLES:
+            source = environment.get(variable)
+            if source and Path(source).is_dir():
+                environment[variable] = str(shutil.copytree(source, self.path / variable.lower()))
+        for path in (*self.path.rglob("*"), self.path):
+            shutil.chown(path, NOBODY, NOBODY)
+
+    def copy(self, capture: Path) -> str:
+        """Copy a capture; return the name of the copy. TsharkError if there is no room for it."""
+        with capture.open("rb") as source:
+            name, descriptor = self._new_file()
+            try:
+                with open(descriptor, "wb") as copy:
+                    if sys.platform != "win32":  # where nobody is root
+                        os.fchown(descriptor, NOBODY, NOBODY)
+                    shutil.copyfileobj(source, copy, _PIECE)
+            except OSError as error:
+                self.remove(name)
+                if error.errno != errno.ENOSPC:
+                    raise
+                raise TsharkError(
+                    f"{self.path.parent} has no room for a copy of {capture}, which tshark needs as root: run it as "
+                    "an ordinary user, or name a larger folder with TMPDIR"
+                ) from error
+        return str(self.path / name)
+
+    def _new_file(self) -> tuple[str, int]:
+        """Make a file for root alone; return its name and a descriptor to write to it."""
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+        while True:
+            name = f"capture-{next(self._numbers)}"
+            with suppress(FileExistsError):
+                return name, os.open(name, flags, 0o600, dir_fd=self._descriptor)
+
+    def remove(self, copy: str) -> None:
+        """Remove a copy."""
+        with suppress(OSError):
+            os.unlink(Path(copy).name, dir_fd=self._descriptor)  # noqa: PTH108 - pathlib has no descriptors
+
+    def close(self) -> None:
+        """Remove the folder."""
+        os.close(self._descriptor)
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _end(children: Sequence[subprocess.Popen[Any]], folder: _OwnFolder | None) -> None:
+    for child in children:
+        child.kill()
+        child.wait()
+    if folder:
+        folder.close()

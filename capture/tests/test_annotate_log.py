@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap log`: a capture as a log, and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from commands import refused, run
+from independent import records
+from report_capture import BUS, READ, Sent, write
+from specification import TELEGRAMS
+
+from sistap.records.record import Type
+
+CAPTURES = Path(__file__).parents[2] / "test-captures"
+ZONE = "CET-1CEST,M3.5.0,M10.5.0/3"  # central Europe, with rules that need no file
+
+
+def telegrams(path: Path) -> list[tuple[int, int, bytes]]:
+    """Time in ns, line, and bytes of all frames of a capture."""
+    return [(record.time_ns, record.line, record.data) for record in records(path) if record.type == Type.FRAME]
+
+
+def test_a_log(tmp_path: Path) -> None:
+    capture = write(
+        tmp_path / "x.pcapng",
+        [Sent(TELEGRAMS["8-20"]), Sent(TELEGRAMS["8-21"]), Sent(READ), Sent(READ), Sent(b"A03\r", type=Type.OTHER)],
+    )
+    done = run(tmp_path, "log", capture, TZ=ZONE)
+    assert (done.returncode, done.stderr) == (0, "")
+    read, indent = READ.hex(" ").upper(), " " * 36 + "^-- "
+    # Each character takes 11 bits at 9600 Bd, the silence before each is 25 ms; 1,700,000,000 s are 22:13:20 UTC.
+    assert done.stdout.splitlines() == [
+        '^-- 2023-11-14 23:13:20.000000000+0100  Capture started: test <b>adapter</b> & "quotes"',
+        "2023-11-14 23:13:20.025000000+0100  02 6C 00 00 00 92 00 00",
+        f"{indent}0 -> 0  Command  Read phase (SYNAX)",
+        "2023-11-14 23:13:20.058020831+0100  02 56 02 02 10 92 00 00 00 02",
+        f"{indent}0 -> 0  Reaction  Read phase (SYNAX): phase 2 (parameter mode)  25.000 ms after the command",
+        f"2023-11-14 23:13:20.093333328+0100  {read}",
+        f"{indent}16 -> 3  Command  Read parameter S-0-0040  [no reaction]",
+        f"2023-11-14 23:13:20.132083324+0100  {read}",
+        f"{indent}16 -> 3  Command  Read parameter S-0-0040  [repeat]",
+        "2023-11-14 23:13:20.170833320+0100  41 30 33 0D",
+        f'{indent}4 other characters  41 30 33 0d  "A03\\r"',
+    ]
+
+
+@pytest.mark.parametrize("name", ["specification", "statistics", "repeats", "duplex", "sequences", "phases-routed"])
+def test_a_log_is_read_back_to_the_same_telegrams_and_times(tmp_path: Path, name: str) -> None:
+    assert run(tmp_path, "log", CAPTURES / f"{name}.pcapng", "-o", "x.txt", TZ=ZONE).returncode == 0
+    # Wherever the log is read: its times have their zone.
+    assert run(tmp_path, "annotate", "x.txt", "-w", "y.pcapng", TZ="EST5").returncode == 0
+    assert telegrams(tmp_path / "y.pcapng") == telegrams(CAPTURES / f"{name}.pcapng")
+
+
+def test_a_capture_of_a_log_without_times_is_a_log_without_times(tmp_path: Path) -> None:
+    (tmp_path / "x.txt").write_text("02 6C 00 00 00 92 00 00\n")
+    assert run(tmp_path, "annotate", "x.txt", "-w", "x.pcapng").returncode == 0
+    assert run(tmp_path, "log", "x.pcapng").stdout.splitlines() == [
+        "^-- Capture started: made from x.txt by sistap annotate",
+        "02 6C 00 00 00 92 00 00",
+        "^-- 0 -> 0  Command  Read phase (SYNAX)",
+    ]
+
+
+def test_a_capture_that_is_cut_is_a_log_up_to_there(tmp_path: Path) -> None:
+    capture = write(tmp_path / "x.pcapng", BUS)
+    whole = run(tmp_path, "log", capture).stdout.splitlines()
+    capture.write_bytes(capture.read_bytes()[:-40])
+    done = run(tmp_path, "log", capture)
+    assert done.returncode == 0
+    assert done.stdout.splitlines() == whole[:-2]
+    assert "cut short" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_what_is_no_record_of_the_tap(tmp_path: Path) -> None:
+    bare = write(tmp_path / "x.pcapng", BUS, dissector="sis")
+    refused(run(tmp_path, "log", bare), 2, "no records of sistap")
+
+
+def test_a_full_disk(tmp_path: Path, full: Path) -> None:
+    capture = write(tmp_path / "x.pcapng", BUS)
+    refused(run(tmp_path, "log", capture, "-o", full), 1, "/dev/full", "No space left")
+
+
+def test_what_cannot_be_opened(tmp_path: Path) -> None:
+    capture = write(tmp_path / "x.pcapng", BUS)
+    (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
+    refused(run(tmp_path, "log", "junk"), 2, "junk is not a capture")
+    refused(run(tmp_path, "log", "nothing"), 2, "cannot read nothing")
+    refused(run(tmp_path, "log", capture, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
+    refused(run(tmp_path, "log", capture, "-o", capture), 2, "is the capture itself")
+    refused(run(tmp_path, "log", capture, PATH=str(tmp_path)), 1, "tshark is not on PATH")
+    (tmp_path / "plugins").mkdir()
+    refused(run(tmp_path, "log", capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The options of a capture, whoever makes them: what they come to, and what does not go together."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import FrozenInstanceError, replace
+
+import pytest
+
+from sistap.capture import command
+from sistap.capture.options import CaptureOptions, checked, rate
+from sistap.files.output import Limits
+from sistap.line.settings import LineSettings
+from sistap.terminal.exits import UsageError
+
+PORT = "/dev/ttyTEST"
+PLAIN = CaptureOptions(ports=(PORT,))
+
+
+def test_nobody_changes_options_afterwards() -> None:
+    with pytest.raises(FrozenInstanceError):
+        PLAIN.baud = 19200  # type: ignore[misc]
+
+
+def test_defaults_are_those_of_the_command() -> None:
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    told = vars(parser.parse_args(["-i", PORT]))
+    for name, value in vars(replace(PLAIN, ports=[PORT], autostop=[], ring=[])).items():  # type: ignore[arg-type]
+        assert told[name] == value, name
+
+
+def test_lines_are_numbered_by_how_many_ports_there_are() -> None:
+    assert PLAIN.lines == (0,)
+    assert replace(PLAIN, ports=(PORT, "/dev/ttyOTHER")).lines == (1, 2)
+
+
+def test_formats_are_looked_for_only_with_the_rate() -> None:
+    assert PLAIN.formats == ()
+    assert replace(PLAIN, baud=None).formats == ("8E1", "8N1")
+    assert replace(PLAIN, baud=None, format="8O1").formats == ("8O1",)
+
+
+def test_limits() -> None:
+    ring = replace(PLAIN, file="x", ring={"filesize": 3.0, "files": 2.0}, autostop={"files": 5.0})
+    assert ring.limits == Limits(size=3000, duration_s=None, several=True, keep=2, files=5)
+    with pytest.raises(UsageError, match="need a file: say it with -w"):
+        replace(ring, file=None).limits  # noqa: B018 - it checks
+
+
+def test_what_they_come_to() -> None:
+    assert checked(PLAIN) == (LineSettings(9600), None)
+    with pytest.raises(UsageError, match="--baud auto needs SIS telegrams"):
+        checked(replace(PLAIN, baud=None, silence_ms=5))
+
+
+@pytest.mark.parametrize(("text", "baud"), [("auto", None), ("19200", 19200), ("4294967295", 4294967295)])
+def test_a_rate(text: str, baud: int | None) -> None:
+    assert rate(text) == baud
+
+
+@pytest.mark.parametrize("text", ["", "0", "-9600", "4294967296", "fast"])
+def test_what_is_no_rate(text: str) -> None:
+    with pytest.raises(ValueError, match=f"'{text}' is neither auto nor a rate"):
+        rate(text)
