@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Names of services for lines printed without Wireshark.
 
-The source is plugin/sis-names.c; a test compares the two, so edit there first.
+The source is plugin/sis/names.c; a test compares the two, so edit there first.
 """
 
 from __future__ import annotations
