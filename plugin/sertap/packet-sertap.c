@@ -248,9 +248,37 @@ check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *
 static const char *
 interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
 {
-    const char *more_than = flag & SERTAP_INTERVAL_SATURATED ? "more than " : "";
+    const char *text = sertap_ms_text(pinfo->pool, interval);
 
-    return wmem_strconcat(pinfo->pool, more_than, sertap_ms_text(pinfo->pool, interval), NULL);
+    return flag & SERTAP_INTERVAL_SATURATED ? wmem_strconcat(pinfo->pool, "more than ", text, NULL) : text;
+}
+
+/* "Character 12: 0x3c": a record has hundreds, and printf() would be a third of what they cost. */
+static const char *
+character_text(wmem_allocator_t *scope, unsigned number, uint8_t value, const char *interval)
+{
+    static const char hexadecimal[] = "0123456789abcdef";
+    char text[] = "Character 00000: 0x00", *digit = text + strlen("Character 0000");
+
+    text[19] = hexadecimal[value >> 4];
+    text[20] = hexadecimal[value & 15];
+    for (; number > 0; number /= 10)
+        *digit-- = (char)('0' + number % 10);
+    memmove(text + strlen("Character "), digit + 1, strlen(digit + 1) + 1);
+    return interval != NULL ? wmem_strconcat(scope, text, ", after ", interval, NULL)
+                            : wmem_strdup(scope, text);
+}
+
+static void
+add_flags(proto_tree *tree, proto_item *character, tvbuff_t *tvb, unsigned offset, uint8_t flag)
+{
+    proto_tree_add_item(tree, hf_flags, tvb, offset, 1, ENC_BIG_ENDIAN);
+    for (unsigned i = 0; flag != 0 && i < array_length(flags); i++) {
+        if (!(flag & flags[i].flag))
+            continue;
+        proto_item_append_text(character, ", %s", flags[i].text);
+        proto_tree_add_boolean(tree, *flags[i].hf, tvb, offset, 1, flags[i].flag);
+    }
 }
 
 static void
@@ -261,22 +289,14 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
     uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
     uint32_t interval = tvb_get_ntohl(tvb, time_at);
     nstime_t since = sertap_time(interval);
-    proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value,
-                                                "Character %u: 0x%02x", at + 1, value);
+    const char *text = flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, flag);
+    proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value, "%s",
+                                                character_text(pinfo->pool, at + 1, value, text));
     proto_tree *subtree = proto_item_add_subtree(ti, ett_character);
-    const char *text = interval_text(pinfo, interval, flag);
 
-    if (!(flag & SERTAP_INTERVAL_UNKNOWN)) {
-        proto_item_append_text(ti, ", after %s", text);
+    if (text != NULL)
         proto_tree_add_time_format_value(subtree, hf_interval, tvb, time_at, 4, &since, "%s", text);
-    }
-    proto_tree_add_item(subtree, hf_flags, tvb, flags_at, 1, ENC_BIG_ENDIAN);
-    for (unsigned i = 0; i < array_length(flags); i++) {
-        if (!(flag & flags[i].flag))
-            continue;
-        proto_item_append_text(ti, ", %s", flags[i].text);
-        proto_tree_add_boolean(subtree, *flags[i].hf, tvb, flags_at, 1, flags[i].flag);
-    }
+    add_flags(subtree, ti, tvb, flags_at, flag);
 }
 
 static void

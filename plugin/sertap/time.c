@@ -55,16 +55,17 @@ sertap_can_be_counted(const packet_info *pinfo)
     return pinfo->rel_ts.secs <= 2 * (SERTAP_LATEST / NS_PER_S);
 }
 
-char *
-sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals)
+/* Written from its end, as numbers are; printf() takes ten times as long. */
+static char *
+text_with_unit(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals, const char *unit)
 {
     uint64_t magnitude = value < 0 ? -(uint64_t)value : (uint64_t)value;
     uint64_t digits = magnitude / divisor + (magnitude % divisor >= divisor - divisor / 2);
-    char text[32], *begin = text + sizeof text;
+    size_t size = strlen(unit) + 1;
+    char text[32], *begin = text + sizeof text - size;
 
-    *--begin = '\0';
-    for (unsigned written = 0; written <= decimals || digits > 0;
-         written++) { /* printf() takes ten times as long */
+    memcpy(begin, unit, size);
+    for (unsigned written = 0; written <= decimals || digits > 0; written++) {
         if (written == decimals)
             *--begin = '.';
         *--begin = (char)('0' + digits % 10);
@@ -75,20 +76,26 @@ sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, un
     return wmem_strdup(scope, begin);
 }
 
+char *
+sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals)
+{
+    return text_with_unit(scope, value, divisor, decimals, "");
+}
+
 const char *
 sertap_ms_text(wmem_allocator_t *scope, int64_t ns)
 {
-    return wmem_strconcat(scope, sertap_decimal_text(scope, ns, NS_PER_US, 3), " ms", NULL);
+    return text_with_unit(scope, ns, NS_PER_US, 3, " ms");
 }
 
 const char *
 sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns)
 {
-    return wmem_strconcat(scope, sertap_decimal_text(scope, ns, 1, 6), " ms", NULL);
+    return text_with_unit(scope, ns, 1, 6, " ms");
 }
 
 const char *
 sertap_s_text(wmem_allocator_t *scope, int64_t ns)
 {
-    return wmem_strconcat(scope, sertap_decimal_text(scope, ns, NS_PER_MS, 3), " s", NULL);
+    return text_with_unit(scope, ns, NS_PER_MS, 3, " s");
 }

@@ -169,15 +169,45 @@ find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direc
     exchange->transfer = before->transfer;
 }
 
-/* What a router made of a command that waits belongs to it. */
+static sis_routing_t *
+routing_of(sis_exchange_t *exchange)
+{
+    if (exchange->routing == NULL)
+        exchange->routing = wmem_new0(wmem_file_scope(), sis_routing_t);
+    return exchange->routing;
+}
+
+sis_exchange_t *
+sis_exchange_above(const sis_exchange_t *exchange)
+{
+    return exchange->routing != NULL ? exchange->routing->above : NULL;
+}
+
+sis_exchange_t *
+sis_exchange_below(const sis_exchange_t *exchange)
+{
+    return exchange->routing != NULL ? exchange->routing->forwarded : NULL;
+}
+
+/* It waits no longer for what a router makes of it. */
+static void
+leave_route(sis_exchange_t *exchange)
+{
+    if (exchange->routing != NULL)
+        sis_route_leave(&exchange->routing->waiting);
+}
+
+/* What a router made of a command that waits belongs to it; a router passes a command on once. */
 static void
 find_route(sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    exchange->above = sis_route_find(tvb, pinfo, telegram);
-    if (exchange->above == NULL)
+    sis_exchange_t *above = sis_route_find(tvb, pinfo, telegram);
+
+    if (above == NULL)
         return;
-    sis_route_leave(&exchange->above->waiting); /* a router passes a command on once */
-    exchange->above->forwarded = exchange;
+    leave_route(above);
+    routing_of(exchange)->above = above;
+    routing_of(above)->forwarded = exchange;
 }
 
 /* A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
@@ -208,7 +238,7 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     sis_exchange_t **master = &stream->bus->last[telegram->sender];
 
     exchange->stream = stream;
-    exchange->direction = direction;
+    exchange->direction = (uint8_t)direction;
     exchange->station = telegram->last_address;
     exchange->path_length = 1 + telegram->subaddress_count;
     tvb_memcpy(tvb, exchange->path, 7, exchange->path_length);
@@ -230,13 +260,13 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     *master = exchange;
 
     if (stream->from[direction].last != NULL)
-        sis_route_leave(&stream->from[direction].last->waiting);
+        leave_route(stream->from[direction].last);
     wmem_free(wmem_file_scope(), stream->from[direction].bytes);
     stream->from[direction].bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
     stream->from[direction].length = telegram->declared;
     stream->from[direction].last = exchange;
     if (telegram->subaddress_count > 0)
-        sis_route_wait(&exchange->waiting, exchange, tvb, pinfo, telegram);
+        sis_route_wait(&routing_of(exchange)->waiting, exchange, tvb, pinfo, telegram);
     return exchange;
 }
 
@@ -305,11 +335,11 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         exchange->reaction_in = pinfo->num;
         if (stream->bus->is_connection)
             exchange->next_command_in = 0; /* there a master need not wait */
-        sis_route_leave(&exchange->waiting);
+        leave_route(exchange);
         exchange->has_time = exchange->command_in != pinfo->num;
         exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
-        if (exchange->forwarded != NULL)
-            record->routed_from = exchange->forwarded->reaction_in;
+        if (sis_exchange_below(exchange) != NULL)
+            record->routed_from = sis_exchange_below(exchange)->reaction_in;
         return;
     }
 }
@@ -382,8 +412,8 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
     if (exchange->first != NULL)
         add_frame(tree, tvb, hf_repeat_of, exchange->first->command_in);
     add_frame(tree, tvb, hf_gave_up, exchange->gave_up);
-    if (exchange->above != NULL)
-        add_frame(tree, tvb, hf_routed_from, exchange->above->command_in);
+    if (sis_exchange_above(exchange) != NULL)
+        add_frame(tree, tvb, hf_routed_from, sis_exchange_above(exchange)->command_in);
     if (exchange->first != NULL) {
         expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again",
                                exchange->first->command_in);

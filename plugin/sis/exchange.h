@@ -52,53 +52,64 @@ typedef struct sis_bus {
     wmem_map_t *cycles;          /* timing.c */
 } sis_bus_t;
 
-/* A command and its reaction, as far as they are in the capture. Lives as long as the file. */
+/* What only commands through routers have. */
+typedef struct {
+    sis_waiting_t waiting;          /* for what the next router makes of it */
+    struct sis_exchange *above;     /* the same exchange one level above; NULL: none */
+    struct sis_exchange *forwarded; /* and one level below */
+} sis_routing_t;
+
+/* A command and its reaction, as far as they are in the capture. Lives as long as the file; a capture has
+ * millions of them, so the fields lie without gaps. */
 typedef struct sis_exchange {
     struct sis_stream *stream;
-    unsigned direction; /* in its stream */
+    struct sis_exchange *first; /* of the same commands, which this repeats; NULL: none */
+    struct sis_exchange *again; /* the next repeat; NULL: none */
+    sis_routing_t *routing;     /* NULL: no router */
+    sis_request_t *request;
+    int64_t command_end;   /* when its last character came, ns since 1970 */
+    int64_t reaction_time; /* ns, valid if has_time */
+    int64_t wait;          /* TwM, ns: of a repeat, or after a broadcast; negative: none */
     uint32_t command_in;
-    uint32_t reaction_in;     /* 0: none */
-    uint32_t next_command_in; /* the master went on without a reaction; 0: no */
-    uint8_t path[8];          /* from the receiver through subaddresses to whom the command is for */
-    uint8_t path_length;
-    uint8_t station;           /* whom the command is for in the end */
+    uint32_t reaction_in;      /* 0: none */
+    uint32_t next_command_in;  /* the master went on without a reaction; 0: no */
     uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
-    uint8_t gave_up_station;   /* whom that was for */
-    int64_t command_end;       /* when its last character came, ns since 1970 */
     uint32_t command_duration; /* ns */
     uint32_t command_spread;   /* ns: so much earlier its last character can have come; UINT32_MAX: unknown */
-    int64_t reaction_time;     /* ns, valid if has_time */
-    int64_t wait;              /* TwM, ns: of a repeat, or after a broadcast; negative: none */
+    uint32_t transfer;         /* of sequential telegrams, this is a step of it */
+    uint8_t path[8];           /* from the receiver through subaddresses to whom the command is for */
+    uint8_t path_length;
+    uint8_t station;         /* whom the command is for in the end */
+    uint8_t gave_up_station; /* whom `gave_up` was for */
+    uint8_t direction;       /* in its stream */
     bool has_time;
     bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
     bool needs_reaction;      /* neither group nor broadcast, nor a token: that is not specified */
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
                               then */
     bool is_kept_reaction_seen;
-    uint32_t transfer;              /* of sequential telegrams, this is a step of it */
-    struct sis_exchange *first;     /* of the same commands, which this repeats; NULL: none */
-    struct sis_exchange *again;     /* the next repeat; NULL: none */
-    sis_waiting_t waiting;          /* for what the next router makes of it */
-    struct sis_exchange *above;     /* the same exchange one level above; NULL: none */
-    struct sis_exchange *forwarded; /* and one level below */
-    sis_request_t *request;
 } sis_exchange_t;
 
-/* What was found out about one telegram in the first pass. */
+/* A transfer of sequential telegrams that ended before its last piece. */
+typedef struct {
+    uint32_t begun_in;
+    const char *reason;
+} sis_ended_t;
+
+/* What was found out about one telegram in the first pass; what few have is apart. */
 typedef struct sis_record {
-    uint8_t service; /* to know the telegram again */
-    bool is_reaction;
-    sis_exchange_t *exchange; /* NULL: a damaged telegram, or a reaction without a command */
-    uint32_t reaction_before; /* the command had been answered already, there */
-    uint32_t routed_from;     /* of a reaction: the one that came back from one level below */
-    uint32_t transfer;        /* number of the one this is a piece of; 0: none */
-    uint32_t transfer_ended;  /* this telegram ended the transfer that began there, unfinished */
-    const char *transfer_reason;
-    sis_switch_t phase_switch;           /* that this polls */
+    sis_exchange_t *exchange;            /* NULL: a damaged telegram, or a reaction without a command */
     const struct sis_settings *settings; /* valid for this telegram; NULL: none */
+    const sis_ended_t *ended;            /* the transfer that this telegram ended, unfinished; NULL: none */
+    const sis_switch_t *phase_switch;    /* that this polls; NULL: none */
     struct sis_cycle *cycle;             /* of the master control word; NULL: none */
+    uint32_t reaction_before;            /* the command had been answered already, there */
+    uint32_t routed_from;                /* of a reaction: the one that came back from one level below */
+    uint32_t transfer;                   /* number of the one this is a piece of; 0: none */
     float load;                          /* percent; negative: not known */
-    bool is_switch_end;                  /* it ended here, well or not */
+    uint8_t service;                     /* to know the telegram again */
+    bool is_reaction;
+    bool is_switch_end; /* it ended here, well or not */
     bool is_piece_repeated;
     bool is_piece_missing;
 } sis_record_t;
@@ -119,6 +130,10 @@ typedef struct sis_stream {
 /* Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then.
  * Of a damaged telegram, the reaction that a command waits for may have been this one. Never NULL. */
 sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
+
+/* The same exchange one level above and one level below, where there are routers; NULL: none is known. */
+sis_exchange_t *sis_exchange_above(const sis_exchange_t *exchange);
+sis_exchange_t *sis_exchange_below(const sis_exchange_t *exchange);
 
 /* Keeps what a command asks for, once. */
 void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);

@@ -60,8 +60,8 @@ append_commands(GString *frames, const sis_exchange_t *exchange)
         exchange = exchange->first;
     for (; exchange != NULL; exchange = exchange->again) {
         g_string_append_printf(frames, "%s%u", frames->len > 0 ? ", " : "", exchange->command_in);
-        if (exchange->forwarded != NULL)
-            forwarded = exchange->forwarded;
+        if (sis_exchange_below(exchange) != NULL)
+            forwarded = sis_exchange_below(exchange);
     }
     return forwarded;
 }
@@ -74,8 +74,8 @@ exchange_filter(packet_info *pinfo COMPAT_CONVERSATION_DATA)
     GString *frames = g_string_new("");
     char *filter;
 
-    while (exchange->above != NULL)
-        exchange = exchange->above;
+    while (sis_exchange_above(exchange) != NULL)
+        exchange = sis_exchange_above(exchange);
     while (exchange != NULL)
         exchange = append_commands(frames, exchange);
     filter = ws_strdup_printf("frame.number in {%s} || sis.command_in in {%s}", frames->str, frames->str);

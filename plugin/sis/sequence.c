@@ -226,8 +226,10 @@ sis_is_piece(const sis_body_t *body)
 static void
 end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
 {
-    record->transfer_ended = (*link)->begun_in;
-    record->transfer_reason = reason;
+    sis_ended_t *ended = wmem_new(wmem_file_scope(), sis_ended_t);
+
+    *ended = (sis_ended_t){(*link)->begun_in, reason};
+    record->ended = ended;
     end_transfer(link);
 }
 
@@ -312,11 +314,11 @@ sis_sequence_watch(sis_body_t *body)
         return;
     if (!body->pinfo->fd->visited)
         watch(body);
-    if (record->transfer_ended == 0)
+    if (record->ended == NULL)
         return;
     body->item = body->root;
-    sis_mark(body, &ei_ended, "transfer since frame %u ended unfinished: %s", record->transfer_ended,
-             record->transfer_reason);
+    sis_mark(body, &ei_ended, "transfer since frame %u ended unfinished: %s", record->ended->begun_in,
+             record->ended->reason);
 }
 
 /* clang-format off */

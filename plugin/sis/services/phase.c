@@ -42,7 +42,9 @@ follow_switch(const sis_body_t *body, uint32_t phase)
     } else if (!is_switch) {
         sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
 
-        record->phase_switch = *begun;
+        if (begun->command_in == 0)
+            return;
+        record->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
         record->is_switch_end = body->status != 0 || phase == begun->to;
         if (record->is_switch_end)
             begun->command_in = 0;
@@ -58,16 +60,16 @@ show_switch(sis_body_t *body)
     const char *text;
     proto_item *item;
 
-    if (record->phase_switch.command_in == 0)
+    if (record->phase_switch == NULL)
         return;
-    item = proto_tree_add_uint(body->tree, hf_switch_in, body->tvb, 0, 0, record->phase_switch.command_in);
+    item = proto_tree_add_uint(body->tree, hf_switch_in, body->tvb, 0, 0, record->phase_switch->command_in);
     proto_item_set_generated(item);
-    proto_item_append_text(item, " (to phase %u)", record->phase_switch.to);
+    proto_item_append_text(item, " (to phase %u)", record->phase_switch->to);
     if (!record->is_switch_end) {
-        sis_say(body, ", switching to phase %u", record->phase_switch.to);
+        sis_say(body, ", switching to phase %u", record->phase_switch->to);
         return;
     }
-    elapsed = sertap_elapsed(record->phase_switch.begin, body->telegram->times.begin);
+    elapsed = sertap_elapsed(record->phase_switch->begin, body->telegram->times.begin);
     taken = sertap_time(elapsed);
     text = sertap_s_text(body->pinfo->pool, elapsed);
     item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%s", text);
