@@ -483,7 +483,8 @@ N.elements = {
   [7] = "Operating data",
 }
 
--- Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x800C from IndraDrive.
+-- Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x8002, 0x800B and * 0x800C from
+-- IndraDrive, whose manual has two meanings for the last.
 N.errors_parameter = {
   [0x0000] = "No error",
   [0x0001] = "Service channel not open",
@@ -528,7 +529,9 @@ N.errors_parameter = {
   [0x700E] = "The length of the operating data cannot be changed",
   [0x700F] = "List element not available, or the list offset is not the start of an element",
   [0x8001] = "Service channel busy",
-  [0x800C] = "Parameter is occupied by a sequential transmission",
+  [0x8002] = "Failure in the service channel",
+  [0x800B] = "Transmission cancelled, another request had priority",
+  [0x800C] = "Service channel still active, or parameter occupied by a sequential transmission",
 }
 
 -- Error codes of a phase switch, fig. 8-49.
@@ -743,8 +746,7 @@ field("sis.talker", "Talker", ftypes.UINT8, base.DEC, nil, 0,
 field("sis.listener", "Listener", ftypes.UINT8, base.DEC, nil, 0, "For whom it really is")
 field("sis.station", "Station", ftypes.UINT8, base.DEC, nil, 0, "Talker or listener")
 expert_field("sis.start.missing", "MALFORMED", "ERROR", "No start character 0x02")
-expert_field("sis.checksum.bad", "CHECKSUM", "ERROR",
-  "Wrong checksum: a bus does not answer this telegram, a point-to-point station answers with status 0xF4")
+expert_field("sis.checksum.bad", "CHECKSUM", "ERROR", "Wrong checksum")
 expert_field("sis.length.differ", "MALFORMED", "ERROR",
   "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with "
     .. "status 0xF2")
@@ -1588,8 +1590,10 @@ do
   local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR = 0x20, 0x40, 0x80
   local CHECKSUM_BAD, CHECKSUM_GOOD, CHECKSUM_UNVERIFIED = 0, 1, 2
 
-  local WRONG_CHECKSUM = "Wrong checksum: a bus does not answer this telegram, "
+  -- What the receiver does (chapter 2.4) depends on who it is.
+  local WRONG_COMMAND = "Wrong checksum: a station on a bus does not answer, "
     .. "a point-to-point station answers with status 0xF4"
+  local WRONG_REACTION = "Wrong checksum: the master waits (TwM) and sends its command again"
 
   local handle -- of this dissector, once there is one
   -- A TCP segment may come in several calls: only Wireshark's own table of a packet knows that it is still the same.
@@ -1652,7 +1656,8 @@ do
       local expected = strformat("should be 0x%02x", (checksum - telegram.sum) % 256)
 
       append_text(item, " incorrect, " .. expected)
-      add_expert(item or body.root, E.checksum_bad, WRONG_CHECKSUM .. " [" .. expected .. "]")
+      add_expert(item or body.root, E.checksum_bad,
+        (telegram.is_reaction and WRONG_REACTION or WRONG_COMMAND) .. " [" .. expected .. "]")
       body.marks = body.marks .. "  [wrong checksum]"
     else
       append_text(item, state == CHECKSUM_GOOD and " [correct]" or " [unverified]")
@@ -1670,8 +1675,9 @@ do
       body.marks = body.marks .. strformat("  [cut: %d of %d bytes]", there, declared)
     elseif there > declared then
       add_expert(item or body.root, E.length_long,
-        strformat("%d bytes follow the end of the telegram", there - declared))
-      body.marks = body.marks .. strformat("  [%d bytes too many]", there - declared)
+        strformat("%d byte%s the end of the telegram", there - declared,
+          there - declared == 1 and " follows" or "s follow"))
+      body.marks = body.marks .. strformat("  [%d byte%s too many]", there - declared, plural(there - declared))
     end
   end
 
@@ -2242,10 +2248,14 @@ do
   local function visible_character(c)
     local code = byte(c)
 
-    return code < 0x20 and "\226\144" .. char(0x80 + code) or code == 0x7F and "\226\144\161" or "\239\191\189"
+    if code < 0x20 then return "\226\144" .. char(0x80 + code) end
+    if code == 0x7F then return "\226\144\161" end
+    if code < 0xA0 or code == 0xAD then return strformat("<%02x>", code) end
+    return code < 0xC0 and "\194" .. c or "\195" .. char(code - 0x40)
   end
 
-  -- Characters as a person reads them, all of them: control characters as their pictures (U+2400 and following).
+  -- Characters as a person reads them, all of them. They are Latin-1; control characters are shown as their pictures
+  -- (U+2400 and following), those that only Latin-1 has, and the soft hyphen, by their codes: "<9b>".
   function S.text(bytes)
     return (string.gsub(bytes, "[^ -~]", visible_character))
   end
@@ -2363,7 +2373,7 @@ do
 
   local function dissect_undocumented(body)
     if body.is_reaction and has_status(body.service) and S.take_channel_error(body) then return end
-    S.take_rest(body, F.raw)
+    if S.take_rest(body, F.raw) then S.mark(body, E.body_note, "no document says what is in it") end
   end
 
   -- What no field has taken: a field that is not there as a whole, or more than the service has.
@@ -2847,6 +2857,18 @@ do
     add_known(access, body.item)
   end
 
+  -- Of the type byte only 0 to 2 are documented, and bits 3 to 7 are always 0; bit 15 tells S from P.
+  local function check_ident(body, ident)
+    if ident.type > 7 then
+      S.mark(body, E.body_note, "reserved bits of the parameter's type")
+    elseif ident.type > 2 then
+      S.mark(body, E.body_note, "parameter type %d is not defined", ident.type)
+    end
+    if ident.type > 0 and ident.number >= 0x8000 then
+      S.mark(body, E.body_note, "bit 15 is only defined for parameters of drives")
+    end
+  end
+
   local function take_parameter(access)
     local body = access.body
 
@@ -2858,6 +2880,7 @@ do
     if body.tree then show_parameter(access) end
     body.offset = body.offset + 3
     say_parameter(access)
+    check_ident(body, access.ident)
     if body.request then
       body.request.has_ident = true
       body.request.ident = access.ident
@@ -3292,6 +3315,23 @@ do
       and byte(command, body + 2) == byte(reaction, body + 3)
   end
 
+  local subservices = {
+    [0x00] = N.subservices_identification,
+    [0x02] = N.subservices_flash,
+    [0x03] = N.subservices_initialization,
+  }
+
+  -- The subservice, second byte of the useful data of a command, third of a reaction, where both have it. One that is
+  -- not defined tells nothing: fig. 2-13 answers 0x01 with 0xF1.
+  local function is_same_subservice(command, telegram)
+    local body, defined = telegram.body_offset, subservices[telegram.service]
+
+    if not defined or body + 2 > #command or body + 3 > telegram.declared then return true end
+    local subservice = byte(telegram.bytes, body + 3)
+
+    return byte(command, body + 2) == subservice or not defined[subservice]
+  end
+
   -- Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a device
   -- swaps sender and receiver cannot be ruled out.
   local function is_reaction_to(from, telegram)
@@ -3305,6 +3345,7 @@ do
       and (is_kept or is_swapped)
       and (body == K.STATIC_LENGTH or sub(from.bytes, 9, body) == sub(telegram.bytes, 9, body))
       and is_same_access(from.bytes, telegram)
+      and is_same_subservice(from.bytes, telegram)
   end
 
   -- It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's.
@@ -3897,7 +3938,8 @@ do
   local function ident_text(kind, word)
     local letter = kind == 0 and word >= BIT_15 and "P" or letters[kind] or "type" .. strformat("%d", kind)
 
-    return strformat("%s-%d-%04d", letter, band(rshift(word, 12), MAX_SET), word % SET_SIZE)
+    return strformat("%s-%d-%04d%s", letter, band(rshift(word, 12), MAX_SET), word % SET_SIZE,
+      kind > 0 and word >= BIT_15 and " with bit 15" or "")
   end
 
   local idents -- by key: the same ident is the same table

@@ -163,7 +163,9 @@ PARAMETER_ERRORS = {
 SYNAX_AND_INDRADRIVE_ERRORS = {
     0x00A0: "Request not allowed",
     0x00B0: "Element not allowed",
-    0x800C: "Parameter is occupied by a sequential transmission",
+    0x8002: "Failure in the service channel",
+    0x800B: "Transmission cancelled, another request had priority",
+    0x800C: "Service channel still active, or parameter occupied by a sequential transmission",
 }
 
 FLASH_ERRORS = {
@@ -206,7 +208,7 @@ TABLES = [
            0x800B: "Transmission cancelled, another request had priority",
            0x800C: "Access not allowed, the transmission channel is still active"},
           where=lambda packet: packet.service not in PHASE_SERVICES and packet.status == 2),
-    Table("sis_errors_parameter", 41 + 3, "error", "Error code: {text} (0x{code:04x})",
+    Table("sis_errors_parameter", 41 + 5, "error", "Error code: {text} (0x{code:04x})",
           PARAMETER_ERRORS | SYNAX_AND_INDRADRIVE_ERRORS, where=after(PARAMETER_SERVICES, 1)),
     Table("sis_errors_phase", 4, "error", "Error code: {text} (0x{code:04x})",  # fig. 8-49
           {0x8004: "Wrong phase requested over the serial protocol",

@@ -114,6 +114,7 @@ WAYS: dict[str, dict[int, Way]] = {
         0x700E: write("3C 03 00 A6 8F", "04 00 10 00 01 00 00 00"),
         0x700F: drive((0x11, "3C 03 00 A6 8F 02 00 04 00")),
         0x8001: drive((0x1D, "02"), READ_VELOCITY),
+        **{code: drive(READ_VELOCITY, parameters={"S-0-0036": {"refuse": code}}) for code in (0x8002, 0x800B)},
         # somebody else writes what is being read
         0x800C: drive(READ_CAM, (0x1F, "3C 03 00 48 80 04 00 00 10"), **CAM),
         **{

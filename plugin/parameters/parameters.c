@@ -12,6 +12,9 @@
 #define SET_BITS    7
 #define BIT_15      0x8000
 
+/* Only parameters of drives have it (fig. 8-3); two idents never have the same text. */
+#define BIT_15_TEXT " with bit 15"
+
 typedef enum { KIND_S, KIND_P, KIND_A, KIND_C } kind_t;
 
 static const value_string kinds[] = {
@@ -74,12 +77,14 @@ sis_ident_text(wmem_allocator_t *scope, sis_ident_t ident)
     unsigned set = ident.number >> SET_SHIFT & SET_BITS, number = ident.number & NUMBER_BITS;
 
     if (ident.type >= sizeof letters)
-        return wmem_strdup_printf(scope, "type%u-%u-%04u", ident.type, set, number);
+        return wmem_strdup_printf(scope, "type%u-%u-%04u%s", ident.type, set, number,
+                                  ident.number & BIT_15 ? BIT_15_TEXT : "");
     text[0] = ident.type == 0 && ident.number & BIT_15 ? 'P' : letters[ident.type];
     text[2] = (char)('0' + set);
     for (unsigned place = 7; place > 3; place--, number /= 10)
         text[place] = (char)('0' + number % 10);
-    return wmem_strdup(scope, text);
+    return ident.type > 0 && ident.number & BIT_15 ? wmem_strconcat(scope, text, BIT_15_TEXT, NULL)
+                                                   : wmem_strdup(scope, text);
 }
 
 static void *

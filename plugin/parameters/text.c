@@ -3,16 +3,25 @@
 
 #include "parameters/text.h"
 
-/* Never ends at a NUL, and shows control characters as their pictures (U+2400 and following). */
+/* Latin-1, as drives are older than UTF-8. Control characters are shown as their pictures (U+2400 and
+ * following); those that only Latin-1 has, and the soft hyphen that nobody sees, by their
+ * codes, "<9b>". */
+static void
+append(wmem_strbuf_t *text, uint8_t c)
+{
+    if ((c >= 0x80 && c < 0xA0) || c == 0xAD)
+        wmem_strbuf_append_printf(text, "<%02x>", c);
+    else
+        wmem_strbuf_append_unichar(text, c < 0x20 ? 0x2400 + c : c == 0x7F ? 0x2421 : c);
+}
+
+/* Never ends at a NUL. */
 const char *
 sis_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, unsigned length)
 {
     wmem_strbuf_t *text = wmem_strbuf_new(scope, "");
 
-    for (unsigned i = 0; i < length; i++) {
-        uint8_t c = compat_get_uint8(tvb, offset + i);
-
-        wmem_strbuf_append_unichar(text, c < 0x20 ? 0x2400 + c : c < 0x7F ? c : c == 0x7F ? 0x2421 : 0xFFFD);
-    }
+    for (unsigned i = 0; i < length; i++)
+        append(text, compat_get_uint8(tvb, offset + i));
     return wmem_strbuf_get_str(text);
 }

@@ -78,7 +78,8 @@ dissect_undocumented(sis_body_t *body)
 {
     if (body->is_reaction && sis_has_status(body->service) && sis_take_channel_error(body))
         return;
-    sis_take_rest(body, hf_sis_raw);
+    if (sis_take_rest(body, hf_sis_raw))
+        sis_mark(body, &ei_sis_note, "no document says what is in it");
 }
 
 /* NULL: the documents do not say what is in it. */

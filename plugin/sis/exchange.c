@@ -12,6 +12,7 @@
 #include "sis/address.h"
 #include "sis/fields.h"
 #include "sis/layouts.h"
+#include "sis/names.h"
 
 static int hf_stream = -1;
 static int hf_reaction_in = -1;
@@ -282,6 +283,21 @@ is_same_access(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
            command[body + 1] == compat_get_uint8(tvb, body + 2);
 }
 
+/* The subservice, second byte of the useful data of a command, third of a reaction, where both have it. One
+ * that is not defined tells nothing: fig. 2-13 answers 0x01 with 0xF1. */
+static bool
+is_same_subservice(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    const value_string *defined = sis_subservices_of(telegram->service);
+    unsigned body = telegram->body_offset;
+    uint8_t subservice;
+
+    if (defined == NULL || body + 2 > length || body + 3 > telegram->declared)
+        return true;
+    subservice = compat_get_uint8(tvb, body + 2);
+    return command[body + 1] == subservice || try_val_to_str(subservice, defined) == NULL;
+}
+
 /* Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a
  * device swaps sender and receiver cannot be ruled out. */
 static bool
@@ -296,7 +312,8 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
         return false;
     if (!(is_kept || is_swapped) || !is_equal(tvb, SIS_STATIC_LENGTH, command + SIS_STATIC_LENGTH, rest))
         return false;
-    return is_same_access(command, length, tvb, telegram);
+    return is_same_access(command, length, tvb, telegram) &&
+           is_same_subservice(command, length, tvb, telegram);
 }
 
 /* It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's. */

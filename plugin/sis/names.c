@@ -211,7 +211,8 @@ const value_string sis_elements[] = {
     {0, NULL},
 };
 
-/* Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x800C from IndraDrive. */
+/* Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x8002, 0x800B and
+ * 0x800C from IndraDrive, whose manual has two meanings for the last. */
 const value_string sis_errors_parameter[] = {
     {0x0000, "No error"},
     {0x0001, "Service channel not open"},
@@ -256,7 +257,9 @@ const value_string sis_errors_parameter[] = {
     {0x700E, "The length of the operating data cannot be changed"},
     {0x700F, "List element not available, or the list offset is not the start of an element"},
     {0x8001, "Service channel busy"},
-    {0x800C, "Parameter is occupied by a sequential transmission"},
+    {0x8002, "Failure in the service channel"},
+    {0x800B, "Transmission cancelled, another request had priority"},
+    {0x800C, "Service channel still active, or parameter occupied by a sequential transmission"},
     {0, NULL},
 };
 
@@ -303,6 +306,21 @@ sis_service_name(wmem_allocator_t *scope, uint8_t service)
     if (entry->value_min == entry->value_max)
         return entry->strptr;
     return wmem_strdup_printf(scope, "%s 0x%02x", entry->strptr, service);
+}
+
+const value_string *
+sis_subservices_of(uint8_t service)
+{
+    switch (service) {
+    case 0x00:
+        return sis_subservices_identification;
+    case 0x02:
+        return sis_subservices_flash;
+    case 0x03:
+        return sis_subservices_initialization;
+    default:
+        return NULL;
+    }
 }
 
 bool

@@ -45,6 +45,10 @@ extern const value_string sis_data_states[];
 /* "Read parameter", or "ECODRIVE service 0x83" where only the range has a name. */
 const char *sis_service_name(wmem_allocator_t *scope, uint8_t service);
 
+/* The subservices of a service whose body begins with the device address and one of them; NULL: it has none.
+ */
+const value_string *sis_subservices_of(uint8_t service);
+
 /* In the edition of 2004; ECODRIVE03 reserves 0xE0 to 0xEF, too. */
 bool sis_service_is_reserved(uint8_t service);
 

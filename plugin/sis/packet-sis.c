@@ -98,6 +98,7 @@ dissect_checksum(const dissection_t *d)
     uint8_t checksum = compat_get_uint8(d->tvb, 1);
     unsigned flags = PROTO_CHECKSUM_NO_FLAGS;
     uint8_t expected = checksum;
+    proto_item *item;
 
     if (d->tree == NULL && d->telegram->is_good)
         return;
@@ -106,10 +107,18 @@ dissect_checksum(const dissection_t *d)
         flags = PROTO_CHECKSUM_VERIFY;
         expected -= sis_sum(d->tvb, 0, d->declared);
     }
-    proto_tree_add_checksum(d->tree, d->tvb, 1, hf_checksum, hf_checksum_status, &ei_checksum, d->pinfo,
-                            expected, ENC_NA, flags);
-    if (checksum != expected)
-        wmem_strbuf_append(d->marks, "  [wrong checksum]");
+    item = proto_tree_add_checksum(d->tree, d->tvb, 1, hf_checksum, hf_checksum_status, NULL, d->pinfo,
+                                   expected, ENC_NA, flags);
+    if (checksum == expected)
+        return;
+    /* What the receiver does (chapter 2.4) depends on who it is. */
+    expert_add_info_format(d->pinfo, item, &ei_checksum, "Wrong checksum: %s [should be 0x%02x]",
+                           d->telegram->is_reaction
+                               ? "the master waits (TwM) and sends its command again"
+                               : "a station on a bus does not answer, a point-to-point station answers with "
+                                 "status 0xF4",
+                           expected);
+    wmem_strbuf_append(d->marks, "  [wrong checksum]");
 }
 
 static void
@@ -125,9 +134,10 @@ dissect_lengths(const dissection_t *d)
                                d->declared);
         wmem_strbuf_append_printf(d->marks, "  [cut: %u of %u bytes]", there, d->declared);
     } else if (there > d->declared) {
-        expert_add_info_format(d->pinfo, ti, &ei_too_long, "%u bytes follow the end of the telegram",
-                               there - d->declared);
-        wmem_strbuf_append_printf(d->marks, "  [%u bytes too many]", there - d->declared);
+        expert_add_info_format(d->pinfo, ti, &ei_too_long, "%u byte%s the end of the telegram",
+                               there - d->declared, plurality(there - d->declared, " follows", "s follow"));
+        wmem_strbuf_append_printf(d->marks, "  [%u byte%s too many]", there - d->declared,
+                                  plurality(there - d->declared, "", "s"));
     }
 }
 
@@ -520,7 +530,7 @@ static hf_register_info fields[] = {
 
 static ei_register_info experts[] = {
     {&ei_start, {"sis.start.missing", PI_MALFORMED, PI_ERROR, "No start character 0x02", EXPFILL}},
-    {&ei_checksum, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum: a bus does not answer this telegram, a point-to-point station answers with status 0xF4", EXPFILL}},
+    {&ei_checksum, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum", EXPFILL}},
     {&ei_lengths_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2", EXPFILL}},
     {&ei_too_short, {"sis.length.short", PI_MALFORMED, PI_ERROR, "The telegram is cut", EXPFILL}},
     {&ei_too_long, {"sis.length.long", PI_PROTOCOL, PI_WARN, "Bytes follow the end of the telegram", EXPFILL}},

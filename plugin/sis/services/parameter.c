@@ -176,6 +176,18 @@ know_parameter(access_t *access, sis_ident_t ident)
     access->known = sis_station_known(body, ident, (uint8_t)access->device);
 }
 
+/* Of the type byte only 0 to 2 are documented, and bits 3 to 7 are always 0; bit 15 tells S from P. */
+static void
+check_ident(sis_body_t *body, sis_ident_t ident)
+{
+    if (ident.type > 7)
+        sis_mark(body, &ei_sis_note, "reserved bits of the parameter's type");
+    else if (ident.type > 2)
+        sis_mark(body, &ei_sis_note, "parameter type %u is not defined", ident.type);
+    if (ident.type > 0 && ident.number & 0x8000)
+        sis_mark(body, &ei_sis_note, "bit 15 is only defined for parameters of drives");
+}
+
 static bool
 take_parameter(access_t *access)
 {
@@ -189,6 +201,7 @@ take_parameter(access_t *access)
     show_parameter(access, 3);
     body->offset += 3;
     say_parameter(access);
+    check_ident(body, access->ident);
     if (body->request != NULL) {
         body->request->has_ident = true;
         body->request->ident = access->ident;
