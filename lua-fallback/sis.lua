@@ -2785,6 +2785,12 @@ do
     return access.general == 0x11 or access.general == 0x1E
   end
 
+  -- Only 0x81 of the services for segments has sequential telegrams: the command is repeated as it is, and bit 2 says
+  -- which reaction is the last. Its pieces end anywhere, also inside an element (IndraDrive, MPH-02).
+  local function is_single(access)
+    return is_segment(access) and access.body.service ~= 0x81
+  end
+
   local function is_write(access)
     return access.general == 0x1E or access.general == 0x1F
   end
@@ -2910,6 +2916,7 @@ do
     local length = S.take(body, F.list_length, 2)
     if not length then return false end
     append_text(body.item, " " .. unit .. plural(length))
+    if body.request then body.request.segment = offset * 0x10000 + length end
     S.say(body, ", %d %s%s at offset %d", length, unit, plural(length), offset)
     if is_write(access) then check_announced(body, length * (is_words and 2 or 1)) end
     return true
@@ -2972,7 +2979,7 @@ do
   local function find_data(access)
     local body = access.body
 
-    if is_segment(access) or (not access.ident and access.is_last) then return S.data(body) end
+    if is_single(access) or (not access.ident and access.is_last) then return S.data(body) end
     return access.ident
       and S.sequence_data(body, access.ident, access.element, access.device, access.is_last) or nil
   end
@@ -2985,7 +2992,7 @@ do
       return
     end
     local data = find_data(access)
-    if not is_segment(access) and (not data or S.is_piece(body)) then
+    if not is_single(access) and (not data or S.is_piece(body)) then
       show_piece(access, data)
     else
       show_data(access, body.tree, data)
@@ -3605,6 +3612,7 @@ do
       and a.element == b.element
       and a.ident == b.ident
       and a.device == b.device
+      and a.segment == b.segment
   end
 
   -- Its place among those under way; nil if it is not.
@@ -3751,7 +3759,9 @@ do
   end
 
   local function make_like(body, ident, element, device)
-    return {service = body.service, element = element, device = device, ident = ident}
+    local segment = body.asked and body.asked.segment or 0 -- of a list, as asked for
+
+    return {service = body.service, element = element, device = device, ident = ident, segment = segment}
   end
 
   local function is_outside(body)

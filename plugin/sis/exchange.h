@@ -25,6 +25,7 @@ typedef struct sis_request {
     sis_ident_t ident;
     uint32_t address; /* of the memory */
     uint32_t setting; /* of 0x03: ms or Bd */
+    uint32_t segment; /* of a list: offset and length as asked for; 0: all of it */
     /* Of the parameter, when the command was sent; NULL where nothing was learned. */
     const sis_known_t *known;
     struct sis_request *next; /* of the following element of service 0x04 */

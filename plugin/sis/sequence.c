@@ -63,9 +63,7 @@ next_transfer(void)
 typedef struct sis_transfer {
     struct sis_transfer *next;
     uint8_t service;
-    uint8_t element;
-    uint8_t device;
-    sis_ident_t ident;
+    sis_subject_t subject;
     uint32_t number;
     uint32_t begun_in;
     uint32_t last_in;       /* the latest piece */
@@ -82,8 +80,11 @@ transfers_of(const sis_exchange_t *exchange)
 static bool
 is_same_transfer(const transfer_t *a, const transfer_t *b)
 {
-    return a->service == b->service && a->element == b->element && a->ident.type == b->ident.type &&
-           a->ident.number == b->ident.number && a->device == b->device;
+    const sis_subject_t *one = &a->subject, *other = &b->subject;
+
+    return a->service == b->service && one->element == other->element && one->device == other->device &&
+           one->ident.type == other->ident.type && one->ident.number == other->ident.number &&
+           one->segment == other->segment;
 }
 
 /* Where the link to this transfer is; the end of the list if it is not under way. */
@@ -191,9 +192,9 @@ put_together(sis_body_t *body, bool is_last)
 }
 
 bool
-sis_is_sequence_open(const sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device)
+sis_is_sequence_open(const sis_body_t *body, const sis_subject_t *subject)
 {
-    transfer_t like = {.service = body->service, .element = element, .device = device, .ident = ident};
+    transfer_t like = {.service = body->service, .subject = *subject};
     const sis_record_t *record = body->record;
 
     if (body->is_nested || record == NULL || record->exchange == NULL)
@@ -202,7 +203,7 @@ sis_is_sequence_open(const sis_body_t *body, sis_ident_t ident, uint8_t element,
 }
 
 tvbuff_t *
-sis_sequence_data(sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t device, bool is_last)
+sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
 {
     sis_record_t *record = body->record;
     tvbuff_t *alone = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
@@ -210,7 +211,7 @@ sis_sequence_data(sis_body_t *body, sis_ident_t ident, uint8_t element, uint8_t 
     if (body->is_nested || record == NULL || record->exchange == NULL)
         return is_last ? alone : NULL;
     if (!body->pinfo->fd->visited) {
-        transfer_t like = {.service = body->service, .element = element, .device = device, .ident = ident};
+        transfer_t like = {.service = body->service, .subject = *subject};
 
         place_piece(record, body->pinfo, &like, is_last);
     }
@@ -237,12 +238,13 @@ end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
 static bool
 is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
 {
-    bool is_device = transfer->device == cancel->device, is_service = transfer->service == cancel->subservice;
+    bool is_device = transfer->subject.device == cancel->device,
+         is_service = transfer->service == cancel->subservice;
 
     if (cancel->has_device && cancel->has_subservice)
         return is_device && is_service;
     if (cancel->is_ambiguous)
-        return transfer->device == cancel->subservice || is_service;
+        return transfer->subject.device == cancel->subservice || is_service;
     return true;
 }
 
@@ -267,7 +269,7 @@ end_others(sis_record_t *record, const transfer_t *like)
     transfer_t **link = transfers_of(record->exchange);
 
     while (*link != NULL) {
-        if ((*link)->device == like->device && !is_same_transfer(*link, like))
+        if ((*link)->subject.device == like->subject.device && !is_same_transfer(*link, like))
             end_with_note(record, link, "another access to the device came between");
         else
             link = &(*link)->next;
@@ -279,8 +281,8 @@ watch_reaction(const sis_body_t *body)
 {
     sis_record_t *record = body->record;
     const sis_request_t *asked = body->asked;
-    transfer_t like = {
-        .service = body->service, .element = asked->element, .device = asked->device, .ident = asked->ident};
+    transfer_t like = {.service = body->service,
+                       .subject = {asked->ident, asked->element, asked->device, asked->segment}};
     transfer_t **link = find_transfer(record->exchange, &like);
     /* Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes
      * again. */

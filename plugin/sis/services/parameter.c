@@ -50,12 +50,21 @@ typedef struct {
     sis_ident_t ident; /* in a reaction: its command's */
     const char *ident_text;
     sis_known_t known;
+    uint32_t segment; /* of a list, as asked for */
 } access_t;
 
 static bool
 is_segment(const access_t *access)
 {
     return access->general == 0x11 || access->general == 0x1E;
+}
+
+/* Only 0x81 of the services for segments has sequential telegrams: the command is repeated as it is, and bit
+ * 2 says which reaction is the last. Its pieces end anywhere, also inside an element (IndraDrive, MPH-02). */
+static bool
+is_single(const access_t *access)
+{
+    return is_segment(access) && access->body->service != 0x81;
 }
 
 static bool
@@ -235,6 +244,8 @@ take_segment(access_t *access)
     if (!sis_take(body, hf_list_length, 2, &length))
         return false;
     proto_item_append_text(body->item, " %s%s", unit, plurality(length, "", "s"));
+    if (body->request != NULL)
+        body->request->segment = offset << 16 | length;
     sis_say(body, ", %u %s%s at offset %u", length, unit, plurality(length, "", "s"), offset);
     if (is_write(access))
         check_announced(body, length * (is_words ? 2 : 1));
@@ -249,6 +260,7 @@ recall_parameter(access_t *access)
 
     if (asked == NULL || !asked->has_ident)
         return;
+    access->segment = asked->segment;
     know_parameter(access, asked->ident);
     show_parameter(access, 0);
     say_parameter(access);
@@ -305,27 +317,27 @@ show_piece(access_t *access, tvbuff_t *whole)
     tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_whole, NULL,
                                          "Data of all pieces, %u byte%s", length, plurality(length, "", "s"));
     show_data(access, tree, whole);
-    sis_export_parameter(body, access->ident, (uint8_t)access->device, whole);
+    if (!is_segment(access))
+        sis_export_parameter(body, access->ident, (uint8_t)access->device, whole);
 }
 
 static void
 take_data(access_t *access)
 {
     sis_body_t *body = access->body;
+    sis_subject_t subject = {access->ident, (uint8_t)access->element, (uint8_t)access->device,
+                             access->segment};
     tvbuff_t *data;
 
-    if (body->is_short ||
-        (sis_left(body) == 0 &&
-         !sis_is_sequence_open(body, access->ident, (uint8_t)access->element, (uint8_t)access->device)))
+    if (body->is_short || (sis_left(body) == 0 && !sis_is_sequence_open(body, &subject)))
         return;
-    if (is_segment(access) || (!access->has_ident && access->is_last))
+    if (is_single(access) || (!access->has_ident && access->is_last))
         data = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
     else if (access->has_ident)
-        data = sis_sequence_data(body, access->ident, (uint8_t)access->element, (uint8_t)access->device,
-                                 access->is_last);
+        data = sis_sequence_data(body, &subject, access->is_last);
     else
         data = NULL;
-    if (!is_segment(access) && (data == NULL || sis_is_piece(body)))
+    if (!is_single(access) && (data == NULL || sis_is_piece(body)))
         show_piece(access, data);
     else
         show_data(access, body->tree, data);
