@@ -2958,6 +2958,12 @@ do
     else
       S.say(body, ", %d byte%s%s", data.length, plural(data.length), bytes_text(data.bytes))
     end
+    local misfit = S.element_misfit(data, access.element, access.known, is_whole)
+
+    if misfit then
+      body.item = body.root
+      S.mark(body, E.body_note, "%s", misfit)
+    end
     if access.ident and is_whole and body.is_reaction then
       S.learn(body, access.ident, access.device, access.element, data, text)
     end
@@ -4343,6 +4349,19 @@ do
 
     add(tree, F.value, data.tvb, data.offset, data.length, text)
     return text
+  end
+
+  -- What does not fit between the data of an element and its attribute, in words; nil: nothing.
+  function S.element_misfit(data, element, known, is_whole)
+    local layout = element >= K.ELEMENT_MINIMUM and data.length > 0 and known and read_layout(known)
+
+    if not layout or data.length == layout.size then return nil end
+    if not layout.is_list then
+      return strformat("%d byte%s, its attribute says %d", data.length, plural(data.length), layout.size)
+    end
+    local rest = (data.length - (is_whole and list_header_size(data) or 0)) % layout.size
+
+    return rest > 0 and strformat("%d byte%s of an incomplete element", rest, plural(rest)) or nil
   end
 
   -- Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short text for

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Iterable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -309,3 +311,27 @@ def test_json(tshark: Tshark, tmp_path: Path) -> None:
     packets = json.loads(tshark.output("-r", str(capture), "-T", "json", "--no-duplicate-keys"))
     assert len(packets) == len(bad)
     assert all("sis" in packet["_source"]["layers"] for packet in packets)
+
+
+def covered(packet: ElementTree.Element) -> tuple[int, set[int]]:
+    """Return where the telegram begins, and the bytes that its fields cover."""
+    (protocol,) = (part for part in packet if part.get("name") == "sis")
+    fields = [part for part in protocol.iter("field") if part.get("name", "").startswith("sis.")]
+    spans = [(int(part.get("pos", 0)), int(part.get("size", 0))) for part in fields]
+    return int(protocol.get("pos", 0)), {byte for first, size in spans for byte in range(first, first + size)}
+
+
+def test_no_byte_vanishes(tshark: Tshark, tmp_path: Path) -> None:
+    """Of every service, any body: all bytes are those of a field, be it sis.raw."""
+    chance = random.Random(5)
+    telegrams = [
+        telegram.build(service, 16, 3, chance.randbytes(chance.randrange(40)), reaction=reaction)
+        for service in range(256)
+        for reaction in (False, True)
+        for _ in range(2)
+    ]
+    bad_input.write(tmp_path / "any.pcapng", telegrams)
+    packets = ElementTree.fromstring(tshark.output("-r", str(tmp_path / "any.pcapng"), "-T", "pdml"))
+    for data, packet in zip(telegrams, packets, strict=True):
+        first, fields = covered(packet)
+        assert fields >= set(range(first, first + len(data))), data.hex(" ")

@@ -319,6 +319,24 @@ add_ident(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned length, 
 }
 
 const char *
+sis_element_misfit(wmem_allocator_t *scope, tvbuff_t *tvb, sis_element_t element, const sis_known_t *known,
+                   bool is_whole)
+{
+    unsigned length = tvb_captured_length(tvb), rest;
+    layout_t layout;
+
+    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, &layout) || length == layout.size)
+        return NULL;
+    if (!layout.is_list)
+        return wmem_strdup_printf(scope, "%u byte%s, its attribute says %u", length,
+                                  plurality(length, "", "s"), layout.size);
+    rest = (length - (is_whole ? list_header_size(tvb) : 0)) % layout.size;
+    return rest == 0 ? NULL
+                     : wmem_strdup_printf(scope, "%u byte%s of an incomplete element", rest,
+                                          plurality(rest, "", "s"));
+}
+
+const char *
 sis_add_element(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
                 const sis_ident_t *ident, const sis_known_t *known, bool is_whole)
 {

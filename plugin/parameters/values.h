@@ -13,6 +13,10 @@
 const char *sis_add_element(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
                             const sis_ident_t *ident, const sis_known_t *known, bool is_whole);
 
+/* What does not fit between the data of an element and its attribute, in words; NULL: nothing. */
+const char *sis_element_misfit(wmem_allocator_t *scope, tvbuff_t *tvb, sis_element_t element,
+                               const sis_known_t *known, bool is_whole);
+
 /* A name or a unit, without the two length words that a list may begin with. */
 const char *sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb);
 

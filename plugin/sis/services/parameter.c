@@ -287,6 +287,7 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
     unsigned length = tvb_captured_length(tvb);
     const char *text = sis_add_element(tree, body->pinfo, tvb, access->element,
                                        access->has_ident ? &access->ident : NULL, &access->known, is_whole);
+    const char *misfit;
 
     if (is_write(access) && access->element == SIS_ELEMENT_IDENT)
         return; /* the request for the data status repeats its own number */
@@ -296,6 +297,11 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         sis_say_words(body, ", ", NULL);
         sis_say_bytes(body, length);
         say_few_bytes(body, tvb);
+    }
+    misfit = sis_element_misfit(body->pinfo->pool, tvb, access->element, &access->known, is_whole);
+    if (misfit != NULL) {
+        body->item = body->root;
+        sis_mark(body, &ei_sis_note, "%s", misfit);
     }
     if (access->has_ident && is_whole && body->is_reaction)
         sis_station_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
