@@ -736,6 +736,7 @@ field("sis.control.reaction", "Kind", ftypes.BOOLEAN, 8, N.command_reaction, 0x1
 field("sis.control.reserved", "Reserved", ftypes.BOOLEAN, 8, nil, 0x20)
 field("sis.control.warning", "System warning of the sender", ftypes.BOOLEAN, 8, nil, 0x40)
 field("sis.control.error", "System error of the sender", ftypes.BOOLEAN, 8, nil, 0x80)
+field("sis.control.reserved_bits", "Reserved", ftypes.UINT8, base.HEX, nil, 0xe0)
 field("sis.control.status", "Status", ftypes.UINT8, base.DEC, N.control_status_ecodrive03, 0xe0)
 field("sis.sender", "Sender address", ftypes.UINT8, base.DEC)
 field("sis.receiver", "Receiver address", ftypes.UINT8, base.DEC)
@@ -1710,15 +1711,18 @@ do
   local bits = {
     [K.IF02] = {F.control_error, F.control_warning, F.control_reserved, F.control_reaction, F.control_number,
       F.control_subaddresses},
-    [K.ECODRIVE03] = {F.control_status, F.control_reaction, F.control_number, F.control_subaddresses},
+    [K.ECODRIVE03] = {F.control_reserved_bits, F.control_reaction, F.control_number, F.control_subaddresses},
+    reaction = {F.control_status, F.control_reaction, F.control_number, F.control_subaddresses}, -- of ECODRIVE03
   }
 
   local function dissect_control(body)
     local item
 
     if body.tree then
+      local has_status = P.edition == K.ECODRIVE03 and body.telegram.is_reaction
+
       item = add(body.tree, F.control, body.tvb, 4, 1)
-      for _, bit_field in ipairs(bits[P.edition]) do
+      for _, bit_field in ipairs(has_status and bits.reaction or bits[P.edition]) do
         add(item, bit_field, body.tvb, 4, 1)
       end
       append_text(item, body.telegram.is_reaction and " (reaction)" or " (command)")
@@ -1728,11 +1732,30 @@ do
     end
   end
 
+  -- In ECODRIVE03 DISC has no services yet, and 0x04 is not in the list.
+  local function is_reserved_in_ecodrive03(service)
+    return P.edition == K.ECODRIVE03 and (service >= 0xE0 or service == 0x04)
+  end
+
+  local function service_name(service)
+    if is_reserved_in_ecodrive03(service) and service ~= 0x04 then
+      return strformat("Reserved service 0x%02x", service)
+    end
+    return S.service_name(service)
+  end
+
   local function dissect_service(body)
     local service = body.telegram.service
-    local item = add(body.tree, F.service, body.tvb, 5, 1)
+    local item
 
-    if S.service_is_reserved(service) or (P.edition == K.ECODRIVE03 and service >= 0xE0) then
+    if is_reserved_in_ecodrive03(service) and service ~= 0x04 then
+      item = add_value(body.tree, F.service, body.tvb, 5, 1, service, strformat("Reserved service (0x%02x)", service))
+    else
+      item = add(body.tree, F.service, body.tvb, 5, 1)
+    end
+    if service == 0x04 and is_reserved_in_ecodrive03(service) then
+      add_expert(item or body.root, E.service_reserved, "ECODRIVE03 does not have this service")
+    elseif S.service_is_reserved(service) or is_reserved_in_ecodrive03(service) then
       add_expert(item or body.root, E.service_reserved)
     end
   end
@@ -1819,7 +1842,7 @@ do
     body.status = 0
     body.error = 0
     body.is_explained = false
-    body.summary = S.service_name(telegram.service)
+    body.summary = service_name(telegram.service)
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
     body.asked = exchange and exchange.request
     body.record = telegram.is_good and record or nil

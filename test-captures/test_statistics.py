@@ -12,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+import bad_input
 from make import Scenario
+from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 
 CAPTURE = Path(__file__).parent / "statistics.pcapng"
@@ -122,3 +124,15 @@ def test_load_of_two_lines_is_their_mean(tshark: Tshark) -> None:
     length = 62 * ms + 5 * (25 - ms) + (12 - ms)
     for station, characters in {"16": 30, "3": 32, "All": 31}.items():
         assert float(rows[station][2]) == pytest.approx(100 * characters * ms / length, abs=0.06)
+
+
+def test_errors_inside_a_list_of_services_count(tshark: Tshark, tmp_path: Path) -> None:
+    """A list of two readings, of which one has no such parameter (0x1001) and one is written too much (0x7003)."""
+    read, written = bytes.fromhex("3C 03 00 24 00"), bytes.fromhex("3C 03 00 24 00 01 02 03 04 05")
+    asked = bytes([len(read) + 1, 0x10]) + read + bytes([len(written) + 1, 0x1F]) + written
+    answered = bytes.fromhex("01  06 10 01 3C 03 01 10  06 1F 01 3C 03 03 70")
+    capture = tmp_path / "list.pcapng"
+    bad_input.write(capture, [build(0x04, 16, 3, asked), build(0x04, 16, 3, answered, reaction=True)])
+    counts = dict(tree(tshark.output("-q", "-z", "sis,tree", "-r", str(capture))))
+    errors = {name.split()[0]: count for name, count in counts.items() if name.strip().startswith("0x")}
+    assert errors == {"0x1001": 1, "0x7003": 1}

@@ -26,6 +26,7 @@ typedef struct {
     const char *status_text;
     uint32_t error; /* the code, 0: none */
     const char *error_text;
+    const sis_error_t *errors;  /* of the elements of service 0x04, the last first */
     bool is_explained;          /* an error code has said more than the status */
     wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;       /* and what is wrong, after that */

@@ -140,6 +140,15 @@ add_request(sis_body_t *list, sis_request_t *request)
     *end = request;
 }
 
+static void
+add_error(sis_body_t *list, const sis_body_t *element)
+{
+    sis_error_t *error = wmem_new(list->pinfo->pool, sis_error_t);
+
+    *error = (sis_error_t){element->error, element->error_text, list->errors};
+    list->errors = error;
+}
+
 /* The body of an element, `length` bytes after its service, as if it were alone in a telegram. */
 static void
 dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsigned length,
@@ -169,6 +178,8 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
         add_request(list, element.request);
     }
     sis_dissect_body(&element);
+    if (element.error_text != NULL)
+        add_error(list, &element);
     list->is_explained |= element.is_explained || element.status != 0;
     proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
                            wmem_strbuf_get_str(element.marks));

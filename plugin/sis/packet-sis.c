@@ -32,6 +32,7 @@ static int hf_control_reserved = -1;
 static int hf_control_warning = -1;
 static int hf_control_error = -1;
 static int hf_control_status = -1;
+static int hf_control_reserved_bits = -1;
 static int hf_sender = -1;
 static int hf_receiver = -1;
 static int hf_subaddress = -1;
@@ -183,14 +184,16 @@ dissect_control(const dissection_t *d)
                                      &hf_control_number,
                                      &hf_control_subaddresses,
                                      NULL};
-    static int *const bits_ecodrive03[] = {&hf_control_status, &hf_control_reaction, &hf_control_number,
-                                           &hf_control_subaddresses, NULL};
+    static int *const bits_ecodrive03[][5] = {
+        {&hf_control_reserved_bits, &hf_control_reaction, &hf_control_number, &hf_control_subaddresses, NULL},
+        {&hf_control_status, &hf_control_reaction, &hf_control_number, &hf_control_subaddresses, NULL}};
     bool is_if02 = sis_edition == SIS_EDITION_IF02;
+    int *const *bits = is_if02 ? bits_if02 : bits_ecodrive03[d->telegram->is_reaction];
     proto_item *ti = NULL;
 
     if (d->tree != NULL) {
-        ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control,
-                                               is_if02 ? bits_if02 : bits_ecodrive03, ENC_NA, BMT_NO_APPEND);
+        ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_control, ett_control, bits, ENC_NA,
+                                               BMT_NO_APPEND);
         proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
     }
     if (is_if02)
@@ -199,14 +202,38 @@ dissect_control(const dissection_t *d)
         dissect_control_ecodrive03(d, ti);
 }
 
+/* In ECODRIVE03 DISC has no services yet, and 0x04 is not in the list. */
+static bool
+is_reserved_in_ecodrive03(uint8_t service)
+{
+    return sis_edition == SIS_EDITION_ECODRIVE03 && (service >= 0xE0 || service == 0x04);
+}
+
+static const char *
+service_name(const dissection_t *d)
+{
+    uint8_t service = d->telegram->service;
+
+    if (is_reserved_in_ecodrive03(service) && service != 0x04)
+        return wmem_strdup_printf(d->pinfo->pool, "Reserved service 0x%02x", service);
+    return sis_service_name(d->pinfo->pool, service);
+}
+
 static void
 dissect_service(const dissection_t *d)
 {
     uint8_t service = d->telegram->service;
-    proto_item *ti = proto_tree_add_item(d->tree, hf_sis_service, d->tvb, 5, 1, ENC_NA);
+    proto_item *ti;
 
-    if (sis_service_is_reserved(service) || (sis_edition == SIS_EDITION_ECODRIVE03 && service >= 0xE0))
-        expert_add_info(d->pinfo, ti, &ei_service_reserved);
+    if (is_reserved_in_ecodrive03(service) && service != 0x04)
+        ti = proto_tree_add_uint_format_value(d->tree, hf_sis_service, d->tvb, 5, 1, service,
+                                              "Reserved service (0x%02x)", service);
+    else
+        ti = proto_tree_add_item(d->tree, hf_sis_service, d->tvb, 5, 1, ENC_NA);
+    if (sis_service_is_reserved(service) || is_reserved_in_ecodrive03(service))
+        expert_add_info_format(d->pinfo, ti, &ei_service_reserved, "%s",
+                               service == 0x04 ? "ECODRIVE03 does not have this service"
+                                               : "Reserved service");
 }
 
 static void
@@ -301,7 +328,7 @@ dissect_useful_data(const dissection_t *d)
                        .is_cut = d->end < d->declared || d->declared == 0 || telegram->body_offset > d->end,
                        .is_reaction = telegram->is_reaction,
                        .service = telegram->service,
-                       .summary = wmem_strbuf_new(pool, sis_service_name(pool, telegram->service)),
+                       .summary = wmem_strbuf_new(pool, service_name(d)),
                        .marks = d->marks,
                        .request = telegram->is_reaction ? NULL : &request,
                        .asked = exchange != NULL ? exchange->request : NULL,
@@ -317,6 +344,7 @@ dissect_useful_data(const dissection_t *d)
     d->telegram->status_text = body.status_text;
     d->telegram->error_text = body.error_text;
     d->telegram->error = body.error;
+    d->telegram->errors = body.errors;
     return wmem_strbuf_get_str(body.summary);
 }
 
@@ -518,6 +546,7 @@ static hf_register_info fields[] = {
     {&hf_control_reserved, {"Reserved", "sis.control.reserved", FT_BOOLEAN, 8, NULL, CONTROL_RESERVED, NULL, HFILL}},
     {&hf_control_warning, {"System warning of the sender", "sis.control.warning", FT_BOOLEAN, 8, NULL, CONTROL_WARNING, NULL, HFILL}},
     {&hf_control_error, {"System error of the sender", "sis.control.error", FT_BOOLEAN, 8, NULL, CONTROL_ERROR, NULL, HFILL}},
+    {&hf_control_reserved_bits, {"Reserved", "sis.control.reserved_bits", FT_UINT8, BASE_HEX, NULL, CONTROL_STATUS, NULL, HFILL}},
     {&hf_control_status, {"Status", "sis.control.status", FT_UINT8, BASE_DEC, VALS(sis_control_status_ecodrive03), CONTROL_STATUS, NULL, HFILL}},
     {&hf_sender, {"Sender address", "sis.sender", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_receiver, {"Receiver address", "sis.receiver", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},

@@ -100,6 +100,12 @@ tree_count_service(stats_tree *tree, packet_info *pinfo, const sis_telegram_t *t
     tick_stat_node(tree, telegram->is_reaction ? "Reaction" : "Command", node, FALSE);
 }
 
+static void
+tree_count_error(stats_tree *tree, wmem_allocator_t *pool, uint32_t code, const char *text)
+{
+    stats_tree_tick_pivot(tree, errors_node, wmem_strdup_printf(pool, "0x%04x %s", code, text));
+}
+
 static tap_packet_status
 tree_packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void *data,
             tap_flags_t flags _U_)
@@ -119,8 +125,9 @@ tree_packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const
     if (telegram->status_text != NULL)
         stats_tree_tick_pivot(tree, states_node, telegram->status_text);
     if (telegram->error_text != NULL)
-        stats_tree_tick_pivot(tree, errors_node,
-                              wmem_strdup_printf(pool, "0x%04x %s", telegram->error, telegram->error_text));
+        tree_count_error(tree, pool, telegram->error, telegram->error_text);
+    for (const sis_error_t *error = telegram->errors; error != NULL; error = error->next)
+        tree_count_error(tree, pool, error->code, error->text);
     return TAP_PACKET_REDRAW;
 }
 

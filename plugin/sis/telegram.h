@@ -29,6 +29,13 @@ typedef struct {
     int64_t wait; /* TwM; negative: none */
 } sis_timing_t;
 
+/* An error code of an element of service 0x04. */
+typedef struct sis_error {
+    uint32_t code;
+    const char *text;
+    const struct sis_error *next;
+} sis_error_t;
+
 /* One telegram; the tap "sis" gets it. */
 typedef struct sis_telegram {
     const struct sis_telegram *before; /* in the same packet; NULL: none */
@@ -53,6 +60,7 @@ typedef struct sis_telegram {
     const char *status_text; /* of a reaction; NULL: it has none */
     const char *error_text;  /* NULL: there is no error code */
     uint32_t error;
+    const sis_error_t *errors; /* of its elements, the last first */
 } sis_telegram_t;
 
 /* Several telegrams may be in one packet; kept while it is dissected. */
