@@ -2800,6 +2800,7 @@ end
 
 do
   local CONTROL_RESERVED = 0xC3
+  local DATA_STATUS_UNDEFINED = 0xFEF0 -- fig. 8-44
 
   -- A body of a parameter service while it is taken apart is an `access`: body, general (service, as a general one),
   -- element, is_last, device, ident (nil: not known; in a reaction its command's), known.
@@ -3041,6 +3042,7 @@ do
       band(status, 0x0100) ~= 0 and ", operating data invalid" or "")
     append_text(body.item, " (" .. text .. ")")
     S.say(body, " = %s", text)
+    if band(status, DATA_STATUS_UNDEFINED) ~= 0 then S.mark(body, E.body_note, "undefined bits of the data status") end
   end
 
   -- The upper digit of a code names the element, also where the code is not defined.

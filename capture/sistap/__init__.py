@@ -21,8 +21,8 @@ It has a room for each job. A room may use those named beside it, and what these
     annotate                all above                  `sistap annotate` and `log`
     cli, __main__           everything                 the command `sistap`
 
-The five before the last are products: no product uses another. A character flows from a reader through framer and
-assembler to a writer, and never back. Behind the reader nothing knows what a serial port is.
+The rooms with "all above" are products: no product uses another. A character flows from a reader through framer and
+assembler to a writer, and never back. On that way, nothing behind the reader knows what a serial port is.
 """
 
 __version__ = "0.1.0"

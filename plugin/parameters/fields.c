@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The fields that every road to a parameter has. */
+/* Bytes: of a parameter, and those that are not decoded. */
 
 #include "parameters/fields.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The fields that every road to a parameter has: a filter finds a parameter however it came. */
+/* Bytes: of a parameter, and those that are not decoded. */
 
 #ifndef PARAMETERS_FIELDS_H
 #define PARAMETERS_FIELDS_H

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Logs of other programs, explained: lines, bytes (`reading`), telegrams (`cutting`), tshark, and text or a page.
+"""Logs of other programs, explained.
 
-A capture as such a log is here, too (`log`). It may use all rooms but the other products.
+Where a log comes from (sources, textlog), what a line holds (reading, with stamps, hexadecimal, marks, pattern), its
+telegrams (cutting), what tshark says of them (explaining, meanings), and the log again (weaving, page). A capture as
+such a log (log). It may use all rooms but the other products.
 """

@@ -2,5 +2,5 @@
 """Records in files.
 
 The bytes of a pcapng file (pcapng), records into its blocks (writer), blocks into a file, a ring of files or a pipe
-(output), and the way back (reading). It may use records.
+(output), and the way back (reading). It may use records and what that may use.
 """

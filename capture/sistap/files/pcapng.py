@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Writes pcapng blocks (RFC draft-ietf-opsawg-pcapng), each as one piece of bytes, so that a cut file stays readable.
+"""Makes pcapng blocks (RFC draft-ietf-opsawg-pcapng), each as one piece of bytes, so that a cut file stays readable.
 
 Times are ns since 1970. Only what sistap needs: section, interfaces, enhanced packets, interface statistics.
 """

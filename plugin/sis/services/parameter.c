@@ -9,8 +9,9 @@
 #include "sis/learned.h"
 #include "sis/sequence.h"
 
-#define ELEMENT(control) ((sis_element_t)((control) >> 3 & 7))
-#define CONTROL_RESERVED 0xC3
+#define ELEMENT(control)      ((sis_element_t)((control) >> 3 & 7))
+#define CONTROL_RESERVED      0xC3
+#define DATA_STATUS_UNDEFINED 0xFEF0 /* fig. 8-44 */
 
 static int hf_control = -1;
 static int hf_control_reserved = -1;
@@ -367,6 +368,8 @@ take_data_status(sis_body_t *body)
     proto_item_append_text(body->item, " (command %s%s)", word,
                            status & 0x0100 ? ", operating data invalid" : "");
     sis_say(body, " = command %s%s", word, status & 0x0100 ? ", operating data invalid" : "");
+    if (status & DATA_STATUS_UNDEFINED)
+        sis_mark(body, &ei_sis_note, "undefined bits of the data status");
 }
 
 /* The upper digit of a code names the element, also where the code is not defined. */

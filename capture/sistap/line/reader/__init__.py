@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Readers: characters with their times and errors from a serial device, a pyserial URL, or a virtual bus.
+"""Readers: what each read of a serial device, a pyserial URL or a virtual bus delivered, with its time and errors.
 
 A reader only listens. It never writes to a port, sends no break, flushes no output, and lowers RTS and DTR: on many
 adapters RTS switches the RS485 transmitter on.
