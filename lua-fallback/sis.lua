@@ -1397,7 +1397,7 @@ do
 
   -- Whether a person would read this rather than decode it.
   local function is_text(bytes)
-    local _, readable = string.gsub(bytes, "[\t-\r -~]", "")
+    local _, readable = string.gsub(bytes, "[\t\n\f\r -~]", "")
 
     return readable * 4 >= #bytes * 3
   end
@@ -2391,7 +2391,7 @@ do
 
   -- Some product groups send ASCII records (chapter 2.1).
   local function is_plain_text(body)
-    return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[\t-\r -~]+$") ~= nil
+    return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[\t\n\f\r -~]+$") ~= nil
   end
 
   local function dissect_undocumented(body)
@@ -2681,7 +2681,11 @@ do
   local function dissect_command(body, subservice)
     local take = settings[subservice]
 
-    if take then body.request.has_setting = take(body, body.request) else S.take_rest(body, F.raw) end
+    if take then
+      body.request.has_setting = take(body, body.request)
+    elseif S.take_rest(body, F.raw) and N.subservices_initialization[subservice] then
+      S.mark(body, E.body_note, "no document says what is in it") -- what is not defined has its note already
+    end
     take_more(body)
   end
 
@@ -2741,7 +2745,9 @@ do
       add_request(list, element.request)
     end
     S.dissect_body(element)
-    list.is_explained = list.is_explained or element.is_explained or element.status ~= 0
+    if list.status < 0xF0 then -- else it says something of its own
+      list.is_explained = list.is_explained or element.is_explained or element.status ~= 0
+    end
     local text = element.summary .. element.marks
     append_text(root, ": " .. text)
     S.say(list, "; %s", text)
@@ -2982,7 +2988,7 @@ do
     else
       S.say(body, ", %d byte%s%s", data.length, plural(data.length), bytes_text(data.bytes))
     end
-    local misfit = S.element_misfit(data, access.element, access.known, is_whole)
+    local misfit = not body.is_cut and S.element_misfit(data, access.element, access.known, is_whole)
 
     if misfit then
       body.item = body.root
@@ -3614,6 +3620,7 @@ do
 
   local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and is to be repeated
   local PARAMETER_OCCUPIED = 0x800C
+  local CANCELLED = 0x800B -- another request had priority: the transfer is over
 
   local WHOLE = "Data of all pieces"
 
@@ -3875,7 +3882,7 @@ do
     local like = make_like(body, asked.ident, asked.element, asked.device or 0) -- without an ident like none
     local place, transfer = find_transfer(record.exchange, like)
     -- Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes again.
-    local is_to_be_repeated = status == 0x02
+    local is_to_be_repeated = (status == 0x02 and body.error ~= CANCELLED)
       or body.error == SERVICE_CHANNEL_BUSY
       or body.error == PARAMETER_OCCUPIED
       or (status >= 0xF1 and status <= 0xF4)
@@ -4344,7 +4351,9 @@ do
     local offset = add_list_header(tree, data, is_whole)
     local count, values = floor((data.length - offset) / layout.size), {}
 
-    if tree and tree:referenced(F.value) then show_list(tree, data, offset, layout, is_whole) end
+    if tree and (tree:referenced(F.value) or tree:referenced(F.raw)) then
+      show_list(tree, data, offset, layout, is_whole)
+    end
     for i = 1, min(count, SHOWN_IN_LIST) do
       values[i] = value_text(data.bytes, offset + (i - 1) * layout.size + 1, layout)
     end

@@ -254,7 +254,8 @@ add_list(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const layout_t *la
     wmem_strbuf_t *text = wmem_strbuf_new(pinfo->pool, "");
     unsigned offset = add_list_header(tree, tvb, is_whole), length = tvb_captured_length(tvb) - offset;
     unsigned count = length / layout->size, rest = length % layout->size;
-    bool is_wanted = tree != NULL && proto_field_is_referenced(tree, hf_value);
+    bool is_wanted = tree != NULL && (proto_field_is_referenced(tree, hf_value) ||
+                                      proto_field_is_referenced(tree, hf_sis_raw));
     proto_tree *subtree = NULL;
 
     if (is_wanted)

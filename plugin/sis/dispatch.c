@@ -180,7 +180,8 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
     sis_dissect_body(&element);
     if (element.error_text != NULL)
         add_error(list, &element);
-    list->is_explained |= element.is_explained || element.status != 0;
+    if (list->status < 0xF0) /* else it says something of its own */
+        list->is_explained |= element.is_explained || element.status != 0;
     proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
                            wmem_strbuf_get_str(element.marks));
     sis_say_words(list, "; ", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks), NULL);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The SIS telegram: every byte of the header, and the info column (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2; "ECODRIVE03":
- * DOK-ECODR3-FGP-01VRS). */
+/* The SIS telegram: every byte of the header, and the info column (DOK-GENERL-SIS-DEFINIT-IF02 chapter 2;
+ * "ECODRIVE03": DOK-ECODR3-FGP-01VRS). */
 
 #include "sis/packet-sis.h"
 

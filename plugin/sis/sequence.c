@@ -11,6 +11,7 @@
 
 #define SERVICE_CHANNEL_BUSY 0x8001 /* the command was not executed, and is to be repeated */
 #define PARAMETER_OCCUPIED   0x800C
+#define CANCELLED            0x800B /* another request had priority: the transfer is over */
 
 static int hf_pieces = -1;
 static int hf_piece = -1;
@@ -286,8 +287,8 @@ watch_reaction(const sis_body_t *body)
     transfer_t **link = find_transfer(record->exchange, &like);
     /* Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes
      * again. */
-    bool is_to_be_repeated = body->status == 0x02 || body->error == SERVICE_CHANNEL_BUSY ||
-                             body->error == PARAMETER_OCCUPIED ||
+    bool is_to_be_repeated = (body->status == 0x02 && body->error != CANCELLED) ||
+                             body->error == SERVICE_CHANNEL_BUSY || body->error == PARAMETER_OCCUPIED ||
                              (body->status >= 0xF1 && body->status <= 0xF4);
 
     if (body->status == 0)

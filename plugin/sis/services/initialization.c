@@ -45,8 +45,10 @@ take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
         return request->setting != 0;
     case SIS_ACCEPT:
         return true;
-    default:
-        sis_take_rest(body, hf_sis_raw);
+    default: /* of a group nobody says more; a subservice that is not defined has its note already */
+        if (sis_take_rest(body, hf_sis_raw) &&
+            try_val_to_str(subservice, sis_subservices_initialization) != NULL)
+            sis_mark(body, &ei_sis_note, "no document says what is in it");
         return false;
     }
 }

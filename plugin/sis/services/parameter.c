@@ -299,7 +299,9 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         sis_say_bytes(body, length);
         say_few_bytes(body, tvb);
     }
-    misfit = sis_element_misfit(body->pinfo->pool, tvb, access->element, &access->known, is_whole);
+    misfit = body->is_cut
+                 ? NULL
+                 : sis_element_misfit(body->pinfo->pool, tvb, access->element, &access->known, is_whole);
     if (misfit != NULL) {
         body->item = body->root;
         sis_mark(body, &ei_sis_note, "%s", misfit);
