@@ -208,11 +208,10 @@ def test_the_quick_way_finds_what_the_long_one_finds(text: str) -> None:
     assert hexadecimal.runs(text) == hexadecimal._runs(text, hexadecimal._RUN)
 
 
-@given(
-    st.lists(st.sampled_from(["Len", "COUNT", "12", " 3", "=", " ", "(7)", "[8]:", "bytes", "Zeichen", "x"])).map(
-        "".join
-    )
-)
+_COUNTS = ["Len", "COUNT", "12", " 3", "=", " ", "(7)", "[8]:", "bytes", "Zeichen", "x"]
+
+
+@given(st.lists(st.sampled_from(_COUNTS)).map("".join))
 def test_counts_are_found_in_one_pass_or_two(text: str) -> None:
     both = re.compile(rf"{reading._COUNT_IN_WORDS.pattern}|{reading._COUNT.pattern}")
     assert reading._mask_counts(text) == both.sub(lambda match: MASK * len(match[0]), text)

@@ -12,6 +12,7 @@ from sistap.report.dissection import Dissection
 from sistap.report.figures import Figures
 from sistap.report.moments import Moment
 from sistap.report.windows import Window
+from sistap.terminal.garbage import uncollected
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -33,7 +34,7 @@ class Report:
 def gather(tshark: Tshark, capture: Path, asked: Sequence[Window], progress: Callable[[str], None]) -> Report:
     """Read a capture; `asked` are the windows that a person wants to see. NotACapture, TsharkError, Incomplete."""
     figures = Figures()
-    with Dissection(tshark, capture) as dissection:
+    with Dissection(tshark, capture) as dissection, uncollected():
         progress(f"reading {capture}")
         for packet in dissection.packets():
             figures.add(packet)

@@ -157,7 +157,7 @@ class Moments:
             for telegram in telegrams:
                 if judged := of_telegram(telegram):
                     found = True
-                    self._keep(packet, telegram, kind, None if judged is True else judged)
+                    self._keep(packet, telegram, kind, judged if isinstance(judged, Judged) else None)
             if found and kind.is_fault:
                 yield kind
 
