@@ -3,11 +3,17 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from logs import LOGS, PHASE, Expected
 from specification import TELEGRAMS
 
+from sistap.annotate import hexadecimal, reading
 from sistap.annotate.annotating import Passage
+from sistap.annotate.marks import MASK
 from sistap.annotate.pattern import PatternReader
 from sistap.annotate.reading import AnyReader, LogReader
 from sistap.annotate.textlog import lines
@@ -191,3 +197,21 @@ def test_all_telegrams_of_the_specification_wherever_their_lines_end(form: str) 
         rows = (everything[i : i + width] for i in range(0, len(everything), width))
         text = "\n".join("".join(map(form.format, row)).rstrip(" ,-") for row in rows)
         assert [record.data for record in records(text)] == list(TELEGRAMS.values()), width
+
+
+_SCRAPS = ["02", "E1", "ff", "00 ", " 6C", " ", "  ", "\t", "\n", "[TX]", "RX", "x", "b", "8", "\u0663", MASK, "..l."]
+_SCRAPS += ["b'", *"-<>:.#/+'\"\\|$", "16#", "0x"]
+
+
+@given(st.lists(st.sampled_from(_SCRAPS), max_size=10).map("".join))
+def test_the_quick_way_finds_what_the_long_one_finds(text: str) -> None:
+    assert hexadecimal.runs(text) == hexadecimal._runs(text, hexadecimal._RUN)
+
+
+_COUNTS = ["Len", "COUNT", "12", " 3", "=", " ", "(7)", "[8]:", "bytes", "Zeichen", "x"]
+
+
+@given(st.lists(st.sampled_from(_COUNTS)).map("".join))
+def test_counts_are_found_in_one_pass_or_two(text: str) -> None:
+    both = re.compile(rf"{reading._COUNT_IN_WORDS.pattern}|{reading._COUNT.pattern}")
+    assert reading._mask_counts(text) == both.sub(lambda match: MASK * len(match[0]), text)

@@ -102,7 +102,7 @@ def test_what_was_kept_meanwhile_is_explained_as_what_comes(log: str, encoding: 
 
 def test_no_room_to_keep_it(full: Path) -> None:
     with Spool() as spool:
-        spool._file = full.open("w+b")
+        spool._blobs._file = full.open("w+b")
         with pytest.raises(Incomplete, match="cannot keep the log: No space left on device; .* TMPDIR$"):
             spool.put([(line, [], []) for line in lines([b"one line"])])
 

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
 from sharkd import Sharkd
 
@@ -17,9 +19,11 @@ from sistap.report import plain, tables
 from sistap.report.dissection import FIELDS, Dissection, Packet
 from sistap.report.figures import Figures
 from sistap.report.gather import Report, gather
+from sistap.report.kept import Span
 from sistap.report.windows import PACKETS_KEPT, Window, parse
 from sistap.sis.telegram import build
-from sistap.wireshark.rows import info
+from sistap.terminal.writing import Incomplete
+from sistap.wireshark.rows import INFO_FIELDS, info
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 CHARACTER_S = LINE.character_ns / 1e9
@@ -198,6 +202,64 @@ def test_a_window_that_shows_two_of_the_worst_is_not_made_twice(tshark: Tshark, 
     assert [window.title for window in report.windows] == ["Asked for: 10 s from 0 s"]
 
 
+class CountedTshark:
+    """tshark, and how often it dissects."""
+
+    def __init__(self, tshark: Tshark) -> None:
+        self._tshark = tshark
+        self.rows: list[str] = []
+
+    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+        for row in self._tshark.lines(arguments):
+            self.rows.append(row)
+            yield row
+
+
+def test_nothing_is_dissected_again_for_the_windows(tshark: Tshark, capture: Path) -> None:
+    counted = CountedTshark(tshark)
+    report = made(cast(Tshark, counted), capture, "0+10")
+    assert report.windows[0].packets
+    assert len(counted.rows) == len(BUS) + 1
+
+
+@given(
+    times_s=st.lists(st.integers(0, 40).map(float), max_size=60),
+    numbers=st.sets(st.integers(1, 60), max_size=3),
+    starts_s=st.lists(st.integers(0, 40).map(float), max_size=2),
+)
+def test_what_is_read_again_is_what_was_asked_for(
+    times_s: list[float], numbers: set[int], starts_s: list[float]
+) -> None:
+    """Whatever the order of the times, and wherever a blob ends."""
+
+    class TimedTshark:
+        def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+            names = [name for option, name in zip(arguments, arguments[1:], strict=False) if option == "-e"]
+            for number, time_s in enumerate(times_s, 1):
+                known = {"frame.number": str(number), "frame.time_relative": str(time_s), INFO_FIELDS[0]: f"{number}"}
+                yield "\t".join(known.get(name, "") for name in names)
+
+    spans = [Span(start_s, start_s + 3) for start_s in starts_s]
+    with pytest.MonkeyPatch.context() as patch, Dissection(cast(Tshark, TimedTshark()), Path("x")) as dissection:
+        patch.setattr("sistap.report.kept._TOGETHER", 7)
+        read = list(dissection.packets())
+        again = list(dissection.again(numbers, spans))
+    assert [packet.time_s for packet in read] == times_s
+    assert again == [
+        packet
+        for packet in read
+        if packet.number in numbers or any(span.start_s <= packet.time_s <= span.end_s for span in spans)
+    ]
+
+
+def test_no_room_to_keep_what_was_read(tshark: Tshark, capture: Path, full: Path) -> None:
+    with Dissection(tshark, capture) as dissection:
+        dissection._kept._blobs._file = full.open("w+b")
+        list(dissection.packets())
+        with pytest.raises(Incomplete, match="cannot keep what was read of the capture: No space left .* TMPDIR$"):
+            list(dissection.again({1}, []))
+
+
 def test_a_window_keeps_a_bounded_number_of_packets() -> None:
     window = Window("", 0.0, 10.0)
     for _ in range(PACKETS_KEPT + 7):
@@ -285,7 +347,8 @@ class ToldTshark:
         yield "\t".join(self._columns.get(name, "") for name in names)
 
     def packet(self) -> Packet:
-        (packet,) = Dissection(cast(Tshark, self), Path("x.pcapng")).packets()
+        with Dissection(cast(Tshark, self), Path("x.pcapng")) as dissection:
+            (packet,) = dissection.packets()
         return packet
 
 

@@ -23,6 +23,7 @@ from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
 from sistap.terminal import temporary
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.terminal.garbage import uncollected
 from sistap.terminal.writing import Incomplete, NotOpened, opened
 from sistap.wireshark.tshark import Tshark, TsharkError
 
@@ -177,7 +178,7 @@ def _explain(args: argparse.Namespace, passage: Passage, console: Console) -> No
 
 
 def _explain_whole(args: argparse.Namespace, passage: Passage, console: Console, tshark: Tshark) -> None:
-    with ExitStack() as stack:
+    with ExitStack() as stack, uncollected():
         capture = stack.enter_context(temporary.folder()) / "log.pcapng"
         spool = stack.enter_context(Spool())
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:

@@ -46,6 +46,9 @@ _BYTE = {
 _STYLE = re.compile(rf"({_PREFIX}?)[0-9A-Fa-f]{{1,2}}([hH]?)")
 _PLAIN = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
 
+# As most programs write it: pairs up to the end of the line, and in front nothing that could be bytes.
+_NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
+
 BITS = re.compile(r"[01]{8}(?:\s+[01]{8})+")
 
 # Fewer bytes than these, among other words, may be words and numbers themselves.
@@ -96,7 +99,13 @@ def runs(text: str, style: tuple[str, ...] = ()) -> list[Run]:
 
     `style` is that of the bytes before: where they were decimal numbers, all are.
     """
-    pattern = _DECIMAL_RUN if style == ("numbers",) else _RUN
+    is_decimal = style == ("numbers",)
+    if not is_decimal and (match := _NOTHING_ELSE.fullmatch(text)):  # the rest would find the same, and takes longer
+        return [Run(match.start(1), match.end(1), "pairs", match[1], bytes.fromhex(match[1]))]
+    return _runs(text, _DECIMAL_RUN if is_decimal else _RUN)
+
+
+def _runs(text: str, pattern: re.Pattern[str]) -> list[Run]:
     found = []
     length = len(text.rstrip())
     for match in pattern.finditer(text):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 # The line numbers of the record (plugin/README.md).
 SHARED, RECEIVED, SENT = 0, 1, 2
@@ -42,16 +43,22 @@ class Marks:
 
     def find(self, text: str) -> tuple[int, int, int] | None:
         """Find the last mark in a text: its line, and where it begins and ends."""
-        last = None
-        for match in _MARK.finditer(text):
-            last = match
-        if last:
-            return _line(last), last.start(), last.end()
+        if mark := _last_mark(text):
+            return mark
         port = PORT.search(text)
         if port:
             number = self._ports.setdefault(port[0], len(self._ports) + 1)
             return (number if number <= SENT else SHARED), port.start(), port.end()
         return None
+
+
+# What stands in front of the bytes of a log is the same few texts, once their stamps are masked.
+@lru_cache(256)
+def _last_mark(text: str) -> tuple[int, int, int] | None:
+    last = None
+    for match in _MARK.finditer(text):
+        last = match
+    return (_line(last), last.start(), last.end()) if last else None
 
 
 def _line(match: re.Match[str]) -> int:

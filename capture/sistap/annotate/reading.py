@@ -33,10 +33,12 @@ _MASKED = re.compile(rf"\A.*{MASK}\w*")
 _LEAD = re.compile(r"\s*(?:[\[(]?[A-Za-z]+[\])]?:?\s+)?")
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 _LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload)\b")
-_COUNT = re.compile(
+_COUNT = re.compile(r"[\[(]\d+[\])](?=:|\s+\w)")
+_COUNT_IN_WORDS = re.compile(
     r"(?i)\b(?:len|length|count|size|dlc)\b\s*[:=]?\s*\d+|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b"
-    r"|[\[(]\d+[\])](?=:|\s+\w)"
 )
+# One of these is in each of its words: nearly no line has one, and to look for them is quick.
+_IN_COUNTS = ("len", "count", "ze", "dlc", "byte", "char")
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
@@ -215,7 +217,14 @@ def _mask(text: str, stamps: list[Stamped]) -> str:
 
 
 def _mask_counts(text: str) -> str:
-    return _COUNT.sub(lambda match: MASK * len(match[0]), text)
+    lower = text.lower()
+    if any(part in lower for part in _IN_COUNTS):
+        text = _COUNT_IN_WORDS.sub(_masked, text)
+    return _COUNT.sub(_masked, text)
+
+
+def _masked(match: re.Match[str]) -> str:
+    return MASK * len(match[0])
 
 
 def _gaps(text: str, found: list[Run]) -> Iterator[str]:

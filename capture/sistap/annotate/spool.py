@@ -8,10 +8,8 @@ write the log again with its explanations. It is one blob a batch, of plain tupl
 from __future__ import annotations
 
 import pickle
-import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
 from typing import Any, NamedTuple
 
 from sistap.annotate.cutting import Cut, Part, Pieces
@@ -19,9 +17,7 @@ from sistap.annotate.hexadecimal import Run
 from sistap.annotate.reading import Piece
 from sistap.annotate.stamps import Stamp
 from sistap.annotate.textlog import LogLine
-from sistap.terminal.writing import Incomplete
-
-_SIZE = 8  # bytes in front of a blob
+from sistap.terminal.temporary import Blobs
 
 
 class Entry(NamedTuple):
@@ -33,11 +29,11 @@ class Entry(NamedTuple):
 
 
 class Spool:
-    """Keeps a log. Use it in a `with`; the file has no name, so nothing is left behind."""
+    """Keeps a log. Use it in a `with`."""
 
     def __init__(self) -> None:
-        """Make the file, where TMPDIR says."""
-        self._file = tempfile.TemporaryFile(prefix="sistap-")  # noqa: SIM115 - closed by __exit__
+        """Nothing has been kept yet."""
+        self._blobs = Blobs("the log")
 
     def __enter__(self) -> Spool:
         """Nothing more to do."""
@@ -45,30 +41,18 @@ class Spool:
 
     def __exit__(self, *error: object) -> None:
         """Forget everything."""
-        with suppress(OSError):  # what found no room is still in the buffer
-            self._file.close()
+        self._blobs.__exit__(*error)
 
     def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[Cut]]]) -> None:
         """Keep a batch: lines with their pieces, and what is complete by them. Incomplete if there is no room."""
-        blob = pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL)
-        try:
-            self._file.write(len(blob).to_bytes(_SIZE, "little") + blob)
-            self._file.flush()
-        except OSError as error:
-            raise Incomplete(
-                f"{tempfile.gettempdir()} cannot keep the log: {error.strerror}; make room, or name a larger folder "
-                "with TMPDIR"
-            ) from None
+        self._blobs.put(pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL))
 
     def batches(self, progress: Callable[[float], None]) -> Iterator[list[Entry]]:
         """Return the batches as they were put; `progress` is told the part that has been read, 0 to 1."""
-        size = self._file.tell() or 1
-        self._file.seek(0)
         unpacker = _Unpacker()
-        while head := self._file.read(_SIZE):
-            blob = self._file.read(int.from_bytes(head, "little"))
+        for blob, part in self._blobs.all():
             yield [unpacker.entry(packed) for packed in pickle.loads(blob)]
-            progress(self._file.tell() / size)
+            progress(part)
 
 
 _PackedLine = tuple[bytes, bytes, str, str]

@@ -66,34 +66,33 @@ class TimestampParser:
 
     def find(self, text: str) -> list[Stamped]:
         """Find all stamps of a line. What has the form of one, but is no time, is none."""
-        if ":" not in text:
-            return self._seconds(text)
         found = []
-        for match in _STAMP.finditer(text):
-            stamp = self._stamp(match)
-            if stamp:
-                found.append(Stamped(match.start(), match.end(), stamp))
+        end = 0
+        # Most of a line are bytes behind its last stamp: without a colon there is none.
+        while text.find(":", end) >= 0 and (match := _STAMP.search(text, end)):
+            end = match.end()
+            if stamp := self._stamp(match):
+                found.append(Stamped(match.start(), end, stamp))
         return found or self._seconds(text)
 
     def find_date(self, text: str) -> Stamped | None:
         """Find a date without a time, as the heading of a log may have it, and keep it; its stamp is its midnight."""
         match = _DATE_ALONE.search(text)
-        date = _date(match.groupdict()) if match else None
+        date = _date(match) if match else None
         if not match or not date or not (midnight := _seconds_of((date, 0, 0, None))):
             return None
         self._date, self._last_ns = date, 0
         return Stamped(match.start(), match.end(), Stamp(midnight * _SECOND_NS, 0))
 
     def _stamp(self, match: re.Match[str]) -> Stamp | None:
-        groups = match.groupdict()
-        date = _date(groups)
-        hour, second = int(groups["hour"]), int(groups["second"])
-        if half := groups["half"]:
+        date = _date(match)
+        hour, second = int(match["hour"]), int(match["second"])
+        if half := match["half"]:
             if not 1 <= hour <= 12:
                 return None
             hour = hour % 12 + (12 if half in "Pp" else 0)
-        fraction = groups["fraction"] or groups["thousandths"] or ""
-        minute = self._seconds_of((date or self._date, hour, int(groups["minute"]), groups["zone"]))
+        fraction = match["fraction"] or match["thousandths"] or ""
+        minute = self._seconds_of((date or self._date, hour, int(match["minute"]), match["zone"]))
         if minute is None or second > 60:
             return None
         time_ns = (minute + second) * _SECOND_NS + int(fraction.ljust(9, "0"))
@@ -121,20 +120,20 @@ class TimestampParser:
         return [Stamped(match.start(), match.end(), Stamp(time_ns, 10 ** (9 - len(fraction))))]
 
 
-def _date(groups: dict[str, str | None]) -> _Date | None:
+def _date(match: re.Match[str]) -> _Date | None:
     """Return year, month and day of whichever form matched."""
     form: tuple[str | None, ...]
-    if groups["year"]:
-        form = groups["year"], groups["month"], groups["day"]
-    elif groups["year_german"]:
-        form = groups["year_german"], groups["month_german"], groups["day_german"]
-    elif groups["year_slash"]:
+    if match["year"]:
+        form = match["year"], match["month"], match["day"]
+    elif match["year_german"]:
+        form = match["year_german"], match["month_german"], match["day_german"]
+    elif match["year_slash"]:
         # American, unless there are not so many months.
-        one, other = groups["one"], groups["other"]
-        form = (groups["year_slash"], other, one) if int(one or 0) > 12 else (groups["year_slash"], one, other)
-    elif groups["month_name"]:
-        month = _MONTHS.index(groups["month_name"].lower()) + 1
-        form = groups["year_name"], str(month), groups["day_name"]
+        one, other = match["one"], match["other"]
+        form = (match["year_slash"], other, one) if int(one or 0) > 12 else (match["year_slash"], one, other)
+    elif match["month_name"]:
+        month = _MONTHS.index(match["month_name"].lower()) + 1
+        form = match["year_name"], str(month), match["day_name"]
     else:
         return None
     year, month_number, day = (int(text or 0) for text in form)

@@ -10,6 +10,7 @@ import enum
 import os
 import struct
 from collections.abc import Iterable
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 LINKTYPE_WIRESHARK_UPPER_PDU = 252
@@ -20,6 +21,8 @@ SECTION_HEADER = 0x0A0D0D0A
 INTERFACE_DESCRIPTION = 1
 INTERFACE_STATISTICS = 5
 ENHANCED_PACKET = 6
+
+_PACKET = struct.Struct("<IIIII")  # interface, time in two halves, length in the file and on the line
 
 Option = tuple[int, bytes]
 
@@ -99,9 +102,13 @@ def interface_description(interface: Interface) -> bytes:
 
 def enhanced_packet(interface: int, time_ns: int, data: bytes, flags: int = 0) -> bytes:
     """Make a packet block; `flags` are PacketFlags."""
-    options = _options([(2, struct.pack("<I", flags))]) if flags else b""
-    body = struct.pack("<I", interface) + _time(time_ns) + struct.pack("<II", len(data), len(data))
-    return _block(ENHANCED_PACKET, body + _padded(data) + options)
+    head = _PACKET.pack(interface, time_ns >> 32, time_ns & 0xFFFFFFFF, len(data), len(data))
+    return _block(ENHANCED_PACKET, head + _padded(data) + _packet_options(flags))
+
+
+@lru_cache(64)  # a capture has few different flags
+def _packet_options(flags: int) -> bytes:
+    return _options([(2, struct.pack("<I", flags))]) if flags else b""
 
 
 def interface_statistics(interface: int, statistics: Statistics) -> bytes:
@@ -114,5 +121,10 @@ def interface_statistics(interface: int, statistics: Statistics) -> bytes:
 
 def upper_pdu(dissector: str, payload: bytes) -> bytes:
     """Wrap a payload so that Wireshark hands it to a dissector by name (LINKTYPE_WIRESHARK_UPPER_PDU)."""
+    return _tags(dissector) + payload
+
+
+@cache
+def _tags(dissector: str) -> bytes:
     name = _padded(dissector.encode())
-    return struct.pack(">HH", _TAG_DISSECTOR_NAME, len(name)) + name + bytes(4) + payload
+    return struct.pack(">HH", _TAG_DISSECTOR_NAME, len(name)) + name + bytes(4)

@@ -26,7 +26,7 @@ LINK_TYPES = {
 _RTAC_HEADER = struct.Struct(">IIBBH")
 _RTAC_SENT, _RTAC_RECEIVED, _RTAC_LOST, _RTAC_FRAMING, _RTAC_PARITY, _RTAC_BREAK = 1, 2, 5, 7, 8, 9
 
-_DIRECTIONS = {1: PacketFlags.INBOUND, 2: PacketFlags.OUTBOUND}
+_DIRECTIONS = {1: int(PacketFlags.INBOUND), 2: int(PacketFlags.OUTBOUND)}
 _SYMBOL_ERRORS = Flag.CHARACTER_ERROR | Flag.BREAK | Flag.UNLOCATED_ERROR
 
 
@@ -35,7 +35,7 @@ def packet_flags(record: Record) -> int:
     errors = record.errors
     return (
         _DIRECTIONS.get(record.line, 0)
-        | (PacketFlags.SYMBOL_ERROR if errors & _SYMBOL_ERRORS else 0)
+        | (PacketFlags.SYMBOL_ERROR if errors and errors & _SYMBOL_ERRORS else 0)
         | (PacketFlags.CRC_ERROR if record.checksum_bad else 0)
     )
 

@@ -15,6 +15,8 @@ HEADER = struct.Struct(">BBBBIBBBBIHH")
 MAX_CHARACTERS = 43_000  # 6 bytes each: Wireshark refuses a file with a packet of more than 262,144 bytes
 INTERVAL_MAX = 0xFFFFFFFF
 LARGEST_RATE = 0xFFFFFFFF
+_NO_ERROR = Flag(0)
+_NO_ERRORS = bytes(flags for flags in range(256) if not flags & ERROR_FLAGS)
 
 
 class Type(enum.IntEnum):
@@ -101,9 +103,9 @@ class Record(NamedTuple):
     def errors(self) -> Flag:
         """All line errors of the record's characters, ORed."""
         union = 0
-        for flag in self.flags:
+        for flag in self.flags.translate(None, _NO_ERRORS):  # what is left is nearly always nothing
             union |= flag
-        return Flag(union) & ERROR_FLAGS
+        return Flag(union) & ERROR_FLAGS if union else _NO_ERROR
 
 
 def event(time_ns: int, line: int, settings: LineSettings, code: Event, text: str) -> Record:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 from sistap.line.settings import Flag
+from sistap.report.kept import Kept, Span
 from sistap.wireshark import rows
 from sistap.wireshark.rows import INFO_FIELDS, JOINT, NECESSARY, NO_DISSECTOR, damage, first, info, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -123,42 +125,60 @@ class Packet:
 
 
 class Dissection:
-    """A capture as the installed dissector sees it, in two passes: also what only a later packet tells."""
+    """A capture as the installed dissector sees it, in two passes: also what only a later packet tells.
+
+    Use it in a `with`.
+    """
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
         """Nothing is read yet."""
         self._tshark = tshark
         self._capture = capture
         self._unknown: set[str] = set()
+        self._names: list[str] = []  # of the columns
+        self._kept = Kept()
         self.warning = ""  # what tshark said at the end of a capture that is cut
+
+    def __enter__(self) -> Dissection:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Forget what was read."""
+        self._kept.__exit__(*error)
 
     @property
     def missing(self) -> list[str]:
         """Fields that the installed dissector does not know; right after the first packets."""
         return [name for name in FIELDS if name in self._unknown]
 
-    def packets(self, only: str = "") -> Iterator[Packet]:
-        """Yield the packets that pass a display filter. May raise NotACapture and TsharkError.
-
-        Only with a filter they have their line of the packet list: it costs as much as all fields.
-        """
-        wanted = FIELDS + (INFO_FIELDS if only else ())
+    def packets(self) -> Iterator[Packet]:
+        """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
         try:
-            yield from self._packets(wanted, only)
+            yield from self._packets()
         except _UnknownFields as unknown:
             self._unknown |= unknown.names
             if NECESSARY in self._unknown:
                 raise TsharkError(NO_DISSECTOR) from None
-            yield from self._packets(wanted, only)
+            yield from self._packets()
 
-    def _packets(self, wanted: Sequence[str], only: str) -> Iterator[Packet]:
-        names = [name for name in wanted if name not in self._unknown]
-        arguments = ["-r", str(self._capture), "-2", *rows.printing(names), *(["-Y", only] if only else [])]
+    def again(self, numbers: Collection[int], spans: Collection[Span]) -> Iterator[Packet]:
+        """Yield, of the packets that were read, those with these numbers, and those that begin in these spans."""
+        for row in self._kept.rows(numbers, spans):
+            packet = _packet(rows.columns(self._names, row))
+            if packet.number in numbers or any(span.start_s <= packet.time_s <= span.end_s for span in spans):
+                yield packet
+
+    def _packets(self) -> Iterator[Packet]:
+        self._names = [name for name in (*FIELDS, *INFO_FIELDS) if name not in self._unknown]
+        arguments = ["-r", str(self._capture), "-2", *rows.printing(self._names)]
         came = False
         try:
             for line in self._tshark.lines(arguments):
                 came = True
-                yield _packet(rows.columns(names, line))
+                packet = _packet(rows.columns(self._names, line))
+                self._kept.put(packet.number, packet.time_s, line)
+                yield packet
         except TsharkError as error:
             self._judge(error, came)
 
@@ -183,16 +203,16 @@ def _packet(columns: dict[str, str]) -> Packet:
         epoch_s=float(columns["frame.time_epoch"] or 0),
         time_s=float(columns["frame.time_relative"] or 0),
         interface=columns.get("frame.interface_name", ""),
-        type=_integer(columns, "sertap.type"),
-        baud=_integer(columns, "sertap.baud"),
+        type=_known_integer(columns.get("sertap.type")),
+        baud=_known_integer(columns.get("sertap.baud")),
         format=columns.get("sertap.format", ""),
-        uncertainty_s=_number(columns, "sertap.uncertainty"),
-        event=_integer(columns, "sertap.event"),
+        uncertainty_s=_number(columns.get("sertap.uncertainty")),
+        event=_known_integer(columns.get("sertap.event")),
         text=columns.get("sertap.text", ""),
         intervals_s=_intervals(columns),
-        same_read=_how_often(columns, "sertap.same_read"),
+        same_read=_how_often(columns.get("sertap.same_read")),
         errors=_errors(columns),
-        telegrams=list(_telegrams(columns)),
+        telegrams=_telegrams(columns),
         info=info(columns),
     )
 
@@ -202,7 +222,7 @@ def _intervals(columns: dict[str, str]) -> list[float]:
     text = columns.get("sertap.interval")
     if not text:
         return []
-    unknown = _how_often(columns, "sertap.interval.unknown")
+    unknown = _how_often(columns.get("sertap.interval.unknown"))
     if unknown > 1:
         return []  # which ones they are is not said
     intervals = list(map(float, text.split(JOINT)))
@@ -212,65 +232,68 @@ def _intervals(columns: dict[str, str]) -> list[float]:
 def _errors(columns: dict[str, str]) -> int:
     errors = 0
     for name, flag in _LINE_ERRORS:
-        if columns.get(name) and _how_often(columns, name):
+        if _how_often(columns.get(name)):
             errors |= flag
     return errors
 
 
-def _telegrams(columns: dict[str, str]) -> Iterator[Telegram]:
-    """Yield each telegram of a packet: one, but over TCP there may be several."""
-    starts = columns.get("sis.start", "")
+def _telegrams(columns: dict[str, str]) -> list[Telegram]:
+    """Return the telegrams of a packet: one, but over TCP there may be several."""
+    starts = columns.get("sis.start")
     if not starts:
-        return
+        return []
     count = starts.count(JOINT) + 1
     if count == 1:
-        yield _telegram(columns)
-        return
+        return [_telegram(columns)]
     # A field that not every one of them has cannot be told apart, and is left out.
     split = {name: text.split(JOINT) for name, text in columns.items() if name.startswith("sis.")}
-    for index in range(count):
-        yield _telegram({name: texts[index] for name, texts in split.items() if len(texts) == count})
+    return [
+        _telegram({name: texts[index] for name, texts in split.items() if len(texts) == count})
+        for index in range(count)
+    ]
 
 
 def _telegram(columns: dict[str, str]) -> Telegram:
+    get = columns.get
     return Telegram(
-        good=columns.get("sis.checksum.status") in _GOOD,
-        service=_integer(columns, "sis.service"),
-        talker=_integer(columns, "sis.talker"),
-        listener=_integer(columns, "sis.listener"),
-        is_reaction=columns.get("sis.control.reaction", "") in _TRUE,
-        status=_integer(columns, "sis.status"),
-        command_in=_integer(columns, "sis.command_in"),
-        is_repeat=bool(columns.get("sis.repeat_of")),
-        unanswered=bool(columns.get("sis.command.unanswered")),
-        load_percent=_number(columns, "sis.bus.load"),
-        reaction=_judged(columns, "sis.reaction_time", "sis.trs"),
+        good=get("sis.checksum.status") in _GOOD,
+        service=_known_integer(get("sis.service")),
+        talker=_known_integer(get("sis.talker")),
+        listener=_known_integer(get("sis.listener")),
+        is_reaction=get("sis.control.reaction") in _TRUE,
+        status=_known_integer(get("sis.status")),
+        command_in=_integer(get("sis.command_in")),
+        is_repeat=bool(get("sis.repeat_of")),
+        unanswered=bool(get("sis.command.unanswered")),
+        load_percent=_number(get("sis.bus.load")),
+        reaction=_judged(get("sis.reaction_time"), get("sis.trs.limit"), get("sis.trs.verdict")),
         # A dissector without a verdict on TzA still knows the longest interval of a record.
-        pause=_judged(columns, "sis.tza.interval_max", "sis.tza") or _judged(columns, "sertap.interval.max", "sis.tza"),
-        cycle=_judged(columns, "sis.tmas.cycle", "sis.tmas"),
-        pause_position=_integer(columns, "sis.tza.position"),
+        pause=_judged(
+            get("sis.tza.interval_max") or get("sertap.interval.max"), get("sis.tza.limit"), get("sis.tza.verdict")
+        ),
+        cycle=_judged(get("sis.tmas.cycle"), get("sis.tmas.limit"), get("sis.tmas.verdict")),
+        pause_position=_known_integer(get("sis.tza.position")),
     )
 
 
-def _judged(columns: dict[str, str], time: str, limit: str) -> Judged | None:
-    time_s = _number(columns, time)
-    if time_s is None:
-        return None
-    return Judged(time_s, _number(columns, f"{limit}.limit"), _integer(columns, f"{limit}.verdict"))
+def _judged(time: str | None, limit: str | None, verdict: str | None) -> Judged | None:
+    return Judged(float(first(time)), _known_number(limit), _known_integer(verdict)) if time else None
 
 
-def _integer(columns: dict[str, str], name: str) -> int | None:
+def _integer(text: str | None) -> int | None:
     """Read the first of several values: a list of services has its own status before those of its services."""
-    text = columns.get(name)
     return int(first(text), 0) if text else None
 
 
-def _number(columns: dict[str, str], name: str) -> float | None:
-    text = columns.get(name)
+def _number(text: str | None) -> float | None:
     return float(first(text)) if text else None
 
 
-def _how_often(columns: dict[str, str], name: str) -> int:
+# For columns in which the same few texts come again and again.
+_known_integer = lru_cache(1024)(_integer)
+_known_number = lru_cache(1024)(_number)
+
+
+def _how_often(text: str | None) -> int:
     """Count the characters that have a flag."""
-    text = columns.get(name)
     return sum(value in _TRUE for value in text.split(JOINT)) if text else 0

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 
 class Bin:
@@ -23,33 +24,71 @@ class Distribution:
     """How often each time came, in s: count, sum and extremes exactly, the rest in bins 2.4 % wide."""
 
     PER_DECADE = 100
+    _TOGETHER = 4096  # times are sorted into bins so many at once: one by one takes several times as long
 
     def __init__(self) -> None:
         """Begin with no time."""
         self.count = 0
         self.total_s = 0.0
-        self.shortest_s = math.inf
-        self.longest_s = 0.0
-        self.bins: defaultdict[int, Bin] = defaultdict(Bin)  # by PER_DECADE * log10(s), rounded down
-        self.zeros = 0  # times of 0 fit no logarithm
+        self._shortest_s = math.inf
+        self._longest_s = 0.0
+        self._bins: defaultdict[int, Bin] = defaultdict(Bin)
+        self._zeros = 0
+        self._waiting: list[float] = []  # in no bin yet
 
     def add(self, times_s: Sequence[float]) -> None:
         """Count times."""
-        if not times_s:
-            return
         self.count += len(times_s)
         self.total_s += sum(times_s)
-        self.shortest_s = min(self.shortest_s, *times_s)
-        self.longest_s = max(self.longest_s, *times_s)
-        bins = self.bins  # this loop is what a report spends its time with
-        for time_s in times_s:
-            if time_s <= 0:
-                self.zeros += 1
-                continue
-            found = bins[math.floor(math.log10(time_s) * self.PER_DECADE)]
-            found.count += 1
-            if time_s > found.longest_s:  # noqa: PLR1730 - max() takes three times as long
-                found.longest_s = time_s
+        self._waiting += times_s
+        if len(self._waiting) >= self._TOGETHER:
+            self._sort()
+
+    @property
+    def shortest_s(self) -> float:
+        """The shortest; without any, infinite."""
+        self._sort()
+        return self._shortest_s
+
+    @property
+    def longest_s(self) -> float:
+        """The longest; 0 of nothing."""
+        self._sort()
+        return self._longest_s
+
+    @property
+    def zeros(self) -> int:
+        """How many are 0, which fit no logarithm."""
+        self._sort()
+        return self._zeros
+
+    @property
+    def bins(self) -> Mapping[int, Bin]:
+        """The others, by PER_DECADE * log10(s), rounded down."""
+        self._sort()
+        return self._bins
+
+    def _sort(self) -> None:
+        """Put what waits into bins."""
+        if not self._waiting:
+            return
+        times_s = sorted(self._waiting)
+        self._waiting.clear()
+        self._shortest_s = min(self._shortest_s, times_s[0])
+        self._longest_s = max(self._longest_s, times_s[-1])
+        begin = bisect_right(times_s, 0.0)
+        self._zeros += begin
+        while begin < len(times_s):
+            number = self._number(times_s[begin])
+            end = bisect_right(times_s, number, begin, key=self._number)
+            found = self._bins[number]
+            found.count += end - begin
+            found.longest_s = max(found.longest_s, times_s[end - 1])
+            begin = end
+
+    @classmethod
+    def _number(cls, time_s: float) -> int:
+        return math.floor(math.log10(time_s) * cls.PER_DECADE)
 
     def within_s(self, share: float) -> float:
         """Return a time that this share of all, 0 to 1, does not exceed; at most 2.4 % above the least such."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads a capture, in two runs of tshark: one counts everything, one fetches the windows that turned out worst."""
+"""Reads a capture: counts everything as it comes, then fetches the windows that turned out worst from what was kept."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from sistap.report.dissection import Dissection
 from sistap.report.figures import Figures
 from sistap.report.moments import Moment
 from sistap.report.windows import Window
+from sistap.terminal.garbage import uncollected
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -31,16 +32,16 @@ class Report:
 
 
 def gather(tshark: Tshark, capture: Path, asked: Sequence[Window], progress: Callable[[str], None]) -> Report:
-    """Read a capture; `asked` are the windows that a person wants to see. May raise NotACapture and TsharkError."""
-    dissection = Dissection(tshark, capture)
+    """Read a capture; `asked` are the windows that a person wants to see. NotACapture, TsharkError, Incomplete."""
     figures = Figures()
-    progress(f"reading {capture}")
-    for packet in dissection.packets():
-        figures.add(packet)
-        if figures.packets % _PROGRESS_EVERY == 0:
-            progress(f"{figures.packets} packets read, {packet.time_s:.0f} s of the capture")
-    worst = figures.moments.worst()
-    shown = [*asked, *windows.around(worst, asked)]
-    progress(f"{figures.packets} packets read; reading the worst of them once more")
-    info = windows.fill(dissection, shown, worst)
+    with Dissection(tshark, capture) as dissection, uncollected():
+        progress(f"reading {capture}")
+        for packet in dissection.packets():
+            figures.add(packet)
+            if figures.packets % _PROGRESS_EVERY == 0:
+                progress(f"{figures.packets} packets read, {packet.time_s:.0f} s of the capture")
+        worst = figures.moments.worst()
+        shown = [*asked, *windows.around(worst, asked)]
+        progress(f"{figures.packets} packets read; reading the worst of them once more")
+        info = windows.fill(dissection, shown, worst)
     return Report(capture.name, figures, worst, info, shown, dissection.missing, dissection.warning)

@@ -130,6 +130,8 @@ KINDS = (
         is_fault=False,
     ),
 )
+_OF_PACKET = [(kind, kind.of_packet) for kind in KINDS if kind.of_packet]
+_OF_TELEGRAM = [(kind, kind.of_telegram) for kind in KINDS if kind.of_telegram]
 # Kinds whose time lies before their packet: it began with the end of its command.
 _FROM_COMMAND = {"trs_exceeded", "slowest_reaction"}
 
@@ -145,24 +147,19 @@ class Moments:
 
     def add(self, packet: Packet) -> Iterator[Kind]:
         """Look at a packet; give the kinds of fault in it."""
-        for kind in KINDS:
-            if kind.of_packet:
-                found = kind.of_packet(packet)
-                if found:
-                    self._keep(packet, None, kind, None)
-            else:
-                found = self._look(packet, kind)
+        for kind, of_packet in _OF_PACKET:
+            if of_packet(packet):
+                self._keep(packet, None, kind, None)
+                yield kind
+        telegrams = packet.telegrams
+        for kind, of_telegram in _OF_TELEGRAM if telegrams else ():
+            found = False
+            for telegram in telegrams:
+                if judged := of_telegram(telegram):
+                    found = True
+                    self._keep(packet, telegram, kind, judged if isinstance(judged, Judged) else None)
             if found and kind.is_fault:
                 yield kind
-
-    def _look(self, packet: Packet, kind: Kind) -> bool:
-        found = False
-        for telegram in packet.telegrams:
-            judged = kind.of_telegram and kind.of_telegram(telegram)
-            if judged:
-                found = True
-                self._keep(packet, telegram, kind, judged if isinstance(judged, Judged) else None)
-        return found
 
     def _keep(self, packet: Packet, telegram: Telegram | None, kind: Kind, judged: Judged | None) -> None:
         self.counts[kind.name] += 1

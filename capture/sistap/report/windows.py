@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from sistap.report.dissection import Dissection, Packet
+from sistap.report.kept import Span
 from sistap.report.moments import Moment
 from sistap.wireshark.rows import FRAME, OTHER
 
@@ -70,14 +71,9 @@ def around(moments: Iterable[Moment], shown: Sequence[Window]) -> list[Window]:
 def fill(dissection: Dissection, windows: Sequence[Window], moments: Iterable[Moment]) -> dict[int, str]:
     """Read the packets of all windows; give the line that Wireshark's packet list has for each moment, by number."""
     numbers = {moment.number for moment in moments}
-    conditions = [f"frame.number == {number}" for number in sorted(numbers)]
-    conditions += [
-        f"(frame.time_relative >= {max(window.start_s - _LONGEST_PACKET_S, 0):.9f}"
-        f" && frame.time_relative <= {window.end_s:.9f})"
-        for window in windows
-    ]
+    spans = [Span(max(window.start_s - _LONGEST_PACKET_S, 0), window.end_s) for window in windows]
     info: dict[int, str] = {}
-    for packet in dissection.packets(" || ".join(conditions)) if conditions else ():
+    for packet in dissection.again(numbers, spans):
         if packet.number in numbers:
             info[packet.number] = packet.info
         for window in windows:

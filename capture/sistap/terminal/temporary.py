@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A temporary folder that stays behind after no signal."""
+"""What is kept on disk for a while: a folder that stays behind after no signal, and blobs in a file without a name."""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from sistap.terminal.stop import held
+from sistap.terminal.writing import Incomplete
 
 
 @contextmanager
@@ -21,3 +22,46 @@ def folder() -> Iterator[Path]:
     finally:
         with held():
             made.cleanup()
+
+
+class Blobs:
+    """Blobs that are read again later, by their number. Use it in a `with`; nothing is left behind."""
+
+    def __init__(self, what: str) -> None:
+        """Make the file, where TMPDIR says; `what` is what it keeps, for the line that says that there is no room."""
+        self._what = what
+        self._file = tempfile.TemporaryFile(prefix="sistap-")  # noqa: SIM115 - closed by __exit__
+        self._ends = [0]
+
+    def __enter__(self) -> Blobs:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Forget everything."""
+        with suppress(OSError):  # what found no room is still in the buffer
+            self._file.close()
+
+    def put(self, blob: bytes) -> None:
+        """Keep a blob behind the others. Incomplete if there is no room."""
+        try:
+            self._file.seek(self._ends[-1])
+            self._file.write(blob)
+            self._file.flush()
+        except OSError as error:
+            raise Incomplete(
+                f"{tempfile.gettempdir()} cannot keep {self._what}: {error.strerror}; make room, or name a larger "
+                "folder with TMPDIR"
+            ) from None
+        self._ends.append(self._ends[-1] + len(blob))
+
+    def get(self, number: int) -> bytes:
+        """Return a blob; the first has number 0."""
+        start, end = self._ends[number : number + 2]
+        self._file.seek(start)
+        return self._file.read(end - start)
+
+    def all(self) -> Iterator[tuple[bytes, float]]:
+        """Yield all blobs, each with the part of all bytes that ends with it, 0 to 1."""
+        for number, end in enumerate(self._ends[1:]):
+            yield self.get(number), end / (self._ends[-1] or 1)

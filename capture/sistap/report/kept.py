@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What tshark printed of each packet, kept on disk, compressed: which packets a window needs, only the last one tells.
+
+To have tshark dissect the whole capture once more takes as long as the first time.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Collection, Iterator
+from typing import NamedTuple
+
+from sistap.terminal.temporary import Blobs
+
+_TOGETHER = 500  # rows in a blob
+_LEVEL = 1  # of compression; higher ones take several times as long and save a fifth
+
+
+class Span(NamedTuple):
+    """A stretch of a capture, in s since its first packet; both ends belong to it."""
+
+    start_s: float
+    end_s: float
+
+
+class _Held(NamedTuple):
+    """Which packets are in a blob; their times need not go on."""
+
+    first: int
+    last: int
+    earliest_s: float
+    latest_s: float
+
+    def may_have(self, numbers: Collection[int], spans: Collection[Span]) -> bool:
+        return any(self.first <= number <= self.last for number in numbers) or any(
+            span.start_s <= self.latest_s and self.earliest_s <= span.end_s for span in spans
+        )
+
+
+class Kept:
+    """Rows in the order of their packets. Use it in a `with`."""
+
+    def __init__(self) -> None:
+        """Nothing has been kept yet."""
+        self._blobs = Blobs("what was read of the capture")
+        self._held: list[_Held] = []  # by blob
+        self._rows: list[str] = []  # of the next blob, with their numbers and times
+        self._numbers: list[int] = []
+        self._times_s: list[float] = []
+
+    def __enter__(self) -> Kept:
+        """Nothing more to do."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Forget everything."""
+        self._blobs.__exit__(*error)
+
+    def put(self, number: int, time_s: float, row: str) -> None:
+        """Keep the row of a packet. Incomplete if there is no room."""
+        self._rows.append(row)
+        self._numbers.append(number)
+        self._times_s.append(time_s)
+        if len(self._rows) == _TOGETHER:
+            self._write()
+
+    def rows(self, numbers: Collection[int], spans: Collection[Span]) -> Iterator[str]:
+        """Yield the rows of these packets, and of those that begin in these spans, and some of their neighbours."""
+        if self._rows:
+            self._write()
+        for place, held in enumerate(self._held):
+            if held.may_have(numbers, spans):
+                yield from zlib.decompress(self._blobs.get(place)).decode().split("\n")
+
+    def _write(self) -> None:
+        self._blobs.put(zlib.compress("\n".join(self._rows).encode(), _LEVEL))
+        self._held.append(_Held(self._numbers[0], self._numbers[-1], min(self._times_s), max(self._times_s)))
+        for values in (self._rows, self._numbers, self._times_s):
+            values.clear()
