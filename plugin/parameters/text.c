@@ -4,8 +4,7 @@
 #include "parameters/text.h"
 
 /* Latin-1, as drives are older than UTF-8. Control characters are shown as their pictures (U+2400 and
- * following); those that only Latin-1 has, and the soft hyphen that nobody sees, by their
- * codes, "<9b>". */
+ * following). Those that only Latin-1 has, and the soft hyphen, are shown by their codes: "<9b>". */
 static void
 append(wmem_strbuf_t *text, uint8_t c)
 {
