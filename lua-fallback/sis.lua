@@ -782,7 +782,7 @@ field("sis.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
 field("sis.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
 expert_field("sis.sequence.ended", "SEQUENCE", "NOTE", "A transfer of sequential telegrams ended unfinished")
 expert_field("sis.sequence.piece_missing", "SEQUENCE", "NOTE",
-  "A piece of this transfer may be missing: a damaged telegram and a repeat came between")
+  "A piece of this transfer may be missing: something that came between was damaged, lost or refused")
 
 -- sis/services/cancel.c
 field("sis.canceled_service", "Cancelled service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
@@ -883,23 +883,36 @@ expert_field("sis.bus.baud.differs", "PROTOCOL", "NOTE", "The tap listens at ano
 -- end of what fields.py has made
 
 do
-  local names, are_reserved = {}, {} -- of all 256 services: every telegram asks
+  K.IF02, K.ECODRIVE03 = 0, 1 -- preference sis.edition: addresses, names of services, bits of the telegram control
+
+  local FIRST_RESERVED_IN_ECODRIVE03 = 0xE0 -- DISC in IF02
+  local RESERVED = "Reserved service"
+  local names = {[K.IF02] = {}, [K.ECODRIVE03] = {}} -- of all 256 services: every telegram asks
+  local range_names = {[K.IF02] = {}, [K.ECODRIVE03] = {}}
 
   for service = 0, 255 do
     local text, range = range_text(service, N.services)
 
-    names[service] = range[1] == range[2] and text or strformat("%s 0x%02x", text, service)
-    are_reserved[service] = text == "Reserved service"
+    range_names[K.IF02][service] = text
+    names[K.IF02][service] = range[1] == range[2] and text or strformat("%s 0x%02x", text, service)
+    local is_reserved = service >= FIRST_RESERVED_IN_ECODRIVE03
+    range_names[K.ECODRIVE03][service] = is_reserved and RESERVED or text
+    names[K.ECODRIVE03][service] = is_reserved and strformat("%s 0x%02x", RESERVED, service) or names[K.IF02][service]
+  end
+
+  -- "Read parameter", or "ECODRIVE service" where only the range has a name.
+  function S.service_range_name(service)
+    return range_names[P.edition][service]
   end
 
   -- "Read parameter", or "ECODRIVE service 0x83" where only the range has a name.
   function S.service_name(service)
-    return names[service]
+    return names[P.edition][service]
   end
 
-  -- In the edition of 2004; ECODRIVE03 reserves 0xE0 to 0xEF, too.
+  -- In the edition that is set.
   function S.service_is_reserved(service)
-    return are_reserved[service]
+    return range_names[P.edition][service] == RESERVED
   end
 end
 
@@ -1491,8 +1504,6 @@ end
 --- sis/address: kinds of station addresses in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7)
 
 do
-  K.IF02, K.ECODRIVE03 = 0, 1
-
   -- {last, kind}: an entry holds from after the one before it up to its last address.
   local receivers = {
     [K.IF02] = {
@@ -1573,7 +1584,7 @@ do
   -- Talker and listener as addresses, unless a network below has set its own. Lua has no address type for them, so only
   -- the columns get them. Those of a packet's first telegram count.
   function S.set_addresses(talker, listener)
-    if packet.count > 0 or packet.port_type ~= 0 then return end
+    if packet.count > 1 or packet.port_type ~= 0 then return end
     packet.cols.src = numbers[talker]
     packet.cols.dst = numbers[listener]
   end
@@ -1732,30 +1743,14 @@ do
     end
   end
 
-  -- In ECODRIVE03 DISC has no services yet, and 0x04 is not in the list.
-  local function is_reserved_in_ecodrive03(service)
-    return P.edition == K.ECODRIVE03 and (service >= 0xE0 or service == 0x04)
-  end
-
-  local function service_name(service)
-    if is_reserved_in_ecodrive03(service) and service ~= 0x04 then
-      return strformat("Reserved service 0x%02x", service)
-    end
-    return S.service_name(service)
-  end
-
   local function dissect_service(body)
     local service = body.telegram.service
-    local item
+    local item = body.tree and add_value(body.tree, F.service, body.tvb, 5, 1, service,
+      strformat("%s (0x%02x)", S.service_range_name(service), service))
 
-    if is_reserved_in_ecodrive03(service) and service ~= 0x04 then
-      item = add_value(body.tree, F.service, body.tvb, 5, 1, service, strformat("Reserved service (0x%02x)", service))
-    else
-      item = add(body.tree, F.service, body.tvb, 5, 1)
-    end
-    if service == 0x04 and is_reserved_in_ecodrive03(service) then
+    if service == 0x04 and P.edition == K.ECODRIVE03 then
       add_expert(item or body.root, E.service_reserved, "ECODRIVE03 does not have this service")
-    elseif S.service_is_reserved(service) or is_reserved_in_ecodrive03(service) then
+    elseif S.service_is_reserved(service) then
       add_expert(item or body.root, E.service_reserved)
     end
   end
@@ -1821,10 +1816,12 @@ do
       mark(body, body.root, E.length_header, "header longer than telegram")
     end
     if body.tree then
-      set_generated(add(body.tree, F.talker, body.tvb, 0, 0, telegram.talker))
-      set_generated(add(body.tree, F.listener, body.tvb, 0, 0, telegram.listener))
-      set_generated(add(body.tree, F.station, body.tvb, 0, 0, telegram.talker)):set_hidden()
-      set_generated(add(body.tree, F.station, body.tvb, 0, 0, telegram.listener)):set_hidden()
+      local ends = body.ends
+
+      set_generated(add(body.tree, F.talker, body.tvb, 0, 0, ends.talker))
+      set_generated(add(body.tree, F.listener, body.tvb, 0, 0, ends.listener))
+      set_generated(add(body.tree, F.station, body.tvb, 0, 0, ends.talker)):set_hidden()
+      set_generated(add(body.tree, F.station, body.tvb, 0, 0, ends.listener)):set_hidden()
     end
   end
 
@@ -1842,7 +1839,7 @@ do
     body.status = 0
     body.error = 0
     body.is_explained = false
-    body.summary = service_name(telegram.service)
+    body.summary = S.service_name(telegram.service)
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
     body.asked = exchange and exchange.request
     body.record = telegram.is_good and record or nil
@@ -1865,7 +1862,7 @@ do
   local function find_grounds(body, record)
     local exchange = record.exchange
 
-    if not body.is_quick or not exchange or exchange.repeat_of or record.reaction_before
+    if not body.is_quick or not exchange or exchange.repeat_of or exchange.is_step_again or record.reaction_before
       or record.transfer or record.transfer_ended or record.phase_switch then
       return nil
     end
@@ -1902,9 +1899,8 @@ do
   end
 
   -- The useful data, with what their exchange knows. Gives words for the packet list.
-  local function dissect_useful_data(body)
+  local function dissect_useful_data(body, record)
     local telegram, pinfo = body.telegram, body.pinfo
-    local record = S.exchange_find(body.tvb, pinfo, telegram)
     local exchange = record.exchange
 
     S.timing_note(record, telegram, pinfo)
@@ -1929,12 +1925,23 @@ do
     return text
   end
 
-  -- Who speaks to whom; a reaction keeps the command's addresses.
-  local function stations_text(is_reaction, sender, receiver, subaddresses)
-    local route = route_text(receiver, subaddresses)
+  -- Who speaks to whom.
+  local function stations_text(is_reaction, talker, listener, subaddresses)
+    if is_reaction then return strformat("%s -> %d", route_text(talker, subaddresses), listener) end
+    return strformat("%d -> %s", talker, route_text(listener, subaddresses))
+  end
 
-    if is_reaction then return strformat("%s -> %d", route, sender) end
-    return strformat("%d -> %s", sender, route)
+  -- What follows from who really speaks.
+  local function ends_of(is_reaction, talker, listener, subaddresses)
+    local stations = stations_text(is_reaction, talker, listener, subaddresses)
+    local kind = is_reaction and "Reaction" or "Command"
+
+    return {
+      talker = talker,
+      listener = listener,
+      title = strformat("%s, %s", stations, kind),
+      heading = strformat("%s  %s  ", stations, kind),
+    }
   end
 
   -- Telegrams with the same header, from the two lengths to the last subaddress, are one table, as a bus has few of
@@ -1944,8 +1951,7 @@ do
     local subaddress_count = band(control, K.CONTROL_SUBADDRESSES)
     local has_number = band(control, K.CONTROL_NUMBER) ~= 0
     local is_reaction = band(control, K.CONTROL_REACTION) ~= 0
-    local stations = stations_text(is_reaction, sender, receiver, sub(header, 7))
-    local kind = is_reaction and "Reaction" or "Command"
+    local subaddresses = sub(header, 7)
 
     return {
       control = control,
@@ -1955,13 +1961,12 @@ do
       subaddress_count = subaddress_count,
       has_number = has_number,
       is_reaction = is_reaction,
-      talker = is_reaction and receiver or sender,
-      listener = is_reaction and sender or receiver,
+      -- A reaction keeps its command's addresses, unless a device has swapped them.
+      as_sent = ends_of(is_reaction, sender, receiver, subaddresses),
+      reversed = is_reaction and ends_of(true, receiver, sender, subaddresses),
       body_offset = K.STATIC_LENGTH + subaddress_count + (has_number and 1 or 0),
       path = sub(header, 6), -- from the receiver to whom the command is for
       is_answered = S.is_answered(byte(header, -1)), -- neither group nor broadcast: whom it is for in the end
-      title = strformat("%s, %s", stations, kind),
-      heading = strformat("%s  %s  ", stations, kind),
       is_plain = false, -- whether it is known that there is nothing to be said of such a header without a tree
     }
   end)
@@ -2026,14 +2031,17 @@ do
     if #body.bytes < K.STATIC_LENGTH then return "" end
     read_telegram(body)
     local telegram = body.telegram
+    local record = S.exchange_find(body.tvb, body.pinfo, telegram)
+    local ends = telegram.is_reaction and not S.is_swapped(record, telegram) and telegram.reversed or telegram.as_sent
 
-    S.set_addresses(telegram.talker, telegram.listener)
+    body.ends = ends -- who really speaks to whom
+    S.set_addresses(ends.talker, ends.listener)
     dissect_header(body)
-    local words = dissect_useful_data(body)
+    local words = dissect_useful_data(body, record)
     dissect_trailer(body)
 
-    if body.tree then append_text(body.root, strformat(", %s, %s", telegram.title, shortened(words))) end
-    return telegram.heading .. words .. body.marks
+    if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, shortened(words))) end
+    return ends.heading .. words .. body.marks
   end
 
   -- Less than the 8 bytes that every telegram has.
@@ -2436,6 +2444,7 @@ end
 
 do
   local VERSION_LENGTH = 5 -- "nnVmm"
+  local MOST_CHARACTERS = 40
 
   local function take_version(body)
     local left = S.left(body)
@@ -2447,10 +2456,17 @@ do
     S.take_text(body, F.version)
   end
 
+  local function take_long_text(body, which)
+    local is_too_long = S.left(body) > MOST_CHARACTERS
+
+    S.take_text(body, which)
+    if is_too_long then S.mark(body, E.body_note, "more than %d characters", MOST_CHARACTERS) end
+  end
+
   local data = {
     [0x01] = take_version,
-    [0x02] = function(body) S.take_text(body, F.firmware) end,
-    [0x03] = function(body) S.take_text(body, F.type_key) end,
+    [0x02] = function(body) take_long_text(body, F.firmware) end,
+    [0x03] = function(body) take_long_text(body, F.type_key) end,
     [0x04] = function(body) S.take_baud_mask(body, true) end,
   }
 
@@ -2531,6 +2547,8 @@ end
 
 do
   local READ_FLASH, FIND_HEADER, ERASE_FLASH, BUILD_CHECKSUM = 0x92, 0x93, 0x94, 0x97
+  -- Bytes of the memory that a telegram can carry (chapters 5.4 and 5.7).
+  local MOST_READ, MOST_PROGRAMMED = 244, 240
 
   local function take_address(body)
     local address = S.take(body, F.flash_address, 4)
@@ -2543,10 +2561,19 @@ do
     end
   end
 
+  local function check_most(body, length, most)
+    if length > most then S.mark(body, E.body_note, "more than %d bytes", most) end
+  end
+
   local function take_length(body, size)
     local length = S.take(body, F.flash_length, size)
 
-    if length then S.say(body, ", %d byte%s", length, plural(length)) end
+    if not length then return end
+    S.say(body, ", %d byte%s", length, plural(length))
+    if size == 1 then
+      check_most(body, length, MOST_READ)
+      body.request.setting = length
+    end
   end
 
   local function take_code(body, which, texts)
@@ -2563,6 +2590,13 @@ do
     if not S.needs(body, F.data, 1) then return end
     S.take_rest(body, F.data)
     S.say(body, ", %d byte%s", length, plural(length))
+    local asked = body.is_reaction and body.asked and body.asked.setting or 0
+
+    if not body.is_reaction then
+      check_most(body, length, MOST_PROGRAMMED)
+    elseif length < asked and not body.is_cut then
+      S.mark(body, E.body_note, "%d byte%s asked for, %d sent", asked, plural(asked), length)
+    end
   end
 
   local function take_length_byte(body) take_length(body, 1) end
@@ -2672,31 +2706,90 @@ do
     [K.ACCEPT] = function() return true end,
   }
 
-  local function take_more(body)
-    if S.take_rest(body, F.raw) then
-      S.mark(body, E.body_note, "more data: further subservices? their layout is not defined")
-    end
-  end
-
-  local function dissect_command(body, subservice)
+  -- The data of a subservice, and whether all of what it asks for is there.
+  local function take_data(body, subservice, request)
     local take = settings[subservice]
 
     if take then
-      body.request.has_setting = take(body, body.request)
+      request.has_setting = take(body, request)
     elseif S.take_rest(body, F.raw) and N.subservices_initialization[subservice] then
       S.mark(body, E.body_note, "no document says what is in it") -- what is not defined has its note already
     end
-    take_more(body)
+  end
+
+  -- Of the data of a subservice: their lengths are fixed, and so several may follow one another (chapter 6.1). A
+  -- reaction has none.
+  local sizes = {
+    [K.SET_TRS] = 2,
+    [K.SET_TZA] = 2,
+    [K.SET_TMAS] = 2,
+    [K.SET_BAUD_RATE] = 1,
+    [K.TEST_BAUD] = 3,
+    [K.ACCEPT] = 0,
+  }
+
+  -- Whether what is left is further subservices, all of it, each with the device address before it or without. A
+  -- reaction has those of its command.
+  local function is_layout(body, device, has_device)
+    local asked, at, head = body.asked and body.asked.list, body.offset, has_device and 2 or 1
+
+    while at + head <= body.end_ do
+      local subservice = byte(body.bytes, at + head)
+      local size = sizes[subservice]
+
+      if not size or (has_device and byte(body.bytes, at + 1) ~= device) then return false end
+      if body.is_reaction then
+        if body.asked and (not asked or asked.subservice ~= subservice) then return false end
+        size = 0
+      end
+      asked = asked and asked.next
+      at = at + head + size
+    end
+    return at == body.end_
+  end
+
+  -- Another subservice of a command is another request.
+  local function add_request(body, device, subservice)
+    local first = body.request
+    local request = {service = body.service, has_device = true, device = device, subservice = subservice}
+
+    if first.list then first.last.next = request else first.list = request end
+    first.last = request
+    return request
+  end
+
+  local function take_further(body, device, has_device)
+    if has_device then S.take(body, F.device, 1) end
+    local subservice, text = S.take_code(body, F.subservice, 1, N.subservices_initialization)
+
+    S.say(body, "; %s", text)
+    if body.request then take_data(body, subservice, add_request(body, device, subservice)) end
+  end
+
+  -- Whether the device address stands once or before each subservice is not printed: the layout that fits all bytes.
+  local function take_all_further(body, device)
+    if S.left(body) == 0 or body.is_short or body.is_cut then return end
+    local is_once, is_each = is_layout(body, device, false), is_layout(body, device, true)
+
+    if is_once == is_each then
+      S.take_rest(body, F.raw)
+      S.mark(body, E.body_note, "more data: %s",
+        is_once and "further subservices, but which is not certain" or "no further subservices fit them")
+      return
+    end
+    while S.left(body) > 0 do
+      take_further(body, device, is_each)
+    end
   end
 
   S.bodies[0x03] = function(body)
+    local device = byte(body.bytes, body.offset + 1)
     local subservice = S.take_subservice(body, N.subservices_initialization)
 
     if not subservice then return end
-    if not body.is_reaction then
-      dissect_command(body, subservice)
-    elseif S.is_ok(body) then
-      take_more(body)
+    if not body.is_reaction then take_data(body, subservice, body.request) end
+    if not body.is_reaction or S.is_ok(body) then
+      take_all_further(body, device)
     elseif not S.take_channel_error(body) then
       S.take_error_byte(body, subservice, N.errors_initialization)
     end
@@ -2745,6 +2838,10 @@ do
       add_request(list, element.request)
     end
     S.dissect_body(element)
+    if list.is_reaction and list.status == 0 and element.status ~= 0 then
+      list.item = root
+      S.mark(list, E.body_note, "the overall status is 0, that of this element is not")
+    end
     if list.status < 0xF0 then -- else it says something of its own
       list.is_explained = list.is_explained or element.is_explained or element.status ~= 0
     end
@@ -2793,6 +2890,7 @@ do
 
     body.last_request = nil -- of its elements
     if body.is_reaction and S.take_channel_error(body) then return end
+    if S.left(body) == 0 and not body.is_cut then S.mark(body, E.body_note, "an empty list") end
     while S.left(body) > 0 and not body.is_short do
       dissect_element(body, number, asked)
       asked = asked and asked.next
@@ -2807,6 +2905,7 @@ end
 do
   local CONTROL_RESERVED = 0xC3
   local DATA_STATUS_UNDEFINED = 0xFEF0 -- fig. 8-44
+  local NO_DRIVE, UNDEFINED_DEVICE = 0, 255
 
   -- A body of a parameter service while it is taken apart is an `access`: body, general (service, as a general one),
   -- element, is_last, device, ident (nil: not known; in a reaction its command's), known.
@@ -2835,6 +2934,12 @@ do
       strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
   end
 
+  -- Fig. 8-2: 1 to 254 are drives.
+  local function check_device(body, device)
+    if device == NO_DRIVE then append_text(body.item, " (the SERCOS master, or the drive that is addressed)") end
+    if device == UNDEFINED_DEVICE then S.mark(body, E.body_note, "device address 255 is not defined") end
+  end
+
   local function take_control(access)
     local body = access.body
     local control = S.take(body, F.parameter_control, 1)
@@ -2848,6 +2953,7 @@ do
     end
     access.device = S.take(body, F.device, 1)
     if not access.device then return false end
+    check_device(body, access.device)
     if body.request then body.request.element = access.element end
     S.request_device(body, access.device)
     return true
@@ -2924,6 +3030,11 @@ do
     return true
   end
 
+  -- 0x81 and 0x8E count offset and length of a segment in words, all others in bytes.
+  local function counts_words(body)
+    return body.service == 0x81 or body.service == 0x8E
+  end
+
   local function check_announced(body, announced)
     local sent = S.left(body)
 
@@ -2937,7 +3048,7 @@ do
   -- is written should be as long as it says.
   local function take_segment(access)
     local body = access.body
-    local is_words = body.service == 0x81 or body.service == 0x8E
+    local is_words = counts_words(body)
     local unit = is_words and "word" or "byte"
     local offset = S.take(body, F.list_offset, 2)
 
@@ -2975,13 +3086,32 @@ do
     return #bytes <= SHOWN_BYTES and ": " .. hex(bytes) or ""
   end
 
+  -- A request for the data status may repeat the number of its parameter, or carry nothing (fig. 8-42).
+  local function check_status_request(access, data)
+    if access.ident and (data.length ~= 2 or S.little_endian(data.bytes, 1, 2) ~= access.ident.number) then
+      S.mark(access.body, E.body_note, "a request for the data status carries its own ident number or nothing")
+    end
+  end
+
+  -- A list may end before what was asked for, and the device may have less room.
+  local function check_segment(access, length)
+    local body = access.body
+    local asked = (body.asked and body.asked.segment or 0) % 0x10000 * (counts_words(body) and 2 or 1)
+
+    if access.ident and is_segment(access) and body.is_reaction and not body.is_cut and length < asked then
+      body.item = body.root
+      S.mark(body, E.body_note, "%d byte%s asked for, %d sent", asked, plural(asked), length)
+    end
+  end
+
   -- The data of an element: all of them, or a segment of a list.
   local function show_data(access, tree, data)
     local body, is_whole = access.body, not is_segment(access)
     local text = S.add_element(tree, body.pinfo, data, access.element, access.ident, access.known, is_whole)
 
     if is_write(access) and access.element == K.ELEMENT_IDENT then
-      return -- the request for the data status repeats its own number
+      check_status_request(access, data)
+      return
     end
     if text then
       S.say(body, " = %s", text)
@@ -2994,6 +3124,7 @@ do
       body.item = body.root
       S.mark(body, E.body_note, "%s", misfit)
     end
+    check_segment(access, data.length)
     if access.ident and is_whole and body.is_reaction then
       S.learn(body, access.ident, access.device, access.element, data, text)
     end
@@ -3023,8 +3154,9 @@ do
   local function take_data(access)
     local body = access.body
 
-    if body.is_short or (S.left(body) == 0
-      and not S.is_sequence_open(body, access.ident, access.element, access.device)) then
+    if body.is_short then return end
+    if S.left(body) == 0 and not S.is_sequence_open(body, access.ident, access.element, access.device) then
+      check_segment(access, 0)
       return
     end
     local data = find_data(access)
@@ -3048,7 +3180,9 @@ do
       band(status, 0x0100) ~= 0 and ", operating data invalid" or "")
     append_text(body.item, " (" .. text .. ")")
     S.say(body, " = %s", text)
-    if band(status, DATA_STATUS_UNDEFINED) ~= 0 then S.mark(body, E.body_note, "undefined bits of the data status") end
+    if band(status, DATA_STATUS_UNDEFINED) ~= 0 or not N.data_states[band(status, 0x0F)] then
+      S.mark(body, E.body_note, "undefined bits of the data status")
+    end
   end
 
   -- The upper digit of a code names the element, also where the code is not defined.
@@ -3096,6 +3230,8 @@ do
     if body.is_reaction then dissect_parameter_reaction(access) else dissect_parameter_command(access) end
   end
 
+  local HIGHEST_PHASE = 4
+
   local function take_phase(body)
     local phase = S.take(body, F.phase, 1)
 
@@ -3103,6 +3239,9 @@ do
     local mode = N.phases[phase] and " (" .. N.phases[phase] .. ")" or ""
     append_text(body.item, mode)
     S.say(body, ": phase %d%s", phase, mode)
+    if phase > HIGHEST_PHASE and body.telegram.is_good then -- in a damaged one it may be the damage
+      S.mark(body, E.body_note, "phase %d is not defined", phase)
+    end
     return phase
   end
 
@@ -3282,6 +3421,10 @@ do
     end
     exchange.is_reaction_kept = telegram.number > 0
     exchange.is_kept_reaction_seen = exchange.is_reaction_kept and before.reaction_in ~= nil
+    if before.is_to_be_repeated then
+      exchange.is_step_again = true
+      exchange.transfer = before.transfer
+    end
     if before.reaction_in and not exchange.is_reaction_kept then
       return
     end
@@ -3475,6 +3618,13 @@ do
     return record
   end
 
+  -- Whether a reaction has its command's addresses swapped: then its sender has really sent it.
+  function S.is_swapped(record, telegram)
+    local exchange = record.exchange
+
+    return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
+  end
+
   -- Keeps what a command asks for, once.
   function S.exchange_keep(exchange, request)
     exchange.request = exchange.request or request
@@ -3621,12 +3771,16 @@ do
   local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and is to be repeated
   local PARAMETER_OCCUPIED = 0x800C
   local CANCELLED = 0x800B -- another request had priority: the transfer is over
+  local INVALID_SEQUENTIAL_TELEGRAM = 0xF8
+  local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
 
   local WHOLE = "Data of all pieces"
 
   -- A transfer: {service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
   -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: {frame, length}, whole_in,
-  -- bytes: of the whole}. A record keeps the one that it is a piece of.
+  -- bytes: of the whole, received: bytes, announced: bytes, by the length words of a list (nil: nothing was),
+  -- length_words: as they stand, is_refused: with 0xF8, so that it begins anew or goes on, is_begun_anew}. A record
+  -- keeps the one that it is a piece of.
 
   -- Useful data, or what was put together from pieces: {tvb, offset, length, bytes}. A whole has its tvb where there is
   -- a tree.
@@ -3667,7 +3821,7 @@ do
     local record, exchange = body.record, body.record.exchange
 
     if body.is_reaction then return record.reaction_before ~= nil or exchange.is_kept_reaction_seen end
-    return exchange.repeat_of ~= nil
+    return exchange.repeat_of ~= nil or exchange.is_step_again
   end
 
   local function damaged_since(transfer, exchange)
@@ -3703,6 +3857,51 @@ do
     transfer.bytes, transfer.whole_in = concat(all), frame
   end
 
+  -- How many bytes a list is going to have, if this is its first piece and it has length words; nil: it does not say.
+  local function announced_by(bytes)
+    if #bytes < LENGTH_WORDS then return nil end
+    local actual, maximum = S.little_endian(bytes, 1, 2), S.little_endian(bytes, 3, 2)
+
+    if actual > maximum or actual + LENGTH_WORDS <= #bytes then return nil end
+    return actual + LENGTH_WORDS
+  end
+
+  local function begin_transfer(body, like)
+    local bytes = S.data(body).bytes
+
+    return {
+      service = like.service,
+      element = like.element,
+      device = like.device,
+      ident = like.ident,
+      segment = like.segment,
+      begun_in = packet.number,
+      last_in = packet.number,
+      damaged_count = body.record.exchange.from.stream.bus.damaged_count,
+      pieces = {},
+      received = 0,
+      announced = announced_by(bytes),
+      length_words = sub(bytes, 1, LENGTH_WORDS),
+    }
+  end
+
+  -- After 0xF8 a transfer begins anew, its length words again, or goes on. Whether it can go on is told by what they
+  -- have announced; where neither fits, pieces are missing.
+  local function follow_refusal(transfer, body, is_last)
+    local bytes, begun = S.data(body).bytes, transfer
+    local received = transfer.received + #bytes
+
+    transfer.is_refused = nil
+    if #bytes >= LENGTH_WORDS and sub(bytes, 1, LENGTH_WORDS) == transfer.length_words then
+      begun = begin_transfer(body, transfer)
+      begun.is_begun_anew = true
+    elseif is_last and received ~= transfer.announced or received > transfer.announced then
+      begun = begin_transfer(body, transfer)
+      begun.is_broken = true
+    end
+    return begun
+  end
+
   -- Whose piece these data are; decided once, in the order of the capture.
   local function place_piece(body, like, is_last)
     local record, frame = body.record, packet.number
@@ -3716,12 +3915,12 @@ do
       return
     end
     if not transfer then
-      transfer = like
-      transfer.begun_in, transfer.last_in, transfer.pieces = frame, frame, {}
-      transfer.damaged_count = exchange.from.stream.bus.damaged_count
+      transfer = begin_transfer(body, like)
       place = #transfers_of(exchange) + 1
-      transfers_of(exchange)[place] = transfer
+    elseif transfer.is_refused and not record.is_piece_repeated then
+      transfer = follow_refusal(transfer, body, is_last)
     end
+    transfers_of(exchange)[place] = transfer
     record.transfer, exchange.transfer = transfer, transfer
     if not record.is_piece_repeated and is_piece_missing(body, transfer) then
       transfer.is_broken = true
@@ -3732,6 +3931,8 @@ do
     end
     transfer.last_in = frame
     transfer.damaged_count = exchange.from.stream.bus.damaged_count
+    transfer.received = transfer.received + S.left(body)
+    record.is_begun_anew = is_last and transfer.is_begun_anew
     if not transfer.is_broken then
       add_piece(transfer, frame, S.data(body).bytes, is_last)
     end
@@ -3772,6 +3973,16 @@ do
     set_generated(add(tree, F.sequence_length, data.tvb, 0, 0, data.length))
   end
 
+  -- What a transfer brought that began anew, beside what its length words have announced.
+  local function check_announced(body, bytes)
+    if not body.record.is_begun_anew or #bytes < LENGTH_WORDS then return end
+    local announced = S.little_endian(bytes, 1, 2) + LENGTH_WORDS
+
+    if announced ~= #bytes then
+      S.mark(body, E.body_note, "the list announces %d bytes, %d came", announced, #bytes)
+    end
+  end
+
   local function put_together(body, is_last)
     local record = body.record
     local transfer = record.transfer
@@ -3793,6 +4004,7 @@ do
       data.tvb = ByteArray.new(data.bytes, true):tvb(WHOLE)
       show_pieces(body, data, transfer.pieces)
     end
+    check_announced(body, data.bytes)
     return data
   end
 
@@ -3842,12 +4054,28 @@ do
     return body.record ~= nil and body.record.transfer ~= nil
   end
 
+  local function note_end(record, transfer, reason)
+    if transfer.is_refused then return end -- that was said
+    record.transfer_ended = transfer.begun_in
+    record.transfer_reason = reason
+  end
+
   local function end_with_note(record, place, reason)
     local transfers = transfers_of(record.exchange)
 
-    record.transfer_ended = transfers[place].begun_in
-    record.transfer_reason = reason
+    note_end(record, transfers[place], reason)
     table.remove(transfers, place)
+  end
+
+  -- A list of which the length was announced may go on after 0xF8, or begin anew.
+  local function refuse(record, place, transfer, status)
+    if status ~= INVALID_SEQUENTIAL_TELEGRAM or not transfer.announced then
+      end_with_note(record, place, "refused")
+      return
+    end
+    note_end(record, transfer, "refused")
+    transfer.is_refused = true
+    record.exchange.is_to_be_repeated = true
   end
 
   -- Device and service may be missing; one byte alone may be either (chapter 4).
@@ -3876,30 +4104,40 @@ do
     end
   end
 
-  local function watch_reaction(body)
-    local record, asked = body.record, body.asked
+  -- Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes again.
+  local function is_to_be_repeated(body)
     local status = body.status
-    local like = make_like(body, asked.ident, asked.element, asked.device or 0) -- without an ident like none
-    local place, transfer = find_transfer(record.exchange, like)
-    -- Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes again.
-    local is_to_be_repeated = (status == 0x02 and body.error ~= CANCELLED)
+
+    return (status == 0x02 and body.error ~= CANCELLED)
       or body.error == SERVICE_CHANNEL_BUSY
       or body.error == PARAMETER_OCCUPIED
       or (status >= 0xF1 and status <= 0xF4)
+  end
 
-    if status == 0 then
+  local function watch_reaction(body)
+    local record, asked = body.record, body.asked
+    local like = make_like(body, asked.ident, asked.element, asked.device or 0) -- without an ident like none
+    local place, transfer = find_transfer(record.exchange, like)
+
+    if is_to_be_repeated(body) then
+      effects = effects + 1
+      record.exchange.is_to_be_repeated = true
+    elseif body.status == 0 then
       -- A device has one transfer at a time: when another parameter was accessed with success, it has given up the
       -- first.
       end_transfers(record, "another access to the device came between", function(other)
         return other.device == like.device and not is_same_transfer(other, like)
       end)
-    elseif transfer and not is_to_be_repeated then
-      end_with_note(record, place, "refused")
+    elseif transfer then
+      refuse(record, place, transfer, body.status)
     end
   end
 
   local function watch(body)
-    if not body.is_reaction or not body.asked or #transfers_of(body.record.exchange) == 0 then
+    if not body.is_reaction or not body.asked then
+      return
+    end
+    if body.status == 0 and #transfers_of(body.record.exchange) == 0 then
       return
     end
     if body.service == 0x01 and body.status == 0 then
@@ -4387,6 +4625,12 @@ do
 
   -- What does not fit between the data of an element and its attribute, in words; nil: nothing.
   function S.element_misfit(data, element, known, is_whole)
+    if element == K.ELEMENT_ATTRIBUTE and data.length == ATTRIBUTE_SIZE then
+      local attribute = S.little_endian(data.bytes, 1, ATTRIBUTE_SIZE)
+      local is_undefined = bits(attribute, 23, 1) + bits(attribute, 31, 1) > 0
+
+      return is_undefined and "undefined bits of the attribute" or nil
+    end
     local layout = element >= K.ELEMENT_MINIMUM and data.length > 0 and known and read_layout(known)
 
     if not layout or data.length == layout.size then return nil end
@@ -4732,8 +4976,8 @@ do
 
   -- Whether this telegram is what makes a setting count: the good reaction of a station of this line, or a command to
   -- all. Told through a router it is not for a station of this line.
-  local function is_told(body, request, is_for_all)
-    if not request or not request.has_setting or body.telegram.subaddress_count > 0 then return false end
+  local function is_told(body, is_for_all)
+    if body.telegram.subaddress_count > 0 then return false end
     if not body.is_reaction then return is_for_all end
     return not is_for_all and body.status == 0 and not body.record.reaction_before
   end
@@ -4746,14 +4990,20 @@ do
     local is_for_all = is_broadcast(S.receiver_kind(telegram.receiver))
 
     if not body.is_reaction then request = body.request end
-    if packet.visited or not exchange or not is_told(body, request, is_for_all) then return end
+    if packet.visited or not exchange or not request or not is_told(body, is_for_all) then return end
     effects = effects + 1
     local told = exchange.from.stream.bus.told
     local address = is_for_all and K.ALL_STATIONS or byte(exchange.from.path)
 
-    learn(told, address, request, exchange.command_in, packet.number, telegram.times.end_)
-    if body.is_reaction and request.subservice == ACCEPT then
-      body.record.settings = S.bus_settings(told, address, telegram.times.begin)
+    local further = request.list -- subservices of the same telegram
+    while request do
+      if request.has_setting then
+        learn(told, address, request, exchange.command_in, packet.number, telegram.times.end_)
+        if body.is_reaction and request.subservice == ACCEPT then
+          body.record.settings = S.bus_settings(told, address, telegram.times.begin)
+        end
+      end
+      request, further = further, further and further.next
     end
   end
 

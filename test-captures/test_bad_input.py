@@ -166,9 +166,32 @@ def is_short(service: int, reaction: bool, body: bytes) -> bool:
     return False
 
 
+def is_further(rest: bytes, reaction: bool, before: bytes) -> bool:
+    """Tell whether these bytes are further subservices of 0x03, each with the bytes `before` it."""
+    while rest:
+        subservice = rest[len(before)] if len(rest) > len(before) else None
+        _, size = INITIALIZATION_COMMANDS.get(subservice, (0, OPEN))
+        if not rest.startswith(before) or size == OPEN:
+            return False
+        size = len(before) + (1 if reaction else size - 1)  # without the address that the first one has
+        if len(rest) < size:
+            return False
+        rest = rest[size:]
+    return True
+
+
+def has_further(reaction: bool, body: bytes) -> bool:
+    """Tell whether several subservices of 0x03 consume the body in one of the two layouts, and only in one."""
+    head, limits = (1, reaction_limits) if reaction else (0, command_limits)
+    rest, device = body[limits(0x03, body)[0] :], body[head : head + 1]
+    return is_further(rest, reaction, b"") != is_further(rest, reaction, device)
+
+
 def is_long(service: int, reaction: bool, body: bytes) -> bool:
     """Tell whether there is more than the service has; what follows the last element of a list is an element."""
     limits = reaction_limits if reaction else command_limits
+    if service == 0x03 and has_further(reaction, body):
+        return False
     return not has_elements(service, reaction, body) and len(body) > limits(service, body)[1]
 
 

@@ -19,13 +19,16 @@ FIELDS = (
     "list.actual list.maximum sequence.count"
 ).split()
 # ... and of these expert items; with their number, where there are several.
-EXPERTS = "body.missing body.unexpected body.note list.recursion reaction.unasked reaction.again sequence.ended".split()
+EXPERTS = (
+    "body.missing body.unexpected body.note list.recursion reaction.unasked reaction.again sequence.ended "
+    "sequence.piece_missing"
+).split()
 # It may name these.
 DETAILS = (
     "transmission parameter_control parameter.name parameter.type parameter.product_specific parameter.set "
     "parameter.number data_status.set data_status.enabled data_status.not_executed data_status.impossible "
     "data_status.invalid attribute.factor attribute.length attribute.command attribute.format attribute.decimals "
-    "attribute.protected_2 attribute.protected_3 attribute.protected_4 sequence.length"
+    "attribute.protected_2 attribute.protected_3 attribute.protected_4 sequence.length talker listener"
 ).split()
 
 BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them

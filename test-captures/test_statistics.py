@@ -114,6 +114,7 @@ def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
     (tmp_path / "read.pcapng").write_bytes(Scenario(tmp_path / "read.txt").capture())
     rows = table(tshark.output("-q", "-z", "sis,tza", "-r", str(tmp_path / "read.pcapng")))
     assert rows["16"][:4] == ["1", "8", "", ""]
+    assert rows["16"][4].startswith("<="), "an upper bound is no interval"
     assert rows["16"][7:] == "7 0 0 0 0 0 0 0".split()
 
 
@@ -136,3 +137,12 @@ def test_errors_inside_a_list_of_services_count(tshark: Tshark, tmp_path: Path) 
     counts = dict(tree(tshark.output("-q", "-z", "sis,tree", "-r", str(capture))))
     errors = {name.split()[0]: count for name, count in counts.items() if name.strip().startswith("0x")}
     assert errors == {"0x1001": 1, "0x7003": 1}
+
+
+def test_services_have_the_names_of_the_edition(tshark: Tshark, tmp_path: Path) -> None:
+    """0xE0 to 0xEF are DISC in IF02, and reserved in ECODRIVE03."""
+    (tmp_path / "disc.txt").write_text("command 16>3 E3 01\n")
+    (tmp_path / "disc.pcapng").write_bytes(Scenario(tmp_path / "disc.txt").capture())
+    command = ("-q", "-z", "sis,tree", "-r", str(tmp_path / "disc.pcapng"))
+    assert ("  DISC service 0xe3", 1) in tree(tshark.output(*command))
+    assert ("  Reserved service 0xe3", 1) in tree(tshark.output(*command, "-o", "sis.edition:ECODRIVE03"))

@@ -16,6 +16,7 @@
 #define IS_COMMAND(attribute)  ((attribute) >> 19 & 1)
 #define FORMAT(attribute)      ((attribute) >> 20 & 7)
 #define DECIMALS(attribute)    ((attribute) >> 24 & 15)
+#define UNDEFINED_BITS         0x80800000u
 
 typedef enum { BINARY, UNSIGNED, SIGNED, HEXADECIMAL, TEXT, IDENT, FLOATING } format_t;
 
@@ -326,6 +327,9 @@ sis_element_misfit(wmem_allocator_t *scope, tvbuff_t *tvb, sis_element_t element
     unsigned length = tvb_captured_length(tvb), rest;
     layout_t layout;
 
+    if (element == SIS_ELEMENT_ATTRIBUTE && length == ATTRIBUTE_SIZE &&
+        (tvb_get_letohl(tvb, 0) & UNDEFINED_BITS))
+        return "undefined bits of the attribute";
     if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, &layout) || length == layout.size)
         return NULL;
     if (!layout.is_list)

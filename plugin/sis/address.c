@@ -40,8 +40,6 @@ static const struct {
     [SIS_EDITION_ECODRIVE03] = {receivers_ecodrive03, senders_ecodrive03},
 };
 
-int sis_edition = SIS_EDITION_IF02;
-
 static int station_type = -1;
 static uint8_t stations[256];    /* each at its own place: what an address points to */
 static const char *numbers[256]; /* as text */

@@ -7,11 +7,6 @@
 #include "compat.h"
 #include "sis/names.h"
 
-typedef enum { SIS_EDITION_IF02, SIS_EDITION_ECODRIVE03 } sis_edition_t;
-
-/* Preference sis.edition. */
-extern int sis_edition;
-
 sis_address_kind_t sis_receiver_kind(uint8_t receiver);
 sis_address_kind_t sis_sender_kind(uint8_t sender);
 const char *sis_kind_text(sis_address_kind_t kind);

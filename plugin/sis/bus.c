@@ -123,22 +123,26 @@ void
 sis_bus_learn(sis_body_t *body)
 {
     const sis_telegram_t *telegram = body->telegram;
-    const sis_request_t *request = body->is_reaction ? body->asked : body->request;
+    const sis_request_t *first = body->is_reaction ? body->asked : body->request, *request = first;
     sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
     bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
     struct sis_told *told;
     uint8_t address;
 
-    if (body->pinfo->fd->visited || exchange == NULL || request == NULL || !request->has_setting ||
-        telegram->subaddress_count > 0 || (is_for_all ? body->is_reaction : !body->is_reaction))
+    if (body->pinfo->fd->visited || exchange == NULL || request == NULL || telegram->subaddress_count > 0 ||
+        (is_for_all ? body->is_reaction : !body->is_reaction))
         return;
     if (body->is_reaction && (body->status != 0 || body->record->reaction_before != 0))
         return;
     told = told_of(exchange->stream->bus);
     address = is_for_all ? SIS_ALL_STATIONS : exchange->path[0];
-    learn(told, address, request, exchange->command_in, body->pinfo->num, telegram->times.end);
-    if (body->is_reaction && request->subservice == SIS_ACCEPT)
-        body->record->settings = sis_bus_settings(exchange->stream->bus, address, telegram->times.begin);
+    for (; request != NULL; request = request == first ? first->list : request->next) {
+        if (!request->has_setting)
+            continue;
+        learn(told, address, request, exchange->command_in, body->pinfo->num, telegram->times.end);
+        if (body->is_reaction && request->subservice == SIS_ACCEPT)
+            body->record->settings = sis_bus_settings(exchange->stream->bus, address, telegram->times.begin);
+    }
 }
 
 static const sis_settings_t *

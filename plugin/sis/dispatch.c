@@ -180,6 +180,10 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
     sis_dissect_body(&element);
     if (element.error_text != NULL)
         add_error(list, &element);
+    if (list->is_reaction && list->status == 0 && element.status != 0) {
+        list->item = root;
+        sis_mark(list, &ei_sis_note, "the overall status is 0, that of this element is not");
+    }
     if (list->status < 0xF0) /* else it says something of its own */
         list->is_explained |= element.is_explained || element.status != 0;
     proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
@@ -229,6 +233,8 @@ dissect_list(sis_body_t *body)
 
     if (body->is_reaction && sis_take_channel_error(body))
         return;
+    if (sis_left(body) == 0 && !body->is_cut)
+        sis_mark(body, &ei_sis_note, "an empty list");
     for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++) {
         dissect_element(body, number, asked);
         asked = asked != NULL ? asked->next : NULL;

@@ -163,6 +163,10 @@ find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direc
         return;
     exchange->is_reaction_kept = telegram->number > 0;
     exchange->is_kept_reaction_seen = exchange->is_reaction_kept && before->reaction_in != 0;
+    if (before->is_to_be_repeated) {
+        exchange->is_step_again = true;
+        exchange->transfer = before->transfer;
+    }
     if (before->reaction_in != 0 && !exchange->is_reaction_kept)
         return;
     exchange->first = before->first != NULL ? before->first : before;
@@ -392,6 +396,13 @@ sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *teleg
     else
         record->exchange = begin_exchange(bus, tvb, pinfo, telegram);
     return record;
+}
+
+bool
+sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram)
+{
+    return telegram->is_reaction && record->exchange != NULL &&
+           sis_direction(telegram) != record->exchange->direction;
 }
 
 static sis_request_t *

@@ -24,12 +24,12 @@ typedef struct sis_request {
     uint16_t test_ms;
     sis_ident_t ident;
     uint32_t address; /* of the memory */
-    uint32_t setting; /* of 0x03: ms or Bd */
+    uint32_t setting; /* of 0x03: ms or Bd; of Read flash: bytes */
     uint32_t segment; /* of a list: offset and length as asked for; 0: all of it */
     /* Of the parameter, when the command was sent; NULL where nothing was learned. */
     const sis_known_t *known;
     struct sis_request *next; /* of the following element of service 0x04 */
-    struct sis_request *list; /* of the first element of service 0x04 */
+    struct sis_request *list; /* of the first element of service 0x04, or the next subservice of 0x03 */
 } sis_request_t;
 
 /* A phase switch under way (chapter 8.5). */
@@ -89,6 +89,8 @@ typedef struct sis_exchange {
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
                               then */
     bool is_kept_reaction_seen;
+    bool is_to_be_repeated; /* its reaction says that it was not executed */
+    bool is_step_again;     /* of a transfer: the same bytes, after such a reaction */
 } sis_exchange_t;
 
 /* A transfer of sequential telegrams that ended before its last piece. */
@@ -113,6 +115,7 @@ typedef struct sis_record {
     bool is_switch_end; /* it ended here, well or not */
     bool is_piece_repeated;
     bool is_piece_missing;
+    bool is_begun_anew; /* the transfer of this last piece, after one that was refused */
 } sis_record_t;
 
 /* Two stations that talk; by the direction of the commands. */
@@ -135,6 +138,9 @@ sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_tel
 /* The same exchange one level above and one level below, where there are routers; NULL: none is known. */
 sis_exchange_t *sis_exchange_above(const sis_exchange_t *exchange);
 sis_exchange_t *sis_exchange_below(const sis_exchange_t *exchange);
+
+/* Whether a reaction has its command's addresses swapped: then its sender has really sent it. */
+bool sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram);
 
 /* Keeps what a command asks for, once. */
 void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);

@@ -289,13 +289,24 @@ const value_string sis_data_states[] = {
     {0, NULL},
 };
 
+int sis_edition = SIS_EDITION_IF02;
+
 static const range_string *
 service_entry(uint8_t service)
 {
+    static const range_string reserved_in_ecodrive03 = {0xE0, 0xFF, "Reserved service"}; /* DISC in IF02 */
     int at = 0;
 
+    if (sis_edition == SIS_EDITION_ECODRIVE03 && service >= reserved_in_ecodrive03.value_min)
+        return &reserved_in_ecodrive03;
     try_rval_to_str_idx(service, sis_services, &at); /* the ranges leave out no service */
     return &sis_services[at];
+}
+
+const char *
+sis_service_range_name(uint8_t service)
+{
+    return service_entry(service)->strptr;
 }
 
 const char *

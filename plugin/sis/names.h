@@ -6,6 +6,10 @@
 
 #include "compat.h"
 
+/* Preference sis.edition: addresses, names of services and bits of the telegram control differ. */
+typedef enum { SIS_EDITION_IF02, SIS_EDITION_ECODRIVE03 } sis_edition_t;
+extern int sis_edition;
+
 extern const range_string sis_services[];
 
 typedef enum {
@@ -42,6 +46,9 @@ extern const value_string sis_errors_phase[];
 extern const value_string sis_phases[];
 extern const value_string sis_data_states[];
 
+/* "Read parameter", or "ECODRIVE service" where only the range has a name. */
+const char *sis_service_range_name(uint8_t service);
+
 /* "Read parameter", or "ECODRIVE service 0x83" where only the range has a name. */
 const char *sis_service_name(wmem_allocator_t *scope, uint8_t service);
 
@@ -49,7 +56,7 @@ const char *sis_service_name(wmem_allocator_t *scope, uint8_t service);
  */
 const value_string *sis_subservices_of(uint8_t service);
 
-/* In the edition of 2004; ECODRIVE03 reserves 0xE0 to 0xEF, too. */
+/* In the edition that is set. */
 bool sis_service_is_reserved(uint8_t service);
 
 #endif

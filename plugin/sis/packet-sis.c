@@ -81,6 +81,7 @@ typedef struct {
     unsigned declared; /* 0: its two lengths differ, or are not there */
     unsigned end;      /* of what belongs to the telegram and is there */
     sis_telegram_t *telegram;
+    sis_record_t *record; /* what was found out about it */
     wmem_strbuf_t *marks; /* for the end of the info column: what is wrong */
 } dissection_t;
 
@@ -202,38 +203,19 @@ dissect_control(const dissection_t *d)
         dissect_control_ecodrive03(d, ti);
 }
 
-/* In ECODRIVE03 DISC has no services yet, and 0x04 is not in the list. */
-static bool
-is_reserved_in_ecodrive03(uint8_t service)
-{
-    return sis_edition == SIS_EDITION_ECODRIVE03 && (service >= 0xE0 || service == 0x04);
-}
-
-static const char *
-service_name(const dissection_t *d)
-{
-    uint8_t service = d->telegram->service;
-
-    if (is_reserved_in_ecodrive03(service) && service != 0x04)
-        return wmem_strdup_printf(d->pinfo->pool, "Reserved service 0x%02x", service);
-    return sis_service_name(d->pinfo->pool, service);
-}
-
 static void
 dissect_service(const dissection_t *d)
 {
     uint8_t service = d->telegram->service;
-    proto_item *ti;
+    bool is_unknown = sis_edition == SIS_EDITION_ECODRIVE03 && service == 0x04;
+    proto_item *ti = NULL;
 
-    if (is_reserved_in_ecodrive03(service) && service != 0x04)
-        ti = proto_tree_add_uint_format_value(d->tree, hf_sis_service, d->tvb, 5, 1, service,
-                                              "Reserved service (0x%02x)", service);
-    else
-        ti = proto_tree_add_item(d->tree, hf_sis_service, d->tvb, 5, 1, ENC_NA);
-    if (sis_service_is_reserved(service) || is_reserved_in_ecodrive03(service))
+    if (d->tree != NULL)
+        ti = proto_tree_add_uint_format_value(d->tree, hf_sis_service, d->tvb, 5, 1, service, "%s (0x%02x)",
+                                              sis_service_range_name(service), service);
+    if (is_unknown || sis_service_is_reserved(service))
         expert_add_info_format(d->pinfo, ti, &ei_service_reserved, "%s",
-                               service == 0x04 ? "ECODRIVE03 does not have this service"
-                                               : "Reserved service");
+                               is_unknown ? "ECODRIVE03 does not have this service" : "Reserved service");
 }
 
 static void
@@ -314,7 +296,7 @@ dissect_useful_data(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    sis_record_t *record = sis_exchange_find(d->tvb, d->pinfo, telegram);
+    sis_record_t *record = d->record;
     sis_exchange_t *exchange = record->exchange;
     sis_request_t request = {.service = telegram->service};
     sis_body_t body = {.telegram = telegram,
@@ -328,7 +310,7 @@ dissect_useful_data(const dissection_t *d)
                        .is_cut = d->end < d->declared || d->declared == 0 || telegram->body_offset > d->end,
                        .is_reaction = telegram->is_reaction,
                        .service = telegram->service,
-                       .summary = wmem_strbuf_new(pool, service_name(d)),
+                       .summary = wmem_strbuf_new(pool, sis_service_name(pool, telegram->service)),
                        .marks = d->marks,
                        .request = telegram->is_reaction ? NULL : &request,
                        .asked = exchange != NULL ? exchange->request : NULL,
@@ -359,14 +341,14 @@ dissect_trailer(const dissection_t *d)
 
 /* "3" or, through routers, "3/2/8". */
 static const char *
-route_text(const dissection_t *d)
+route_text(const dissection_t *d, uint8_t first)
 {
     const sis_telegram_t *telegram = d->telegram;
     wmem_strbuf_t *text;
 
     if (telegram->subaddress_count == 0)
-        return sis_station_text(d->pinfo->pool, telegram->receiver);
-    text = wmem_strbuf_new(d->pinfo->pool, sis_station_text(d->pinfo->pool, telegram->receiver));
+        return sis_station_text(d->pinfo->pool, first);
+    text = wmem_strbuf_new(d->pinfo->pool, sis_station_text(d->pinfo->pool, first));
     for (unsigned i = 0; i < telegram->subaddress_count; i++) {
         if (SIS_STATIC_LENGTH + i >= d->end)
             break;
@@ -376,17 +358,32 @@ route_text(const dissection_t *d)
     return wmem_strbuf_get_str(text);
 }
 
-/* Who speaks to whom; a reaction keeps the command's addresses. */
+/* Who speaks to whom. */
 static const char *
 stations_text(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    const char *route = route_text(d);
 
     if (telegram->is_reaction)
-        return wmem_strconcat(pool, route, " -> ", sis_number_text(telegram->sender), NULL);
-    return wmem_strconcat(pool, sis_number_text(telegram->sender), " -> ", route, NULL);
+        return wmem_strconcat(pool, route_text(d, telegram->talker), " -> ",
+                              sis_number_text(telegram->listener), NULL);
+    return wmem_strconcat(pool, sis_number_text(telegram->talker), " -> ", route_text(d, telegram->listener),
+                          NULL);
+}
+
+/* What belongs to the telegram, and who really speaks: a reaction keeps its command's addresses, unless a
+ * device has swapped them. */
+static void
+find_exchange(dissection_t *d)
+{
+    sis_telegram_t *telegram = d->telegram;
+
+    d->record = sis_exchange_find(d->tvb, d->pinfo, telegram);
+    if (sis_exchange_is_swapped(d->record, telegram)) {
+        telegram->talker = telegram->sender;
+        telegram->listener = telegram->receiver;
+    }
 }
 
 static void
@@ -417,6 +414,7 @@ dissect_whole_telegram(dissection_t *d)
     const char *stations, *kind, *words;
 
     d->telegram = sis_telegram_read(d->tvb, d->pinfo);
+    find_exchange(d);
     sis_set_addresses(d->pinfo, d->telegram->talker, d->telegram->listener);
     dissect_start(d);
     dissect_checksum(d);

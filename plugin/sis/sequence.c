@@ -13,6 +13,10 @@
 #define PARAMETER_OCCUPIED   0x800C
 #define CANCELLED            0x800B /* another request had priority: the transfer is over */
 
+#define INVALID_SEQUENTIAL_TELEGRAM 0xF8
+
+#define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each */
+
 static int hf_pieces = -1;
 static int hf_piece = -1;
 static int hf_overlap = -1;
@@ -69,7 +73,12 @@ typedef struct sis_transfer {
     uint32_t begun_in;
     uint32_t last_in;       /* the latest piece */
     uint32_t damaged_count; /* of its bus, then */
+    uint32_t received;      /* bytes */
+    uint32_t announced;     /* bytes, by the length words of a list; 0: nothing was */
+    uint32_t length_words;  /* as they stand, where something was announced */
     bool is_broken;         /* a piece may be missing: the pieces are no longer put together */
+    bool is_refused;        /* with 0xF8: it begins anew or goes on */
+    bool is_begun_anew;
 } transfer_t;
 
 static transfer_t **
@@ -116,7 +125,7 @@ is_taken_before(const sis_record_t *record)
 
     if (record->is_reaction)
         return record->reaction_before != 0 || exchange->is_kept_reaction_seen;
-    return exchange->first != NULL;
+    return exchange->first != NULL || exchange->is_step_again;
 }
 
 static unsigned
@@ -139,10 +148,55 @@ is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
     return !exchange->is_reaction_kept && damaged_since(transfer, exchange) >= enough;
 }
 
+/* How many bytes a list is going to have, if this is its first piece and it has length words (section 9.8 of
+ * SERCOS); 0: it does not say. */
+static uint32_t
+announced_by(const sis_body_t *body)
+{
+    unsigned length = sis_left(body), actual;
+
+    if (length < LENGTH_WORDS)
+        return 0;
+    actual = tvb_get_letohs(body->tvb, body->offset);
+    if (actual > tvb_get_letohs(body->tvb, body->offset + 2) || actual + LENGTH_WORDS <= length)
+        return 0;
+    return actual + LENGTH_WORDS;
+}
+
+static void
+begin_transfer(transfer_t *transfer, const sis_body_t *body)
+{
+    transfer->number = next_transfer();
+    transfer->begun_in = transfer->last_in = body->pinfo->num;
+    transfer->damaged_count = body->record->exchange->stream->bus->damaged_count;
+    transfer->received = 0;
+    transfer->announced = announced_by(body);
+    transfer->length_words = transfer->announced != 0 ? tvb_get_letohl(body->tvb, body->offset) : 0;
+    transfer->is_broken = false;
+}
+
+/* After 0xF8 a transfer begins anew, its length words again, or goes on. Whether it can go on is told by what
+ * they have announced; where neither fits, pieces are missing. */
+static void
+follow_refusal(transfer_t *transfer, const sis_body_t *body, bool is_last)
+{
+    unsigned length = sis_left(body), received = transfer->received + length;
+
+    transfer->is_refused = false;
+    if (length >= LENGTH_WORDS && tvb_get_letohl(body->tvb, body->offset) == transfer->length_words) {
+        begin_transfer(transfer, body);
+        transfer->is_begun_anew = true;
+    } else if (is_last ? received != transfer->announced : received > transfer->announced) {
+        begin_transfer(transfer, body);
+        transfer->is_broken = true;
+    }
+}
+
 /* Whose piece these data are; decided once, in the order of the capture. */
 static void
-place_piece(sis_record_t *record, packet_info *pinfo, const transfer_t *like, bool is_last)
+place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
 {
+    sis_record_t *record = body->record;
     sis_exchange_t *exchange = record->exchange;
     transfer_t **link = find_transfer(exchange, like), *transfer = *link;
 
@@ -153,9 +207,9 @@ place_piece(sis_record_t *record, packet_info *pinfo, const transfer_t *like, bo
     }
     if (transfer == NULL) {
         transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
-        transfer->number = next_transfer();
-        transfer->begun_in = transfer->last_in = pinfo->num;
-        transfer->damaged_count = exchange->stream->bus->damaged_count;
+        begin_transfer(transfer, body);
+    } else if (transfer->is_refused && !record->is_piece_repeated) {
+        follow_refusal(transfer, body, is_last);
     }
     record->transfer = exchange->transfer = transfer->number;
     if (!record->is_piece_repeated && is_piece_missing(record, transfer))
@@ -163,10 +217,25 @@ place_piece(sis_record_t *record, packet_info *pinfo, const transfer_t *like, bo
     record->is_piece_missing = transfer->is_broken;
     if (record->is_piece_repeated)
         return;
-    transfer->last_in = pinfo->num;
+    transfer->last_in = body->pinfo->num;
     transfer->damaged_count = exchange->stream->bus->damaged_count;
+    transfer->received += sis_left(body);
+    record->is_begun_anew = is_last && transfer->is_begun_anew;
     if (is_last)
         end_transfer(link);
+}
+
+/* What a transfer brought that began anew, beside what its length words have announced. */
+static void
+check_announced(sis_body_t *body, tvbuff_t *whole)
+{
+    unsigned length = tvb_captured_length(whole), announced;
+
+    if (!body->record->is_begun_anew || length < LENGTH_WORDS)
+        return;
+    announced = tvb_get_letohs(whole, 0) + LENGTH_WORDS;
+    if (announced != length)
+        sis_mark(body, &ei_sis_note, "the list announces %u bytes, %u came", announced, length);
 }
 
 static tvbuff_t *
@@ -175,6 +244,7 @@ put_together(sis_body_t *body, bool is_last)
     const sis_record_t *record = body->record;
     unsigned length = sis_left(body);
     fragment_head *head;
+    tvbuff_t *whole;
 
     body->item = body->root;
     if (record->is_piece_missing)
@@ -183,9 +253,13 @@ put_together(sis_body_t *body, bool is_last)
         return NULL;
     head = fragment_add_seq_next(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL, length,
                                  !is_last);
-    if (is_last || head == NULL)
-        return process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head,
-                                        &items, NULL, body->tree);
+    if (is_last || head == NULL) {
+        whole = process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head,
+                                         &items, NULL, body->tree);
+        if (whole != NULL)
+            check_announced(body, whole);
+        return whole;
+    }
     /* Not by process_reassembled_data(): the last piece may be in this packet, too. */
     proto_item_set_generated(
         proto_tree_add_uint(body->tree, hf_whole_in, body->tvb, 0, 0, head->reassembled_in));
@@ -214,7 +288,7 @@ sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
     if (!body->pinfo->fd->visited) {
         transfer_t like = {.service = body->service, .subject = *subject};
 
-        place_piece(record, body->pinfo, &like, is_last);
+        place_piece(body, &like, is_last);
     }
     return record->transfer != 0 ? put_together(body, is_last) : alone;
 }
@@ -226,13 +300,35 @@ sis_is_piece(const sis_body_t *body)
 }
 
 static void
+note_end(sis_record_t *record, const transfer_t *transfer, const char *reason)
+{
+    sis_ended_t *ended;
+
+    if (transfer->is_refused) /* that was said */
+        return;
+    ended = wmem_new(wmem_file_scope(), sis_ended_t);
+    *ended = (sis_ended_t){transfer->begun_in, reason};
+    record->ended = ended;
+}
+
+static void
 end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
 {
-    sis_ended_t *ended = wmem_new(wmem_file_scope(), sis_ended_t);
-
-    *ended = (sis_ended_t){(*link)->begun_in, reason};
-    record->ended = ended;
+    note_end(record, *link, reason);
     end_transfer(link);
+}
+
+/* A list of which the length was announced may go on after 0xF8, or begin anew. */
+static void
+refuse(sis_record_t *record, transfer_t **link, uint8_t status)
+{
+    if (status != INVALID_SEQUENTIAL_TELEGRAM || (*link)->announced == 0) {
+        end_with_note(record, link, "refused");
+        return;
+    }
+    note_end(record, *link, "refused");
+    (*link)->is_refused = true;
+    record->exchange->is_to_be_repeated = true;
 }
 
 /* Device and service may be missing; one byte alone may be either (chapter 4). */
@@ -291,10 +387,11 @@ watch_reaction(const sis_body_t *body)
                              body->error == SERVICE_CHANNEL_BUSY || body->error == PARAMETER_OCCUPIED ||
                              (body->status >= 0xF1 && body->status <= 0xF4);
 
+    record->exchange->is_to_be_repeated = is_to_be_repeated;
     if (body->status == 0)
         end_others(record, &like);
     else if (*link != NULL && !is_to_be_repeated)
-        end_with_note(record, link, "refused");
+        refuse(record, link, body->status);
 }
 
 static void
@@ -340,7 +437,7 @@ static hf_register_info fields[] = {
 
 static ei_register_info experts[] = {
     {&ei_ended, {"sis.sequence.ended", PI_SEQUENCE, PI_NOTE, "A transfer of sequential telegrams ended unfinished", EXPFILL}},
-    {&ei_piece_missing, {"sis.sequence.piece_missing", PI_SEQUENCE, PI_NOTE, "A piece of this transfer may be missing: a damaged telegram and a repeat came between", EXPFILL}},
+    {&ei_piece_missing, {"sis.sequence.piece_missing", PI_SEQUENCE, PI_NOTE, "A piece of this transfer may be missing: something that came between was damaged, lost or refused", EXPFILL}},
 };
 /* clang-format on */
 

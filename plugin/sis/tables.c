@@ -183,13 +183,36 @@ set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const s
         set_ms(table, row, column, sis_quantile_ns(quantiles, quantile));
 }
 
-static void
+static bool
 raise_to(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
 {
     const stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
 
-    if ((double)ns > item->user_data.float_value * NS_PER_US)
-        set_ms(table, row, column, ns);
+    if ((double)ns <= item->user_data.float_value * NS_PER_US)
+        return false;
+    set_ms(table, row, column, ns);
+    return true;
+}
+
+/* "<=12.000": it was not longer, and nobody knows how long it was. */
+static void
+mark_as_bound(const stat_tap_table *table, unsigned row, unsigned column)
+{
+    stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
+    char *text = (char *)item->value.string_value;
+
+    item->value.string_value = g_strdup_printf("<=%s", g_strchug(text));
+    g_free(text);
+}
+
+static void
+raise_longest(const stat_tap_table *table, unsigned row, const sis_interval_t *longest)
+{
+    if (longest->at == 0 || (!longest->is_exact && longest->span.most == SIS_ANY_TIME))
+        return;
+    if (raise_to(table, row, TZA_LONGEST, longest->is_exact ? longest->recorded : longest->span.most) &&
+        !longest->is_exact)
+        mark_as_bound(table, row, TZA_LONGEST);
 }
 
 static void
@@ -285,8 +308,7 @@ count_intervals(const stat_tap_table *table, unsigned row, const sis_telegram_t 
         count_interval(table, row, &telegram->times, i);
     set_quantile(table, row, TZA_P50, intervals, &intervals->p50);
     set_quantile(table, row, TZA_P99, intervals, &intervals->p99);
-    if (longest->at > 0 && (longest->is_exact || longest->span.most != SIS_ANY_TIME))
-        raise_to(table, row, TZA_LONGEST, longest->is_exact ? longest->recorded : longest->span.most);
+    raise_longest(table, row, longest);
     if (telegram->timing.tza > 0 && telegram->timing.longest.verdict == SIS_TIME_EXCEEDED)
         count(table, row, TZA_EXCEEDED, 1);
     if (telegram->timing.tza > 0 && telegram->timing.longest.verdict == SIS_TIME_UNRESOLVED)

@@ -9,6 +9,10 @@
 #define FIND_HEADER    0x93
 #define BUILD_CHECKSUM 0x97
 
+/* What a telegram can carry of the memory (chapters 5.4 and 5.7). */
+#define MOST_READ       244u
+#define MOST_PROGRAMMED 240u
+
 static int hf_address = -1;
 static int hf_length = -1;
 static int hf_target = -1;
@@ -49,12 +53,24 @@ say_length(sis_body_t *body, unsigned length)
 }
 
 static void
+check_most(sis_body_t *body, unsigned length, unsigned most)
+{
+    if (length > most)
+        sis_mark(body, &ei_sis_note, "more than %u bytes", most);
+}
+
+static void
 take_length(sis_body_t *body, unsigned size)
 {
     uint32_t length;
 
-    if (sis_take(body, hf_length, size, &length))
-        say_length(body, length);
+    if (!sis_take(body, hf_length, size, &length))
+        return;
+    say_length(body, length);
+    if (size == 1) {
+        check_most(body, length, MOST_READ);
+        body->request->setting = length;
+    }
 }
 
 static void
@@ -80,6 +96,11 @@ take_data(sis_body_t *body, const sis_request_t *request)
         return;
     sis_take_rest(body, hf_sis_data);
     say_length(body, length);
+    if (!body->is_reaction)
+        check_most(body, length, MOST_PROGRAMMED);
+    else if (request != NULL && length < request->setting && !body->is_cut)
+        sis_mark(body, &ei_sis_note, "%u byte%s asked for, %u sent", request->setting,
+                 plurality(request->setting, "", "s"), length);
     if (request != NULL && request->has_address)
         sis_export_memory(body, request->address, offset, length);
 }

@@ -3,11 +3,22 @@
 
 #include "sis/services/services.h"
 
-#define VERSION_LENGTH 5 /* "nnVmm" */
+#define VERSION_LENGTH  5 /* "nnVmm" */
+#define MOST_CHARACTERS 40
 
 static int hf_version = -1;
 static int hf_firmware = -1;
 static int hf_type_key = -1;
+
+static void
+take_long_text(sis_body_t *body, int hf)
+{
+    bool is_too_long = sis_left(body) > MOST_CHARACTERS;
+
+    sis_take_text(body, hf);
+    if (is_too_long)
+        sis_mark(body, &ei_sis_note, "more than %u characters", MOST_CHARACTERS);
+}
 
 static void
 dissect_data(sis_body_t *body, uint32_t subservice)
@@ -20,10 +31,10 @@ dissect_data(sis_body_t *body, uint32_t subservice)
         sis_take_text(body, hf_version);
         break;
     case 0x02:
-        sis_take_text(body, hf_firmware);
+        take_long_text(body, hf_firmware);
         break;
     case 0x03:
-        sis_take_text(body, hf_type_key);
+        take_long_text(body, hf_type_key);
         break;
     case 0x04:
         sis_take_baud_mask(body, true);

@@ -5,6 +5,8 @@
 
 #include "sis/bus.h"
 
+#define UNKNOWN_SIZE 255u
+
 static int hf_time = -1;
 static int hf_test_time = -1;
 
@@ -53,26 +55,110 @@ take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
     }
 }
 
-static void
-dissect_command(sis_body_t *body, uint32_t subservice)
+/* Of the data of a subservice: their lengths are fixed, and so several may follow one another (chapter 6.1).
+ * A reaction has none. */
+static unsigned
+size_of_setting(const sis_body_t *body, uint8_t subservice)
 {
-    body->request->has_setting = take_setting(body, subservice, body->request);
-    if (sis_take_rest(body, hf_sis_raw))
-        sis_mark(body, &ei_sis_note, "more data: further subservices? their layout is not defined");
+    static const struct {
+        uint8_t subservice, size;
+    } sizes[] = {{SIS_SET_TRS, 2},       {SIS_SET_TZA, 2},   {SIS_SET_TMAS, 2},
+                 {SIS_SET_BAUD_RATE, 1}, {SIS_TEST_BAUD, 3}, {SIS_ACCEPT, 0}};
+
+    for (unsigned i = 0; i < array_length(sizes); i++) {
+        if (sizes[i].subservice == subservice)
+            return body->is_reaction ? 0 : sizes[i].size;
+    }
+    return UNKNOWN_SIZE;
+}
+
+/* Whether what is left is further subservices, all of it, each with the device address before it or without.
+ * A reaction has those of its command. */
+static bool
+is_layout(const sis_body_t *body, uint8_t device, bool has_device)
+{
+    const sis_request_t *asked = body->asked != NULL ? body->asked->list : NULL;
+    unsigned at = body->offset, head = has_device ? 2 : 1;
+
+    while (at + head <= body->end) {
+        uint8_t subservice = compat_get_uint8(body->tvb, at + head - 1);
+        unsigned size = size_of_setting(body, subservice);
+
+        if ((has_device && compat_get_uint8(body->tvb, at) != device) || size == UNKNOWN_SIZE)
+            return false;
+        if (body->is_reaction && body->asked != NULL && (asked == NULL || asked->subservice != subservice))
+            return false;
+        asked = asked != NULL ? asked->next : NULL;
+        at += head + size;
+    }
+    return at == body->end;
+}
+
+/* Another subservice of a command is another request. */
+static sis_request_t *
+add_request(sis_body_t *body, uint8_t device, uint8_t subservice)
+{
+    sis_request_t **end = &body->request->list;
+
+    while (*end != NULL)
+        end = &(*end)->next;
+    *end = wmem_new0(body->pinfo->pool, sis_request_t);
+    (*end)->service = body->service;
+    (*end)->has_device = true;
+    (*end)->device = device;
+    (*end)->subservice = subservice;
+    return *end;
+}
+
+static void
+take_further(sis_body_t *body, uint8_t device, bool has_device)
+{
+    uint32_t subservice;
+    const char *text;
+
+    if (has_device)
+        sis_take(body, hf_sis_device, 1, NULL);
+    text = sis_take_code(body, hf_sis_subservice, 1, sis_subservices_initialization, &subservice);
+    sis_say_words(body, "; ", text, NULL);
+    if (body->request != NULL) {
+        sis_request_t *request = add_request(body, device, (uint8_t)subservice);
+
+        request->has_setting = take_setting(body, subservice, request);
+    }
+}
+
+/* Whether the device address stands once or before each subservice is not printed: the layout that fits all
+ * bytes. */
+static void
+take_all_further(sis_body_t *body, uint8_t device)
+{
+    bool is_once = is_layout(body, device, false), is_each = is_layout(body, device, true);
+
+    if (sis_left(body) == 0 || body->is_short || body->is_cut)
+        return;
+    if (is_once == is_each) {
+        sis_take_rest(body, hf_sis_raw);
+        sis_mark(body, &ei_sis_note, "more data: %s",
+                 is_once ? "further subservices, but which is not certain"
+                         : "no further subservices fit them");
+        return;
+    }
+    while (sis_left(body) > 0)
+        take_further(body, device, is_each);
 }
 
 void
 sis_dissect_initialization(sis_body_t *body)
 {
+    unsigned device_at = body->offset;
     uint32_t subservice;
 
     if (!sis_take_subservice(body, sis_subservices_initialization, &subservice))
         return;
-    if (!body->is_reaction) {
-        dissect_command(body, subservice);
-    } else if (sis_is_ok(body)) {
-        if (sis_take_rest(body, hf_sis_raw))
-            sis_mark(body, &ei_sis_note, "more data: further subservices? their layout is not defined");
+    if (!body->is_reaction)
+        body->request->has_setting = take_setting(body, subservice, body->request);
+    if (!body->is_reaction || sis_is_ok(body)) {
+        take_all_further(body, compat_get_uint8(body->tvb, device_at));
     } else if (!sis_take_channel_error(body)) {
         sis_take_error_byte(body, (uint8_t)subservice, sis_errors_initialization);
     }

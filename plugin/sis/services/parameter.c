@@ -12,6 +12,8 @@
 #define ELEMENT(control)      ((sis_element_t)((control) >> 3 & 7))
 #define CONTROL_RESERVED      0xC3
 #define DATA_STATUS_UNDEFINED 0xFEF0 /* fig. 8-44 */
+#define NO_DRIVE              0
+#define UNDEFINED_DEVICE      255
 
 static int hf_control = -1;
 static int hf_control_reserved = -1;
@@ -86,6 +88,18 @@ show_control(const access_t *access)
                            access->is_last ? "last transmission" : "more follows");
 }
 
+/* Fig. 8-2: 1 to 254 are drives. */
+static void
+check_device(const access_t *access)
+{
+    sis_body_t *body = access->body;
+
+    if (access->device == NO_DRIVE && body->tree != NULL)
+        proto_item_append_text(body->item, " (the SERCOS master, or the drive that is addressed)");
+    if (access->device == UNDEFINED_DEVICE)
+        sis_mark(body, &ei_sis_note, "device address 255 is not defined");
+}
+
 static bool
 take_control(access_t *access)
 {
@@ -102,6 +116,7 @@ take_control(access_t *access)
         sis_mark(body, &ei_sis_note, "reserved bits of the parameter control");
     if (!sis_take(body, hf_sis_device, 1, &access->device))
         return false;
+    check_device(access);
     if (body->request != NULL)
         body->request->element = (uint8_t)access->element;
     sis_request_device(body, access->device);
@@ -219,6 +234,13 @@ take_parameter(access_t *access)
     return true;
 }
 
+/* 0x81 and 0x8E count offset and length of a segment in words, all others in bytes. */
+static bool
+counts_words(const sis_body_t *body)
+{
+    return body->service == 0x81 || body->service == 0x8E;
+}
+
 static void
 check_announced(sis_body_t *body, unsigned announced)
 {
@@ -235,7 +257,7 @@ static bool
 take_segment(access_t *access)
 {
     sis_body_t *body = access->body;
-    bool is_words = body->service == 0x81 || body->service == 0x8E;
+    bool is_words = counts_words(body);
     const char *unit = is_words ? "word" : "byte";
     uint32_t offset, length;
 
@@ -279,6 +301,29 @@ say_few_bytes(sis_body_t *body, tvbuff_t *tvb)
         sis_say_words(body, ": ", tvb_bytes_to_str_punct(body->pinfo->pool, tvb, 0, (int)length, ' '), NULL);
 }
 
+/* A request for the data status may repeat the number of its parameter, or carry nothing (fig. 8-42). */
+static void
+check_status_request(const access_t *access, tvbuff_t *tvb)
+{
+    if (access->has_ident &&
+        (tvb_captured_length(tvb) != 2 || tvb_get_letohs(tvb, 0) != access->ident.number))
+        sis_mark(access->body, &ei_sis_note,
+                 "a request for the data status carries its own ident number or nothing");
+}
+
+/* A list may end before what was asked for, and the device may have less room. */
+static void
+check_segment(const access_t *access, unsigned length)
+{
+    sis_body_t *body = access->body;
+    unsigned asked = (access->segment & 0xFFFF) * (counts_words(body) ? 2 : 1);
+
+    if (!is_segment(access) || !body->is_reaction || body->is_cut || length >= asked)
+        return;
+    body->item = body->root;
+    sis_mark(body, &ei_sis_note, "%u byte%s asked for, %u sent", asked, plurality(asked, "", "s"), length);
+}
+
 /* The data of an element: all of them, or a segment of a list. */
 static void
 show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
@@ -290,8 +335,10 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
                                        access->has_ident ? &access->ident : NULL, &access->known, is_whole);
     const char *misfit;
 
-    if (is_write(access) && access->element == SIS_ELEMENT_IDENT)
-        return; /* the request for the data status repeats its own number */
+    if (is_write(access) && access->element == SIS_ELEMENT_IDENT) {
+        check_status_request(access, tvb);
+        return;
+    }
     if (text != NULL) {
         sis_say_words(body, " = ", text, NULL);
     } else {
@@ -306,6 +353,7 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         body->item = body->root;
         sis_mark(body, &ei_sis_note, "%s", misfit);
     }
+    check_segment(access, length);
     if (access->has_ident && is_whole && body->is_reaction)
         sis_station_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
 }
@@ -338,8 +386,12 @@ take_data(access_t *access)
                              access->segment};
     tvbuff_t *data;
 
-    if (body->is_short || (sis_left(body) == 0 && !sis_is_sequence_open(body, &subject)))
+    if (body->is_short)
         return;
+    if (sis_left(body) == 0 && !sis_is_sequence_open(body, &subject)) {
+        check_segment(access, 0);
+        return;
+    }
     if (is_single(access) || (!access->has_ident && access->is_last))
         data = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
     else if (access->has_ident)
@@ -361,16 +413,18 @@ take_data_status(sis_body_t *body)
                                 &hf_data_status_set,          NULL};
     uint32_t status;
     const char *word;
+    bool is_defined;
 
     if (!sis_take(body, hf_data_status, 2, &status))
         return;
     word = val_to_str_const(status & 0x0F, sis_data_states, "not defined");
+    is_defined = !(status & DATA_STATUS_UNDEFINED) && try_val_to_str(status & 0x0F, sis_data_states) != NULL;
     proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_data_status), body->tvb,
                                 body->offset - 2, 2, bits, ENC_LITTLE_ENDIAN);
     proto_item_append_text(body->item, " (command %s%s)", word,
                            status & 0x0100 ? ", operating data invalid" : "");
     sis_say(body, " = command %s%s", word, status & 0x0100 ? ", operating data invalid" : "");
-    if (status & DATA_STATUS_UNDEFINED)
+    if (!is_defined)
         sis_mark(body, &ei_sis_note, "undefined bits of the data status");
 }
 

@@ -10,6 +10,8 @@ static int hf_phase = -1;
 static int hf_switch_in = -1;
 static int hf_switch_time = -1;
 
+#define HIGHEST_PHASE 4
+
 static bool
 take_phase(sis_body_t *body, uint32_t *phase)
 {
@@ -22,6 +24,8 @@ take_phase(sis_body_t *body, uint32_t *phase)
         proto_item_append_text(body->item, " (%s)", mode);
     sis_say(body, ": phase %u%s%s%s", *phase, mode != NULL ? " (" : "", mode != NULL ? mode : "",
             mode != NULL ? ")" : "");
+    if (*phase > HIGHEST_PHASE && body->telegram->is_good) /* in a damaged one it may be the damage */
+        sis_mark(body, &ei_sis_note, "phase %u is not defined", *phase);
     return true;
 }
 
