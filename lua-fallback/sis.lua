@@ -5286,6 +5286,11 @@ do
     return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.busy
   end
 
+  -- Then there may be an expert item, which is counted even where nobody sees a tree.
+  local function is_anything_judged(t)
+    return t.tza > 0 or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD)
+  end
+
   local function show(t)
     local body = t.body
 
@@ -5364,7 +5369,7 @@ do
     local t = {telegram = telegram, record = record, body = body}
 
     find_timing(t)
-    if (body.tree or t.tza > 0 or t.trs > 0 or record.cycle) and is_anything_known(t) then show(t) end
+    if (body.tree or is_anything_judged(t)) and is_anything_known(t) then show(t) end
   end
 end
 

@@ -297,6 +297,14 @@ show_tmas(const timing_t *t)
                                         ms_text(t, cycle->ns), cycle->frame));
 }
 
+static bool
+is_rate_known(const timing_t *t)
+{
+    const sis_setting_t *rate = setting(t, SIS_BAUD);
+
+    return rate != NULL && rate->set_in != 0;
+}
+
 static void
 show_bus(const timing_t *t)
 {
@@ -304,7 +312,7 @@ show_bus(const timing_t *t)
     const sertap_record_t *tap = t->telegram->times.record;
     proto_item *item;
 
-    if (rate != NULL && rate->set_in != 0) {
+    if (is_rate_known(t)) {
         item = add_uint(t, hf_bus_baud, rate->value);
         if (rate->accepted_in == 0)
             proto_item_append_text(item, " (timed test)");
@@ -380,11 +388,16 @@ find_timing(timing_t *t)
 static bool
 is_anything_known(const timing_t *t)
 {
-    const sis_setting_t *rate = setting(t, SIS_BAUD);
-
     return t->timing->has_silence || t->timing->longest.interval.at > 0 || t->timing->trs > 0 ||
-           t->timing->wait >= 0 || t->record->cycle != NULL || (rate != NULL && rate->set_in != 0) ||
-           t->record->load >= 0;
+           t->timing->wait >= 0 || t->record->cycle != NULL || is_rate_known(t) || t->record->load >= 0;
+}
+
+/* Then there may be an expert item, which is counted even where nobody sees a tree. */
+static bool
+is_anything_judged(const timing_t *t)
+{
+    return t->timing->tza > 0 || t->timing->trs > 0 || t->timing->wait >= 0 || t->record->cycle != NULL ||
+           is_rate_known(t);
 }
 
 static void
@@ -488,8 +501,7 @@ sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_bod
         note_cycle(record, telegram, body);
     telegram->record = record;
     find_timing(&t);
-    if ((body->tree != NULL || t.timing->tza > 0 || t.timing->trs > 0 || record->cycle != NULL) &&
-        is_anything_known(&t))
+    if ((body->tree != NULL || is_anything_judged(&t)) && is_anything_known(&t))
         show(&t);
 }
 

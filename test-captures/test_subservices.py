@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import re
+
 from sistap.wireshark.tshark import Tshark
-from tables import check
+from tables import HERE, check
 
 FIELDS = "device subservice init.time init.baud_mask raw tza.limit tza.set_in trs.limit trs.set_in bus.baud"
 _LIMITS_2 = "tza.limit=0.006000000; tza.set_in=5"
@@ -41,3 +43,9 @@ TABLE = {
 
 def test_several_subservices(tshark: Tshark) -> None:
     check(tshark, "initialization", FIELDS, "body.note", TABLE)
+
+
+def test_experts_without_a_tree(tshark: Tshark) -> None:
+    """Frames 6 to 16, 18 and 19 belong to a station that was told 19200 Bd; the tap listens at 9600 Bd."""
+    capture = str(HERE / "initialization.pcapng")
+    assert re.search(r"^ +13 .* 19200 Bd, the tap ", tshark.output("-q", "-z", "expert", "-r", capture), re.MULTILINE)
