@@ -324,7 +324,7 @@ def test_what_is_wrong_with_a_fault(fault: str, line: str, tmp_path: Path) -> No
         (["/nowhere/x.toml"], "cannot read /nowhere/x.toml: No such file or directory; `sistap bus --list`"),
         (["drives", "-w", "x"], "drives has no master, it waits for a real one"),
         (["drives", "--listen", "127.0.0.1:0"], "drives has no master"),
-        (["drives", "--duration", "3"], "leave out --log, --duration"),
+        (["drives", "--duration", "3"], "leave out --duration"),
         (["drives", "--faults", "pause=0.1"], "--faults disturbs what a tap hears"),
         (["master"], "add --port PORT --transmit"),
         (["noise", "--rates", "9600"], "--rates is for the scenario demo"),

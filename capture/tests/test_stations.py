@@ -796,7 +796,7 @@ def test_broadcasts_reach_a_level_or_all_of_them() -> None:
 
 ALL_KINDS = [
     drive(),
-    drive(edition="IndraDrive", phase=2, worn=True),
+    station(kind="indradrive", phase=2, worn=True),
     drive(edition="ECODRIVE03"),
     control(behind=[{"address": 2}]),
 ]
@@ -834,7 +834,7 @@ def test_noise_raises_nothing(asked: Station, noise: bytes) -> None:
     [
         ({}, "station 1: address is missing"),
         ({"address": 127}, "station 1: address = 127: use a whole number from 0 to 126"),
-        ({"address": 3, "kind": "pump"}, 'station 1: kind = "pump": use one of drive, clc, synax'),
+        ({"address": 3, "kind": "pump"}, 'station 1: kind = "pump": use one of drive, indradrive, clc, synax'),
         ({"address": 3, "kinds": 1}, "station 1: unknown key kinds; there are address, kind, "),
         ({"address": 3, "rates": [4800]}, "use one of 9600, 19200, 38400, 57600, 115200"),
         ({"address": 3, "type_key": "x" * 41}, "use a text of up to 40 ASCII characters"),
@@ -874,7 +874,7 @@ def test_the_example_of_the_readme() -> None:
     assert ask(third, 0x80, "3C 06 00 24 00") == "F0 3C 06"
 
 
-@pytest.mark.parametrize("name", ["drive", "control", "axis"])
+@pytest.mark.parametrize("name", ["drive", "indradrive", "control", "axis"])
 def test_the_keys_of_the_sets_are_in_the_readme(name: str) -> None:
     page = resources.files("sistap.bus.devices").joinpath("sets/README.md").read_text("utf-8")
     known = set(re.findall(r"`(\w[\w ]*)`", page))

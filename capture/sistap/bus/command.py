@@ -21,6 +21,7 @@ from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire, play
 from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.line.clock import CLOCK
 from sistap.line.settings import LineSettings
 from sistap.sis.rates import RATES
 from sistap.terminal.exits import DONE, FAILED, USAGE
@@ -43,6 +44,7 @@ examples:
   sistap bus late-reaction -w late.pcapng          straight into a capture file, at once
   sistap bus noise --listen 127.0.0.1:5000         for `sistap capture -i bus://127.0.0.1:5000`
   sistap bus drives                                drives that wait for your master
+  sistap bus indradrive-waits --log master.txt     the same with an IndraDrive, and a log of what your master says
   sistap bus mine.toml --port /dev/ttyUSB0 --transmit
                                                    your script against drives on a real line
 
@@ -81,7 +83,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="disturb what a tap hears; probabilities: parity, break, loss and pause of a character, checksum of a "
         "telegram",
     )
-    add("--log", type=Path, metavar="FILE", help="write a line for each telegram: time, bytes, faults")
+    add(
+        "--log",
+        type=Path,
+        metavar="FILE",
+        help="write a line for each telegram, of a real master, too: time, bytes, faults",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -156,10 +163,8 @@ def _check_place(args: argparse.Namespace, played: Scenario) -> None:
         raise ValueError(f"{name} has no stations, it talks to real ones: add --port PORT --transmit")
     if not played.masters and (args.listen or args.file):
         raise ValueError(f"{name} has no master, it waits for a real one: leave out --listen and -w, or use --port")
-    if not played.masters and (args.log or args.duration is not None):
-        raise ValueError(
-            f"{name} has no master, it answers a real one until it is stopped: leave out --log, --duration"
-        )
+    if not played.masters and args.duration is not None:
+        raise ValueError(f"{name} has no master, it answers a real one until it is stopped: leave out --duration")
     if not played.is_complete and args.faults:
         raise ValueError("--faults disturbs what a tap hears, but a real line is not disturbed: leave it out")
     if args.rates and name != DEFAULT:
@@ -193,7 +198,7 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
 
         talk(args.port, settings, played, how, log)
     elif not played.masters:
-        _answer(args, settings, played)
+        _answer(args, settings, played, log)
     else:
         pace = Pace(simulated=args.fast or bool(args.file))
         if args.file:
@@ -204,16 +209,24 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
         play(wire, pace, telegrams, log, f"{settings.baud} {settings.format}, seed {args.seed}")
 
 
-def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario) -> None:
+def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, log: Log | None) -> None:
     """Answer a real master until a signal comes."""
+    from sistap.bus.real.answering import BusTime
     from sistap.bus.real.answering import serve as answer
+    from sistap.bus.real.noting import Noting
 
     port = choice.port(args, settings, args.seed)
     try:
+        bus_time = BusTime()
+        noting = None
+        if log:
+            log.begin(f"{settings.baud} {settings.format}, {port.name}, time 0 is {CLOCK.now_ns()} ns since 1970")
+            noting = Noting(log, settings)
         print(port.name, flush=True)
-        answer(port, played.stations(args.seed))
+        answer(port, played.stations(args.seed), bus_time, noting)
     except OSError as error:
-        raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}") from error
+        saved = "; the log has what came before" if log else ""
+        raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error
     finally:
         port.close()
 

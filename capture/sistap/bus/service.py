@@ -47,11 +47,12 @@ class ServiceRefused(Exception):
 class ServiceFailed(Exception):
     """The execution failed: the reaction has an error code in the place of useful data."""
 
-    def __init__(self, code: bytes, status: int = Status.EXECUTION_ERROR) -> None:
-        """Say why; `code` goes behind the useful data header."""
+    def __init__(self, code: bytes, status: int = Status.EXECUTION_ERROR, header: bytes | None = None) -> None:
+        """Say why; `code` goes behind the useful data header: that of the command, or `header`."""
         super().__init__(f"status 0x{status:02X}, {code.hex()}")
         self.code = code
         self.status = status
+        self.header = header
 
     @classmethod
     def in_channel(cls, error: ChannelError) -> ServiceFailed:

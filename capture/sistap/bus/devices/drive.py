@@ -65,8 +65,12 @@ class Drive(Device):
     @property
     def enabled(self) -> bool:
         """Whether the master control word lets it move."""
+        return self._control_word & _ENABLE == _ENABLE
+
+    @property
+    def _control_word(self) -> int:
         word = self.named(_MASTER_CONTROL_WORD)
-        return word is not None and int.from_bytes(word.data, "little") & _ENABLE == _ENABLE
+        return int.from_bytes(word.data, "little") if word else 0
 
     def hindrance(self, target: int, now_ns: int) -> int | None:
         """Tell what stands against another phase (fig. 8-49).

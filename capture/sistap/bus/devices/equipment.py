@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from sistap.bus.devices import gates, parameter_sets
 from sistap.bus.devices.device import Device
 from sistap.bus.devices.drive import Drive
 from sistap.bus.devices.gates import Gate
+from sistap.bus.devices.indradrive import IndraDrive
 from sistap.bus.devices.parameter_sets import changed
 from sistap.bus.devices.phases import MASTER_AXIS_TURNS, OPERATING_MODE, Phases
 from sistap.bus.table import NO_TABLES, Table, flag, tables, whole
@@ -16,6 +18,17 @@ from sistap.bus.table import NO_TABLES, Table, flag, tables, whole
 _OWN = 0  # the device address of a control, and of a drive besides its own (fig. 8-2)
 _DEVICE = whole(1, 254)
 _SWITCHING_MS = 400
+
+
+class DriveModel(NamedTuple):
+    """Which drive a station is."""
+
+    made: type[Drive]
+    sets: tuple[str, ...]  # of parameters; a later one has the last word
+
+
+ECODRIVE = DriveModel(Drive, ("drive",))
+INDRADRIVE = DriveModel(IndraDrive, ("drive", "indradrive"))
 
 
 class Equipment:
@@ -31,11 +44,13 @@ class Equipment:
         )
 
     @classmethod
-    def of_drive(cls, table: Table, address: int, seed: int, tmas_ms: Callable[[], int | None]) -> Equipment:
+    def of_drive(
+        cls, table: Table, address: int, seed: int, model: DriveModel, tmas_ms: Callable[[], int | None]
+    ) -> Equipment:
         """Make that of a drive which is a station itself; it has its own address and 0."""
         equipment = cls(table)
-        made = _made(table, "drive")
-        drive = Drive(made.parameters, f"{seed} drive {address}", made.modulo, tmas_ms)
+        made = _made(table, *model.sets)
+        drive = model.made(made.parameters, f"{seed} drive {address}", made.modulo, tmas_ms)
         for own in {address, _OWN}:
             equipment.by_address[own] = (drive, gates.to_drive(drive))
         drive.join(equipment.phases)

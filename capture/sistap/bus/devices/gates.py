@@ -23,7 +23,7 @@ def to_drive(device: Device) -> Gate:
     """Guard a drive that is a station itself: while its phase is switched its service channel is busy."""
 
     def gate(request: Request) -> None:
-        if device.phases.switching(request.now_ns):
+        if device.phases.busy(request.now_ns):
             raise AccessError(_CHANNEL_BUSY)
 
     return gate

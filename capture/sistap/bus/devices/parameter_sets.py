@@ -46,6 +46,7 @@ _TYPES = {
     "text": _Type(Length.LIST_OF_BYTES, Format.TEXT),
     "list of idents": _Type(Length.LIST_OF_TWO_BYTES, Format.IDENT_NUMBER),
     "list of unsigned 2": _Type(Length.LIST_OF_TWO_BYTES, Format.UNSIGNED),
+    "list of unsigned 4": _Type(Length.LIST_OF_FOUR_BYTES, Format.UNSIGNED),
     "list of signed 4": _Type(Length.LIST_OF_FOUR_BYTES, Format.SIGNED),
     "list of hex 4": _Type(Length.LIST_OF_FOUR_BYTES, Format.HEXADECIMAL),
     "command": _Type(Length.TWO_BYTES, Format.BINARY, command=True),

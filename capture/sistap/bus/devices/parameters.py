@@ -218,14 +218,14 @@ class Parameter:
     def read_segment(self, offset: int, length: int) -> bytes:
         """Return a part of a list, in bytes from its first element on, as far as it goes. May raise AccessError."""
         elements = self.data[LENGTH_WORDS:]
-        self._check_refused(Element.DATA)
+        self.check_list()
         self._check_offset(offset, len(elements))
         return elements[offset : offset + length]
 
     def write_segment(self, offset: int, data: bytes, phase: int) -> None:
         """Write a part of a list. May raise AccessError."""
         elements = self.data[LENGTH_WORDS:]
-        self._check_refused(Element.DATA)
+        self.check_list()
         self.check_writable(Element.DATA, phase)
         self._check_offset(offset, len(elements))
         if len(data) % self.element_size:
@@ -233,6 +233,31 @@ class Parameter:
         if offset + len(data) > len(elements):
             raise AccessError.of(Element.DATA, TOO_LONG)
         self.data = self.data[:LENGTH_WORDS] + elements[:offset] + data + elements[offset + len(data) :]
+
+    def resize(self, lengths: bytes, phase: int) -> None:
+        """Write the two lengths alone: elements are added, with 0, or dropped. May raise AccessError.
+
+        The maximum stays what the station says. The length changes in every phase: a known client of IndraDrive
+        writes lists so in phase 4, and no document says that it must not.
+        """
+        self.check_list()
+        self.check_writable(Element.DATA, phase)
+        if len(lengths) != LENGTH_WORDS:
+            raise AccessError.of(Element.DATA, TOO_SHORT if len(lengths) < LENGTH_WORDS else TOO_LONG)
+        actual, room = int.from_bytes(lengths[:2], "little"), int.from_bytes(self.data[2:LENGTH_WORDS], "little")
+        if actual > room:
+            raise AccessError.of(Element.DATA, TOO_LONG)
+        if actual % self.element_size:
+            raise AccessError.of(Element.DATA, NOT_CORRECT)
+        if self.fixed_length and actual != int.from_bytes(self.data[:2], "little"):
+            raise AccessError.of(Element.DATA, LENGTH_FIXED)
+        self.data = as_list(self.data[LENGTH_WORDS:][:actual].ljust(actual, b"\0"), room)
+
+    def check_list(self) -> None:
+        """Raise AccessError if it has no parts, or an access to them is refused."""
+        self._check_refused(Element.DATA)
+        if not self.is_list:
+            raise AccessError.of(Element.DATA, NO_SUCH_ELEMENT)
 
     def check_writable(self, element: Element, phase: int) -> None:
         """Raise AccessError if it cannot be written in this phase."""
@@ -301,5 +326,5 @@ class Parameter:
             raise AccessError.of(Element.DATA, NOT_CORRECT)
 
     def _check_offset(self, offset: int, length: int) -> None:
-        if not self.is_list or offset >= length or offset % self.element_size:
+        if not 0 <= offset < length or offset % self.element_size:
             raise AccessError.of(Element.DATA, NO_SUCH_ELEMENT)

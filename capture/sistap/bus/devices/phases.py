@@ -25,6 +25,7 @@ class _Switch(NamedTuple):
     begin_ns: int
     end_ns: int
     failure: int | None
+    busy: bool = True  # meanwhile there is no way to the parameters
 
 
 class Phases:
@@ -59,6 +60,28 @@ class Phases:
         """Tell whether the phase is being switched."""
         return now_ns < self._switch.end_ns
 
+    def busy(self, now_ns: int) -> bool:
+        """Tell whether the switching stands in the way to the parameters."""
+        return self.switching(now_ns) and self._switch.busy
+
+    def command(self, target: int, now_ns: int) -> bool:
+        """Switch because a procedure command says so; False if something stands against it.
+
+        The way to the parameters stays free: there a master asks whether the command has been executed.
+        """
+        before = self.at(now_ns)
+        if before == target and not self.switching(now_ns):
+            return True
+        if self.switching(now_ns) or self._hindrance(target, now_ns) is not None:
+            return False
+        self._switch = _Switch(before, target, now_ns, now_ns + self._takes_ns, None, busy=False)
+        self._tell()
+        return True
+
+    def _tell(self) -> None:
+        for listener in self.on_switch:
+            listener()
+
     def _read(self, request: Request) -> bytes:
         """Return the phase, or why the last switching failed: a master that missed it can ask again."""
         if self._switch.failure and not self.switching(request.now_ns):
@@ -77,8 +100,7 @@ class Phases:
         end_ns = now_ns + (self._takes_ns if target != before else 0)
         self._switch = _Switch(before, target, now_ns, end_ns, failure)
         if target != before:
-            for listener in self.on_switch:
-                listener()
+            self._tell()
         return b""
 
     def _failed(self, code: int, now_ns: int) -> ServiceFailed:

@@ -14,7 +14,7 @@ class Procedure:
     def __init__(self, takes_ms: int = 0, fails: bool = False) -> None:
         """Say how long it takes, and whether it is not possible in the end."""
         self._takes_ns = takes_ms * _MS
-        self._fails = fails
+        self.fails = fails
         self._written = 0
         self._left_ns = self._takes_ns
         self._since_ns = 0  # it has been running
@@ -35,7 +35,7 @@ class Procedure:
         elapsed_ns = now_ns - self._since_ns if self._running else 0
         if elapsed_ns < self._left_ns or (self._left_ns and not self._running):
             return self._written & (SET | ENABLED) | _NOT_YET_EXECUTED
-        if self._fails:
+        if self.fails:
             return SET | ENABLED | _NOT_YET_EXECUTED | _NOT_POSSIBLE
         return self._written & (SET | ENABLED)
 

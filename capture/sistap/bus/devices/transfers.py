@@ -9,6 +9,8 @@ from sistap.bus.devices.parameters import LAST, AccessError
 from sistap.bus.service import ChannelError, Request, ServiceFailed, ServiceRefused, Status
 
 HEADER = 5  # control byte, device, parameter
+SEGMENT = 4  # bytes of list offset and length, behind the header of a service for parts of lists
+_READ_SEGMENT = 0x1  # low half of the service
 _OCCUPIED = 0x800C  # as a code of a parameter (IndraDrive)
 
 # No document says when a transfer that nobody goes on with ends; a master that was switched off must not keep the
@@ -55,7 +57,7 @@ class Channel:
         if other == 1:
             raise ServiceRefused(Status.INVALID_SEQUENCE)
         if other:
-            if transfer.header[1:] == _header(request)[1:]:
+            if transfer.header[1:HEADER] == request.body[1:HEADER]:
                 raise AccessError(_OCCUPIED)
             raise ServiceFailed.in_channel(ChannelError.STILL_ACTIVE)
         if transfer.cancelled:
@@ -77,4 +79,5 @@ class Channel:
 
 def _header(request: Request) -> bytes:
     """Return the useful data header as it stays the same in all telegrams of a transfer."""
-    return bytes([request.body[0] & ~LAST]) + request.body[1:HEADER]
+    size = HEADER + SEGMENT if request.service & 0x0F == _READ_SEGMENT else HEADER
+    return bytes([request.body[0] & ~LAST]) + request.body[1:size]

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, NoReturn, Protocol
 
+from sistap.bus.real.noting import Noting
 from sistap.bus.real.receiver import Receiver
 from sistap.bus.stations.initialization import Timing
 from sistap.bus.stations.station import Station
@@ -149,30 +150,47 @@ class _Ear:
         return self.station.initialization.timing(now_ns)
 
 
-def serve(port: Port, stations: Sequence[Station], bus_time: BusTime | None = None) -> NoReturn:
+def serve(
+    port: Port, stations: Sequence[Station], bus_time: BusTime | None = None, noting: Noting | None = None
+) -> NoReturn:
     """Answer the master at a port until a signal handler raises something, or the port is lost, as it says that.
 
-    The stations begin with the rate of the port; when they are told another one, the port changes to it.
+    The stations begin with the rate of the port; when they are told another one, the port changes to it. `noting`
+    gets to know what comes and what is answered.
     """
     clock = bus_time or BusTime()
     answering = Answering(stations, port.settings)
+    try:
+        _serve(port, answering, clock, noting)
+    finally:
+        if noting:
+            noting.end()
+
+
+def _serve(port: Port, answering: Answering, clock: BusTime, noting: Noting | None) -> NoReturn:
     while True:
         now_ns = clock.now_ns()
         wake_ns = answering.wake_ns(now_ns)
         until_ns = now_ns + _LOOK_NS if wake_ns is None else min(wake_ns, now_ns + _LOOK_NS)
         values = port.read(clock.until_s(until_ns))
         now_ns = clock.now_ns()
+        if noting:
+            noting.heard(values, now_ns)
         answers = answering.hear(values, now_ns) + answering.wait(now_ns)
-        _tune(port, answering)
+        _tune(port, answering, noting)
         for answer in answers:
             clock.wait_until(answer.time_ns)
+            if noting:
+                noting.said(answer.reaction, clock.now_ns())
             port.write(answer.reaction)
             port.drain()
         if answers:
             answering.wait(clock.now_ns())  # a test begins when its reaction has gone
-            _tune(port, answering)
+            _tune(port, answering, noting)
 
 
-def _tune(port: Port, answering: Answering) -> None:
+def _tune(port: Port, answering: Answering, noting: Noting | None) -> None:
     if port.settings != answering.settings:
         port.change(answering.settings)
+        if noting:
+            noting.change(answering.settings)

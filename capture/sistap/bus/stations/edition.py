@@ -36,10 +36,23 @@ class Edition(NamedTuple):
     lists: bool  # whether there is service 0x04
     no_shutdown: Mapping[int, int]  # error byte of shutdown and reboot in a phase
     control: Callable[[bytes, bool], int]  # bits 5 to 7 of the telegram control, by body and error of the station
+    channel_status: int = Status.CHANNEL_ERROR  # the status before the code of the way to a parameter
+    crc32: bool = False  # 0x97 of service 0x02 gives it
+    length_words: bool = False  # the list offset of 0x11 and 0x1E counts from the two lengths before the elements
 
 
 EDITIONS = {
     "IF02": Edition(236, 128, range(200, 254), True, {3: 0x03, 4: 0x04}, _diagnosis),
-    "IndraDrive": Edition(245, 128, range(200, 254), True, {3: 0x10, 4: 0x10}, _diagnosis),
+    "IndraDrive": Edition(
+        245,
+        128,
+        range(200, 254),
+        True,
+        {3: 0x10, 4: 0x10},
+        _diagnosis,
+        channel_status=Status.EXECUTION_ERROR,
+        crc32=True,
+        length_words=True,
+    ),
     "ECODRIVE03": Edition(236, None, range(128, 255), False, {3: 0x03, 4: 0x04}, _state),
 }

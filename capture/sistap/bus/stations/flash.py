@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Service 0x02: flash operation (IF02 chapter 5; 0x10 and 0x0B as in the IndraDrive manual)."""
+"""Service 0x02: flash operation (IF02 chapter 5; 0x10, 0x0B and the CRC32 as in the IndraDrive manual)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import zlib
+from collections.abc import Callable
 
 from sistap.bus.service import ServiceFailed, ServiceRefused, Status, Subservice, by_subservice
+from sistap.bus.stations.edition import Edition
 from sistap.bus.stations.memory import DUAL_PORT_RAM, FIRMWARE, RAM, Memory, additive_good, crc_good
 
 LONGEST_READ = 244  # bytes
@@ -32,18 +34,18 @@ class Flash:
         self,
         memory: Memory,
         phase: Callable[[int], int],
-        not_in_phase: Mapping[int, int],
+        edition: Edition,
         restart: Callable[[], None],
         worn: bool = False,
     ) -> None:
         """Start in the firmware.
 
-        `phase` tells the phase at a time, `not_in_phase` the error byte of shutdown and reboot in a phase; `restart`
-        is what a reboot does besides; a `worn` flash is neither erased nor programmed in time.
+        `phase` tells the phase at a time, `restart` is what a reboot does besides; a `worn` flash is neither erased
+        nor programmed in time.
         """
         self._memory = memory
         self._phase = phase
-        self._not_in_phase = not_in_phase
+        self._edition = edition
         self._restart = restart
         self._worn = worn
         self.in_loader = False
@@ -85,7 +87,7 @@ class Flash:
         return b""
 
     def _check_start(self, now_ns: int, firmware: bool) -> None:
-        code = None if self.in_loader else self._not_in_phase.get(self._phase(now_ns))
+        code = None if self.in_loader else self._edition.no_shutdown.get(self._phase(now_ns))
         if code is not None:
             raise ServiceFailed(bytes([code]))
         if firmware and not self._memory.has_firmware:
@@ -127,6 +129,8 @@ class Flash:
 
     def _build_checksum(self, data: bytes, now_ns: int) -> bytes:
         whole = self._memory.read(_address(data), _address(data[4:]))
+        if self._edition.crc32:
+            return _crc32(whole)
         if whole is None or not additive_good(whole):
             raise ServiceFailed(bytes([_ADDITIVE_WRONG]))
         if not crc_good(whole):
@@ -136,6 +140,13 @@ class Flash:
     def _reset(self, data: bytes, now_ns: int) -> bytes:
         self.error = False
         return b""
+
+
+def _crc32(block: bytes | None) -> bytes:
+    """IndraDrive: the master compares it; which block has which checksum, only he knows."""
+    if block is None:
+        raise ServiceRefused(Status.INVALID_ADDRESS)
+    return zlib.crc32(block).to_bytes(4, "little")
 
 
 def _address(data: bytes) -> int:

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import NamedTuple
 
-from sistap.bus.service import ServiceFailed, Subservice, by_subservice
+from sistap.bus.service import Request, Service, ServiceFailed, Subservice
+from sistap.bus.stations.settings import settings
 from sistap.sis.rates import RATES, rate_of
 
 _MS = 1_000_000
@@ -43,16 +44,16 @@ class Initialization:
         """Switch it on; `rates` are those that it can be told to have."""
         self._rates = rates
         self.power_on()
-        self.service = by_subservice(
-            {
-                0x01: Subservice(2, lambda data, now_ns: self._set("trs", data)),
-                0x02: Subservice(2, lambda data, now_ns: self._set("tza", data)),
-                0x03: Subservice(2, lambda data, now_ns: self._set("tmas", data)),
-                0x07: Subservice(1, self._set_rate),
-                0x08: Subservice(3, self._test_rate),
-                0xFF: Subservice(0, self._accept),
-            }
-        )
+        self._subservices = {
+            0x01: Subservice(2, lambda data, now_ns: self._set("trs", data)),
+            0x02: Subservice(2, lambda data, now_ns: self._set("tza", data)),
+            0x03: Subservice(2, lambda data, now_ns: self._set("tmas", data)),
+            0x07: Subservice(1, self._set_rate),
+            0x08: Subservice(3, self._test_rate),
+            0xFF: Subservice(0, self._accept),
+        }
+        self._sizes = {number: subservice.least for number, subservice in self._subservices.items()}
+        self.service = Service(2, 2, self._execute)
 
     def power_on(self, baud: int = RATES[0]) -> None:
         """Forget what it was told; `baud` is the rate that it begins with (9600 unless it keeps another)."""
@@ -69,6 +70,20 @@ class Initialization:
     def test_ends_ns(self, now_ns: int) -> int | None:
         """Return when the running test of a rate ends; None without one."""
         return self._test.end_ns if self._test and now_ns < self._test.end_ns else None
+
+    def _execute(self, request: Request) -> bytes:
+        """Do all that a telegram says, up to what fails; that one is named in the reaction.
+
+        No document has the reaction to several of them: it is the command without the data, as for a single one.
+        """
+        said = settings(request.body, self._sizes)
+        for setting in said:
+            try:
+                self._subservices[setting.subservice].execute(setting.data, request.now_ns)
+            except ServiceFailed as failed:
+                header = request.body[:1] + bytes([setting.subservice])
+                raise ServiceFailed(failed.code, failed.status, header) from None
+        return b"".join(setting.header for setting in said)
 
     def _set(self, name: str, data: bytes) -> bytes:
         self._told[name] = int.from_bytes(data[:2], "little")

@@ -6,17 +6,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from sistap.bus.devices.equipment import Equipment
+from sistap.bus.devices.equipment import ECODRIVE, INDRADRIVE, DriveModel, Equipment
 from sistap.bus.devices.phases import Phases
 from sistap.bus.service import Service
 from sistap.bus.stations.cancel import cancel
-from sistap.bus.stations.edition import EDITIONS
+from sistap.bus.stations.edition import EDITIONS, Edition
 from sistap.bus.stations.flash import Flash
 from sistap.bus.stations.identification import LONGEST, identification
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.memory import Memory
 from sistap.bus.stations.routing import Router
-from sistap.bus.stations.sercos import Parameters
+from sistap.bus.stations.sercos import OF_DRIVES, Parameters, Segments
 from sistap.bus.stations.service_list import SERVICE as LIST
 from sistap.bus.stations.service_list import service_list
 from sistap.bus.stations.slave import Slave
@@ -25,6 +25,7 @@ from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice
 from sistap.sis.rates import BAUD_MASKS, RATES
 
 _GENERAL = 0x10  # the group of services that every station has
+_DRIVES = 0x80
 _LOADER_SERVICES = range(0x04)  # what is there while no firmware runs
 _NOTHING: Mapping[int, int] = {}
 
@@ -35,15 +36,18 @@ class _Kind(NamedTuple):
     type_key: str
     firmware: str
     group: int  # the services of its product group, besides the general ones
-    control: bool = False
+    model: DriveModel | None = None  # a drive; without it a control
     synax: bool = False
-    words: bool = False  # list segments of the group count them
+    edition: str = "IF02"  # unless the table says another
 
 
 _KINDS = {
-    "drive": _Kind("DKC02.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", 0x80, words=True),
-    "clc": _Kind("CLC-D02.3M-FW", "FWA-CLC*DP-SY*-06VRS-MS", _GENERAL, control=True),
-    "synax": _Kind("PPC-R01.2N-N-SS", "FWA-PPC*RS-SY*-08VRS-MS", 0x90, control=True, synax=True),
+    "drive": _Kind("DKC02.3-040-7-FW", "FWA-ECODR3-SMT-02VRS-MS", _DRIVES, ECODRIVE),
+    "indradrive": _Kind(
+        "HCS02.1E-W0028-A-03-NNNN", "FWA-INDRV*-MPH-02VRS-D5", _DRIVES, INDRADRIVE, edition="IndraDrive"
+    ),
+    "clc": _Kind("CLC-D02.3M-FW", "FWA-CLC*DP-SY*-06VRS-MS", _GENERAL),
+    "synax": _Kind("PPC-R01.2N-N-SS", "FWA-PPC*RS-SY*-08VRS-MS", 0x90, synax=True),
 }
 
 
@@ -65,7 +69,7 @@ def _level(tables: Sequence[Table], seed: int) -> list[Station]:
 def _station(table: Table, seed: int) -> Station:
     address = table.need("address", STATION)
     kind = table.take("kind", choice(_KINDS), _KINDS["drive"])
-    edition = table.take("edition", choice(EDITIONS), EDITIONS["IF02"])
+    edition = table.take("edition", choice(EDITIONS), EDITIONS[kind.edition])
     rates = table.take("rates", several(_rate), list(RATES))
     initialization = Initialization(rates)
     equipment = _equipment(table, kind, address, seed, initialization)
@@ -75,14 +79,14 @@ def _station(table: Table, seed: int) -> Station:
         initialization.power_on(initialization.accepted.baud)
 
     memory, worn = Memory(f"{seed} memory {address}"), table.take("worn", flag, False)
-    flash = Flash(memory, equipment.phases.at, edition.no_shutdown, restart, worn)
-    parameters = Parameters(equipment.by_address, edition.longest)
+    flash = Flash(memory, equipment.phases.at, edition, restart, worn)
+    parameters = Parameters(equipment.by_address, edition)
     services = {
         0x00: _identification(table, kind, rates),
         0x01: cancel(parameters),
         0x02: flash.service,
         0x03: initialization.service,
-        **_sercos_services(kind, parameters, equipment.phases),
+        **_sercos_services(kind, edition, parameters, equipment.phases),
     }
     slave = Slave(
         address,
@@ -102,9 +106,9 @@ def _station(table: Table, seed: int) -> Station:
 
 
 def _equipment(table: Table, kind: _Kind, address: int, seed: int, initialization: Initialization) -> Equipment:
-    if kind.control:
+    if kind.model is None:
         return Equipment.of_control(table, address, seed, kind.synax)
-    return Equipment.of_drive(table, address, seed, lambda: initialization.accepted.tmas)
+    return Equipment.of_drive(table, address, seed, kind.model, lambda: initialization.accepted.tmas)
 
 
 def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
@@ -114,9 +118,11 @@ def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
     )
 
 
-def _sercos_services(kind: _Kind, parameters: Parameters, phases: Phases) -> dict[int, Service]:
+def _sercos_services(kind: _Kind, edition: Edition, parameters: Parameters, phases: Phases) -> dict[int, Service]:
     """Return those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
-    services = parameters.services(_GENERAL) | parameters.services(kind.group, kind.words)
+    services = parameters.services(_GENERAL, Segments(length_words=edition.length_words))
+    if kind.group != _GENERAL:
+        services |= parameters.services(kind.group, OF_DRIVES if kind.group == _DRIVES else Segments())
     for group in (_GENERAL, kind.group) if kind.synax else (_GENERAL,):
         services |= {group | 0x2: phases.read_service, group | 0xD: phases.switch_service}
     return services

@@ -4,34 +4,65 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
+from sistap.bus.devices import segments
 from sistap.bus.devices.device import Device
 from sistap.bus.devices.gates import Gate
-from sistap.bus.devices.parameters import LAST, TOO_LONG, WRONG_ACCESS, AccessError, Element
-from sistap.bus.devices.transfers import HEADER, Transfer
+from sistap.bus.devices.parameters import LAST, TOO_LONG, WRONG_ACCESS, AccessError, Element, Parameter
+from sistap.bus.devices.transfers import HEADER, SEGMENT, Transfer
 from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
+from sistap.bus.stations.edition import Edition
 
-_SEGMENT = 4  # bytes of list offset and length
 _LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can say
-_WORDS = 2
+
+
+class Segments(NamedTuple):
+    """How a group of services takes parts of lists."""
+
+    unit: int = 1  # bytes that offset and length count
+    in_pieces: bool = False  # a part that is too long for one telegram is read in sequential telegrams
+    length_words: bool = False  # the offset counts from the two lengths before the elements
+
+    def of(self, body: bytes) -> tuple[int, int]:
+        """Return offset and length of a command, in bytes."""
+        offset, length = body[HEADER : HEADER + 2], body[HEADER + 2 : HEADER + SEGMENT]
+        return self.unit * int.from_bytes(offset, "little"), self.unit * int.from_bytes(length, "little")
+
+    def read(self, parameter: Parameter, offset: int, length: int) -> bytes:
+        """Return a part. May raise AccessError."""
+        if self.length_words:
+            return segments.read(parameter, offset, length)
+        return parameter.read_segment(offset, length)
+
+    def write(self, parameter: Parameter, offset: int, data: bytes, phase: int) -> None:
+        """Write a part. May raise AccessError."""
+        if self.length_words:
+            segments.write(parameter, offset, data, phase)
+        else:
+            parameter.write_segment(offset, data, phase)
+
+
+# Those of drives, 0x81 and 0x8E: words, and reading goes on with the unchanged command (IndraDrive and ECODRIVE Cs).
+OF_DRIVES = Segments(unit=2, in_pieces=True)
 
 
 class Parameters:
     """The parameters of the devices that a station gives access to."""
 
-    def __init__(self, devices: Mapping[int, tuple[Device, Gate]], longest: int) -> None:
-        """Take the devices by their addresses; `longest` is how many bytes of data a reaction can have."""
+    def __init__(self, devices: Mapping[int, tuple[Device, Gate]], edition: Edition) -> None:
+        """Take the devices by their addresses."""
         self._devices = devices
-        self._longest = longest
+        self._longest = edition.longest
+        self._channel_status = edition.channel_status
 
-    def services(self, group: int, segments_in_words: bool = False) -> dict[int, Service]:
-        """Return the services of a group, 0x10, 0x80 or 0x90; offset and length of 0x81 and 0x8E count words."""
-        unit = _WORDS if segments_in_words else 1
+    def services(self, group: int, parts: Segments) -> dict[int, Service]:
+        """Return the services of a group, 0x10, 0x80 or 0x90."""
         return {
-            group | 0x0: _translated(HEADER, self._read),
-            group | 0x1: _translated(HEADER + _SEGMENT, lambda request: self._read_segment(request, unit)),
-            group | 0xE: _translated(HEADER + _SEGMENT, lambda request: self._write_segment(request, unit)),
-            group | 0xF: _translated(HEADER, self._write),
+            group | 0x0: self._translated(HEADER, self._read),
+            group | 0x1: self._translated(HEADER + SEGMENT, lambda request: self._read_segment(request, parts)),
+            group | 0xE: self._translated(HEADER + SEGMENT, lambda request: self._write_segment(request, parts)),
+            group | 0xF: self._translated(HEADER, self._write),
         }
 
     def cancel(self, device: int | None, service: int | None) -> None:
@@ -45,6 +76,10 @@ class Parameters:
     def _read(self, request: Request) -> bytes:
         device, element, transfer = self._enter(request)
         data = transfer.data if transfer else device.read(request.body[2:HEADER], element, request.now_ns)
+        return self._piece(request, device, transfer, data)
+
+    def _piece(self, request: Request, device: Device, transfer: Transfer | None, data: bytes) -> bytes:
+        """Answer with what one telegram holds; the unchanged command brings the rest."""
         piece, rest = data[: self._longest], data[self._longest :]
         if rest:
             device.channel.transfer = transfer or Transfer.begun(request, rest)
@@ -68,22 +103,25 @@ class Parameters:
         device.channel.transfer.data = data
         return request.body[:2]
 
-    def _read_segment(self, request: Request, unit: int) -> bytes:
-        device, element, _ = self._enter(request)
-        offset, length = _segment(request.body, unit)
+    def _read_segment(self, request: Request, parts: Segments) -> bytes:
+        device, element, transfer = self._enter(request)
+        offset, length = parts.of(request.body)
         parameter = device.find(request.body[2:HEADER])
         if element != Element.DATA:
             raise AccessError.of(element, WRONG_ACCESS)
         device.refresh(request.now_ns)
-        return request.body[:2] + parameter.read_segment(offset, min(length, self._longest))
+        if parts.in_pieces:
+            data = transfer.data if transfer else parts.read(parameter, offset, length)
+            return self._piece(request, device, transfer, data)
+        return request.body[:2] + parts.read(parameter, offset, min(length, self._longest))
 
-    def _write_segment(self, request: Request, unit: int) -> bytes:
+    def _write_segment(self, request: Request, parts: Segments) -> bytes:
         device, element, _ = self._enter(request)
-        offset, _ = _segment(request.body, unit)
-        number, data = request.body[2:HEADER], request.body[HEADER + _SEGMENT :]
+        offset, _ = parts.of(request.body)
+        number, data = request.body[2:HEADER], request.body[HEADER + SEGMENT :]
         if element != Element.DATA:
             return request.body[:2] + device.write(number, element, data, request.now_ns)
-        device.find(number).write_segment(offset, data, device.phases.at(request.now_ns))
+        parts.write(device.find(number), offset, data, device.phases.at(request.now_ns))
         return request.body[:2]
 
     def _enter(self, request: Request) -> tuple[Device, Element, Transfer | None]:
@@ -96,20 +134,15 @@ class Parameters:
             raise ServiceRefused(Status.INVALID_ADDRESS)
         return self._devices[address]
 
+    def _translated(self, least: int, execute: Callable[[Request], bytes]) -> Service:
+        """Make a service of which an AccessError is an execution error; of the channel's, the edition says what."""
 
-def _translated(least: int, execute: Callable[[Request], bytes]) -> Service:
-    """Make a service of which an AccessError is an execution error."""
+        def translating(request: Request) -> bytes:
+            try:
+                return execute(request)
+            except AccessError as error:
+                raise ServiceFailed(error.code.to_bytes(2, "little")) from None
+            except ServiceFailed as failed:
+                raise ServiceFailed(failed.code, self._channel_status) from None
 
-    def translating(request: Request) -> bytes:
-        try:
-            return execute(request)
-        except AccessError as error:
-            raise ServiceFailed(error.code.to_bytes(2, "little")) from None
-
-    return Service(2, least, translating)
-
-
-def _segment(body: bytes, unit: int) -> tuple[int, int]:
-    """Return offset and length in bytes."""
-    offset, length = body[HEADER : HEADER + 2], body[HEADER + 2 : HEADER + _SEGMENT]
-    return unit * int.from_bytes(offset, "little"), unit * int.from_bytes(length, "little")
+        return Service(2, least, translating)

@@ -73,7 +73,7 @@ class Slave:
         except ServiceRefused as refused:
             return bytes([refused.status]) + repeated
         except ServiceFailed as failed:
-            return bytes([failed.status]) + repeated + failed.code
+            return bytes([failed.status]) + (repeated if failed.header is None else failed.header) + failed.code
 
     def _checked(self, service: Service | None, request: Request) -> Service:
         if request.service in self._refuse:
