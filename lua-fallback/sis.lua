@@ -1745,12 +1745,13 @@ do
 
   local function dissect_service(body)
     local service = body.telegram.service
+    local is_reserved = S.service_is_reserved(service)
     local item = body.tree and add_value(body.tree, F.service, body.tvb, 5, 1, service,
       strformat("%s (0x%02x)", S.service_range_name(service), service))
 
-    if service == 0x04 and P.edition == K.ECODRIVE03 then
+    if P.edition == K.ECODRIVE03 and not is_reserved and (service == 0x04 or (service >= 0x10 and service < 0x80)) then
       add_expert(item or body.root, E.service_reserved, "ECODRIVE03 does not have this service")
-    elseif S.service_is_reserved(service) then
+    elseif is_reserved then
       add_expert(item or body.root, E.service_reserved)
     end
   end
@@ -2397,9 +2398,13 @@ do
     end
   end
 
+  local function is_product_group(service)
+    return service >= 0x80 and not S.service_is_reserved(service)
+  end
+
   -- Some product groups send ASCII records (chapter 2.1).
   local function is_plain_text(body)
-    return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[\t\n\f\r -~]+$") ~= nil
+    return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[ -~][\t\n\f\r -~]*$") ~= nil
   end
 
   local function dissect_undocumented(body)
@@ -2423,7 +2428,7 @@ do
   function S.dissect_body(body)
     local dissect = S.bodies[S.general_service(body.service)]
 
-    if not dissect and body.service >= 0x80 and is_plain_text(body) then
+    if not dissect and is_product_group(body.service) and is_plain_text(body) then
       S.take_text(body, F.text) -- a record of a product group, without a status
       return
     end
@@ -2524,11 +2529,13 @@ do
     end
   end
 
-  -- The address is repeated if the command had one; how long error data are nobody says.
+  -- The address is repeated if the command had one; how long error data are nobody says, but they come after an error
+  -- only.
   local function dissect_reaction(body)
     local had_device = body.asked and body.asked.has_device
-    local is_alone = S.left(body) == 1 and body.status == 0 -- there are error data after an error only
-    local is_before_code = S.left(body) == 3 and body.status == 0x02
+    local is_open = not body.asked or body.asked.is_ambiguous -- whether it had
+    local is_alone = is_open and S.left(body) == 1 and body.status == 0
+    local is_before_code = is_open and S.left(body) == 3 and body.status == 0x02
 
     if (had_device or is_alone or is_before_code) and not S.take(body, F.device, 1) then return end
     if body.status == 0x02 and S.left(body) >= 2 then
@@ -2850,7 +2857,9 @@ do
     S.say(list, "; %s", text)
   end
 
+  -- What follows it still has its command.
   local function show_recursion(list, length)
+    if not list.is_reaction then add_request(list, {service = LIST_SERVICE}) end
     S.mark(list, E.list_recursion, "a list in a list")
     if length > 0 then add(list.tree, F.raw, list.tvb, list.offset, length) end
   end
@@ -2993,9 +3002,9 @@ do
     body.item = add(body.tree, F.parameter, tvb, offset, 3, access.ident.text)
     if access.known.name then append_text(body.item, " (" .. access.known.name .. ")") end
     add(body.item, F.parameter_type, tvb, offset, 1)
-    for _, bit_field in ipairs({F.parameter_product_specific, F.parameter_set, F.parameter_number}) do
-      add_le(body.item, bit_field, tvb, offset + 1, 2)
-    end
+    if access.ident.type == 0 then add_le(body.item, F.parameter_product_specific, tvb, offset + 1, 2) end
+    add_le(body.item, F.parameter_set, tvb, offset + 1, 2)
+    add_le(body.item, F.parameter_number, tvb, offset + 1, 2)
     add_known(access, body.item)
   end
 

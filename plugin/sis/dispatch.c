@@ -60,6 +60,12 @@ take_status(sis_body_t *body)
                                status < 0xF0 ? &ei_sis_status : &ei_sis_status_telegram, "Status: %s", text);
 }
 
+static bool
+is_product_group(uint8_t service)
+{
+    return service >= 0x80 && !sis_service_is_reserved(service);
+}
+
 /* Some product groups send ASCII records (chapter 2.1). */
 static bool
 is_plain_text(const sis_body_t *body)
@@ -70,7 +76,7 @@ is_plain_text(const sis_body_t *body)
         if (!g_ascii_isprint(c) && !g_ascii_isspace(c))
             return false;
     }
-    return sis_left(body) > 0;
+    return sis_left(body) > 0 && g_ascii_isprint(compat_get_uint8(body->tvb, body->offset));
 }
 
 static void
@@ -113,7 +119,7 @@ sis_dissect_body(sis_body_t *body)
 {
     body_dissector_t dissect = find_dissector_of(body->service);
 
-    if (dissect == NULL && body->service >= 0x80 && is_plain_text(body)) {
+    if (dissect == NULL && is_product_group(body->service) && is_plain_text(body)) {
         sis_take_text(body, hf_text); /* a record of a product group, without a status */
         return;
     }
@@ -191,9 +197,14 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
     sis_say_words(list, "; ", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks), NULL);
 }
 
+/* What follows it still has its command. */
 static void
 show_recursion(sis_body_t *list, unsigned length)
 {
+    sis_request_t *request = wmem_new0(list->pinfo->pool, sis_request_t);
+
+    request->service = LIST_SERVICE;
+    add_request(list, request);
     sis_mark(list, &ei_recursion, "a list in a list");
     if (length > 0)
         proto_tree_add_item(list->tree, hf_sis_raw, list->tvb, list->offset, length, ENC_NA);

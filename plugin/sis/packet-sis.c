@@ -207,13 +207,15 @@ static void
 dissect_service(const dissection_t *d)
 {
     uint8_t service = d->telegram->service;
-    bool is_unknown = sis_edition == SIS_EDITION_ECODRIVE03 && service == 0x04;
+    bool is_reserved = sis_service_is_reserved(service);
+    bool is_unknown = sis_edition == SIS_EDITION_ECODRIVE03 && !is_reserved &&
+                      (service == 0x04 || (service >= 0x10 && service < 0x80));
     proto_item *ti = NULL;
 
     if (d->tree != NULL)
         ti = proto_tree_add_uint_format_value(d->tree, hf_sis_service, d->tvb, 5, 1, service, "%s (0x%02x)",
                                               sis_service_range_name(service), service);
-    if (is_unknown || sis_service_is_reserved(service))
+    if (is_unknown || is_reserved)
         expert_add_info_format(d->pinfo, ti, &ei_service_reserved, "%s",
                                is_unknown ? "ECODRIVE03 does not have this service" : "Reserved service");
 }

@@ -42,13 +42,15 @@ dissect_command(sis_body_t *body)
         take_device_and_service(body);
 }
 
-/* The address is repeated if the command had one; how long error data are nobody says. */
+/* The address is repeated if the command had one; how long error data are nobody says, but they come after an
+ * error only. */
 static void
 dissect_reaction(sis_body_t *body)
 {
     bool had_device = body->asked != NULL && body->asked->has_device;
-    bool is_alone = sis_left(body) == 1 && body->status == 0; /* there are error data after an error only */
-    bool is_before_code = sis_left(body) == 3 && body->status == 0x02;
+    bool is_open = body->asked == NULL || body->asked->is_ambiguous; /* whether it had */
+    bool is_alone = is_open && sis_left(body) == 1 && body->status == 0;
+    bool is_before_code = is_open && sis_left(body) == 3 && body->status == 0x02;
 
     if ((had_device || is_alone || is_before_code) && !sis_take(body, hf_sis_device, 1, NULL))
         return;

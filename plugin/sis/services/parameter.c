@@ -170,6 +170,7 @@ static void
 show_parameter(const access_t *access, unsigned length)
 {
     static int *const bits_drive[] = {&hf_parameter_profile, &hf_parameter_set, &hf_parameter_number, NULL};
+    static int *const bits_control[] = {&hf_parameter_set, &hf_parameter_number, NULL};
     sis_body_t *body = access->body;
     unsigned offset = length > 0 ? body->offset : 0;
     proto_tree *tree;
@@ -183,7 +184,8 @@ show_parameter(const access_t *access, unsigned length)
     tree = proto_item_add_subtree(body->item, ett_parameter);
     if (length > 0) {
         proto_tree_add_item(tree, hf_parameter_type, body->tvb, offset, 1, ENC_NA);
-        proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2, bits_drive, ENC_LITTLE_ENDIAN);
+        proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2,
+                                    access->ident.type == 0 ? bits_drive : bits_control, ENC_LITTLE_ENDIAN);
     } else {
         proto_item_set_generated(body->item);
     }
