@@ -169,9 +169,8 @@ def is_short(service: int, reaction: bool, body: bytes) -> bool:
 def is_further(rest: bytes, reaction: bool, before: bytes) -> bool:
     """Tell whether these bytes are further subservices of 0x03, each with the bytes `before` it."""
     while rest:
-        subservice = rest[len(before)] if len(rest) > len(before) else None
-        _, size = INITIALIZATION_COMMANDS.get(subservice, (0, OPEN))
-        if not rest.startswith(before) or size == OPEN:
+        _, size = INITIALIZATION_COMMANDS.get(int.from_bytes(rest[len(before) : len(before) + 1]), (0, OPEN))
+        if len(rest) == len(before) or not rest.startswith(before) or size == OPEN:
             return False
         size = len(before) + (1 if reaction else size - 1)  # without the address that the first one has
         if len(rest) < size:

@@ -236,3 +236,19 @@ def test_with_auto_it_searches_again_and_follows_again() -> None:
     bus.say(ACCEPT_ALL)
     assert bus.steering.searching is None
     assert bus.say(*tell(ALL, 115200), ACCEPT_ALL) == [LINE._replace(baud=115200)]
+
+
+def several(*, each: bool) -> bytes:
+    """38400 Bd, TzA 5 ms and acceptance in one telegram to station 3 (chapter 6.1), the address once or each time."""
+    return build(0x03, MASTER, 3, bytes.fromhex("03 07 02 03 02 05 00 03 FF" if each else "03 07 02 02 05 00 FF"))
+
+
+@pytest.mark.parametrize("each", [False, True])
+def test_set_and_accepted_in_one_telegram(each: bool) -> None:
+    assert rates(several(each=each)) == [38400]
+
+
+def test_of_what_no_layout_fits_the_first_counts() -> None:
+    """Behind 38400 Bd stands subservice 06, of which nobody says how long it is."""
+    told = build(0x03, MASTER, 3, bytes.fromhex("03 07 02 06 01"))
+    assert rates(told, reaction(3, 0x07), ACCEPT_ALL) == [38400]

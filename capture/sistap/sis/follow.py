@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from sistap.sis import telegram
 from sistap.sis.rates import rate_of
+from sistap.sis.subservices import Setting, layouts, settings
 from sistap.sis.telegram import BROADCAST, LEVEL_BROADCAST, Header
 
 INITIALIZATION = 0x03
@@ -65,25 +66,27 @@ class Follow:
         return self._test_end_ns
 
     def _take_command(self, header: Header, end_ns: int) -> Change | None:
-        body = header.body
-        if header.receiver == BROADCAST:
-            return self._obeyed(header, end_ns)
+        said = _settings(header.body)
         # Whoever accepts answers at the new rate already.
-        if body[1:2] == bytes([ACCEPT]):
-            return self._accepted(header)
+        if header.receiver == BROADCAST or any(setting.subservice == ACCEPT for setting in said):
+            return self._obeyed(header, end_ns)
         self._command = header
         return None
 
     def _obeyed(self, command: Header, end_ns: int) -> Change | None:
-        """Take what a station said yes to, or all of them were told."""
-        subservice, data = command.body[1:2], command.body[2:]
-        if subservice == bytes([SET_RATE]) and len(data) >= 1:
+        """Take what a station said yes to, or all of them were told; of several changes the last one counts."""
+        changes = [self._do(setting, command, end_ns) for setting in _settings(command.body)]
+        return next(filter(None, reversed(changes)), None)
+
+    def _do(self, setting: Setting, command: Header, end_ns: int) -> Change | None:
+        data = setting.data
+        if setting.subservice == SET_RATE:
             self._set.pop(command.receiver, None)
             if baud := rate_of(data[0]):
                 self._set[command.receiver] = baud
-        elif subservice == bytes([TEST_RATE]) and len(data) >= 3:
+        elif setting.subservice == TEST_RATE:
             return self._tested(command, int.from_bytes(data[:2], "little"), rate_of(data[2]), end_ns)
-        elif subservice == bytes([ACCEPT]):
+        elif setting.subservice == ACCEPT:
             return self._accepted(command)
         return None
 
@@ -104,6 +107,13 @@ class Follow:
             return None
         self._test_end_ns = end_ns + duration_ms * _MS
         return Change(baud, f"{command.sender} lets {_whom(command)} test {baud} Bd for {duration_ms} ms")
+
+
+def _settings(body: bytes) -> list[Setting]:
+    """Return what a command sets; where no layout of several subservices fits, only the first one is certain."""
+    if (said := settings(body)) is not None:
+        return said
+    return layouts(body)[0].settings[:1]
 
 
 def _whom(command: Header) -> str:

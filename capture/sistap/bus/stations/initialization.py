@@ -52,7 +52,6 @@ class Initialization:
             0x08: Subservice(3, self._test_rate),
             0xFF: Subservice(0, self._accept),
         }
-        self._sizes = {number: subservice.least for number, subservice in self._subservices.items()}
         self.service = Service(2, 2, self._execute)
 
     def power_on(self, baud: int = RATES[0]) -> None:
@@ -76,7 +75,7 @@ class Initialization:
 
         No document has the reaction to several of them: it is the command without the data, as for a single one.
         """
-        said = settings(request.body, self._sizes)
+        said = settings(request.body)
         for setting in said:
             try:
                 self._subservices[setting.subservice].execute(setting.data, request.now_ns)
