@@ -28,11 +28,14 @@ local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift --
 
 local sertap = Proto("sertap", "Serial tap")
 local sis = Proto("sis", "Rexroth SIS serial protocol")
+local synax = Proto("synax", "Rexroth SYNAX200 transports")
+local protos = {sertap = sertap, sis = sis, synax = synax} -- by filter name
 
 -- What crosses blocks, named as in the C headers: S.take for sis_take(), T.load for sertap_load().
 local S, T = {}, {}
--- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.body_missing for ei_sis_missing.
-local F, FT, E, ET = {}, {}, {}, {}
+-- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.body_missing for ei_sis_missing. Those
+-- of other protocols have their whole names: FX.rk512i_command.
+local F, FT, FX, E, ET, EX = {}, {}, {}, {}, {}, {}
 -- Constants; texts by code; values of the preferences of sis.
 local K, N, P = {}, {}, {}
 
@@ -40,25 +43,36 @@ K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
 
 local label = {} -- of a field
 
-local function declare(all, name, made)
-  all[gsub(name, "%.", "_")] = made
+local registered = {} -- by protocol: {fields, experts}
+
+-- Keeps what belongs to a protocol under its name; `of_sis`, `of_sertap` and `others` are where it is found.
+local function declare(abbreviation, kind, made, of_sis, of_sertap, others)
+  local owner, name = match(abbreviation, "^(%w+)%.(.*)$")
+
+  registered[owner] = registered[owner] or {fields = {}, experts = {}}
+  table.insert(registered[owner][kind], made)
+  if owner == "sis" then
+    of_sis[gsub(name, "%.", "_")] = made
+  elseif owner == "sertap" then
+    of_sertap[gsub(name, "%.", "_")] = made
+  else
+    others[gsub(abbreviation, "%.", "_")] = made
+  end
 end
 
--- Declares a field: in F, or in FT where it belongs to sertap.
+-- Declares a field.
 local function field(abbreviation, text, kind, display, strings, mask, description)
   local made = ProtoField.new(text, abbreviation, kind, strings, display, mask, description)
-  local owner, name = match(abbreviation, "^(%l+)%.(.*)$")
 
   label[made] = text
-  declare(owner == "sis" and F or FT, name, made)
+  declare(abbreviation, "fields", made, F, FT, FX)
 end
 
--- Declares an expert item: in E or ET; group and severity as Wireshark's Lua names them.
+-- Declares an expert item; group and severity as Wireshark's Lua names them.
 local function expert_field(abbreviation, group, severity, text)
-  local owner, name = match(abbreviation, "^(%l+)%.(.*)$")
   local made = ProtoExpert.new(abbreviation, text, expert.group[group], expert.severity[severity])
 
-  declare(owner == "sis" and E or ET, name, made)
+  declare(abbreviation, "experts", made, E, ET, EX)
 end
 
 -- Declares a preference of sis: P[name] has its value.
@@ -565,6 +579,23 @@ N.data_states = {
 field("sis.data", "Data", ftypes.BYTES)
 field("sis.raw", "Not decoded", ftypes.BYTES)
 
+-- parameters/ident.c
+N.parameter_types = {
+  [0] = "Parameter of a drive",
+  [1] = "Control parameter, first kind (A)",
+  [2] = "Control parameter, second kind (C)",
+}
+N.product_standard = {"P, product-specific", "S, standard"}
+field("sis.parameter", "Parameter", ftypes.STRING)
+field("sis.parameter.name", "Name", ftypes.STRING)
+field("sis.parameter.unit", "Unit", ftypes.STRING)
+field("sis.parameter.minimum", "Minimum", ftypes.STRING)
+field("sis.parameter.maximum", "Maximum", ftypes.STRING)
+field("sis.parameter.type", "Type", ftypes.UINT8, base.DEC, N.parameter_types)
+field("sis.parameter.product_specific", "Kind", ftypes.BOOLEAN, 16, N.product_standard, 0x8000)
+field("sis.parameter.set", "Parameter set", ftypes.UINT16, base.DEC, nil, 0x7000)
+field("sis.parameter.number", "Number", ftypes.UINT16, base.DEC, nil, 0xfff)
+
 -- parameters/values.c
 N.lengths = {
   [0] = "Not defined",
@@ -709,6 +740,7 @@ field("sis.device", "Device address", ftypes.UINT8, base.DEC, nil, 0,
 field("sis.subservice", "Subservice", ftypes.UINT8, base.HEX)
 field("sis.error", "Error code", ftypes.UINT16, base.HEX, nil, 0,
   "The full code, where a byte is sent together with its subservice")
+field("sis.phase", "Phase", ftypes.UINT8, base.DEC)
 field("sis.init.baud_mask", "Baud rate mask", ftypes.UINT8, base.HEX)
 expert_field("sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
 expert_field("sis.body.unexpected", "PROTOCOL", "WARN", "More useful data than the service has")
@@ -804,26 +836,11 @@ field("sis.init.time", "Time", ftypes.RELATIVE_TIME)
 field("sis.init.test_time", "Duration of the test", ftypes.RELATIVE_TIME)
 
 -- sis/services/parameter.c
-N.parameter_types = {
-  [0] = "Parameter of a drive",
-  [1] = "Control parameter, first kind (A)",
-  [2] = "Control parameter, second kind (C)",
-}
 N.last_current = {"last", "current, more follows"}
-N.product_standard = {"P, product-specific", "S, standard"}
 field("sis.parameter_control", "Parameter control", ftypes.UINT8, base.HEX)
 field("sis.parameter_control.reserved", "Reserved", ftypes.UINT8, base.HEX, nil, 0xc3)
 field("sis.element", "Element", ftypes.UINT8, base.DEC, N.elements, 0x38)
 field("sis.transmission", "Transmission", ftypes.BOOLEAN, 8, N.last_current, 0x04)
-field("sis.parameter", "Parameter", ftypes.STRING)
-field("sis.parameter.name", "Name", ftypes.STRING)
-field("sis.parameter.unit", "Unit", ftypes.STRING)
-field("sis.parameter.minimum", "Minimum", ftypes.STRING)
-field("sis.parameter.maximum", "Maximum", ftypes.STRING)
-field("sis.parameter.type", "Type", ftypes.UINT8, base.DEC, N.parameter_types)
-field("sis.parameter.product_specific", "Kind", ftypes.BOOLEAN, 16, N.product_standard, 0x8000)
-field("sis.parameter.set", "Parameter set", ftypes.UINT16, base.DEC, nil, 0x7000)
-field("sis.parameter.number", "Number", ftypes.UINT16, base.DEC, nil, 0xfff)
 field("sis.list_offset", "List offset", ftypes.UINT16, base.DEC)
 field("sis.list_length", "List length", ftypes.UINT16, base.DEC)
 field("sis.data_status", "Data status", ftypes.UINT16, base.HEX)
@@ -834,7 +851,6 @@ field("sis.data_status.impossible", "Execution not possible", ftypes.BOOLEAN, 16
 field("sis.data_status.invalid", "Operating data invalid", ftypes.BOOLEAN, 16, nil, 0x100)
 
 -- sis/services/phase.c
-field("sis.phase", "Phase", ftypes.UINT8, base.DEC)
 field("sis.phase.switch_in", "Phase switch in", ftypes.FRAMENUM)
 field("sis.phase.switch_time", "Time of the phase switch", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From its command to the poll that ended it")
@@ -879,6 +895,24 @@ expert_field("sis.twm.early", "SEQUENCE", "NOTE", "Repeated before TrS was over"
 expert_field("sis.tmas.exceeded", "PROTOCOL", "WARN", "Tmas exceeded")
 expert_field("sis.tmas.unresolved", "PROTOCOL", "NOTE", "Tmas perhaps exceeded")
 expert_field("sis.bus.baud.differs", "PROTOCOL", "NOTE", "The tap listens at another baud rate than the bus was told")
+
+-- synax/fields.c
+field("synax.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
+field("synax.answer_in", "Answer in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+field("synax.answer_time", "Time to the answer", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "From the request to its answer")
+expert_field("synax.note", "PROTOCOL", "NOTE", "Content that the documents do not define")
+expert_field("synax.short", "PROTOCOL", "WARN", "Bytes are missing")
+expert_field("synax.unexpected", "PROTOCOL", "WARN", "More bytes than expected")
+expert_field("synax.error", "RESPONSE_CODE", "NOTE", "The answer reports an error")
+expert_field("synax.unanswered", "SEQUENCE", "NOTE", "No answer before the next request")
+
+-- synax/head.c
+field("synax.info", "Info access", ftypes.UINT16, base.HEX)
+field("synax.info.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xfffc)
+field("synax.info.last", "Last transmission", ftypes.BOOLEAN, 16, nil, 0x02)
+field("synax.info.write", "Write", ftypes.BOOLEAN, 16, nil, 0x01)
+field("synax.axis", "Axis", ftypes.UINT8, base.DEC, nil, 0, "Drive, 0: none; with a data block its number")
 
 -- end of what fields.py has made
 
@@ -2968,21 +3002,6 @@ do
     return true
   end
 
-  local function add_generated(tree, tvb, which, text, source)
-    if text then append_text(set_generated(add(tree, which, tvb, 0, 0, text)), " (" .. source .. ")") end
-  end
-
-  -- What is known of a parameter, and where from.
-  local function add_known(access, tree)
-    local known, tvb = access.known, access.body.tvb
-
-    if not tree then return end
-    add_generated(tree, tvb, F.parameter_name, known.name, known.name_from)
-    add_generated(tree, tvb, F.parameter_unit, known.unit, known.unit_from)
-    add_generated(tree, tvb, F.parameter_minimum, known.minimum, K.FROM_BUS)
-    add_generated(tree, tvb, F.parameter_maximum, known.maximum, K.FROM_BUS)
-  end
-
   -- Which parameter, and which of its elements.
   local function say_parameter(access)
     local body, name = access.body, access.known.name
@@ -2997,15 +3016,10 @@ do
 
   local function show_parameter(access)
     local body = access.body
-    local offset, tvb = body.offset, body.tvb
+    local at = body.offset
 
-    body.item = add(body.tree, F.parameter, tvb, offset, 3, access.ident.text)
-    if access.known.name then append_text(body.item, " (" .. access.known.name .. ")") end
-    add(body.item, F.parameter_type, tvb, offset, 1)
-    if access.ident.type == 0 then add_le(body.item, F.parameter_product_specific, tvb, offset + 1, 2) end
-    add_le(body.item, F.parameter_set, tvb, offset + 1, 2)
-    add_le(body.item, F.parameter_number, tvb, offset + 1, 2)
-    add_known(access, body.item)
+    body.item = S.add_ident(body.tree, body.tvb, {offset = at, length = 3, type_at = at, number_at = at + 1},
+      access.ident, access.known)
   end
 
   -- Of the type byte only 0 to 2 are documented, and bits 3 to 7 are always 0; bit 15 tells S from P.
@@ -3079,12 +3093,7 @@ do
     if not body.asked or not body.asked.has_ident then return end
     access.ident = body.asked.ident
     access.known = S.learned_known(body, access.ident, access.device)
-    if body.tree then
-      local item = set_generated(add(body.tree, F.parameter, body.tvb, 0, 0, access.ident.text))
-
-      if access.known.name then append_text(item, " (" .. access.known.name .. ")") end
-      add_known(access, item)
-    end
+    if body.tree then S.add_ident(body.tree, body.tvb, {offset = 0, length = 0}, access.ident, access.known) end
     say_parameter(access)
   end
 
@@ -4350,6 +4359,36 @@ do
   end
 end
 
+--- parameters/ident: a parameter in the tree: its ident bit by bit (fig. 8-3), and what is known of it
+
+do
+  local function add_generated(tree, tvb, which, text, source)
+    if text then append_text(set_generated(add(tree, which, tvb, 0, 0, text)), " (" .. source .. ")") end
+  end
+
+  -- Adds sis.parameter, the parts of the ident, name, unit and limits. Gives its item. `place` says where it stands:
+  -- offset and length (0: a command said it), type_at, number_at, is_big: the number word.
+  function S.add_ident(tree, tvb, place, ident, known)
+    local item = add(tree, F.parameter, tvb, place.offset, place.length, ident.text)
+    local add_bits = place.is_big and add or add_le
+
+    if known.name then append_text(item, " (" .. known.name .. ")") end
+    if place.length > 0 then
+      add(item, F.parameter_type, tvb, place.type_at, 1)
+      if ident.type == 0 then add_bits(item, F.parameter_product_specific, tvb, place.number_at, 2) end
+      add_bits(item, F.parameter_set, tvb, place.number_at, 2)
+      add_bits(item, F.parameter_number, tvb, place.number_at, 2)
+    else
+      set_generated(item)
+    end
+    add_generated(item, tvb, F.parameter_name, known.name, known.name_from)
+    add_generated(item, tvb, F.parameter_unit, known.unit, known.unit_from)
+    add_generated(item, tvb, F.parameter_minimum, known.minimum, K.FROM_BUS)
+    add_generated(item, tvb, F.parameter_maximum, known.maximum, K.FROM_BUS)
+    return item
+  end
+end
+
 --- parameters/values: the elements of a parameter: attribute bit by bit, values scaled and with their unit, lists
 -- element by element. SIS says nothing of all this; it is SERCOS, IEC 61491.
 
@@ -4509,10 +4548,22 @@ do
     return number .. " " .. unit
   end
 
+  -- A number in the byte order of the road that the data came: as in SIS, or `data.is_big`.
+  local function get_number(data, at, size)
+    if not data.is_big then return S.little_endian(data.bytes, at, size) end
+    return S.little_endian(string.reverse(sub(data.bytes, at, at + size - 1)), 1, size)
+  end
+
+  -- Bytes with all elements behind the length words in the byte order of SIS.
+  local function ordered(data, header, size)
+    if not data.is_big then return data.bytes end
+    return sub(data.bytes, 1, header) .. gsub(sub(data.bytes, header + 1), rep(".", size), string.reverse)
+  end
+
   -- The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries them.
   local function list_header_size(data)
     if data.length < LIST_HEADER then return 0 end
-    local actual, maximum = S.little_endian(data.bytes, 1, 2), S.little_endian(data.bytes, 3, 2)
+    local actual, maximum = get_number(data, 1, 2), get_number(data, 3, 2)
 
     return actual + LIST_HEADER == data.length and actual <= maximum and LIST_HEADER or 0
   end
@@ -4527,8 +4578,10 @@ do
     local size = is_whole and list_header_size(data) or 0
 
     if size > 0 then
-      add_le(tree, F.list_actual, data.tvb, data.offset, 2)
-      add_le(tree, F.list_maximum, data.tvb, data.offset + 2, 2)
+      local add_word = data.is_big and add or add_le
+
+      add_word(tree, F.list_actual, data.tvb, data.offset, 2)
+      add_word(tree, F.list_maximum, data.tvb, data.offset + 2, 2)
     end
     return size
   end
@@ -4555,19 +4608,20 @@ do
   }
 
   local function show_attribute(tree, data, attribute)
-    local item = add_le(tree, F.attribute, data.tvb, data.offset, ATTRIBUTE_SIZE)
+    local add_bits = data.is_big and add or add_le
+    local item = add_bits(tree, F.attribute, data.tvb, data.offset, ATTRIBUTE_SIZE)
 
     for _, part in ipairs(attribute_bits) do
       local word = part.words and part.words[bits(attribute, part.first, part.size or 1)]
 
-      add_le(item, part.field, data.tvb, data.offset, ATTRIBUTE_SIZE)
+      add_bits(item, part.field, data.tvb, data.offset, ATTRIBUTE_SIZE)
       if word then append_text(item, ", " .. (part.name or "") .. word) end
     end
   end
 
   local function add_attribute(tree, data)
     if data.length ~= ATTRIBUTE_SIZE then return nil end
-    local attribute = S.little_endian(data.bytes, 1, ATTRIBUTE_SIZE)
+    local attribute = get_number(data, 1, ATTRIBUTE_SIZE)
 
     if tree then show_attribute(tree, data, attribute) end
     return strformat("0x%08x", attribute)
@@ -4580,12 +4634,13 @@ do
   local function show_list(tree, data, offset, layout, is_whole)
     local size, length = layout.size, data.length - offset
     local count, rest = floor(length / size), length % size
+    local bytes = ordered(data, offset, size)
     local subtree = add_subtree(tree, data.tvb, data.offset + offset, length,
       strformat("%d element%s", count, plural(count)))
 
     for i = 0, min(count, SHOWN_IN_TREE) - 1 do
       local at = offset + i * size
-      local value = value_text(data.bytes, at + 1, layout)
+      local value = value_text(bytes, at + 1, layout)
 
       add(subtree, F.value, data.tvb, data.offset + at, size, value,
         is_whole and strformat("Element %d: %s", i + 1, value) or nil)
@@ -4597,12 +4652,13 @@ do
   local function add_list(tree, data, layout, is_whole)
     local offset = add_list_header(tree, data, is_whole)
     local count, values = floor((data.length - offset) / layout.size), {}
+    local bytes = ordered(data, offset, layout.size)
 
     if tree and (tree:referenced(F.value) or tree:referenced(F.raw)) then
       show_list(tree, data, offset, layout, is_whole)
     end
     for i = 1, min(count, SHOWN_IN_LIST) do
-      values[i] = value_text(data.bytes, offset + (i - 1) * layout.size + 1, layout)
+      values[i] = value_text(bytes, offset + (i - 1) * layout.size + 1, layout)
     end
     if count > SHOWN_IN_LIST then values[#values + 1] = strformat("... (%d elements)", count) end
     return count > 0 and concat(values, ", ") or "empty"
@@ -4617,7 +4673,7 @@ do
     if layout.is_list and layout.format == TEXT then return add_text(tree, F.value, data, is_whole) end
     if layout.is_list then return add_list(tree, data, layout, is_whole) end
     if data.length ~= layout.size then return nil end
-    local text = value_text(data.bytes, 1, layout)
+    local text = value_text(ordered(data, 0, layout.size), 1, layout)
 
     add(tree, F.value, data.tvb, data.offset, data.length, text)
     return text
@@ -4626,7 +4682,7 @@ do
   -- The number word alone does not tell the kind of a control parameter.
   local function add_ident(tree, data, asked)
     if data.length ~= 2 or not asked then return nil end
-    local text = S.ident(asked.type, S.little_endian(data.bytes, 1, 2)).text
+    local text = S.ident(asked.type, get_number(data, 1, 2)).text
 
     add(tree, F.value, data.tvb, data.offset, data.length, text)
     return text
@@ -4635,7 +4691,7 @@ do
   -- What does not fit between the data of an element and its attribute, in words; nil: nothing.
   function S.element_misfit(data, element, known, is_whole)
     if element == K.ELEMENT_ATTRIBUTE and data.length == ATTRIBUTE_SIZE then
-      local attribute = S.little_endian(data.bytes, 1, ATTRIBUTE_SIZE)
+      local attribute = get_number(data, 1, ATTRIBUTE_SIZE)
       local is_undefined = bits(attribute, 23, 1) + bits(attribute, 31, 1) > 0
 
       return is_undefined and "undefined bits of the attribute" or nil
@@ -4653,7 +4709,8 @@ do
 
   -- Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short text for
   -- the packet list ("12.5000 rpm", "\"Velocity command value\""), nil where there is nothing better than bytes.
-  -- `is_whole` is false for a segment of a list; `ident` nil where the command is not known.
+  -- `is_whole` is false for a segment of a list; `ident` nil where the command is not known. `data.is_big`: in the byte
+  -- order of other roads.
   function S.add_element(tree, _, data, element, ident, known, is_whole)
     if data.length == 0 then return nil end
     add(tree, F.data, data.tvb, data.offset, data.length)
@@ -5382,6 +5439,83 @@ do
   end
 end
 
+--- synax/head: the Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
+-- (chapter 7), 3964R with the high byte first (chapter 8).
+
+do
+  local INFO_WRITE, INFO_LAST, INFO_OPEN = 0x0001, 0x0002, 0xFFFC
+  local blocks = {
+    [98] = "cancel a transmission with follow-ups",
+    [99] = "inputs and outputs of the PPC",
+    [100] = "mode of the PPC",
+  }
+
+  K.HEAD_SIZE = 6
+
+  -- Data blocks that have a meaning of their own: 98 to 116; nil: none.
+  function S.block_text(number)
+    if number >= 101 and number <= 116 then return "freely configured" end
+    return blocks[number]
+  end
+
+  -- Elements and other services hide in bits that no document names.
+  local function add_info(tree, root, tvb, offset, is_big, info)
+    local add_bits = is_big and add or add_le
+    local item = add_bits(tree, FX.synax_info, tvb, offset, 2)
+
+    for _, bit_field in ipairs({FX.synax_info_open, FX.synax_info_last, FX.synax_info_write}) do
+      add_bits(item, bit_field, tvb, offset, 2)
+    end
+    append_text(item, strformat(" (%s, %s)", band(info, INFO_WRITE) ~= 0 and "write" or "read",
+      band(info, INFO_LAST) ~= 0 and "last transmission" or "more follows"))
+    if band(info, INFO_OPEN) ~= 0 then
+      add_expert(item or root, EX.synax_note,
+        strformat("Bits 2 to 15 of the info access are not defined: 0x%04x", band(info, INFO_OPEN)))
+    end
+  end
+
+  -- Adds the head at `offset`, all 6 bytes of which are there. Gives {is_write, is_last, axis, ident, known} and words
+  -- for the packet list: "Read S-0-0237, axis 2".
+  function S.add_head(tree, root, tvb, offset, is_big)
+    local bytes = tvb(offset, K.HEAD_SIZE):bytes():raw()
+    local info_low, info_high = byte(bytes, is_big and 2 or 1), byte(bytes, is_big and 1 or 2)
+    local low, high = byte(bytes, is_big and 6 or 5), byte(bytes, is_big and 5 or 6)
+    local info, axis, kind = info_low + info_high * 0x100, byte(bytes, 3, 4)
+    local ident = S.ident(kind, low + high * 0x100)
+    local head = {
+      is_write = band(info, INFO_WRITE) ~= 0,
+      is_last = band(info, INFO_LAST) ~= 0,
+      axis = axis,
+      ident = ident,
+      known = S.known_from_tables(ident),
+    }
+
+    add_info(tree, root, tvb, offset, is_big, info)
+    add(tree, FX.synax_axis, tvb, offset + 2, 1)
+    if tree then
+      S.add_ident(tree, tvb, {offset = offset + 3, length = 3, type_at = offset + 3, number_at = offset + 4,
+        is_big = is_big}, ident, head.known)
+    end
+    local words = (head.is_write and "Write " or "Read ") .. ident.text
+
+    if head.known.name then words = words .. " (" .. head.known.name .. ")" end
+    return head, strformat("%s, axis %d", words, axis)
+  end
+
+  -- Adds the data of that parameter, from `offset` to the end of `tvb`. Gives words for the packet list.
+  function S.add_head_data(tree, root, tvb, offset, is_big, head)
+    local length = tvb:len() - offset
+    local data = {tvb = tvb, offset = offset, length = length, is_big = is_big,
+      bytes = length > 0 and tvb(offset, length):bytes():raw() or ""}
+    local text = S.add_element(tree, nil, data, K.ELEMENT_DATA, head.ident, head.known, true)
+    local misfit = S.element_misfit(data, K.ELEMENT_DATA, head.known, true)
+
+    if misfit then add_expert(tree or root, EX.synax_note, misfit) end
+    if text then return " = " .. text end
+    return length > 0 and strformat(", %d byte%s", length, plural(length)) or ""
+  end
+end
+
 --- sis/transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
 
 do
@@ -5506,17 +5640,9 @@ do
 
   at_init(apply_dlt_user)
 
-  local function all_of(declared)
-    local list = {}
-
-    for _, each in pairs(declared) do
-      list[#list + 1] = each
-    end
-    return list
+  for name, proto in pairs(protos) do
+    proto.fields, proto.experts = registered[name].fields, registered[name].experts
   end
-
-  sertap.fields, sertap.experts = all_of(FT), all_of(ET)
-  sis.fields, sis.experts = all_of(F), all_of(E)
 
   DissectorTable.get("sertap.framing"):add(0, sis)
   DissectorTable.get("tcp.port"):add_for_decode_as(sis)

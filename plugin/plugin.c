@@ -10,6 +10,8 @@ void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
 void proto_register_sis(void);
 void proto_reg_handoff_sis(void);
+void proto_register_synax(void);
+void proto_reg_handoff_synax(void);
 
 WS_DLL_PUBLIC_DEF const char plugin_version[] = PLUGIN_VERSION;
 WS_DLL_PUBLIC_DEF const int plugin_want_major = WIRESHARK_VERSION_MAJOR;
@@ -33,7 +35,10 @@ plugin_register(void)
                                   .register_handoff = proto_reg_handoff_sertap};
     static proto_plugin sis = {.register_protoinfo = proto_register_sis,
                                .register_handoff = proto_reg_handoff_sis};
+    static proto_plugin synax = {.register_protoinfo = proto_register_synax,
+                                 .register_handoff = proto_reg_handoff_synax};
 
     proto_register_plugin(&sertap);
     proto_register_plugin(&sis);
+    proto_register_plugin(&synax);
 }

@@ -3,6 +3,7 @@
  * make-plugin-reg.py finds these functions by their names. */
 
 #include "parameters/fields.h"
+#include "parameters/ident.h"
 #include "parameters/parameters.h"
 #include "parameters/values.h"
 #include "sertap/line.h"
@@ -20,11 +21,15 @@
 #include "sis/tables.h"
 #include "sis/timing.h"
 #include "sis/transports.h"
+#include "synax/fields.h"
+#include "synax/head.h"
 
 void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
 void proto_register_sis(void);
 void proto_reg_handoff_sis(void);
+void proto_register_synax(void);
+void proto_reg_handoff_synax(void);
 
 void
 proto_register_sertap(void)
@@ -68,6 +73,7 @@ proto_register_sis(void)
 {
     sis_fields_register(); /* the protocol: before all others */
     sis_parameter_fields_register();
+    sis_ident_register();
     sis_values_register();
     sis_address_register();
     register_preferences(prefs_register_protocol(proto_sis, NULL));
@@ -87,4 +93,16 @@ proto_reg_handoff_sis(void)
 {
     sis_packet_handoff();
     sis_transports_handoff();
+}
+
+void
+proto_register_synax(void)
+{
+    synax_fields_register(); /* before all others */
+    synax_head_register();
+}
+
+void
+proto_reg_handoff_synax(void)
+{
 }

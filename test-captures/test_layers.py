@@ -17,7 +17,7 @@ HOUSE = Path(__file__).resolve().parent.parent
 PLUGIN = HOUSE / "plugin"
 OBJECTS = HOUSE / "build" / "plugin" / "plugin" / "CMakeFiles" / "sis.dir"
 
-LINE = re.compile(r"    (?P<folder>[a-z/]+/)? *(?P<files>[a-z-]+(, [a-z-]+)*)")
+LINE = re.compile(r"    (?P<folder>[a-z/]+/)? *(?P<files>[a-z0-9-]+(, [a-z0-9-]+)*)")
 INCLUDE = re.compile(r'#include "(?P<file>[^"]+)\.h"')
 APART = {"parameters", "sertap"}  # two families that do not know each other
 
@@ -68,7 +68,7 @@ def test_every_file_is_in_the_list() -> None:
 
 
 def test_every_file_is_built() -> None:
-    built = set(re.findall(r"^    ([a-z/-]+)\.c\)?$", (PLUGIN / "CMakeLists.txt").read_text(), re.MULTILINE))
+    built = set(re.findall(r"^    ([a-z0-9/-]+)\.c\)?$", (PLUGIN / "CMakeLists.txt").read_text(), re.MULTILINE))
     assert built == {file for file in FILES if (PLUGIN / f"{file}.c").exists()}
 
 

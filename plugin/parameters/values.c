@@ -46,12 +46,13 @@ typedef struct {
     format_t format;
     unsigned decimals;
     unsigned factor;
-    const char *unit; /* NULL: none or unknown */
+    const char *unit;  /* NULL: none or unknown */
+    unsigned encoding; /* ENC_LITTLE_ENDIAN or ENC_BIG_ENDIAN */
 } layout_t;
 
 /* False for the length codes that are not defined. */
 static bool
-read_layout(const sis_known_t *known, layout_t *layout)
+read_layout(const sis_known_t *known, unsigned encoding, layout_t *layout)
 {
     static const unsigned sizes[] = {0, 2, 4, 8, 1, 2, 4, 8};
     uint32_t attribute = known->attribute;
@@ -65,16 +66,17 @@ read_layout(const sis_known_t *known, layout_t *layout)
     layout->decimals = DECIMALS(attribute);
     layout->factor = MAX(FACTOR(attribute), 1u);
     layout->unit = known->unit;
+    layout->encoding = encoding;
     return layout->size > 0;
 }
 
 static uint64_t
-get_number(tvbuff_t *tvb, unsigned offset, unsigned size)
+get_number(tvbuff_t *tvb, unsigned offset, unsigned size, unsigned encoding)
 {
     uint64_t value = 0;
 
-    for (unsigned i = size; i > 0; i--)
-        value = value << 8 | compat_get_uint8(tvb, offset + i - 1);
+    for (unsigned i = 0; i < size; i++)
+        value = value << 8 | compat_get_uint8(tvb, offset + (encoding == ENC_BIG_ENDIAN ? i : size - 1 - i));
     return value;
 }
 
@@ -120,8 +122,8 @@ signed_text(wmem_allocator_t *scope, uint64_t raw, const layout_t *layout)
 static const char *
 float_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {
-    double value =
-        layout->size == 8 ? tvb_get_letohieee_double(tvb, offset) : tvb_get_letohieee_float(tvb, offset);
+    double value = layout->size == 8 ? tvb_get_ieee_double(tvb, offset, layout->encoding)
+                                     : tvb_get_ieee_float(tvb, offset, layout->encoding);
 
     return double_text(scope, layout->size == 8 ? 15 : 7, value);
 }
@@ -151,7 +153,7 @@ command_text(uint64_t raw)
 static const char *
 number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {
-    uint64_t raw = get_number(tvb, offset, layout->size);
+    uint64_t raw = get_number(tvb, offset, layout->size, layout->encoding);
     sis_ident_t ident = {0, (uint16_t)raw};
 
     switch (layout->format) {
@@ -180,7 +182,8 @@ value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout
 {
     const char *number = number_text(scope, tvb, offset, layout), *request;
 
-    if (layout->is_command && (request = command_text(get_number(tvb, offset, layout->size))) != NULL)
+    if (layout->is_command &&
+        (request = command_text(get_number(tvb, offset, layout->size, layout->encoding))) != NULL)
         return wmem_strdup_printf(scope, "%s (%s)", number, request);
     if (layout->unit == NULL || layout->unit[0] == '\0' || layout->format == BINARY ||
         layout->format == IDENT || layout->format == HEXADECIMAL)
@@ -191,12 +194,15 @@ value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout
 /* The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries
  * them. */
 static unsigned
-list_header_size(tvbuff_t *tvb)
+list_header_size(const sis_element_data_t *data)
 {
-    unsigned length = tvb_captured_length(tvb);
+    unsigned length = tvb_captured_length(data->tvb);
+    uint64_t actual;
 
-    if (length < LIST_HEADER || tvb_get_letohs(tvb, 0) + (unsigned)LIST_HEADER != length ||
-        tvb_get_letohs(tvb, 0) > tvb_get_letohs(tvb, 2))
+    if (length < LIST_HEADER)
+        return 0;
+    actual = get_number(data->tvb, 0, 2, data->encoding);
+    if (actual + LIST_HEADER != length || actual > get_number(data->tvb, 2, 2, data->encoding))
         return 0;
     return LIST_HEADER;
 }
@@ -204,44 +210,45 @@ list_header_size(tvbuff_t *tvb)
 const char *
 sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb)
 {
-    unsigned header = list_header_size(tvb);
+    unsigned header = list_header_size(&(sis_element_data_t){tvb, ENC_LITTLE_ENDIAN, true});
 
     return sis_text(scope, tvb, header, tvb_captured_length(tvb) - header);
 }
 
 /* Gives the size of the length words, 0 if there are none. */
 static unsigned
-add_list_header(proto_tree *tree, tvbuff_t *tvb, bool is_whole)
+add_list_header(proto_tree *tree, const sis_element_data_t *data)
 {
-    unsigned size = is_whole ? list_header_size(tvb) : 0;
+    unsigned size = data->is_whole ? list_header_size(data) : 0;
 
     if (size > 0) {
-        proto_tree_add_item(tree, hf_list_actual, tvb, 0, 2, ENC_LITTLE_ENDIAN);
-        proto_tree_add_item(tree, hf_list_maximum, tvb, 2, 2, ENC_LITTLE_ENDIAN);
+        proto_tree_add_item(tree, hf_list_actual, data->tvb, 0, 2, data->encoding);
+        proto_tree_add_item(tree, hf_list_maximum, data->tvb, 2, 2, data->encoding);
     }
     return size;
 }
 
 static const char *
-add_text(proto_tree *tree, packet_info *pinfo, int hf, tvbuff_t *tvb, bool is_whole)
+add_text(proto_tree *tree, packet_info *pinfo, int hf, const sis_element_data_t *data)
 {
-    unsigned header = add_list_header(tree, tvb, is_whole), length = tvb_captured_length(tvb) - header;
-    const char *text = sis_text(pinfo->pool, tvb, header, length);
+    unsigned header = add_list_header(tree, data), length = tvb_captured_length(data->tvb) - header;
+    const char *text = sis_text(pinfo->pool, data->tvb, header, length);
 
-    proto_tree_add_string(tree, hf, tvb, header, length, text);
+    proto_tree_add_string(tree, hf, data->tvb, header, length, text);
     return wmem_strdup_printf(pinfo->pool, "\"%s\"", text);
 }
 
 static const char *
-add_attribute(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb)
+add_attribute(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data)
 {
     static int *const bits[] = {&hf_protected_4, &hf_protected_3, &hf_protected_2, &hf_decimals, &hf_format,
                                 &hf_command,     &hf_length,      &hf_factor,      NULL};
 
-    if (tvb_captured_length(tvb) != ATTRIBUTE_SIZE)
+    if (tvb_captured_length(data->tvb) != ATTRIBUTE_SIZE)
         return NULL;
-    proto_tree_add_bitmask(tree, tvb, 0, hf_attribute, ett_attribute, bits, ENC_LITTLE_ENDIAN);
-    return wmem_strdup_printf(pinfo->pool, "0x%08x", tvb_get_letohl(tvb, 0));
+    proto_tree_add_bitmask(tree, data->tvb, 0, hf_attribute, ett_attribute, bits, data->encoding);
+    return wmem_strdup_printf(pinfo->pool, "0x%08x",
+                              (unsigned)get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding));
 }
 
 #define SHOWN_IN_LIST 4u
@@ -250,10 +257,11 @@ add_attribute(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb)
 /* All elements into the tree, the first few into the text. Which one of its list the first of a segment is
  * cannot be told. */
 static const char *
-add_list(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const layout_t *layout, bool is_whole)
+add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, const layout_t *layout)
 {
     wmem_strbuf_t *text = wmem_strbuf_new(pinfo->pool, "");
-    unsigned offset = add_list_header(tree, tvb, is_whole), length = tvb_captured_length(tvb) - offset;
+    tvbuff_t *tvb = data->tvb;
+    unsigned offset = add_list_header(tree, data), length = tvb_captured_length(tvb) - offset;
     unsigned count = length / layout->size, rest = length % layout->size;
     bool is_wanted = tree != NULL && (proto_field_is_referenced(tree, hf_value) ||
                                       proto_field_is_referenced(tree, hf_sis_raw));
@@ -266,7 +274,7 @@ add_list(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const layout_t *la
         unsigned at = offset + i * layout->size;
         const char *value = value_text(pinfo->pool, tvb, at, layout);
 
-        if (is_wanted && is_whole)
+        if (is_wanted && data->is_whole)
             proto_tree_add_string_format(subtree, hf_value, tvb, at, layout->size, value, "Element %u: %s",
                                          i + 1, value);
         else if (is_wanted)
@@ -283,86 +291,88 @@ add_list(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const layout_t *la
 
 /* Operating data, minimum or maximum; those of a list are as long as one of its elements. */
 static const char *
-add_value(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
-          const sis_known_t *known, bool is_whole)
+add_value(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, sis_element_t element,
+          const sis_known_t *known)
 {
-    unsigned length = tvb_captured_length(tvb);
+    unsigned length = tvb_captured_length(data->tvb);
     layout_t layout;
     const char *text;
 
-    if (known == NULL || !read_layout(known, &layout))
+    if (known == NULL || !read_layout(known, data->encoding, &layout))
         return NULL;
     if (element != SIS_ELEMENT_DATA && length == layout.size)
         layout.is_list = false;
     if (layout.is_list && layout.format == TEXT)
-        return add_text(tree, pinfo, hf_value, tvb, is_whole);
+        return add_text(tree, pinfo, hf_value, data);
     if (layout.is_list)
-        return add_list(tree, pinfo, tvb, &layout, is_whole);
+        return add_list(tree, pinfo, data, &layout);
     if (length != layout.size)
         return NULL;
-    text = value_text(pinfo->pool, tvb, 0, &layout);
-    proto_tree_add_string(tree, hf_value, tvb, 0, length, text);
+    text = value_text(pinfo->pool, data->tvb, 0, &layout);
+    proto_tree_add_string(tree, hf_value, data->tvb, 0, length, text);
     return text;
 }
 
 /* The number word alone does not tell the kind of a control parameter. */
 static const char *
-add_ident(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned length, const sis_ident_t *asked)
+add_ident(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, const sis_ident_t *asked)
 {
+    unsigned length = tvb_captured_length(data->tvb);
     sis_ident_t ident;
     const char *text;
 
     if (length != 2 || asked == NULL)
         return NULL;
-    ident = (sis_ident_t){asked->type, tvb_get_letohs(tvb, 0)};
+    ident = (sis_ident_t){asked->type, (uint16_t)get_number(data->tvb, 0, 2, data->encoding)};
     text = sis_ident_text(pinfo->pool, ident);
-    proto_tree_add_string(tree, hf_value, tvb, 0, length, text);
+    proto_tree_add_string(tree, hf_value, data->tvb, 0, length, text);
     return text;
 }
 
 const char *
-sis_element_misfit(wmem_allocator_t *scope, tvbuff_t *tvb, sis_element_t element, const sis_known_t *known,
-                   bool is_whole)
+sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_element_t element,
+                   const sis_known_t *known)
 {
-    unsigned length = tvb_captured_length(tvb), rest;
+    unsigned length = tvb_captured_length(data->tvb), rest;
     layout_t layout;
 
     if (element == SIS_ELEMENT_ATTRIBUTE && length == ATTRIBUTE_SIZE &&
-        (tvb_get_letohl(tvb, 0) & UNDEFINED_BITS))
+        (get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding) & UNDEFINED_BITS))
         return "undefined bits of the attribute";
-    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, &layout) || length == layout.size)
+    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, data->encoding, &layout) ||
+        length == layout.size)
         return NULL;
     if (!layout.is_list)
         return wmem_strdup_printf(scope, "%u byte%s, its attribute says %u", length,
                                   plurality(length, "", "s"), layout.size);
-    rest = (length - (is_whole ? list_header_size(tvb) : 0)) % layout.size;
+    rest = (length - (data->is_whole ? list_header_size(data) : 0)) % layout.size;
     return rest == 0 ? NULL
                      : wmem_strdup_printf(scope, "%u byte%s of an incomplete element", rest,
                                           plurality(rest, "", "s"));
 }
 
 const char *
-sis_add_element(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
-                const sis_ident_t *ident, const sis_known_t *known, bool is_whole)
+sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, sis_element_t element,
+                const sis_ident_t *ident, const sis_known_t *known)
 {
-    unsigned length = tvb_captured_length(tvb);
+    unsigned length = tvb_captured_length(data->tvb);
 
     if (length == 0)
         return NULL;
-    proto_tree_add_item(tree, hf_sis_data, tvb, 0, length, ENC_NA);
+    proto_tree_add_item(tree, hf_sis_data, data->tvb, 0, length, ENC_NA);
     switch (element) {
     case SIS_ELEMENT_IDENT:
-        return add_ident(tree, pinfo, tvb, length, ident);
+        return add_ident(tree, pinfo, data, ident);
     case SIS_ELEMENT_NAME:
-        return add_text(tree, pinfo, hf_name, tvb, is_whole);
+        return add_text(tree, pinfo, hf_name, data);
     case SIS_ELEMENT_ATTRIBUTE:
-        return add_attribute(tree, pinfo, tvb);
+        return add_attribute(tree, pinfo, data);
     case SIS_ELEMENT_UNIT:
-        return add_text(tree, pinfo, hf_unit, tvb, is_whole);
+        return add_text(tree, pinfo, hf_unit, data);
     case SIS_ELEMENT_MINIMUM:
     case SIS_ELEMENT_MAXIMUM:
     case SIS_ELEMENT_DATA:
-        return add_value(tree, pinfo, tvb, element, known, is_whole);
+        return add_value(tree, pinfo, data, element, known);
     default:
         return NULL;
     }

@@ -6,16 +6,22 @@
 
 #include "parameters/parameters.h"
 
-/* Adds the data of an element, all of `tvb`: bytes as sis.data, and what they mean as far as that is known.
- * Gives a short text for the packet list ("12.5000 rpm", "\"Velocity command value\""), NULL where there is
- * nothing better than bytes. `is_whole` is false for a segment of a list; `ident` NULL where the command is
- * not known. */
-const char *sis_add_element(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, sis_element_t element,
-                            const sis_ident_t *ident, const sis_known_t *known, bool is_whole);
+/* Data of an element: all of `tvb`, with its length words where it is a list. */
+typedef struct {
+    tvbuff_t *tvb;
+    unsigned encoding; /* ENC_LITTLE_ENDIAN in SIS, ENC_BIG_ENDIAN on other roads */
+    bool is_whole;     /* false: a segment of a list */
+} sis_element_data_t;
+
+/* Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short
+ * text for the packet list ("12.5000 rpm", "\"Velocity command value\""), NULL where there is nothing better
+ * than bytes. `ident` is NULL where the command is not known. */
+const char *sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data,
+                            sis_element_t element, const sis_ident_t *ident, const sis_known_t *known);
 
 /* What does not fit between the data of an element and its attribute, in words; NULL: nothing. */
-const char *sis_element_misfit(wmem_allocator_t *scope, tvbuff_t *tvb, sis_element_t element,
-                               const sis_known_t *known, bool is_whole);
+const char *sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_element_t element,
+                               const sis_known_t *known);
 
 /* A name or a unit, without the two length words that a list may begin with. */
 const char *sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb);

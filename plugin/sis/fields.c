@@ -16,6 +16,7 @@ int hf_sis_device = -1;
 int hf_sis_subservice = -1;
 int hf_sis_error = -1;
 int hf_sis_baud_mask = -1;
+int hf_sis_phase = -1;
 
 expert_field ei_sis_missing = EI_INIT;
 expert_field ei_sis_unexpected = EI_INIT;
@@ -30,6 +31,7 @@ static hf_register_info fields[] = {
     {&hf_sis_device, {"Device address", "sis.device", FT_UINT8, BASE_DEC, NULL, 0, "Of the device behind the station; its own address, or 0 for the control itself", HFILL}},
     {&hf_sis_subservice, {"Subservice", "sis.subservice", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_sis_error, {"Error code", "sis.error", FT_UINT16, BASE_HEX, NULL, 0, "The full code, where a byte is sent together with its subservice", HFILL}},
+    {&hf_sis_phase, {"Phase", "sis.phase", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_sis_baud_mask, {"Baud rate mask", "sis.init.baud_mask", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
 };
 

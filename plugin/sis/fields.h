@@ -18,6 +18,7 @@ extern int hf_sis_device;
 extern int hf_sis_subservice;
 extern int hf_sis_error;
 extern int hf_sis_baud_mask;
+extern int hf_sis_phase;
 
 /* Wrong or missing data of a service; every use has a text of its own. */
 extern expert_field ei_sis_missing;

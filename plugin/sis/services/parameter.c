@@ -3,6 +3,7 @@
 
 #include "sis/services/services.h"
 
+#include "parameters/ident.h"
 #include "parameters/values.h"
 #include "sis/export.h"
 #include "sis/layouts.h"
@@ -19,15 +20,6 @@ static int hf_control = -1;
 static int hf_control_reserved = -1;
 static int hf_element = -1;
 static int hf_transmission = -1;
-static int hf_parameter = -1;
-static int hf_parameter_name = -1;
-static int hf_parameter_unit = -1;
-static int hf_parameter_minimum = -1;
-static int hf_parameter_maximum = -1;
-static int hf_parameter_type = -1;
-static int hf_parameter_profile = -1;
-static int hf_parameter_set = -1;
-static int hf_parameter_number = -1;
 static int hf_list_offset = -1;
 static int hf_list_length = -1;
 static int hf_data_status = -1;
@@ -38,7 +30,6 @@ static int hf_data_status_impossible = -1;
 static int hf_data_status_invalid = -1;
 
 static int ett_control = -1;
-static int ett_parameter = -1;
 static int ett_data_status = -1;
 static int ett_whole = -1;
 
@@ -124,33 +115,6 @@ take_control(access_t *access)
 }
 
 static void
-add_generated(proto_tree *tree, tvbuff_t *tvb, int hf, const char *text, const char *source)
-{
-    proto_item *item;
-
-    if (text == NULL)
-        return;
-    item = proto_tree_add_string(tree, hf, tvb, 0, 0, text);
-    proto_item_set_generated(item);
-    proto_item_append_text(item, " (%s)", source);
-}
-
-/* What is known of a parameter, and where from. */
-static void
-add_known(const access_t *access, proto_tree *tree)
-{
-    static const char *const sources[] = {"", "learned from the bus", "from the table SIS parameters",
-                                          "built in"};
-    const sis_known_t *known = &access->known;
-    tvbuff_t *tvb = access->body->tvb;
-
-    add_generated(tree, tvb, hf_parameter_name, known->name, sources[known->name_from]);
-    add_generated(tree, tvb, hf_parameter_unit, known->unit, sources[known->unit_from]);
-    add_generated(tree, tvb, hf_parameter_minimum, known->minimum, sources[SIS_FROM_BUS]);
-    add_generated(tree, tvb, hf_parameter_maximum, known->maximum, sources[SIS_FROM_BUS]);
-}
-
-static void
 say_parameter(const access_t *access)
 {
     sis_body_t *body = access->body;
@@ -169,27 +133,13 @@ say_parameter(const access_t *access)
 static void
 show_parameter(const access_t *access, unsigned length)
 {
-    static int *const bits_drive[] = {&hf_parameter_profile, &hf_parameter_set, &hf_parameter_number, NULL};
-    static int *const bits_control[] = {&hf_parameter_set, &hf_parameter_number, NULL};
     sis_body_t *body = access->body;
     unsigned offset = length > 0 ? body->offset : 0;
-    proto_tree *tree;
+    sis_ident_place_t place = {offset, length, offset, offset + 1, ENC_LITTLE_ENDIAN};
 
-    if (body->tree == NULL)
-        return;
-    body->item =
-        proto_tree_add_string(body->tree, hf_parameter, body->tvb, offset, length, access->ident_text);
-    if (access->known.name != NULL)
-        proto_item_append_text(body->item, " (%s)", access->known.name);
-    tree = proto_item_add_subtree(body->item, ett_parameter);
-    if (length > 0) {
-        proto_tree_add_item(tree, hf_parameter_type, body->tvb, offset, 1, ENC_NA);
-        proto_tree_add_bitmask_list(tree, body->tvb, offset + 1, 2,
-                                    access->ident.type == 0 ? bits_drive : bits_control, ENC_LITTLE_ENDIAN);
-    } else {
-        proto_item_set_generated(body->item);
-    }
-    add_known(access, tree);
+    if (body->tree != NULL)
+        body->item =
+            sis_add_ident(body->tree, body->pinfo->pool, body->tvb, &place, access->ident, &access->known);
 }
 
 static void
@@ -221,7 +171,7 @@ take_parameter(access_t *access)
     sis_body_t *body = access->body;
     unsigned offset = body->offset;
 
-    if (!sis_needs(body, hf_parameter, 3))
+    if (!sis_needs(body, hf_sis_parameter, 3))
         return false;
     know_parameter(access,
                    (sis_ident_t){compat_get_uint8(body->tvb, offset), tvb_get_letohs(body->tvb, offset + 1)});
@@ -331,10 +281,10 @@ static void
 show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
 {
     sis_body_t *body = access->body;
-    bool is_whole = !is_segment(access);
+    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, !is_segment(access)};
     unsigned length = tvb_captured_length(tvb);
-    const char *text = sis_add_element(tree, body->pinfo, tvb, access->element,
-                                       access->has_ident ? &access->ident : NULL, &access->known, is_whole);
+    const char *text = sis_add_element(tree, body->pinfo, &data, access->element,
+                                       access->has_ident ? &access->ident : NULL, &access->known);
     const char *misfit;
 
     if (is_write(access) && access->element == SIS_ELEMENT_IDENT) {
@@ -348,15 +298,14 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         sis_say_bytes(body, length);
         say_few_bytes(body, tvb);
     }
-    misfit = body->is_cut
-                 ? NULL
-                 : sis_element_misfit(body->pinfo->pool, tvb, access->element, &access->known, is_whole);
+    misfit =
+        body->is_cut ? NULL : sis_element_misfit(body->pinfo->pool, &data, access->element, &access->known);
     if (misfit != NULL) {
         body->item = body->root;
         sis_mark(body, &ei_sis_note, "%s", misfit);
     }
     check_segment(access, length);
-    if (access->has_ident && is_whole && body->is_reaction)
+    if (access->has_ident && data.is_whole && body->is_reaction)
         sis_station_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
 }
 
@@ -493,29 +442,11 @@ sis_dissect_parameter(sis_body_t *body)
 /* clang-format off */
 static const true_false_string last_current = {"last", "current, more follows"};
 
-static const value_string parameter_types[] = {
-    {0, "Parameter of a drive"},
-    {1, "Control parameter, first kind (A)"},
-    {2, "Control parameter, second kind (C)"},
-    {0, NULL},
-};
-
-static const true_false_string product_standard = {"P, product-specific", "S, standard"};
-
 static hf_register_info fields[] = {
     {&hf_control, {"Parameter control", "sis.parameter_control", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_control_reserved, {"Reserved", "sis.parameter_control.reserved", FT_UINT8, BASE_HEX, NULL, CONTROL_RESERVED, NULL, HFILL}},
     {&hf_element, {"Element", "sis.element", FT_UINT8, BASE_DEC, VALS(sis_elements), 0x38, NULL, HFILL}},
     {&hf_transmission, {"Transmission", "sis.transmission", FT_BOOLEAN, 8, TFS(&last_current), SIS_LAST_TRANSMISSION, NULL, HFILL}},
-    {&hf_parameter, {"Parameter", "sis.parameter", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_parameter_name, {"Name", "sis.parameter.name", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_parameter_unit, {"Unit", "sis.parameter.unit", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_parameter_minimum, {"Minimum", "sis.parameter.minimum", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_parameter_maximum, {"Maximum", "sis.parameter.maximum", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_parameter_type, {"Type", "sis.parameter.type", FT_UINT8, BASE_DEC, VALS(parameter_types), 0, NULL, HFILL}},
-    {&hf_parameter_profile, {"Kind", "sis.parameter.product_specific", FT_BOOLEAN, 16, TFS(&product_standard), 0x8000, NULL, HFILL}},
-    {&hf_parameter_set, {"Parameter set", "sis.parameter.set", FT_UINT16, BASE_DEC, NULL, 0x7000, NULL, HFILL}},
-    {&hf_parameter_number, {"Number", "sis.parameter.number", FT_UINT16, BASE_DEC, NULL, 0x0FFF, NULL, HFILL}},
     {&hf_list_offset, {"List offset", "sis.list_offset", FT_UINT16, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_list_length, {"List length", "sis.list_length", FT_UINT16, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_data_status, {"Data status", "sis.data_status", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
@@ -530,7 +461,7 @@ static hf_register_info fields[] = {
 void
 sis_parameter_register(void)
 {
-    static int *trees[] = {&ett_control, &ett_parameter, &ett_data_status, &ett_whole};
+    static int *trees[] = {&ett_control, &ett_data_status, &ett_whole};
 
     proto_register_field_array(proto_sis, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));

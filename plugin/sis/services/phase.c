@@ -6,7 +6,6 @@
 
 #include "sis/layouts.h"
 
-static int hf_phase = -1;
 static int hf_switch_in = -1;
 static int hf_switch_time = -1;
 
@@ -17,7 +16,7 @@ take_phase(sis_body_t *body, uint32_t *phase)
 {
     const char *mode;
 
-    if (!sis_take(body, hf_phase, 1, phase))
+    if (!sis_take(body, hf_sis_phase, 1, phase))
         return false;
     mode = try_val_to_str(*phase, sis_phases);
     if (mode != NULL)
@@ -118,7 +117,6 @@ sis_dissect_phase(sis_body_t *body)
 
 /* clang-format off */
 static hf_register_info fields[] = {
-    {&hf_phase, {"Phase", "sis.phase", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_switch_in, {"Phase switch in", "sis.phase.switch_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_switch_time, {"Time of the phase switch", "sis.phase.switch_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From its command to the poll that ended it", HFILL}},
 };

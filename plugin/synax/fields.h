@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the other transports of SYNAX200 share: a protocol for their common fields, and their expert items. */
+
+#ifndef SYNAX_FIELDS_H
+#define SYNAX_FIELDS_H
+
+#include "compat.h"
+
+#include <epan/expert.h>
+
+extern int proto_synax;
+
+extern int hf_synax_request_in;  /* of an answer */
+extern int hf_synax_answer_in;   /* of a request */
+extern int hf_synax_answer_time; /* from the request to its answer */
+
+/* Every use has a text of its own. */
+extern expert_field ei_synax_note; /* what the documents do not define */
+extern expert_field ei_synax_short;
+extern expert_field ei_synax_unexpected;
+extern expert_field ei_synax_error; /* that an answer reports */
+extern expert_field ei_synax_unanswered;
+
+void synax_fields_register(void);
+
+#endif

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
+ * (chapter 7), 3964R with the high byte first (chapter 8). */
+
+#ifndef SYNAX_HEAD_H
+#define SYNAX_HEAD_H
+
+#include "parameters/parameters.h"
+
+#define SYNAX_HEAD_SIZE 6u
+
+typedef struct {
+    bool is_write; /* bit 0 of the info access */
+    bool is_last;  /* bit 1: the last transmission */
+    uint8_t axis;
+    sis_ident_t ident;
+    sis_known_t known; /* what the tables say of it */
+} synax_head_t;
+
+/* Data blocks that have a meaning of their own (chapters 7 and 8): 98 to 116; NULL: none. */
+const char *synax_block_text(unsigned number);
+
+/* Adds the head at `offset`, all 6 bytes of which are there. Appends words for the packet list: "Read
+ * S-0-0237, axis 2". */
+synax_head_t synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset,
+                            unsigned encoding, wmem_strbuf_t *words);
+
+/* Adds the data of that parameter, from `offset` to the end of `tvb`, and appends its value to the words. */
+void synax_add_data(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
+                    const synax_head_t *head, wmem_strbuf_t *words);
+
+void synax_head_register(void);
+
+#endif
