@@ -5444,6 +5444,7 @@ end
 
 do
   local INFO_WRITE, INFO_LAST, INFO_OPEN = 0x0001, 0x0002, 0xFFFC
+  local SHOWN_BYTES = 8 -- in the packet list
   local blocks = {
     [98] = "cancel a transmission with follow-ups",
     [99] = "inputs and outputs of the PPC",
@@ -5512,7 +5513,8 @@ do
 
     if misfit then add_expert(tree or root, EX.synax_note, misfit) end
     if text then return " = " .. text end
-    return length > 0 and strformat(", %d byte%s", length, plural(length)) or ""
+    if length == 0 then return "" end
+    return strformat(", %d byte%s", length, plural(length)) .. (length <= SHOWN_BYTES and ": " .. hex(data.bytes) or "")
   end
 end
 

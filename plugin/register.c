@@ -21,8 +21,10 @@
 #include "sis/tables.h"
 #include "sis/timing.h"
 #include "sis/transports.h"
+#include "synax/3964r.h"
 #include "synax/fields.h"
 #include "synax/head.h"
+#include "synax/rk512i.h"
 
 void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
@@ -100,9 +102,12 @@ proto_register_synax(void)
 {
     synax_fields_register(); /* before all others */
     synax_head_register();
+    synax_rk512i_register();
+    synax_3964r_register();
 }
 
 void
 proto_reg_handoff_synax(void)
 {
+    synax_3964r_handoff();
 }

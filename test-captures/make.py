@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import argparse
 import ast
+import functools
+import operator
 import re
 import shlex
 import struct
@@ -62,6 +64,7 @@ class Item:
     section: int = 0
     interface: int = 0  # of the section
     event: int = 0
+    framing: int = 0  # of a frame: 0 SIS, 1 3964R
     flags: dict[int, int] = field(default_factory=dict)  # by character, counted from 1
     pauses_ns: dict[int, int] = field(default_factory=dict)
     raw: bytes | None = None  # for `record` and `segment`
@@ -88,6 +91,7 @@ class Item:
             self.uncertainty_ns,
         )
         packed = made.pack()
+        packed = packed[:11] + bytes([self.framing]) + packed[12:]
         return packed[:18] + struct.pack(">H", self.event) + packed[20:] if self.event else packed
 
     def _intervals(self, silence_ns: int) -> list[int]:
@@ -165,6 +169,9 @@ class Scenario:
             interfaces.append(rest)
         self._defaults["interface"] = interfaces.index(rest)
 
+    def _do_framing(self, rest: str) -> None:
+        self._defaults["framing"] = int(rest)
+
     def _do_silence(self, rest: str) -> None:
         self._silence_ns = round(float(rest) * 1e6)
 
@@ -181,6 +188,9 @@ class Scenario:
 
     def _built(self, rest: str, *, reaction: bool) -> bytes:
         return built_telegram(rest if ">" in rest.split()[0] else f"{self._stations} {rest}", reaction=reaction)
+
+    def _do_block(self, rest: str) -> None:
+        self._add(data=block_3964r(body_bytes(rest)))
 
     def _do_command(self, rest: str) -> None:
         self._add(data=self._built(rest, reaction=False))
@@ -296,6 +306,12 @@ class Scenario:
 def body_bytes(text: str) -> bytes:
     """Read hexadecimal digits, and characters in double quotes."""
     return bytes.fromhex(re.sub('"([^"]*)"', lambda quoted: quoted[1].encode("ascii").hex(), text))
+
+
+def block_3964r(data: bytes) -> bytes:
+    """Make a block of 3964R from its data: DLEs doubled, DLE ETX, and the XOR of all that."""
+    block = data.replace(b"\x10", b"\x10\x10") + b"\x10\x03"
+    return block + bytes([functools.reduce(operator.xor, block)])
 
 
 def built_telegram(text: str, *, reaction: bool) -> bytes:

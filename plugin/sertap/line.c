@@ -36,6 +36,15 @@ sertap_line_key(const packet_info *pinfo)
     return (uint64_t)compat_section(pinfo) << 32 | compat_interface(pinfo);
 }
 
+uint64_t
+sertap_bus_key(packet_info *pinfo)
+{
+    const sertap_record_t *record = sertap_record(pinfo);
+    uint64_t line = sertap_line_key(pinfo);
+
+    return record != NULL && record->line == 2 && compat_interface(pinfo) > 0 ? line - 1 : line;
+}
+
 static line_t *
 find_line(const packet_info *pinfo)
 {

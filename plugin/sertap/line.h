@@ -21,6 +21,9 @@ float sertap_load(const sertap_record_t *record);
 /* A line of the capture as a number: its section, and in the lower half its interface. */
 uint64_t sertap_line_key(const packet_info *pinfo);
 
+/* The line, or both directions of a full-duplex tap: they are two interfaces, one after the other. */
+uint64_t sertap_bus_key(packet_info *pinfo);
+
 /* The lines of the capture in the order in which they came, from 0. Only of a packet with a record. */
 unsigned sertap_line_number(const packet_info *pinfo);
 

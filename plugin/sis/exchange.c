@@ -36,18 +36,15 @@ is_connection(packet_info *pinfo)
     return pinfo->ptype == PT_TCP;
 }
 
-/* A capture has an interface a line; SIS over TCP a connection. The two directions of a full-duplex tap are
- * two interfaces, one after the other. */
+/* A capture has an interface a line; SIS over TCP a connection. */
 static uint64_t
 bus_key(packet_info *pinfo)
 {
     const conversation_t *conversation = is_connection(pinfo) ? find_conversation_pinfo(pinfo, 0) : NULL;
-    const sertap_record_t *record = sertap_record(pinfo);
-    uint64_t line = sertap_line_key(pinfo);
 
     if (conversation != NULL)
         return UINT64_C(1) << 63 | conversation->conv_index;
-    return record != NULL && record->line == 2 && compat_interface(pinfo) > 0 ? line - 1 : line;
+    return sertap_bus_key(pinfo);
 }
 
 sis_bus_t *

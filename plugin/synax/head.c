@@ -13,6 +13,8 @@
 #define INFO_LAST  0x0002
 #define INFO_OPEN  0xFFFC
 
+#define SHOWN_BYTES 8 /* in the packet list */
+
 static int hf_info = -1;
 static int hf_info_open = -1;
 static int hf_info_last = -1;
@@ -51,26 +53,44 @@ add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, u
 }
 
 synax_head_t
+synax_head_of(uint16_t info, uint8_t axis, sis_ident_t ident)
+{
+    return (synax_head_t){info & INFO_WRITE, info & INFO_LAST, axis, ident, sis_known_from_tables(ident)};
+}
+
+static void
+say_parameter(packet_info *pinfo, const synax_head_t *head, wmem_strbuf_t *words)
+{
+    wmem_strbuf_append(words, sis_ident_text(pinfo->pool, head->ident));
+    if (head->known.name != NULL)
+        wmem_strbuf_append_printf(words, " (%s)", head->known.name);
+    wmem_strbuf_append_printf(words, ", axis %u", head->axis);
+}
+
+void
+synax_recall_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const synax_head_t *head,
+                  wmem_strbuf_t *words)
+{
+    static const sis_ident_place_t nowhere = {0};
+
+    sis_add_ident(tree, pinfo->pool, tvb, &nowhere, head->ident, &head->known);
+    say_parameter(pinfo, head, words);
+}
+
+synax_head_t
 synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
                wmem_strbuf_t *words)
 {
     uint16_t info = compat_get_uint16(tvb, offset, encoding);
-    synax_head_t head = {
-        .is_write = info & INFO_WRITE,
-        .is_last = info & INFO_LAST,
-        .axis = compat_get_uint8(tvb, offset + 2),
-        .ident = {compat_get_uint8(tvb, offset + 3), compat_get_uint16(tvb, offset + 4, encoding)}};
+    sis_ident_t ident = {compat_get_uint8(tvb, offset + 3), compat_get_uint16(tvb, offset + 4, encoding)};
+    synax_head_t head = synax_head_of(info, compat_get_uint8(tvb, offset + 2), ident);
     sis_ident_place_t place = {offset + 3, 3, offset + 3, offset + 4, encoding};
 
-    head.known = sis_known_from_tables(head.ident);
     add_info(tree, pinfo, tvb, offset, encoding, info);
     proto_tree_add_item(tree, hf_axis, tvb, offset + 2, 1, ENC_NA);
-    sis_add_ident(tree, pinfo->pool, tvb, &place, head.ident, &head.known);
-    wmem_strbuf_append_printf(words, "%s %s", head.is_write ? "Write" : "Read",
-                              sis_ident_text(pinfo->pool, head.ident));
-    if (head.known.name != NULL)
-        wmem_strbuf_append_printf(words, " (%s)", head.known.name);
-    wmem_strbuf_append_printf(words, ", axis %u", head.axis);
+    sis_add_ident(tree, pinfo->pool, tvb, &place, ident, &head.known);
+    wmem_strbuf_append(words, head.is_write ? "Write " : "Read ");
+    say_parameter(pinfo, &head, words);
     return head;
 }
 
@@ -86,7 +106,11 @@ synax_add_data(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned off
     if (text != NULL)
         wmem_strbuf_append_printf(words, " = %s", text);
     else if (length > 0)
-        wmem_strbuf_append_printf(words, ", %u byte%s", length, plurality(length, "", "s"));
+        wmem_strbuf_append_printf(words, ", %u byte%s%s%s", length, plurality(length, "", "s"),
+                                  length > SHOWN_BYTES ? "" : ": ",
+                                  length > SHOWN_BYTES
+                                      ? ""
+                                      : tvb_bytes_to_str_punct(pinfo->pool, data.tvb, 0, (int)length, ' '));
     if (misfit != NULL)
         expert_add_info_format(pinfo, proto_tree_get_parent(tree), &ei_synax_note, "%s", misfit);
 }

@@ -20,6 +20,13 @@ typedef struct {
 /* Data blocks that have a meaning of their own (chapters 7 and 8): 98 to 116; NULL: none. */
 const char *synax_block_text(unsigned number);
 
+/* The head of a command, for an answer that does not repeat it. */
+synax_head_t synax_head_of(uint16_t info, uint8_t axis, sis_ident_t ident);
+
+/* Adds sis.parameter where a command said it. */
+void synax_recall_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const synax_head_t *head,
+                       wmem_strbuf_t *words);
+
 /* Adds the head at `offset`, all 6 bytes of which are there. Appends words for the packet list: "Read
  * S-0-0237, axis 2". */
 synax_head_t synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset,

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* RK512 with the Indramat extension. */
+
+#ifndef SYNAX_RK512I_H
+#define SYNAX_RK512I_H
+
+#include "compat.h"
+
+/* What a block's dissector gets as data. */
+typedef struct {
+    bool is_repeat; /* the same block again */
+} synax_block_t;
+
+/* Takes the data of a block; false where they do not look like RK512. `data` is a synax_block_t, or NULL. */
+bool synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data);
+
+void synax_rk512i_register(void);
+
+#endif
