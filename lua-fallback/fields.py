@@ -28,12 +28,12 @@ EXPERT = re.compile(
     r" EXPFILL\}\},"
 )
 TABLE = re.compile(r"^static const value_string (?P<name>\w+)\[\] = \{(?P<entries>.*?)\};", re.MULTILINE | re.DOTALL)
-ENTRY = re.compile(rf"\{{(?P<code>\w+),\s*(?P<text>{STRING})\}}")
+ENTRY = re.compile(rf"\{{(?P<code>\w+|'.'),\s*(?P<text>{STRING})\}}")
 PAIR = re.compile(
     rf"^static const true_false_string (?P<name>\w+) = \{{(?P<texts>{STRING}, {STRING})\}};", re.MULTILINE
 )
 UNIT = re.compile(rf"^static const unit_name_string (?P<name>\w+) = \{{(?P<text>{STRING}), NULL\}};", re.MULTILINE)
-DEFINE = re.compile(r"^#define (?P<name>\w+) +(?P<number>0x[0-9A-F]+|\d+)u?\b", re.MULTILINE)
+DEFINE = re.compile(r"^#define (?P<name>\w+) +(?P<number>'.'|(?:0x[0-9A-F]+|\d+)(?=u?\b))", re.MULTILINE)
 ENUM = re.compile(r"\benum(?: \w+)? \{(?P<names>[^}]*)\}")
 
 # What Wireshark itself defines.
@@ -49,9 +49,13 @@ class Source(NamedTuple):
     units: dict[str, str]
 
 
+def _literal(word: str) -> int:
+    return ord(word[1]) if word.startswith("'") else int(word, 0)
+
+
 def _numbers(text: str) -> Iterator[tuple[str, int]]:
     for found in DEFINE.finditer(text):
-        yield found["name"], int(found["number"], 0)
+        yield found["name"], _literal(found["number"])
     for found in ENUM.finditer(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)):
         for number, name in enumerate(found["names"].split(",")):
             if name.strip():
@@ -66,7 +70,7 @@ def read(path: Path, headers: dict[str, int]) -> Source:
 
 
 def _number(source: Source, word: str) -> int:
-    return source.numbers[word] if word in source.numbers else int(word, 0)
+    return source.numbers[word] if word in source.numbers else _literal(word)
 
 
 def _texts(source: Source) -> Iterator[str]:

@@ -29,6 +29,8 @@ local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift --
 local sertap = Proto("sertap", "Serial tap")
 local sis = Proto("sis", "Rexroth SIS serial protocol")
 local synax = Proto("synax", "Rexroth SYNAX200 transports")
+local procedure = Proto("3964r", "3964R procedure")
+local rk512i = Proto("rk512i", "RK512 with the Indramat extension")
 local protos = {sertap = sertap, sis = sis, synax = synax} -- by filter name
 
 -- What crosses blocks, named as in the C headers: S.take for sis_take(), T.load for sertap_load().
@@ -280,6 +282,13 @@ end
 -- A line of the capture as a number: every section numbers its interfaces anew.
 function S.line_key(of_section, of_interface)
   return of_section * 0x100000000 + of_interface
+end
+
+-- The line, or both directions of a full-duplex tap: they are two interfaces, one after the other.
+function T.bus_key()
+  local record, of_section, of_interface = packet.record, S.place()
+
+  return S.line_key(of_section, record and record.line == 2 and max(of_interface - 1, 0) or of_interface)
 end
 
 -- Which TCP connection a packet belongs to: its two ends, as text. Its number is a field, and the first pass of tshark
@@ -896,6 +905,69 @@ expert_field("sis.tmas.exceeded", "PROTOCOL", "WARN", "Tmas exceeded")
 expert_field("sis.tmas.unresolved", "PROTOCOL", "NOTE", "Tmas perhaps exceeded")
 expert_field("sis.bus.baud.differs", "PROTOCOL", "NOTE", "The tap listens at another baud rate than the bus was told")
 
+-- synax/3964r.c
+N.procedure_meanings = {
+  [0] = "asks to send",
+  [1] = "asks to send, as the partner does: the one with low priority gives way",
+  [2] = "ready to receive",
+  [3] = "not ready to receive",
+  [4] = "block",
+  [5] = "block received",
+  [6] = "block refused: it comes again",
+  [7] = "nothing to answer",
+}
+N.procedure_characters = {
+  [2] = "STX",
+  [16] = "DLE",
+  [21] = "NAK",
+}
+N.procedure_bcc_states = {
+  [0] = "Bad",
+  [1] = "Good",
+  [2] = "Unverified",
+}
+N.procedure_verdicts = {
+  [0] = "OK",
+  [1] = "Exceeded",
+  [2] = "Unresolved",
+}
+field("3964r.character", "Character", ftypes.UINT8, base.HEX, N.procedure_characters)
+field("3964r.meaning", "Meaning", ftypes.UINT8, base.DEC, N.procedure_meanings, 0, "From what came before")
+field("3964r.length", "Length of the data", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"}, 0,
+  "Without doubled DLEs")
+field("3964r.doubled", "Doubled DLEs", ftypes.UINT32, base.DEC)
+field("3964r.end", "End (DLE ETX)", ftypes.UINT16, base.HEX)
+field("3964r.bcc", "Block check character", ftypes.UINT8, base.HEX, nil, 0,
+  "XOR of all bytes after STX, with doubled DLEs, DLE and ETX")
+field("3964r.bcc.status", "Status of the block check character", ftypes.UINT8, base.NONE, N.procedure_bcc_states)
+field("3964r.data", "Data", ftypes.BYTES)
+field("3964r.raw", "Not decoded", ftypes.BYTES)
+field("3964r.answers", "Answer to", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
+field("3964r.answer_in", "Answered in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+field("3964r.answer_time", "Answered after", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "From the last character of what it answers")
+field("3964r.try", "Try", ftypes.UINT32, base.DEC, nil, 0, "To connect, or to send this block")
+field("3964r.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
+field("3964r.unanswered_before", "Before, not answered", ftypes.FRAMENUM)
+field("3964r.qvz.limit", "QVZ (longest time to an answer)", ftypes.RELATIVE_TIME)
+field("3964r.qvz.verdict", "Verdict on QVZ", ftypes.UINT8, base.DEC, N.procedure_verdicts)
+field("3964r.zvz.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Between two characters of the block")
+field("3964r.zvz.position", "Longest interval before character", ftypes.UINT32, base.DEC)
+field("3964r.zvz.limit", "ZVZ (longest interval allowed)", ftypes.RELATIVE_TIME)
+field("3964r.zvz.verdict", "Verdict on ZVZ", ftypes.UINT8, base.DEC, N.procedure_verdicts)
+expert_field("3964r.bcc.bad", "CHECKSUM", "ERROR", "Wrong block check character: the receiver answers NAK")
+expert_field("3964r.broken", "MALFORMED", "WARN",
+  "The block does not end with DLE ETX BCC, or a DLE in it is not doubled")
+expert_field("3964r.conflict", "SEQUENCE", "NOTE", "Both partners ask at once: the one with low priority gives way")
+expert_field("3964r.unexpected", "SEQUENCE", "NOTE", "There is nothing that this could answer")
+expert_field("3964r.refused", "RESPONSE_CODE", "NOTE", "The partner refuses")
+expert_field("3964r.repeat", "SEQUENCE", "NOTE", "The same block again")
+expert_field("3964r.unanswered", "SEQUENCE", "NOTE", "Nobody answered what came before")
+expert_field("3964r.tries", "SEQUENCE", "WARN", "More tries than 3964R has")
+expert_field("3964r.exceeded", "PROTOCOL", "WARN", "A time of the procedure is exceeded")
+expert_field("3964r.unresolved", "PROTOCOL", "NOTE", "A time of the procedure is perhaps exceeded")
+
 -- synax/fields.c
 field("synax.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
 field("synax.answer_in", "Answer in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
@@ -913,6 +985,62 @@ field("synax.info.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xfffc)
 field("synax.info.last", "Last transmission", ftypes.BOOLEAN, 16, nil, 0x02)
 field("synax.info.write", "Write", ftypes.BOOLEAN, 16, nil, 0x01)
 field("synax.axis", "Axis", ftypes.UINT8, base.DEC, nil, 0, "Drive, 0: none; with a data block its number")
+
+-- synax/rk512i.c
+N.rk512_commands = {
+  [65] = "SEND",
+  [69] = "FETCH",
+  [79] = "SEND to an extended data block",
+}
+N.rk512_kinds = {
+  [68] = "Data block",
+  [88] = "Extended data block",
+  [69] = "Inputs",
+  [65] = "Outputs",
+  [77] = "Flags",
+  [84] = "Timers",
+  [90] = "Counters",
+}
+N.rk512_errors = {
+  [0] = "No error",
+  [10] = "Access to the area not possible",
+  [12] = "Wrong data type",
+  [16] = "Telegram not supported",
+  [18] = "Object type not supported",
+  [20] = "Block not found, or its number not allowed",
+  [22] = "Unknown command",
+  [42] = "PLC stopped",
+  [50] = "Block locked by its coordination flag",
+  [52] = "Wrong length",
+  [54] = "Follow-up without a command",
+}
+N.rk512_telegrams = {
+  [0] = "First telegram",
+  [255] = "Follow-up",
+}
+field("rk512i.follow_up", "Telegram", ftypes.UINT8, base.HEX, N.rk512_telegrams)
+field("rk512i.zero", "Always 0", ftypes.UINT8, base.HEX)
+field("rk512i.command", "Command", ftypes.UINT8, base.HEX, N.rk512_commands)
+field("rk512i.kind", "Kind of data", ftypes.UINT8, base.HEX, N.rk512_kinds)
+field("rk512i.block", "Data block", ftypes.UINT8, base.DEC)
+field("rk512i.word", "Data word", ftypes.UINT8, base.DEC)
+field("rk512i.count", "Count", ftypes.UINT16, base.DEC, nil, 0,
+  "Words of data blocks, timers and counters, else bytes")
+field("rk512i.flag_byte", "Byte of the coordination flag", ftypes.UINT8, base.HEX)
+field("rk512i.flag", "Bit and CPU of the coordination flag", ftypes.UINT8, base.HEX)
+field("rk512i.error", "Error number", ftypes.UINT8, base.HEX, N.rk512_errors, 0,
+  "Siemens' numbers; the table that SYNAX has is lost")
+field("rk512i.data", "Data", ftypes.BYTES)
+field("rk512i.sequence", "Pieces", ftypes.NONE)
+field("rk512i.sequence.piece", "Piece", ftypes.FRAMENUM)
+field("rk512i.sequence.overlap", "Overlap", ftypes.BOOLEAN)
+field("rk512i.sequence.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN)
+field("rk512i.sequence.multiple_tails", "Several last pieces", ftypes.BOOLEAN)
+field("rk512i.sequence.too_long", "Piece too long", ftypes.BOOLEAN)
+field("rk512i.sequence.error", "Error while putting together", ftypes.FRAMENUM)
+field("rk512i.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC)
+field("rk512i.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
+field("rk512i.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
 
 -- end of what fields.py has made
 
@@ -3366,18 +3494,11 @@ do
     }
   end
 
-  -- A capture has an interface a line. The two directions of a full-duplex tap are two interfaces, one after the other.
-  local function bus_key()
-    local record, of_section, of_interface = packet.record, S.place()
-
-    return S.line_key(of_section, record and record.line == 2 and max(of_interface - 1, 0) or of_interface)
-  end
-
   -- First pass: the line or connection that a packet belongs to.
   function S.exchange_bus(pinfo)
     local is_connection = packet.port_type == K.PORT_TYPE_TCP
     local known = is_connection and connections or lines
-    local key = is_connection and S.connection(pinfo) or bus_key()
+    local key = is_connection and S.connection(pinfo) or T.bus_key()
 
     known[key] = known[key] or new_bus(is_connection)
     return known[key]
@@ -3793,6 +3914,7 @@ do
   local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
 
   local WHOLE = "Data of all pieces"
+  local SEQUENCE = {all = F.sequence, piece = F.sequence_piece, count = F.sequence_count, length = F.sequence_length}
 
   -- A transfer: {service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
   -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: {frame, length}, whole_in,
@@ -3959,7 +4081,7 @@ do
     end
   end
 
-  local function show_piece(tree, tvb, piece, offset)
+  local function show_piece(tree, tvb, which, piece, offset)
     local words
 
     if piece.length == 0 then
@@ -3968,27 +4090,25 @@ do
       words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
         piece.length, plural(piece.length))
     end
-    set_generated(add(tree, F.sequence_piece, tvb, offset, piece.length, piece.frame, words))
+    set_generated(add(tree, which.piece, tvb, offset, piece.length, piece.frame, words))
   end
 
-  -- As Wireshark's own reassembly shows it.
-  local function show_pieces(body, data, pieces)
-    local numbers, offset = {}, 0
+  -- As Wireshark's own reassembly shows it. `which` are its fields: all, piece, count, length.
+  function S.show_pieces(parent, data, pieces, which)
+    local tree, offset = parent:add(which.all, data.tvb()), 0
 
-    for i, piece in ipairs(pieces) do
-      numbers[i] = strformat("#%d(%d)", piece.frame, piece.length)
+    tree:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
+      plural(data.length)))
+    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut as Wireshark cuts its own
+      append_text(tree, strformat("%s #%d(%d)", i > 1 and "," or "", piece.frame, piece.length))
     end
-    local tree = body.tree:add(F.sequence, data.tvb())
-
-    tree:set_text(strformat("%d %s (%d byte%s): %s", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
-      plural(data.length), concat(numbers, ", ")))
     tree:set_generated()
     for _, piece in ipairs(pieces) do
-      show_piece(tree, data.tvb, piece, offset)
+      show_piece(tree, data.tvb, which, piece, offset)
       offset = offset + piece.length
     end
-    set_generated(add(tree, F.sequence_count, data.tvb, 0, 0, #pieces))
-    set_generated(add(tree, F.sequence_length, data.tvb, 0, 0, data.length))
+    set_generated(add(tree, which.count, data.tvb, 0, 0, #pieces))
+    set_generated(add(tree, which.length, data.tvb, 0, 0, data.length))
   end
 
   -- What a transfer brought that began anew, beside what its length words have announced.
@@ -4020,7 +4140,7 @@ do
 
     if body.tree then
       data.tvb = ByteArray.new(data.bytes, true):tvb(WHOLE)
-      show_pieces(body, data, transfer.pieces)
+      S.show_pieces(body.tree, data, transfer.pieces, SEQUENCE)
     end
     check_announced(body, data.bytes)
     return data
@@ -5475,6 +5595,30 @@ do
     end
   end
 
+  -- The head of a command, for an answer that does not repeat it.
+  function S.head_of(info, axis, ident)
+    return {
+      is_write = band(info, INFO_WRITE) ~= 0,
+      is_last = band(info, INFO_LAST) ~= 0,
+      axis = axis,
+      ident = ident,
+      known = S.known_from_tables(ident),
+    }
+  end
+
+  -- "S-0-0237 (name), axis 2".
+  local function parameter_text(head)
+    local name = head.known.name
+
+    return strformat("%s%s, axis %d", head.ident.text, name and " (" .. name .. ")" or "", head.axis)
+  end
+
+  -- Adds sis.parameter where a command said it. Gives words for the packet list.
+  function S.recall_head(tree, tvb, head)
+    if tree then S.add_ident(tree, tvb, {offset = 0, length = 0}, head.ident, head.known) end
+    return parameter_text(head)
+  end
+
   -- Adds the head at `offset`, all 6 bytes of which are there. Gives {is_write, is_last, axis, ident, known} and words
   -- for the packet list: "Read S-0-0237, axis 2".
   function S.add_head(tree, root, tvb, offset, is_big)
@@ -5482,25 +5626,15 @@ do
     local info_low, info_high = byte(bytes, is_big and 2 or 1), byte(bytes, is_big and 1 or 2)
     local low, high = byte(bytes, is_big and 6 or 5), byte(bytes, is_big and 5 or 6)
     local info, axis, kind = info_low + info_high * 0x100, byte(bytes, 3, 4)
-    local ident = S.ident(kind, low + high * 0x100)
-    local head = {
-      is_write = band(info, INFO_WRITE) ~= 0,
-      is_last = band(info, INFO_LAST) ~= 0,
-      axis = axis,
-      ident = ident,
-      known = S.known_from_tables(ident),
-    }
+    local head = S.head_of(info, axis, S.ident(kind, low + high * 0x100))
 
     add_info(tree, root, tvb, offset, is_big, info)
     add(tree, FX.synax_axis, tvb, offset + 2, 1)
     if tree then
       S.add_ident(tree, tvb, {offset = offset + 3, length = 3, type_at = offset + 3, number_at = offset + 4,
-        is_big = is_big}, ident, head.known)
+        is_big = is_big}, head.ident, head.known)
     end
-    local words = (head.is_write and "Write " or "Read ") .. ident.text
-
-    if head.known.name then words = words .. " (" .. head.known.name .. ")" end
-    return head, strformat("%s, axis %d", words, axis)
+    return head, (head.is_write and "Write " or "Read ") .. parameter_text(head)
   end
 
   -- Adds the data of that parameter, from `offset` to the end of `tvb`. Gives words for the packet list.
@@ -5515,6 +5649,582 @@ do
     if text then return " = " .. text end
     if length == 0 then return "" end
     return strformat(", %d byte%s", length, plural(length)) .. (length <= SHOWN_BYTES and ": " .. hex(data.bytes) or "")
+  end
+end
+
+--- synax/rk512i: RK512 with the Indramat extension (chapter 8): a command of 10 bytes or a follow-up of 4, with data;
+-- a reaction of 4 bytes, with data after FETCH. All of it has the high byte first. What does not fit into 128 bytes
+-- comes in follow-ups, and what does not fit into a data block in several: DB nn first, DB 1 last (page 8-27).
+
+protos.rk512i = rk512i
+
+do
+  local COMMAND_SIZE, FOLLOW_UP_SIZE, FOLLOW_UP = 10, 4, 0xFF
+  local FETCH = 0x45
+  local LAST_OF_A_CHAIN, FIRST_FIXED = 1, 98 -- DB nn .. DB 1; from 98 on data blocks have meanings of their own
+  local IN_WORDS = {[0x44] = true, [0x58] = true, [0x54] = true, [0x5A] = true} -- D, X, T, Z; all others in bytes
+  local WHOLE = "Data of all pieces"
+  local SEQUENCE = {
+    all = FX.rk512i_sequence,
+    piece = FX.rk512i_sequence_piece,
+    count = FX.rk512i_sequence_count,
+    length = FX.rk512i_sequence_length,
+  }
+
+  -- A job is what a command asks for, with its follow-ups and further blocks: {command, kind, block, left: bytes of
+  -- this block that are still to come, is_open: more blocks follow, info, axis, ident: of the Indramat head, nil
+  -- without, pieces: {frame, bytes}, whole_in, bytes}. A telegram keeps {job, frame, request_in, answer_in, finish,
+  -- elapsed, is_piece: of several, is_first, is_last, is_repeat, command}.
+  local buses, telegrams
+
+  at_init(function() buses, telegrams = {}, {} end)
+
+  local function bus_of()
+    local key = T.bus_key()
+
+    buses[key] = buses[key] or {}
+    return buses[key]
+  end
+
+  local function word_at(bytes, at)
+    local high, low = byte(bytes, at + 1, at + 2)
+
+    return high * 0x100 + low
+  end
+
+  local function bytes_of(kind, count)
+    return IN_WORDS[kind] and 2 * count or count
+  end
+
+  -- The first telegram of a block: a job of its own, or the next block of the one before.
+  local function begin_block(bus, d, telegram)
+    local before, command, kind, block = bus.job, byte(d.bytes, 3, 5)
+    local goes_on = before and before.is_open and before.left == 0 and before.command == command
+      and block + 1 == before.block
+    local job = before
+
+    if not goes_on then
+      job = {pieces = {}}
+      bus.job = job
+      telegram.is_first = true
+      if block < FIRST_FIXED and #d.bytes >= COMMAND_SIZE + K.HEAD_SIZE then
+        local axis, kind_of_ident = byte(d.bytes, COMMAND_SIZE + 3, COMMAND_SIZE + 4)
+
+        job.info, job.axis = word_at(d.bytes, COMMAND_SIZE), axis
+        job.ident = S.ident(kind_of_ident, word_at(d.bytes, COMMAND_SIZE + 4))
+      end
+    end
+    job.command, job.kind, job.block = command, kind, block
+    job.left = bytes_of(kind, word_at(d.bytes, 6))
+    job.is_open = command ~= FETCH and block > LAST_OF_A_CHAIN and block < FIRST_FIXED
+    telegram.is_piece = goes_on or job.is_open
+  end
+
+  -- Bytes of a block, in a SEND command or in the reaction to a FETCH.
+  local function take_bytes(job, telegram, bytes)
+    job.left = max(job.left - #bytes, 0)
+    telegram.is_last = job.left == 0 and not job.is_open
+    telegram.is_piece = telegram.is_piece or job.left > 0 or not telegram.is_first
+    if not telegram.is_piece then return end
+    job.pieces[#job.pieces + 1] = {frame = telegram.frame, bytes = bytes}
+    if not telegram.is_last then return end
+    local all = {}
+
+    for i, piece in ipairs(job.pieces) do
+      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
+    end
+    job.bytes, job.whole_in = concat(all), telegram.frame
+  end
+
+  local function note_command(bus, d, telegram)
+    if not d.is_follow_up then
+      begin_block(bus, d, telegram)
+    elseif not bus.job or bus.job.left == 0 or bus.job.command ~= byte(d.bytes, 3) then
+      return -- of what, nobody knows
+    end
+    local job = bus.job
+
+    telegram.job, telegram.command = job, job.command
+    if job.command ~= FETCH then take_bytes(job, telegram, sub(d.bytes, d.data_at + 1)) end
+    bus.request = telegram
+  end
+
+  local function note_reaction(bus, d, telegram)
+    local request = bus.request
+
+    if not request then return end
+    bus.request = nil
+    request.answer_in = telegram.frame
+    telegram.request_in = request.frame
+    telegram.elapsed = T.elapsed(request.finish, packet.time)
+    telegram.job, telegram.command = bus.job, bus.job.command
+    telegram.is_first = request.is_first
+    if bus.job.command == FETCH and #d.bytes > d.data_at then
+      take_bytes(bus.job, telegram, sub(d.bytes, d.data_at + 1))
+    end
+  end
+
+  -- Whose telegram this is; found in the first pass, and kept. A block that comes again takes no part.
+  local function find_telegram(d, is_repeat)
+    local number = packet.number
+    local telegram = telegrams[number]
+
+    if telegram then return telegram end
+    telegram = {frame = number, finish = packet.time + (packet.record and packet.record.duration or 0),
+      is_repeat = is_repeat}
+    telegrams[number] = telegram
+    if is_repeat or d.is_cut then return telegram end
+    if d.is_reaction then note_reaction(bus_of(), d, telegram) else note_command(bus_of(), d, telegram) end
+    return telegram
+  end
+
+  -- The coordination flag: none is FF FF in Siemens' words, SYNAX writes zeros. Both are shown, none is judged.
+  local function show_command(d)
+    local kind, block = byte(d.bytes, 4, 5)
+    local count, meaning = word_at(d.bytes, 6), S.block_text(block)
+    local item = add(d.tree, FX.rk512i_block, d.tvb, 4, 1)
+
+    if meaning then append_text(item, " (" .. meaning .. ")") end
+    add(d.tree, FX.rk512i_word, d.tvb, 5, 1)
+    add(d.tree, FX.rk512i_count, d.tvb, 6, 2)
+    add(d.tree, FX.rk512i_flag_byte, d.tvb, 8, 1)
+    add(d.tree, FX.rk512i_flag, d.tvb, 9, 1)
+    d.words = d.words
+      .. strformat(" DB %d, %d %s%s", block, count, IN_WORDS[kind] and "word" or "byte", plural(count))
+  end
+
+  local function show_reaction(d)
+    local number = byte(d.bytes, 4)
+    local text = N.rk512_errors[number] or "Not defined"
+    local item = d.tree and add_value(d.tree, FX.rk512i_error, d.tvb, 3, 1, number,
+      strformat("%s (0x%02x)%s", text, number, number ~= 0 and ", by Siemens' numbers" or ""))
+
+    if number == 0 then return end
+    add_expert(item or d.root, EX.synax_error, strformat("Error 0x%02x: %s (Siemens' number)", number, text))
+    d.words = d.words .. strformat("  [error 0x%02x: %s]", number, text)
+  end
+
+  local function show_links(d)
+    local telegram = d.telegram
+
+    if telegram.answer_in then set_generated(add(d.tree, FX.synax_answer_in, d.tvb, 0, 0, telegram.answer_in)) end
+    if not telegram.request_in then return end
+    set_generated(add(d.tree, FX.synax_request_in, d.tvb, 0, 0, telegram.request_in))
+    if d.tree then
+      set_generated(add_value(d.tree, FX.synax_answer_time, d.tvb, 0, 0, nstime(telegram.elapsed),
+        T.ms_text(telegram.elapsed)))
+    end
+  end
+
+  -- All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head; a reaction has none, so its
+  -- command says which parameter it is.
+  local function show_whole(d, tree, tvb)
+    local job = d.telegram.job
+    local head, words
+
+    if not job.ident then
+      add(tree, FX.rk512i_data, tvb, 0, tvb:len())
+      return
+    end
+    if d.is_reaction then
+      head = S.head_of(job.info, job.axis, job.ident)
+      words = S.recall_head(tree, tvb, head) .. S.add_head_data(tree, d.root, tvb, 0, true, head)
+    else
+      head, words = S.add_head(tree, d.root, tvb, 0, true)
+      if tvb:len() > K.HEAD_SIZE then words = words .. S.add_head_data(tree, d.root, tvb, K.HEAD_SIZE, true, head) end
+    end
+    d.words = d.words .. ": " .. words
+  end
+
+  local function show_piece(d)
+    local telegram, length = d.telegram, #d.bytes - d.data_at
+    local job = telegram.job
+
+    add(d.tree, FX.rk512i_data, d.tvb, d.data_at, length)
+    d.words = d.words .. strformat(", %s of %d bytes", telegram.is_last and "last piece" or "piece", length)
+    if not job.whole_in then return end
+    if not telegram.is_last then
+      set_generated(add(d.tree, FX.rk512i_sequence_whole_in, d.tvb, 0, 0, job.whole_in))
+      return
+    end
+    local data = {tvb = ByteArray.new(job.bytes, true):tvb(WHOLE), offset = 0, length = #job.bytes}
+
+    if d.tree then S.show_pieces(d.tree, data, job.pieces, SEQUENCE) end
+    show_whole(d, add_subtree(d.tree, data.tvb, 0, data.length, WHOLE), data.tvb)
+  end
+
+  local function show_data(d)
+    local telegram, length = d.telegram, #d.bytes - d.data_at
+    local is_request = telegram.job and not d.is_reaction and telegram.command == FETCH
+
+    if length == 0 then return end
+    if not telegram.job or telegram.is_repeat or (is_request and not telegram.job.ident) then
+      add(d.tree, FX.rk512i_data, d.tvb, d.data_at, length)
+      if not telegram.job and not telegram.is_repeat then
+        add_expert(d.root, EX.synax_note, "Data of a command that is not known")
+      end
+    elseif telegram.is_piece and not is_request then
+      show_piece(d)
+    else
+      show_whole(d, d.tree, d.tvb(d.data_at, length):tvb())
+    end
+  end
+
+  local function dissect_head(d)
+    add(d.tree, FX.rk512i_follow_up, d.tvb, 0, 1)
+    add(d.tree, FX.rk512i_zero, d.tvb, 1, 1)
+    d.data_at = FOLLOW_UP_SIZE
+    if d.is_reaction then
+      d.words = d.is_follow_up and "Reaction to a follow-up" or "Reaction"
+      return
+    end
+    add(d.tree, FX.rk512i_command, d.tvb, 2, 1)
+    add(d.tree, FX.rk512i_kind, d.tvb, 3, 1)
+    d.words = (N.rk512_commands[byte(d.bytes, 3)] or "Command") .. (d.is_follow_up and ", follow-up" or "")
+    if d.is_follow_up then return end
+    d.is_cut = #d.bytes < COMMAND_SIZE
+    if d.is_cut then
+      add_expert(d.root, EX.synax_short, strformat("A command has %d bytes", COMMAND_SIZE))
+      d.words = d.words .. "  [cut]"
+      return
+    end
+    d.data_at = COMMAND_SIZE
+    show_command(d)
+  end
+
+  local function looks_like_rk512(bytes)
+    local first, second, third = byte(bytes, 1, 3)
+
+    return #bytes >= FOLLOW_UP_SIZE and (first == 0 or first == FOLLOW_UP) and second == 0
+      and (third == 0 or N.rk512_commands[third] ~= nil)
+  end
+
+  -- Takes the data of a block; false where they do not look like RK512.
+  function S.dissect_rk512i(tvb, pinfo, parent, is_repeat)
+    local bytes = tvb:raw()
+
+    if not looks_like_rk512(bytes) then return false end
+    local tree = parent:add(rk512i, tvb())
+    local d = {tvb = tvb, bytes = bytes, tree = tree, root = tree, words = "",
+      is_follow_up = byte(bytes, 1) == FOLLOW_UP, is_reaction = byte(bytes, 3) == 0}
+
+    pinfo.cols.protocol = "RK512"
+    dissect_head(d)
+    d.telegram = find_telegram(d, is_repeat)
+    if d.is_cut then
+      if #bytes > FOLLOW_UP_SIZE then add(tree, FX.rk512i_data, tvb, FOLLOW_UP_SIZE, #bytes - FOLLOW_UP_SIZE) end
+    else
+      if d.is_reaction then show_reaction(d) end
+      show_data(d)
+    end
+    show_links(d)
+    append_text(tree, ", " .. d.words)
+    pinfo.cols.info:append("  " .. d.words)
+    return true
+  end
+
+  function rk512i.dissector(tvb, pinfo, parent)
+    if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
+    pinfo.cols.info = ""
+    if S.dissect_rk512i(tvb, pinfo, parent, false) then return tvb:len() end
+    return 0
+  end
+end
+
+--- synax/3964r: 3964R, Siemens' procedure between two partners (chapter 8). STX asks to send, DLE grants; then the
+-- block, every DLE in it doubled, DLE ETX and the check character BCC; DLE says that it came well, NAK that it did not.
+-- A packet is one of these: a character alone, or a block without its STX.
+
+protos["3964r"] = procedure
+
+do
+  local STX, ETX, DLE, NAK = 0x02, 0x03, 0x10, 0x15
+  local END_SIZE = 3 -- DLE ETX BCC
+  local MS = 1000000 -- in ns
+  local MOST_TRIES = 6
+  local ASKS, BOTH_ASK, GRANTS, REFUSES_REQUEST = 0, 1, 2, 3
+  local BLOCK, ACKNOWLEDGES, REFUSES_BLOCK, OUT_OF_PLACE = 4, 5, 6, 7
+  local CHECKSUM_BAD, CHECKSUM_GOOD = 0, 1
+  local WRONG = "Wrong block check character: the receiver answers NAK"
+  local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
+
+  -- SYNAX's own times are not stated: these are Siemens'.
+  procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", 220,
+    "Longest interval between two characters of a block; 0: no verdict")
+  procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", 2000, "Longest time to the partner's answer; 0: no verdict")
+
+  -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
+  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, refused,
+  -- last_block}.
+  local buses, units
+
+  at_init(function() buses, units = {}, {} end)
+
+  local function answer(unit, asked, times)
+    asked.answer_in = unit.frame
+    unit.answers = asked.frame
+    unit.elapsed = T.elapsed(asked.finish, times.begin)
+    unit.span = {least = 0, most = K.ANY_TIME}
+    if asked.finish_earliest and times.begin_earliest then
+      unit.span = S.span_between(asked.finish_earliest, asked.finish, times)
+    end
+  end
+
+  -- Two requests within QVZ are those of both partners, if they can be: then neither has been answered.
+  local function note_request(bus, unit, times)
+    local before = bus.request
+    local is_soon = before and T.elapsed(before.finish, times.begin) < procedure.prefs.qvz_ms * MS
+
+    unit.meaning, unit.tries = ASKS, 1
+    if is_soon and (unit.line == 0 or unit.line ~= before.line) then
+      unit.meaning = BOTH_ASK
+      return -- the first request still waits
+    end
+    if before then
+      unit.unanswered = before.frame
+      unit.tries = before.tries + 1
+    elseif bus.refused and bus.refused.meaning ~= BLOCK then
+      unit.tries = bus.refused.tries + 1
+    end
+    if bus.block then unit.unanswered = bus.block.frame end
+    bus.block, bus.refused, bus.request = nil, nil, unit
+  end
+
+  local function note_answer(bus, unit, times, is_good)
+    local asked = bus.request or bus.block
+
+    if not asked then
+      unit.meaning = OUT_OF_PLACE
+      return
+    end
+    if bus.request then
+      unit.meaning = is_good and GRANTS or REFUSES_REQUEST
+    else
+      unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
+      if is_good then bus.last_block = nil end -- the same bytes again would be a block of its own
+    end
+    answer(unit, asked, times)
+    bus.refused = not is_good and asked or nil
+    if bus.request then bus.request = nil else bus.block = nil end
+  end
+
+  local function note_block(bus, unit, bytes)
+    local last = bus.last_block
+
+    unit.meaning, unit.tries = BLOCK, 1
+    if last and last.bytes == bytes then
+      unit.repeat_of = last.repeat_of or last.frame
+      unit.tries = last.tries + 1
+      last.bytes = nil
+    end
+    unit.bytes = bytes
+    bus.request, bus.refused, bus.block, bus.last_block = nil, nil, unit, unit
+  end
+
+  -- What a unit means follows from what came before it; found in the first pass, and kept.
+  local function find_unit(bytes, there, times)
+    local number, record, character = packet.number, packet.record, byte(bytes, 1)
+    local unit = units[number]
+
+    if unit then return unit end
+    unit = {frame = number, line = record and record.line or 0, finish = times.end_,
+      finish_earliest = times.end_earliest}
+    units[number] = unit
+    local key = T.bus_key()
+
+    buses[key] = buses[key] or {}
+    if there > 1 then
+      note_block(buses[key], unit, bytes)
+    elseif character == STX then
+      note_request(buses[key], unit, times)
+    elseif character == DLE or character == NAK then
+      note_answer(buses[key], unit, times, character == DLE)
+    else
+      unit.meaning = OUT_OF_PLACE
+    end
+    return unit
+  end
+
+  local function show_verdict(d, limit_field, verdict_field, limit_ms, verdict, words)
+    if d.tree then
+      set_generated(add_value(d.tree, limit_field, d.tvb, 0, 0, nstime(limit_ms * MS), limit_ms .. " ms"))
+    end
+    local item = set_generated(add(d.tree, verdict_field, d.tvb, 0, 0, verdict))
+
+    if verdict == K.TIME_OK then return end
+    local is_exceeded = verdict == K.TIME_EXCEEDED
+
+    add_expert(item or d.root, is_exceeded and EX["3964r_exceeded"] or EX["3964r_unresolved"], words)
+    if is_exceeded then d.cols.info:append("  [" .. words .. "]") end
+  end
+
+  local function add_frame(d, which, frame)
+    if frame then set_generated(add(d.tree, which, d.tvb, 0, 0, frame)) end
+  end
+
+  local function add_ms(d, which, ns)
+    if d.tree then set_generated(add_value(d.tree, which, d.tvb, 0, 0, nstime(ns), T.ms_text(ns))) end
+  end
+
+  -- How long the partner took, against the acknowledgment delay QVZ.
+  local function show_answer(d)
+    local unit, limit = d.unit, procedure.prefs.qvz_ms
+
+    if not unit.answers then return end
+    add_frame(d, FX["3964r_answers"], unit.answers)
+    add_ms(d, FX["3964r_answer_time"], unit.elapsed)
+    if d.times.record and limit > 0 then
+      show_verdict(d, FX["3964r_qvz_limit"], FX["3964r_qvz_verdict"], limit, S.judge(unit.span, limit * MS),
+        strformat("answered later than QVZ = %d ms", limit))
+    end
+  end
+
+  -- The longest interval inside a block, against the character delay ZVZ.
+  local function show_intervals(d)
+    local limit = procedure.prefs.zvz_ms
+    local longest = d.times.record and S.longest(d.times, limit * MS)
+
+    if not longest then return end
+    local interval = longest.interval
+    local shown = interval.is_exact and interval.recorded or interval.span.most
+
+    if shown ~= K.ANY_TIME then add_ms(d, FX["3964r_zvz_interval_max"], shown) end
+    set_generated(add(d.tree, FX["3964r_zvz_position"], d.tvb, 0, 0, interval.at))
+    if limit > 0 then
+      show_verdict(d, FX["3964r_zvz_limit"], FX["3964r_zvz_verdict"], limit, longest.verdict,
+        strformat("an interval longer than ZVZ = %d ms", limit))
+    end
+  end
+
+  local function show_unit(d)
+    local unit, root = d.unit, d.root
+
+    add_frame(d, FX["3964r_answer_in"], unit.answer_in)
+    add_frame(d, FX["3964r_repeat_of"], unit.repeat_of)
+    add_frame(d, FX["3964r_unanswered_before"], unit.unanswered)
+    if unit.tries then set_generated(add(d.tree, FX["3964r_try"], d.tvb, 0, 0, unit.tries)) end
+    if unit.meaning == BOTH_ASK then add_expert(root, EX["3964r_conflict"]) end
+    if unit.meaning == OUT_OF_PLACE then add_expert(root, EX["3964r_unexpected"]) end
+    if unit.meaning == REFUSES_REQUEST or unit.meaning == REFUSES_BLOCK then add_expert(root, EX["3964r_refused"]) end
+    if unit.unanswered then
+      add_expert(root, EX["3964r_unanswered"], strformat("Nobody answered frame %d", unit.unanswered))
+    end
+    if unit.repeat_of then
+      add_expert(root, EX["3964r_repeat"],
+        strformat("The block of frame %d again, try %d", unit.repeat_of, unit.tries))
+    end
+    if (unit.tries or 0) > MOST_TRIES then
+      add_expert(root, EX["3964r_tries"], strformat("Try %d, 3964R has %d", unit.tries, MOST_TRIES))
+    end
+  end
+
+  local function block_check(bytes, first, last)
+    local bcc = 0
+
+    for at = first, last do
+      bcc = bxor(bcc, byte(bytes, at))
+    end
+    return bcc
+  end
+
+  -- Data without their doubled DLEs, and how many there were; nil where one is not doubled.
+  local function undouble(bytes)
+    local parts, doubled, at = {}, 0, 1
+
+    while true do
+      local found = string.find(bytes, char(DLE), at, true)
+
+      if not found then break end
+      if byte(bytes, found + 1) ~= DLE then return nil end
+      parts[#parts + 1] = sub(bytes, at, found)
+      doubled, at = doubled + 1, found + 2
+    end
+    parts[#parts + 1] = sub(bytes, at)
+    return concat(parts), doubled
+  end
+
+  local function show_check(d, first, finish)
+    local bytes, at = d.bytes, finish + END_SIZE
+    local bcc, expected = byte(bytes, at), block_check(bytes, first, at - 1)
+    local state = bcc == expected and CHECKSUM_GOOD or CHECKSUM_BAD
+
+    add(d.tree, FX["3964r_end"], d.tvb, finish, 2)
+    local item = add(d.tree, FX["3964r_bcc"], d.tvb, at - 1, 1)
+
+    set_generated(add_value(d.tree, FX["3964r_bcc_status"], d.tvb, at - 1, 0, state, N.procedure_bcc_states[state]))
+    if state == CHECKSUM_GOOD then
+      append_text(item, " [correct]")
+      return true
+    end
+    local should = strformat("should be 0x%02x", expected)
+
+    append_text(item, " incorrect, " .. should)
+    add_expert(item or d.root, EX["3964r_bcc_bad"], WRONG .. " [" .. should .. "]")
+    d.cols.info:append("  [wrong BCC]")
+    return false
+  end
+
+  local function dissect_block(d, pinfo, parent)
+    local bytes, there = d.bytes, #d.bytes
+    local finish, first = there - END_SIZE, 1
+    local data, doubled
+
+    if finish >= 0 and byte(bytes, finish + 1) == DLE and byte(bytes, finish + 2) == ETX then
+      -- Another logger's block may have its STX before it: then the check character tells.
+      local bcc = byte(bytes, there)
+
+      local has_stx = byte(bytes, 1) == STX and block_check(bytes, 1, there - 1) ~= bcc
+
+      if has_stx and block_check(bytes, 2, there - 1) == bcc then first = 2 end
+      data, doubled = undouble(sub(bytes, first, finish))
+    end
+    if not data then
+      add(d.tree, FX["3964r_raw"], d.tvb, 0, there)
+      add_expert(d.root, EX["3964r_broken"])
+      d.cols.info:append(strformat("Broken-off block, %d bytes", there))
+      return
+    end
+    d.cols.info:append(strformat("Block, %d byte%s%s", #data, plural(#data), d.unit.repeat_of and "  [repeat]" or ""))
+    if first > 1 then add(d.tree, FX["3964r_character"], d.tvb, 0, 1) end
+    local size = finish - first + 1
+
+    set_generated(add(d.tree, FX["3964r_length"], d.tvb, first - 1, size, #data))
+    if doubled > 0 then set_generated(add(d.tree, FX["3964r_doubled"], d.tvb, first - 1, size, doubled)) end
+    local is_good = show_check(d, first, finish)
+
+    if #data == 0 then return end
+    local tvb = doubled > 0 and ByteArray.new(data, true):tvb("Block without doubled DLEs")
+      or d.tvb(first - 1, size):tvb()
+
+    if is_good and S.dissect_rk512i(tvb, pinfo, parent, d.unit.repeat_of ~= nil) then return end
+    add(d.tree, FX["3964r_data"], tvb, 0, tvb:len())
+  end
+
+  local function dissect_character(d)
+    local character = byte(d.bytes, 1)
+
+    add(d.tree, FX["3964r_character"], d.tvb, 0, 1)
+    d.cols.info:append((names[character] or "Character") .. "  " .. N.procedure_meanings[d.unit.meaning])
+  end
+
+  function procedure.dissector(tvb, pinfo, parent)
+    local bytes, there = tvb:raw(), tvb:reported_len()
+    local tree = parent:add(procedure, tvb())
+
+    if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
+    pinfo.cols.protocol = "3964R"
+    pinfo.cols.info = ""
+    if #bytes == 0 then return end
+    local times = S.times(tvb, there, there)
+    local d = {tvb = tvb, bytes = bytes, tree = tree, root = tree, cols = pinfo.cols, times = times,
+      unit = find_unit(bytes, there, times)}
+
+    append_text(tree, ", " .. N.procedure_meanings[d.unit.meaning])
+    if d.unit.meaning == BLOCK then dissect_block(d, pinfo, parent) else dissect_character(d) end
+    set_generated(add(tree, FX["3964r_meaning"], tvb, 0, 0, d.unit.meaning))
+    show_unit(d)
+    show_answer(d)
+    if d.unit.meaning == BLOCK then show_intervals(d) end
   end
 end
 
@@ -5647,6 +6357,7 @@ do
   end
 
   DissectorTable.get("sertap.framing"):add(0, sis)
+  DissectorTable.get("sertap.framing"):add(1, procedure)
   DissectorTable.get("tcp.port"):add_for_decode_as(sis)
   DissectorTable.get("rtacser.data"):add_for_decode_as(sis)
   sis:register_heuristic("tcp", dissect_tcp_heuristic)

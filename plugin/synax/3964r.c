@@ -73,7 +73,7 @@ typedef enum {
     OUT_OF_PLACE,
 } meaning_t;
 
-static const value_string meanings[] = {
+static const value_string procedure_meanings[] = {
     {ASKS, "asks to send"},
     {BOTH_ASK, "asks to send, as the partner does: the one with low priority gives way"},
     {GRANTS, "ready to receive"},
@@ -431,7 +431,7 @@ dissect_character(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const uni
 
     proto_tree_add_item(tree, hf_character, tvb, 0, 1, ENC_NA);
     col_append_fstr(pinfo->cinfo, COL_INFO, "%s  %s", val_to_str_const(character, names, "Character"),
-                    val_to_str_const(unit->meaning, meanings, ""));
+                    val_to_str_const(unit->meaning, procedure_meanings, ""));
 }
 
 static int
@@ -448,7 +448,7 @@ dissect_3964r(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data 
         return 0;
     times = sis_times(tvb, pinfo, tvb_reported_length(tvb));
     unit = find_unit(tvb, pinfo, &times);
-    proto_item_append_text(root, ", %s", val_to_str_const(unit->meaning, meanings, ""));
+    proto_item_append_text(root, ", %s", val_to_str_const(unit->meaning, procedure_meanings, ""));
     if (unit->meaning == BLOCK)
         dissect_block(tvb, pinfo, parent, tree, root, unit);
     else
@@ -462,21 +462,21 @@ dissect_3964r(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data 
 }
 
 /* clang-format off */
-static const value_string characters[] = {
+static const value_string procedure_characters[] = {
     {STX, "STX"},
     {DLE, "DLE"},
     {NAK, "NAK"},
     {0, NULL},
 };
 
-static const value_string bcc_states[] = {
+static const value_string procedure_bcc_states[] = {
     {PROTO_CHECKSUM_E_BAD, "Bad"},
     {PROTO_CHECKSUM_E_GOOD, "Good"},
     {PROTO_CHECKSUM_E_UNVERIFIED, "Unverified"},
     {0, NULL},
 };
 
-static const value_string verdicts_3964r[] = {
+static const value_string procedure_verdicts[] = {
     {0, "OK"},
     {1, "Exceeded"},
     {2, "Unresolved"},
@@ -484,13 +484,13 @@ static const value_string verdicts_3964r[] = {
 };
 
 static hf_register_info fields[] = {
-    {&hf_character, {"Character", "3964r.character", FT_UINT8, BASE_HEX, VALS(characters), 0, NULL, HFILL}},
-    {&hf_meaning, {"Meaning", "3964r.meaning", FT_UINT8, BASE_DEC, VALS(meanings), 0, "From what came before", HFILL}},
+    {&hf_character, {"Character", "3964r.character", FT_UINT8, BASE_HEX, VALS(procedure_characters), 0, NULL, HFILL}},
+    {&hf_meaning, {"Meaning", "3964r.meaning", FT_UINT8, BASE_DEC, VALS(procedure_meanings), 0, "From what came before", HFILL}},
     {&hf_length, {"Length of the data", "3964r.length", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, "Without doubled DLEs", HFILL}},
     {&hf_doubled, {"Doubled DLEs", "3964r.doubled", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_end, {"End (DLE ETX)", "3964r.end", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_bcc, {"Block check character", "3964r.bcc", FT_UINT8, BASE_HEX, NULL, 0, "XOR of all bytes after STX, with doubled DLEs, DLE and ETX", HFILL}},
-    {&hf_bcc_status, {"Status of the block check character", "3964r.bcc.status", FT_UINT8, BASE_NONE, VALS(bcc_states), 0, NULL, HFILL}},
+    {&hf_bcc_status, {"Status of the block check character", "3964r.bcc.status", FT_UINT8, BASE_NONE, VALS(procedure_bcc_states), 0, NULL, HFILL}},
     {&hf_data, {"Data", "3964r.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_raw, {"Not decoded", "3964r.raw", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_answers, {"Answer to", "3964r.answers", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
@@ -500,11 +500,11 @@ static hf_register_info fields[] = {
     {&hf_repeat_of, {"Repeat of", "3964r.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
     {&hf_unanswered, {"Before, not answered", "3964r.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_qvz_limit, {"QVZ (longest time to an answer)", "3964r.qvz.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_qvz_verdict, {"Verdict on QVZ", "3964r.qvz.verdict", FT_UINT8, BASE_DEC, VALS(verdicts_3964r), 0, NULL, HFILL}},
+    {&hf_qvz_verdict, {"Verdict on QVZ", "3964r.qvz.verdict", FT_UINT8, BASE_DEC, VALS(procedure_verdicts), 0, NULL, HFILL}},
     {&hf_zvz_interval, {"Longest interval", "3964r.zvz.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the block", HFILL}},
     {&hf_zvz_position, {"Longest interval before character", "3964r.zvz.position", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_zvz_limit, {"ZVZ (longest interval allowed)", "3964r.zvz.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_zvz_verdict, {"Verdict on ZVZ", "3964r.zvz.verdict", FT_UINT8, BASE_DEC, VALS(verdicts_3964r), 0, NULL, HFILL}},
+    {&hf_zvz_verdict, {"Verdict on ZVZ", "3964r.zvz.verdict", FT_UINT8, BASE_DEC, VALS(procedure_verdicts), 0, NULL, HFILL}},
 };
 
 static ei_register_info experts[] = {

@@ -106,11 +106,9 @@ synax_add_data(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned off
     if (text != NULL)
         wmem_strbuf_append_printf(words, " = %s", text);
     else if (length > 0)
-        wmem_strbuf_append_printf(words, ", %u byte%s%s%s", length, plurality(length, "", "s"),
-                                  length > SHOWN_BYTES ? "" : ": ",
-                                  length > SHOWN_BYTES
-                                      ? ""
-                                      : tvb_bytes_to_str_punct(pinfo->pool, data.tvb, 0, (int)length, ' '));
+        wmem_strbuf_append_printf(
+            words, ", %u byte%s%s%s", length, plurality(length, "", "s"), length > SHOWN_BYTES ? "" : ": ",
+            length > SHOWN_BYTES ? "" : tvb_bytes_to_str_punct(pinfo->pool, data.tvb, 0, (int)length, ' '));
     if (misfit != NULL)
         expert_add_info_format(pinfo, proto_tree_get_parent(tree), &ei_synax_note, "%s", misfit);
 }

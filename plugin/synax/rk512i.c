@@ -266,14 +266,14 @@ show_command(const dissection_t *d)
     say_count(d, compat_get_uint8(d->tvb, 3), tvb_get_ntohs(d->tvb, 6));
 }
 
-static const value_string commands[] = {
+static const value_string rk512_commands[] = {
     {SEND, "SEND"},
     {FETCH, "FETCH"},
     {'O', "SEND to an extended data block"},
     {0, NULL},
 };
 
-static const value_string kinds[] = {
+static const value_string rk512_kinds[] = {
     {'D', "Data block"}, {'X', "Extended data block"},
     {'E', "Inputs"},     {'A', "Outputs"},
     {'M', "Flags"},      {'T', "Timers"},
@@ -281,7 +281,7 @@ static const value_string kinds[] = {
 };
 
 /* Siemens' numbers; the table that SYNAX has is lost. */
-static const value_string errors[] = {
+static const value_string rk512_errors[] = {
     {0x00, "No error"},
     {0x0A, "Access to the area not possible"},
     {0x0C, "Wrong data type"},
@@ -300,7 +300,7 @@ static void
 show_reaction(const dissection_t *d)
 {
     uint8_t error = compat_get_uint8(d->tvb, 3);
-    const char *text = val_to_str_const(error, errors, "Not defined");
+    const char *text = val_to_str_const(error, rk512_errors, "Not defined");
     proto_item *item =
         proto_tree_add_uint_format_value(d->tree, hf_error, d->tvb, 3, 1, error, "%s (0x%02x)%s", text, error,
                                          error != 0 ? ", by Siemens' numbers" : "");
@@ -412,7 +412,7 @@ dissect_head(dissection_t *d)
     }
     proto_tree_add_item(d->tree, hf_command, d->tvb, 2, 1, ENC_NA);
     proto_tree_add_item(d->tree, hf_kind, d->tvb, 3, 1, ENC_NA);
-    wmem_strbuf_append_printf(d->words, "%s%s", val_to_str_const(third, commands, "Command"),
+    wmem_strbuf_append_printf(d->words, "%s%s", val_to_str_const(third, rk512_commands, "Command"),
                               d->is_follow_up ? ", follow-up" : "");
     if (d->is_follow_up)
         return;
@@ -436,7 +436,7 @@ looks_like_rk512(tvbuff_t *tvb)
     first = compat_get_uint8(tvb, 0);
     third = compat_get_uint8(tvb, 2);
     return (first == 0 || first == FOLLOW_UP) && compat_get_uint8(tvb, 1) == 0 &&
-           (third == 0 || try_val_to_str(third, commands) != NULL);
+           (third == 0 || try_val_to_str(third, rk512_commands) != NULL);
 }
 
 bool
@@ -489,23 +489,23 @@ free_nothing(void *key _U_)
 }
 
 /* clang-format off */
-static const value_string telegram_kinds[] = {
+static const value_string rk512_telegrams[] = {
     {0x00, "First telegram"},
     {0xFF, "Follow-up"},
     {0, NULL},
 };
 
 static hf_register_info fields[] = {
-    {&hf_follow_up, {"Telegram", "rk512i.follow_up", FT_UINT8, BASE_HEX, VALS(telegram_kinds), 0, NULL, HFILL}},
+    {&hf_follow_up, {"Telegram", "rk512i.follow_up", FT_UINT8, BASE_HEX, VALS(rk512_telegrams), 0, NULL, HFILL}},
     {&hf_zero, {"Always 0", "rk512i.zero", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_command, {"Command", "rk512i.command", FT_UINT8, BASE_HEX, VALS(commands), 0, NULL, HFILL}},
-    {&hf_kind, {"Kind of data", "rk512i.kind", FT_UINT8, BASE_HEX, VALS(kinds), 0, NULL, HFILL}},
+    {&hf_command, {"Command", "rk512i.command", FT_UINT8, BASE_HEX, VALS(rk512_commands), 0, NULL, HFILL}},
+    {&hf_kind, {"Kind of data", "rk512i.kind", FT_UINT8, BASE_HEX, VALS(rk512_kinds), 0, NULL, HFILL}},
     {&hf_block, {"Data block", "rk512i.block", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_word, {"Data word", "rk512i.word", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
     {&hf_count, {"Count", "rk512i.count", FT_UINT16, BASE_DEC, NULL, 0, "Words of data blocks, timers and counters, else bytes", HFILL}},
     {&hf_flag_byte, {"Byte of the coordination flag", "rk512i.flag_byte", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_flag, {"Bit and CPU of the coordination flag", "rk512i.flag", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_error, {"Error number", "rk512i.error", FT_UINT8, BASE_HEX, VALS(errors), 0, "Siemens' numbers; the table that SYNAX has is lost", HFILL}},
+    {&hf_error, {"Error number", "rk512i.error", FT_UINT8, BASE_HEX, VALS(rk512_errors), 0, "Siemens' numbers; the table that SYNAX has is lost", HFILL}},
     {&hf_data, {"Data", "rk512i.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_pieces, {"Pieces", "rk512i.sequence", FT_NONE, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_piece, {"Piece", "rk512i.sequence.piece", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
