@@ -33,6 +33,7 @@ from sistap.sis import telegram  # noqa: E402
 from sistap.wireshark.tshark import Tshark  # noqa: E402
 
 START_NS = 1_700_000_000_000_000_000
+LONGEST_NS = 0xFFFFFFFF  # that a record can hold
 SILENCE_NS = 25_000_000  # before the next packet, unless `silence` says otherwise
 
 LINKTYPE_RAW_IPV4 = 228
@@ -80,6 +81,8 @@ class Item:
             flags[index - 1] = flag
         if silence_ns is None:
             flags[:1] = bytes([Flag.INTERVAL_UNKNOWN]) if flags else b""
+        if intervals and intervals[0] > LONGEST_NS:
+            intervals[0], flags[0] = LONGEST_NS, flags[0] | Flag.INTERVAL_SATURATED
         made = record.Record(
             self.time_ns,
             self.kind,

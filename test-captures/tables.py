@@ -18,6 +18,7 @@ Table = dict[int, str]
 
 # What only a later packet can tell: there in the second pass, and in the first not.
 LATER = {"reaction_in", "sequence.whole_in", "command.unanswered"}
+OTHER_LATER = {"synax.answer_in", "3964r.answer_in", "rk512i.sequence.whole_in"}  # with their protocols
 
 BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them
 
