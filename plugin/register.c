@@ -25,6 +25,7 @@
 #include "synax/fields.h"
 #include "synax/head.h"
 #include "synax/rk512i.h"
+#include "synax/statistics.h"
 
 void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
@@ -104,6 +105,7 @@ proto_register_synax(void)
     synax_head_register();
     synax_rk512i_register();
     synax_3964r_register();
+    synax_statistics_register();
 }
 
 void

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from sistap.wireshark.tshark import Tshark
@@ -133,3 +135,10 @@ def test_the_cam_table_of_the_manual(tshark: Tshark) -> None:
     points = b"".join(point.to_bytes(4, "big") for point in range(1, 1025))
     assert (whole["sis.parameter"], whole["synax.axis"], whole["rk512i.sequence.count"]) == ("P-0-0072", "1", "33")
     assert bytes.fromhex(whole["sis.data"]) == (4096).to_bytes(2, "big") * 2 + points
+
+
+def test_response_times(tshark: Tshark) -> None:
+    """A reading and a writing, each answered 100 ms after its end; the block of inputs was not answered."""
+    text = tshark.output("-q", "-z", "rk512i,srt", "-r", str(HERE / "3964r.pcapng"))
+    rows = re.findall(r"^ +\d+ +(SEND|FETCH) +(\d+) +([\d.]+)", text, re.MULTILINE)
+    assert rows == [("SEND", "1", "0.100000"), ("FETCH", "1", "0.100000")]

@@ -8,6 +8,7 @@
 
 #include <epan/proto_data.h>
 #include <epan/reassemble.h>
+#include <epan/tap.h>
 
 #include "parameters/fields.h"
 #include "sertap/line.h"
@@ -24,7 +25,9 @@
 #define LAST_OF_A_CHAIN 1u  /* DB nn .. DB 1 */
 #define FIRST_FIXED     98u /* from here on data blocks have meanings of their own */
 
-static int proto_rk512i = -1;
+int proto_rk512i = -1;
+
+static int rk512i_tap = -1;
 
 static int hf_follow_up = -1;
 static int hf_zero = -1;
@@ -426,6 +429,18 @@ dissect_head(dissection_t *d)
     show_command(d);
 }
 
+static void
+queue_answer(const dissection_t *d)
+{
+    synax_answer_t *answer;
+
+    if (d->telegram->request_in == 0 || d->telegram->job == NULL)
+        return;
+    answer = wmem_new(d->pinfo->pool, synax_answer_t);
+    *answer = (synax_answer_t){d->telegram->job->command, d->telegram->elapsed};
+    tap_queue_packet(rk512i_tap, d->pinfo, answer);
+}
+
 static bool
 looks_like_rk512(tvbuff_t *tvb)
 {
@@ -462,6 +477,7 @@ synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void
         show_data(&d);
     }
     show_links(&d);
+    queue_answer(&d);
     proto_item_append_text(d.root, ", %s", wmem_strbuf_get_str(d.words));
     col_append_fstr(pinfo->cinfo, COL_INFO, "  %s", wmem_strbuf_get_str(d.words));
     return true;
@@ -533,5 +549,6 @@ synax_rk512i_register(void)
     reassembly_table_register(&table, &functions);
     buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
     counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    rk512i_tap = register_tap("rk512i");
     register_dissector("rk512i", dissect_rk512i, proto_rk512i);
 }

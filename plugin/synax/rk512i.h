@@ -6,6 +6,14 @@
 
 #include "compat.h"
 
+/* What the tap "rk512i" gets: a reaction to a command. */
+typedef struct {
+    uint8_t command; /* its letter */
+    int64_t elapsed; /* ns */
+} synax_answer_t;
+
+extern int proto_rk512i;
+
 /* What a block's dissector gets as data. */
 typedef struct {
     bool is_repeat; /* the same block again */
