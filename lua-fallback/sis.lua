@@ -1651,6 +1651,7 @@ do
     end
     if can_be_read then
       read_record(record, tvb, bytes)
+      if S.is_counting then S.note_record(record) end
       dissect_record(tvb, pinfo, parent, tree, root, record)
     elseif is_cut then
       write_columns(pinfo, "")
@@ -2001,6 +2002,7 @@ do
     body.service = telegram.service
     body.status = 0
     body.error = 0
+    body.status_text, body.error_text, body.errors = nil, nil, nil
     body.is_explained = false
     body.summary = S.service_name(telegram.service)
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
@@ -2152,7 +2154,7 @@ do
     telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
     telegram.times = S.times(body.tvb, body.there, declared ~= 0 and min(body.there, declared) or body.there)
     -- Whether all is as it should be and nobody looks at a tree: then what was found before may hold.
-    body.is_quick = not body.tree and is_good and body.there == declared and #bytes == declared
+    body.is_quick = not body.tree and not S.is_counting and is_good and body.there == declared and #bytes == declared
   end
 
   local function dissect_start(body)
@@ -2202,6 +2204,7 @@ do
     dissect_header(body)
     local words = dissect_useful_data(body, record)
     dissect_trailer(body)
+    if S.is_counting then S.note_telegram(body, record) end
 
     if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, shortened(words))) end
     return ends.heading .. words .. body.marks
@@ -2504,7 +2507,7 @@ do
   local function mark_error(body, text, code)
     S.mark(body, E.status_execution_error, "error 0x%04x: %s", code, text)
     body.is_explained = true
-    body.error = code
+    body.error, body.error_text = code, text
   end
 
   -- The error code of the service that stands in place of useful data: two bytes ...
@@ -3007,6 +3010,10 @@ do
       add_request(list, element.request)
     end
     S.dissect_body(element)
+    if element.error_text then
+      list.errors = list.errors or {}
+      table.insert(list.errors, strformat("0x%04x %s", element.error, element.error_text))
+    end
     if list.is_reaction and list.status == 0 and element.status ~= 0 then
       list.item = root
       S.mark(list, E.body_note, "the overall status is 0, that of this element is not")
@@ -3594,6 +3601,7 @@ do
       before.next_command_in = exchange.command_in
       before.is_reaction_damaged = from.stream.bus.damaged_in > before.command_in
       exchange.gave_up = before.command_in
+      if S.is_counting then exchange.gave_up_station = byte(before.from.path) end
     end
     if exchange.repeat_of then
       exchange.wait = T.elapsed(from.last.command_end, telegram.times.begin)
@@ -3616,6 +3624,7 @@ do
     }
     local before = bus.last[telegram.sender]
 
+    if S.is_counting then exchange.command_begin = times.begin end
     if #bytes > declared then bytes = sub(bytes, 1, declared) end
     from.path = telegram.path
     if needs_reaction(telegram) then find_repeat(exchange, from, bytes, telegram) end
@@ -5450,6 +5459,7 @@ do
     local tree, times = t.body.tree, t.telegram.times
 
     if not times.record then return false end
+    if S.is_counting then return true end
     if t.tza > 0 then return tree or not S.are_within(times, t.tza) end
     return tree and (tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_position))
   end
@@ -5551,11 +5561,451 @@ do
   -- Adds what is known of a telegram's timing to its tree, and marks. `body` has been taken apart.
   function S.timing_dissect(telegram, record, body)
     if not packet.visited then note_cycle(record, telegram, body) end
-    if not body.tree and not record.settings and P.tza_ms == 0 and P.trs_ms == 0 then return end -- nothing to be seen
+    local is_asked = body.tree or record.settings or P.tza_ms ~= 0 or P.trs_ms ~= 0 or S.is_counting
+
+    if not is_asked then return end -- nothing to be seen
     local t = {telegram = telegram, record = record, body = body}
 
     find_timing(t)
+    body.timing = t
     if (body.tree or is_anything_judged(t)) and is_anything_known(t) then show(t) end
+  end
+end
+
+--- sis/statistics, sis/tables: the figures of the plugin's `-z sis,tree`, `sis,tza`, `sis,bus` and `sis,srt`. They are
+-- printed where the preference sis.statistics names them: tshark -q -o sis.statistics:tree,bus. In Wireshark they are
+-- windows of the menu Statistics.
+
+do
+  local MS = 1000000 -- in ns
+  local CYCLE, SILENCE = 100 * MS, 200 * MS -- of an operator terminal (chapter 10.1)
+  local BINS_MS = {1, 2, 5, 10, 20, 50, math.huge} -- of intervals: each up to so many ms
+  local ALL = "All"
+  local LINE_ERRORS = K.CHARACTER_ERROR + K.BREAK + K.LOST_BEFORE + K.UNLOCATED_ERROR
+  local NOT_MEASURED = K.INTERVAL_UNKNOWN + K.LOST_BEFORE
+
+  preference("statistics", Pref.string("Statistics that tshark prints", "",
+    "Of tree, tza, bus and srt, with commas between them: tshark -q -o sis.statistics:tree,bus"))
+
+  -- Of the packet that is dissected, until it is counted: {record, telegrams}. A telegram: {is_good, is_reaction,
+  -- service, talker, length, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
+  -- reaction_time}.
+  local noted = {}
+
+  local function note(number)
+    if noted.number ~= number then noted = {number = number, telegrams = {}, place = S.line_key(S.place())} end
+    return noted
+  end
+
+  -- While counting: a record of characters, or of another kind.
+  function S.note_record(record)
+    if record.type ~= K.EVENT then note(packet.number).record = record end
+  end
+
+  function S.note_telegram(body, record)
+    local telegram, times, errors = body.telegram, body.telegram.times, body.errors or {}
+
+    if body.error_text then errors[#errors + 1] = strformat("0x%04x %s", body.error, body.error_text) end
+    table.insert(note(packet.number).telegrams, {
+      is_good = telegram.is_good,
+      is_reaction = telegram.is_reaction,
+      service = telegram.service,
+      talker = body.ends.talker,
+      length = body.there,
+      status_text = body.status_text,
+      errors = errors,
+      times = {record = times.record, first = times.first, count = times.count, begin = times.begin, end_ = times.end_,
+        begin_earliest = times.begin_earliest, begin_latest = times.begin_latest},
+      timing = body.timing,
+      exchange = record.exchange,
+      reaction_time = telegram.is_good and telegram.is_reaction and record.reaction_time or nil,
+    })
+  end
+
+  local function ms_text(ns)
+    return T.decimal_text(floor((ns + 500) / 1000), 1, 3)
+  end
+
+  local function each_line(rows, format_row)
+    local stations = {}
+
+    for station in pairs(rows) do
+      if station ~= ALL then stations[#stations + 1] = station end
+    end
+    table.sort(stations)
+    local lines = {format_row(ALL, rows[ALL])}
+
+    for _, station in ipairs(stations) do
+      lines[#lines + 1] = format_row(strformat("%3d", station), rows[station])
+    end
+    return concat(lines, "\n")
+  end
+
+  -- Each kind of statistics: {title, new: what is summed up, count(sum, noted, number of the packet), text(sum)}.
+  local kinds = {}
+
+  -- Counts below counts: {count, name, below: by name}.
+  local function tick(node, name)
+    node.below[name] = node.below[name] or {name = name, count = 0, below = {}}
+    node.below[name].count = node.below[name].count + 1
+    return node.below[name]
+  end
+
+  local function tree_lines(node, indent, lines)
+    local below = {}
+
+    for _, each in pairs(node.below) do
+      below[#below + 1] = each
+    end
+    table.sort(below, function(a, b) return a.count > b.count or (a.count == b.count and a.name < b.name) end)
+    for _, each in ipairs(below) do
+      lines[#lines + 1] = strformat("%-70s  %8d", rep(" ", indent) .. each.name, each.count)
+      tree_lines(each, indent + 1, lines)
+    end
+    return lines
+  end
+
+  kinds.tree = {
+    title = "SIS/Telegrams",
+    new = function() return {below = {}} end,
+    count = function(root, of_packet)
+      for _, telegram in ipairs(of_packet.telegrams) do
+        local all = tick(root, "Telegrams")
+
+        if telegram.is_good then
+          tick(tick(tick(all, "By service"), S.service_name(telegram.service)),
+            telegram.is_reaction and "Reaction" or "Command")
+          tick(tick(all, "By talker"), strformat("%d", telegram.talker))
+          if telegram.status_text then tick(tick(all, "Reactions by status"), telegram.status_text) end
+          for _, text in ipairs(telegram.errors) do
+            tick(tick(all, "Errors"), text)
+          end
+        else
+          tick(all, "Damaged")
+        end
+      end
+    end,
+    text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
+  }
+
+  -- Quantiles by a histogram whose buckets grow with their values, 32 for each doubling.
+  local function bucket_of(ns)
+    local octave = 0
+
+    if ns < 32 then return ns end
+    while ns / 2 ^ octave >= 64 do
+      octave = octave + 1
+    end
+    return octave * 32 + floor(ns / 2 ^ octave)
+  end
+
+  local function end_of_bucket(bucket)
+    local octave, rest = floor(bucket / 32), bucket % 32
+
+    if octave == 0 then return bucket end
+    return (rest + 33) * 2 ^ (octave - 1) - 1
+  end
+
+  local function quantile_text(row, percent)
+    local wanted, passed, bucket = floor((percent * row.exact + 99) / 100), 0, -1
+
+    if row.exact == 0 then return "" end
+    while passed < wanted do
+      bucket = bucket + 1
+      passed = passed + (row.buckets[bucket] or 0)
+    end
+    return ms_text(min(end_of_bucket(bucket), row.largest))
+  end
+
+  local function new_intervals()
+    return {telegrams = 0, characters = 0, exceeded = 0, unresolved = 0, one_read = 0, bins = {0, 0, 0, 0, 0, 0, 0},
+      buckets = {}, exact = 0, largest = 0, longest = nil}
+  end
+
+  local function is_same_read(times, character)
+    return character < times.count and band(T.flags_of(times.record, times.first + character), K.SAME_READ) ~= 0
+  end
+
+  local function count_interval(row, times, character)
+    local at, bin = times.first + character, 1
+
+    if band(T.flags_of(times.record, at), NOT_MEASURED) ~= 0 then return end
+    if is_same_read(times, character - 1) or is_same_read(times, character) or is_same_read(times, character + 1) then
+      row.one_read = row.one_read + 1
+      return
+    end
+    local ns = T.interval_of(times.record, at)
+    local bucket = bucket_of(ns)
+
+    while ns >= BINS_MS[bin] * MS do
+      bin = bin + 1
+    end
+    row.bins[bin] = row.bins[bin] + 1
+    row.buckets[bucket] = (row.buckets[bucket] or 0) + 1
+    row.exact, row.largest = row.exact + 1, max(row.largest, ns)
+  end
+
+  local function raise_longest(row, longest)
+    local interval = longest and longest.interval
+    local ns = interval and (interval.is_exact and interval.recorded or interval.span.most)
+
+    if not ns or ns == K.ANY_TIME or ns <= (row.longest or 0) then return end
+    row.longest, row.is_bound = floor((ns + 500) / 1000) * 1000, not interval.is_exact
+  end
+
+  local function count_intervals(row, telegram)
+    local timing, times = telegram.timing, telegram.times
+    local verdict = timing.tza > 0 and timing.longest and timing.longest.verdict
+
+    row.telegrams = row.telegrams + 1
+    row.characters = row.characters + telegram.length
+    for character = 1, times.count - 1 do
+      count_interval(row, times, character)
+    end
+    raise_longest(row, timing.longest)
+    if verdict == K.TIME_EXCEEDED then row.exceeded = row.exceeded + 1 end
+    if verdict == K.TIME_UNRESOLVED then row.unresolved = row.unresolved + 1 end
+  end
+
+  local function intervals_row(station, row)
+    local longest = row.longest and (row.is_bound and "<=" or "") .. ms_text(row.longest) or ""
+    local bins = row.bins
+
+    return strformat("%-7s |%9d |%10d |%9s |%9s |%13s |%12d |%10d |%11d |%10d |%9d |%9d |%10d |%11d |%11d |%14d |",
+      station, row.telegrams, row.characters, quantile_text(row, 50), quantile_text(row, 99), longest, row.exceeded,
+      row.unresolved, row.one_read, bins[1], bins[2], bins[3], bins[4], bins[5], bins[6], bins[7])
+  end
+
+  kinds.tza = {
+    title = "SIS intervals by talker (TzA)",
+    new = function() return {[ALL] = new_intervals()} end,
+    count = function(rows, of_packet)
+      for _, telegram in ipairs(of_packet.telegrams) do
+        if telegram.is_good and telegram.times.record then
+          rows[telegram.talker] = rows[telegram.talker] or new_intervals()
+          count_intervals(rows[ALL], telegram)
+          count_intervals(rows[telegram.talker], telegram)
+        end
+      end
+    end,
+    text = function(rows)
+      return "Talker  |Telegrams |Characters |p50 in ms |p99 in ms |Longest in ms |TzA exceeded |Unresolved "
+        .. "|In one read |Under 1 ms |1 to 2 ms |2 to 5 ms |5 to 10 ms |10 to 20 ms |20 to 50 ms |50 ms and more |\n"
+        .. each_line(rows, intervals_row)
+    end,
+  }
+
+  local function new_station()
+    return {telegrams = 0, characters = 0, busy = 0, silences = 0, cycles = 0, repeats = 0, unanswered = 0, tza = 0,
+      trs = 0, damaged = 0, line = 0, lines = {}}
+  end
+
+  local function add_to(row, name, by)
+    row[name] = row[name] + by
+  end
+
+  local function line_errors(record, first, count)
+    local found = 0
+
+    if band(record.flags, LINE_ERRORS) == 0 then return 0 end
+    for at = first, first + count - 1 do
+      if band(T.flags_of(record, at), LINE_ERRORS) ~= 0 then found = found + 1 end
+    end
+    return found
+  end
+
+  local function count_record(all, of_packet)
+    local record = of_packet.record
+
+    add_to(all, "characters", record.count)
+    add_to(all, "line", line_errors(record, 0, record.timed))
+    add_to(all, "busy", record.character_ns * record.count)
+    all.lines[of_packet.place] = true
+    all.begin = all.begin or packet.time - record.character_ns
+    all.finish = packet.time + record.duration
+  end
+
+  local function count_timing(row, telegram)
+    local timing, times, exchange = telegram.timing, telegram.times, telegram.exchange
+
+    if timing.silence then
+      if timing.silence > (row.silence or 0) then row.silence = floor((timing.silence + 500) / 1000) * 1000 end
+      if timing.silence > SILENCE then add_to(row, "silences", 1) end
+    end
+    if telegram.reaction_time and T.elapsed(exchange.command_begin, times.end_) > CYCLE then
+      add_to(row, "cycles", 1)
+    end
+    if timing.tza > 0 and timing.longest and timing.longest.verdict == K.TIME_EXCEEDED then add_to(row, "tza", 1) end
+    if timing.trs > 0 and times.begin_earliest and exchange.command_end_earliest then
+      local span = S.span_between(exchange.command_end_earliest, exchange.command_end, times)
+
+      if S.judge(span, timing.trs) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
+    end
+  end
+
+  local function station_of(rows, station)
+    rows[station] = rows[station] or new_station()
+    return rows[station]
+  end
+
+  local function count_talker(rows, telegram)
+    local row, times = station_of(rows, telegram.talker), telegram.times
+
+    add_to(row, "telegrams", 1)
+    add_to(row, "characters", telegram.length)
+    count_timing(rows[ALL], telegram)
+    count_timing(row, telegram)
+    if not times.record then return end
+    add_to(row, "busy", times.record.character_ns * times.count)
+    add_to(row, "line", line_errors(times.record, times.first, times.count))
+  end
+
+  -- Of whom the master had to ask again, or in vain.
+  local function count_asked(rows, exchange)
+    if exchange.repeat_of then
+      add_to(rows[ALL], "repeats", 1)
+      add_to(station_of(rows, byte(exchange.from.path)), "repeats", 1)
+    end
+    if exchange.gave_up then
+      add_to(rows[ALL], "unanswered", 1)
+      add_to(station_of(rows, exchange.gave_up_station), "unanswered", 1)
+    end
+  end
+
+  local function count_telegram(rows, telegram)
+    local all = rows[ALL]
+
+    add_to(all, "telegrams", 1)
+    if not telegram.times.record then add_to(all, "characters", telegram.length) end
+    if not telegram.is_good then
+      add_to(all, "damaged", 1)
+      return
+    end
+    count_talker(rows, telegram)
+    if telegram.exchange and not telegram.is_reaction then count_asked(rows, telegram.exchange) end
+  end
+
+  local function station_row(all, lines)
+    local span = all.begin and T.elapsed(all.begin, all.finish) or 0
+
+    return function(station, row)
+      local share = row.busy / (span * (station == ALL and lines or 1))
+      local load = span > 0 and T.decimal_text(floor(1000 * share + 0.5), 1, 1) or ""
+
+      return strformat("%-8s |%9d |%10d |%9s |%21s |%17d |%15d |%7d |%10d |%12d |%12d |%7d |%11d |", station,
+        row.telegrams, row.characters, load, row.silence and ms_text(row.silence) or "", row.silences, row.cycles,
+        row.repeats, row.unanswered, row.tza, row.trs, row.damaged, row.line)
+    end
+  end
+
+  kinds.bus = {
+    title = "SIS bus by station",
+    new = function() return {[ALL] = new_station()} end,
+    count = function(rows, of_packet)
+      if of_packet.record then count_record(rows[ALL], of_packet) end
+      for _, telegram in ipairs(of_packet.telegrams) do
+        count_telegram(rows, telegram)
+      end
+    end,
+    text = function(rows)
+      local lines = 0
+
+      for _ in pairs(rows[ALL].lines) do
+        lines = lines + 1
+      end
+      return "Station  |Telegrams |Characters |Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms "
+        .. "|Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors |\n"
+        .. each_line(rows, station_row(rows[ALL], lines))
+    end,
+  }
+
+  local function seconds_text(ns)
+    return T.decimal_text(floor(ns / 1000 + 0.5), 1, 6)
+  end
+
+  kinds.srt = {
+    title = "SIS reaction times by service",
+    new = function() return {} end,
+    count = function(services, of_packet)
+      for _, telegram in ipairs(of_packet.telegrams) do
+        local taken = telegram.reaction_time
+
+        if taken then
+          local row = services[telegram.service] or {calls = 0, least = taken, most = taken, sum = 0}
+
+          services[telegram.service] = row
+          row.calls, row.sum = row.calls + 1, row.sum + taken
+          row.least, row.most = min(row.least, taken), max(row.most, taken)
+        end
+      end
+    end,
+    text = function(services)
+      local lines = {strformat("%5s  %-50s %8s %10s %10s %10s", "Index", "Service", "Calls", "Min SRT", "Max SRT",
+        "Avg SRT")}
+
+      for service = 0, 255 do
+        local row = services[service]
+
+        if row then
+          lines[#lines + 1] = strformat("%5d  %-50s %8d %10s %10s %10s", service, S.service_name(service), row.calls,
+            seconds_text(row.least), seconds_text(row.most), seconds_text(row.sum / row.calls))
+        end
+      end
+      return concat(lines, "\n")
+    end,
+  }
+
+  -- A tap of Wireshark that counts one kind; `show` gets the text whenever Wireshark draws.
+  local function start(kind, show)
+    local tap = Listener.new("frame")
+    local sum = kind.new()
+
+    function tap.packet(pinfo)
+      if noted.number == pinfo.number then kind.count(sum, noted) end
+    end
+
+    function tap.draw() show(kind.text(sum)) end
+
+    function tap.reset() sum = kind.new() end
+    return tap
+  end
+
+  local ORDER = {"tree", "tza", "bus", "srt"}
+  local is_printing = false
+
+  local function print_what_is_asked_for()
+    if is_printing or not P.statistics or P.statistics == "" then return end
+    is_printing = true
+    S.is_counting = true
+    for name in string.gmatch(P.statistics, "[^,%s]+") do
+      local kind = kinds[gsub(name, "^sis,", "")]
+
+      if kind then
+        start(kind, function(text) print(strformat("\n%s:\n%s", kind.title, text)) end)
+      else
+        print("sis.statistics: '" .. name .. "' is none of tree, tza, bus, srt")
+      end
+    end
+  end
+
+  at_init(print_what_is_asked_for)
+
+  local function open_window(kind)
+    return function()
+      local window = TextWindow.new(kind.title)
+      local tap
+
+      S.is_counting = true
+      tap = start(kind, function(text) window:set(text) end)
+      window:set_atclose(function() tap:remove() end)
+      retap_packets()
+    end
+  end
+
+  if gui_enabled() then
+    for _, name in ipairs(ORDER) do
+      register_menu("SIS/" .. kinds[name].title, open_window(kinds[name]), MENU_STAT_UNSORTED)
+    end
   end
 end
 
