@@ -242,6 +242,15 @@ def test_both_directions_are_lines_of_one_capture(
     os.close(slave)
 
 
+def test_3964r_is_cut_where_it_is_chosen(tmp_path: Path, line: tuple[int, str], started: list[Wireshark]) -> None:
+    master, interface = line
+    started.append(wireshark := Wireshark(tmp_path, interface, "--framing", "3964r", toolbar=False))
+    assert b"blocks of procedure 3964R" in wireshark.event(Event.CAPTURE_STARTED).data
+    os.write(master, b"\x02\x10A\x10\x03R")
+    frames = [next(wireshark.records()).data for _ in range(3)]
+    assert frames == [b"\x02", b"\x10", b"A\x10\x03R"]
+
+
 def test_a_lost_port_is_said_once_the_capture_has_ended(tmp_path: Path, started: list[Wireshark]) -> None:
     master, slave = pty.openpty()
     name = os.ttyname(slave)
