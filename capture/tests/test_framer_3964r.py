@@ -79,6 +79,7 @@ def test_a_request_and_its_reaction() -> None:
         # The grant comes late, or the request is repeated.
         ("02 - 10 " + A, frames("02", "10", A)),
         ("02 - - 02 10 " + A, frames("02", "02", "10", A)),
+        ("02 10 - " + A, frames("02", "10", A)),
         # The grant was not heard.
         ("02 " + A, frames("02", A)),
         # A block breaks off: its receiver says NAK; the sender asks again, soon or later.
@@ -134,8 +135,13 @@ def test_on_one_line(text: str, expected: list[tuple[str, str]]) -> None:
         # Broken off, and asked again: within the second, and after it.
         ("02 000045 02 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
         ("02 000045 - 02 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
+        ("02 4142 - 41 10 03 52", [(FRAME, "02"), (OTHER, "4142"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
         ("02 41 10 42 02 " + A, [(FRAME, "02"), (OTHER, "411042"), *frames("02", A)]),
         ("02 41 10 42 43 10 03 55", [(FRAME, "02"), (OTHER, "41104243100355")]),
+        # A block without data: its BCC is 10 ^ 03 = 13.
+        ("02 41 02 10 03 13", [(FRAME, "02"), (OTHER, "41"), *frames("02", "100313")]),
+        # STX among the last three characters is none: here it is BCC, and wrong.
+        ("02 41 10 03 02", [(FRAME, "02"), (BAD, "41100302")]),
         # What ends a block that broke off is no partner's NAK: that is on the other line.
         ("02 000015 -", [(FRAME, "02"), (OTHER, "000015")]),
     ],
@@ -169,6 +175,7 @@ def test_what_waited_while_we_were_stopped_is_not_cut(line: int, uncertainty_ns:
 @pytest.mark.parametrize("line", [SHARED, OWN])
 def test_a_block_without_an_end_is_given_up(line: int) -> None:
     framer = Framer3964R(line, SETTINGS)
+    assert BLOCK_LIMIT == 2 * 4096 + 3  # so that the longest block fits
     data = b"\x02" + b"A" * BLOCK_LIMIT
     records = framer.feed(Read(line, START_NS, data, bytes(len(data)), 1000))
     assert [len(record.data) for record in records] == [1, 4096, 4096, BLOCK_LIMIT - 8192]

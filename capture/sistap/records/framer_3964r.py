@@ -48,8 +48,8 @@ class Framer3964R(ContentFramer):
         self._begin_block(None)
 
     def flush(self) -> list[Record]:
-        """Return all that is left. A request still holds, if nothing has come after it."""
-        waits = self._asked or (not self._shared and self._block == len(self._data))
+        """Return all that is left. A request still holds, if nothing of its block has come."""
+        waits = self._asked or self._block == len(self._data)
         records = super().flush()
         self._asked = waits
         self._begin_block(None)
