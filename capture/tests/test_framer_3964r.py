@@ -101,6 +101,11 @@ def test_a_request_and_its_reaction() -> None:
             "02 10 03 10 03 10 10 02 10 11 10 03 02 10",
             frames("02", "10", "03100310", "10", "02", "10", "11100302", "10"),
         ),
+        ("02 10 15 10 41 10 03 55", [*frames("02", "10"), (OTHER, "151041100355")]),
+        # A pair is over: 42 ^ 10 ^ 03 = 51.
+        ("02 10 10 10 42 10 03 51", frames("02", "10", "101042100351")),
+        # On one line a request inside a block would have been granted there: 42 ^ 10 ^ 03 = 51.
+        ("02 10 41 02 42 10 03 51", [*frames("02", "10"), (BAD, "410242100351")]),
         # Outside of blocks.
         ("41 42 02 10 " + A, [(OTHER, "4142"), *frames("02", "10", A)]),
         ("41 10 42 15 43", [(OTHER, "41"), (FRAME, "10"), (OTHER, "42"), (FRAME, "15"), (OTHER, "43")]),
@@ -142,12 +147,23 @@ def test_on_one_line(text: str, expected: list[tuple[str, str]]) -> None:
         ("02 41 02 10 03 13", [(FRAME, "02"), (OTHER, "41"), *frames("02", "100313")]),
         # STX among the last three characters is none: here it is BCC, and wrong.
         ("02 41 10 03 02", [(FRAME, "02"), (BAD, "41100302")]),
+        # No block with a right BCC begins at the STX inside, or the whole is good already.
+        ("02 41 02 42 10 03 00", [(FRAME, "02"), (BAD, "410242100300")]),
+        ("02 02 02 41 10 03 52", frames("02", "020241100352")),
+        ("02 41 02 10 42 10 03 55", [(FRAME, "02"), (OTHER, "41021042100355")]),
+        # After a pause a DLE is an answer to the partner, and no grant.
+        ("02 - 10 41 10 03 52", [*frames("02", "10"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
+        ("02 10 15 41 42", [*frames("02", "10", "15"), (OTHER, "4142")]),
         # What ends a block that broke off is no partner's NAK: that is on the other line.
         ("02 000015 -", [(FRAME, "02"), (OTHER, "000015")]),
     ],
 )
 def test_on_a_line_of_its_own(text: str, expected: list[tuple[str, str]]) -> None:
     assert cut(text, OWN) == expected
+
+
+def test_a_broken_block_is_given_at_its_end() -> None:
+    assert cut("02 41 10 42 43 10 03 55", OWN, to_the_end=False) == [(FRAME, "02"), (OTHER, "41104243100355")]
 
 
 # -- On any line ----------------------------------------------------------------------------------------------------
@@ -176,10 +192,20 @@ def test_what_waited_while_we_were_stopped_is_not_cut(line: int, uncertainty_ns:
 def test_a_block_without_an_end_is_given_up(line: int) -> None:
     framer = Framer3964R(line, SETTINGS)
     assert BLOCK_LIMIT == 2 * 4096 + 3  # so that the longest block fits
-    data = b"\x02" + b"A" * BLOCK_LIMIT
+    data = b"\x02" + b"A" * BLOCK_LIMIT + b"\x15"
     records = framer.feed(Read(line, START_NS, data, bytes(len(data)), 1000))
-    assert [len(record.data) for record in records] == [1, 4096, 4096, BLOCK_LIMIT - 8192]
+    assert [len(record.data) for record in records] == [1, 4096, 4096, BLOCK_LIMIT - 8192, 1]
+    assert records[-1].type == Type.FRAME
     assert framer.empty
+
+
+def test_other_characters_are_given_when_there_are_many() -> None:
+    framer = Framer3964R(SHARED, SETTINGS)
+    records = framer.feed(Read(SHARED, START_NS, b"A" * 5000, bytes(5000), 1000))
+    assert [len(record.data) for record in records] == [4096]
+    assert [len(record.data) for record in framer.flush()] == [904]
+    exact = Read(SHARED, START_NS + SILENCE_NS, b"A" * 4096, bytes(4096), 1000)
+    assert [len(record.data) for record in framer.feed(exact)] == [4096]
 
 
 def test_other_characters_without_a_pause_come_every_second() -> None:
@@ -271,8 +297,18 @@ def test_the_option(text: str, expected: Cut) -> None:
     assert expected.framer(1, SETTINGS).framing == expected.framing
 
 
+def test_silence_is_in_milliseconds() -> None:
+    assert Cut.parse("silence:0.5").framer(1, SETTINGS).silence_ns == 500_000
+
+
+def test_what_a_description_says() -> None:
+    said = [Cut.parse(text).said for text in ("sis", "3964r", "silence:2.5")]
+    assert said == ["", "; blocks of procedure 3964R", "; frames cut by 2.5 ms of silence"]
+
+
 @pytest.mark.parametrize(
-    "text", ["", "3964", "SIS", "silence", "silence:", "silence:0", "silence:-1", "silence:nan", "silence:1e305"]
+    "text",
+    ["", "3964", "SIS", "silence", "silence:", "silence:0", "silence:-1", "silence:nan", "silence:1e305", "pause:5"],
 )
 def test_what_the_option_may_not_be(text: str) -> None:
     with pytest.raises(ValueError, match=f"'{text}' is not sis, 3964r or silence:MILLISECONDS"):
