@@ -19,6 +19,8 @@ PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
 PARTS = (
     Part("sistap/records/framer.py", ("test_framer.py",)),
+    Part("sistap/records/framer_3964r.py", ("test_framer_3964r.py",)),
+    Part("sistap/records/cut.py", ("test_framer_3964r.py",)),
     Part("sistap/records/record.py", ("test_record.py",)),
     Part("sistap/records/order.py", ("test_order.py",)),
     Part("sistap/records/assembler.py", ("test_assembler.py", "test_assembling.py")),

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from sistap.files import pcapng
 from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Event, Record, Type, event
+from sistap.records.record import Event, Framing, Record, Type, event
 from sistap.sis.telegram import build
 
 LINE = LineSettings()  # 9600 8E1
@@ -37,6 +37,7 @@ class Sent(NamedTuple):
     flags: Mapping[int, Flag] = {}
     uncertainty_ns: int = UNCERTAINTY_NS
     type: Type = Type.FRAME
+    framing: Framing = Framing.SIS
 
 
 # Packet 1 is the event. The exchanges: one as it should be, and one of each fault.
@@ -77,7 +78,8 @@ def records(sent: Iterable[Sent]) -> list[Record]:
             flags[0] |= Flag.INTERVAL_UNKNOWN
         first_ns = last_ns + intervals[0]
         last_ns = first_ns + sum(intervals[1:])
-        made.append(Record(first_ns, item.type, 0, LINE, item.data, intervals, bytes(flags), item.uncertainty_ns))
+        record = Record(first_ns, item.type, 0, LINE, item.data, intervals, bytes(flags), item.uncertainty_ns)
+        made.append(record._replace(framing=item.framing))
     return made
 
 

@@ -7,6 +7,7 @@ from specification import TELEGRAMS
 
 from sistap.line.settings import LineSettings, Read
 from sistap.records.assembler import Assembler
+from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Framing, Record, Type
 
 SETTINGS, FASTER = LineSettings(9600), LineSettings(19200)
@@ -17,9 +18,9 @@ MS = 1_000_000
 class Assembled:
     """An assembler of two lines, and what it has written."""
 
-    def __init__(self, silence_ms: float | None = None) -> None:
+    def __init__(self, cut: Cut = SIS) -> None:
         self.written: list[Record] = []
-        self.assembler = Assembler(self.written.append, silence_ms)
+        self.assembler = Assembler(self.written.append, cut)
         for line in (1, 2):
             self.assembler.add_line(line, SETTINGS, 0)
 
@@ -84,8 +85,8 @@ def test_idle_tells_which_line_has_completed_what() -> None:
 
 
 def test_silence_cuts_frames_where_it_is_said() -> None:
-    assert Assembled().assembler.framing == Framing.SIS
-    made = Assembled(silence_ms=5)
+    assert Assembled().assembler.cut == SIS
+    made = Assembled(Cut(Framing.SILENCE, 5))
     made.take(1 * MS, b"A")
     made.take(6 * MS - 1, b"B")
     assert not made.written

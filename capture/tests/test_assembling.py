@@ -18,6 +18,7 @@ from sistap.files.output import Limits, Output
 from sistap.line.reader import PortLost, Reader
 from sistap.line.settings import LineSettings, Read
 from sistap.records.counters import Counters
+from sistap.records.cut import Cut
 from sistap.records.record import Event, Framing, Record, Type
 from sistap.terminal.stop import Stop
 
@@ -299,7 +300,7 @@ def test_a_stop_takes_what_waits_for_no_longer_than_a_tenth_of_a_second(tmp_path
 
 
 def test_lines_of_one_port_have_framers_of_their_own(tmp_path: Path) -> None:
-    conditions = Conditions(silence_ms=5)
+    conditions = Conditions(Cut(Framing.SILENCE, 5))
     taken = take(tmp_path, came(MS, b"ab", line=1), came(2 * MS, b"cd", line=2), conditions=conditions)
     assert [(record.framing, record.data) for record in taken.sink.records] == [
         (Framing.SILENCE, b"ab"),

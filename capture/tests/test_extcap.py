@@ -141,6 +141,7 @@ def test_rate_and_format_are_chosen_from_what_sis_and_the_field_have(capsys: pyt
     number = {field["call"]: field["number"] for field in of_kind("arg", sentences)}
     assert choices(sentences, number["--baud"]) == [*RATES, "auto"]
     assert choices(sentences, number["--format"]) == ["", "8E1", "8N1"]
+    assert choices(sentences, number["--framing"]) == ["sis", "3964r"]
 
 
 @pytest.mark.usefixtures("plugged")
@@ -162,7 +163,7 @@ def test_fields_are_checked_as_they_are_filled_in(
 @pytest.mark.usefixtures("plugged")
 def test_ports_and_the_demo_bus_have_fields_of_their_own(capsys: pytest.CaptureFixture[str]) -> None:
     port, demo = set(fields(capsys, "sistap-ttyS0")), set(fields(capsys, "sistap-demo"))
-    assert port - demo == {"--second-port", "--uncertainty"}
+    assert port - demo == {"--framing", "--second-port", "--uncertainty"}
     assert demo - port == {"--scenario", "--faults"}
 
 

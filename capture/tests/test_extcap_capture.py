@@ -20,7 +20,7 @@ from typing import BinaryIO, NamedTuple
 
 import pytest
 
-from sistap.records.record import Event, Record, Type, unpack
+from sistap.records.record import Event, Framing, Record, Type, unpack
 
 CAPTURE = Path(__file__).parents[1]
 PATIENCE_S = 60
@@ -196,6 +196,15 @@ def test_the_rate_is_changed_and_found_again(demo: Wireshark) -> None:
     assert "9600" in demo.told(RATE, SET)
 
 
+def test_a_rate_is_looked_for_only_with_sis(tmp_path: Path, started: list[Wireshark]) -> None:
+    started.append(wireshark := Wireshark(tmp_path, "sistap-demo", "--scenario", "s5"))
+    wireshark.show_toolbar()
+    wireshark.event(Event.CAPTURE_STARTED)
+    wireshark.say(INITIALIZED)
+    wireshark.say(SET, RATE, "auto")
+    assert any("a rate can be looked for only with SIS telegrams" in text for text in wireshark.told(LOG, ADD))
+
+
 def test_counters_and_log_are_shown(demo: Wireshark) -> None:
     demo.say(INITIALIZED)
     assert next(demo.told(LOG, SET)) == ""  # the log of the last capture goes
@@ -240,6 +249,26 @@ def test_both_directions_are_lines_of_one_capture(
     assert (frame.line, frame.data) == (2, TELEGRAM)
     os.close(other)
     os.close(slave)
+
+
+def test_3964r_is_cut_where_it_is_chosen(tmp_path: Path, line: tuple[int, str], started: list[Wireshark]) -> None:
+    master, interface = line
+    started.append(wireshark := Wireshark(tmp_path, interface, "--framing", "3964r", toolbar=False))
+    assert b"blocks of procedure 3964R" in wireshark.event(Event.CAPTURE_STARTED).data
+    os.write(master, b"\x02\x10A\x10\x03R")
+    frames = [next(wireshark.records()).data for _ in range(3)]
+    assert frames == [b"\x02", b"\x10", b"A\x10\x03R"]
+
+
+def test_the_demo_bus_is_cut_as_its_scenario_says(tmp_path: Path, started: list[Wireshark]) -> None:
+    started.append(wireshark := Wireshark(tmp_path, "sistap-demo", "--scenario", "s5", toolbar=False))
+    wireshark.event(Event.CAPTURE_STARTED)
+    first = [next(wireshark.records()) for _ in range(3)]
+    assert [(record.framing, record.line, record.data[:4].hex()) for record in first] == [
+        (Framing.PROCEDURE_3964R, 1, "02"),
+        (Framing.PROCEDURE_3964R, 2, "10"),
+        (Framing.PROCEDURE_3964R, 1, "00004544"),
+    ]
 
 
 def test_a_lost_port_is_said_once_the_capture_has_ended(tmp_path: Path, started: list[Wireshark]) -> None:

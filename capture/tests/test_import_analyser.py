@@ -17,6 +17,7 @@ from imported import Imported, run
 from sistap.imports.formats import opened
 from sistap.imports.source import Told
 from sistap.line.settings import Flag
+from sistap.records.record import Framing, Type
 from sistap.terminal.exits import UsageError
 
 CHARACTER_MS = 11 / 9.6
@@ -154,6 +155,19 @@ def test_saleae_with_two_analysers(tmp_path: Path, text: str) -> None:
     done = imported(tmp_path, text)
     assert rows(done) == [(1, 0x02, 0), (1, 0xFA, BAD), (2, 0x03, BAD)]
     assert times_ms(done) == pytest.approx([1 + TO_STOP_MS, 1 + CHARACTER_MS + TO_STOP_MS, 10 + TO_STOP_MS], abs=1e-5)
+
+
+def test_blocks_of_3964r(tmp_path: Path) -> None:
+    said = bytes.fromhex("02 10 41 10 03 52 10")
+    rows = "".join(f"{place / 1000},0x{value:02X},,\n" for place, value in enumerate(said))
+    done = imported(
+        tmp_path, "Time [s],Value,Parity Error,Framing Error\n" + rows, "--baud", "9600", "--framing", "3964r"
+    )
+    assert [(record.type, record.data.hex()) for record in done.records] == [
+        (Type.FRAME, data) for data in ("02", "10", "41100352", "10")
+    ]
+    assert {record.framing for record in done.records} == {Framing.PROCEDURE_3964R}
+    assert "blocks of procedure 3964R" in done.events[0]
 
 
 def test_saleae_logic_1(tmp_path: Path) -> None:

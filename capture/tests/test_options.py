@@ -12,6 +12,7 @@ from sistap.capture import command
 from sistap.capture.options import CaptureOptions, checked, rate
 from sistap.files.output import Limits
 from sistap.line.settings import LineSettings
+from sistap.records.cut import PROCEDURE_3964R, Cut
 from sistap.terminal.exits import UsageError
 
 PORT = "/dev/ttyTEST"
@@ -52,7 +53,21 @@ def test_limits() -> None:
 def test_what_they_come_to() -> None:
     assert checked(PLAIN) == (LineSettings(9600), None)
     with pytest.raises(UsageError, match="--baud auto needs SIS telegrams"):
-        checked(replace(PLAIN, baud=None, silence_ms=5))
+        checked(replace(PLAIN, baud=None, framing=Cut.parse("silence:5")))
+
+
+@pytest.mark.parametrize("link_type", ["upper-pdu", "rtac"])
+def test_link_types_of_3964r(link_type: str) -> None:
+    checked(replace(PLAIN, file="x", framing=PROCEDURE_3964R, link_type=link_type))
+
+
+def test_what_does_not_go_with_3964r() -> None:
+    with pytest.raises(UsageError, match="--link-type user3 is for SIS telegrams.*: use upper-pdu or rtac"):
+        checked(replace(PLAIN, file="x", framing=PROCEDURE_3964R, link_type="user3"))
+    with pytest.raises(UsageError, match="--baud auto needs SIS telegrams: leave out --framing"):
+        checked(replace(PLAIN, baud=None, framing=PROCEDURE_3964R))
+    with pytest.raises(UsageError, match="--follow-baud needs SIS telegrams: leave out --framing"):
+        checked(replace(PLAIN, follow_baud=True, framing=PROCEDURE_3964R))
 
 
 @pytest.mark.parametrize(("text", "baud"), [("auto", None), ("19200", 19200), ("4294967295", 4294967295)])

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
 from sharkd import Sharkd
 
-from sistap.records.record import Type
-from sistap.report import plain, tables
+from sistap.records.record import Framing, Type
+from sistap.report import page, plain, tables
 from sistap.report.dissection import FIELDS, Dissection, Packet
 from sistap.report.figures import Figures
 from sistap.report.gather import Report, gather
@@ -283,6 +283,25 @@ def test_bare_telegrams_have_reaction_times_and_no_verdict_on_tza(tshark: Tshark
     assert figures["services"][0]["times"]["longest_s"] == pytest.approx(longest_s, abs=1e-6)
     assert any("no records of the tap" in remark for remark in tables.remarks(report))
     assert report.windows == []
+
+
+def test_what_is_no_sis_is_counted_with_its_intervals(tshark: Tshark, tmp_path: Path) -> None:
+    """3964R: an STX, and a block of four characters of which the third comes 100 ms late."""
+    path = tmp_path / "3964r.pcapng"
+    stx = Sent(b"\x02", framing=Framing.PROCEDURE_3964R)
+    block = Sent(b"A\x10\x03R", pauses_ms={3: 100.0}, framing=Framing.PROCEDURE_3964R)
+    report = made(tshark, write(path, [stx, block, Sent(b"x", type=Type.OTHER)]))
+    figures = json.loads(plain.as_json(report))
+    assert figures["records"] == {"telegrams": 0, "other_characters": 1, "events": 1}
+    assert figures["other_frames"] == {"1": 2}
+    assert figures["other_frame_intervals"]["count"] == 3
+    assert figures["other_frame_intervals"]["longest_s"] == pytest.approx(0.1)
+    assert "It has 2 handshakes and blocks of 3964R: their limits are not judged here." in tables.remarks(report)
+    rows = {row[0]: row[1] for row in tables.summary(report).rows}
+    assert rows["Packets"] == "4: 1 other characters, 1 events, 2 handshakes and blocks of 3964R"
+    shown = "3, from character to character: half within 1.146 ms, the longest 100.000 ms"
+    assert rows["Intervals in other frames"] == shown
+    assert "handshakes and blocks of 3964R" in page.page(report)
 
 
 class OldTshark:

@@ -7,6 +7,7 @@ Each room says in its own first lines what is in it. A room knows only those abo
     devices/                 a drive or a control: parameters, phases, long data
     stations/                what is spoken to: addresses, services, routing
     playing/                 who has the word, when each character arrives
+    procedure3964/           an S5 and a PPC, which talk over 3964R and not over SIS
     scenarios/               TOML: who is there, what the masters say, what goes wrong
     wires/                   where it is heard: pseudo terminal, socket, port, capture file
     real/                    our master at real stations; our stations at a real master

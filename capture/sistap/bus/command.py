@@ -38,6 +38,8 @@ A SCENARIO is a built-in one (--list names them) or a FILE.toml; the README besi
 sistap/bus/scenarios) says how one is written. One that has stations but no master waits for a real master; one that
 has a master but no stations talks to real ones, at a port only. The same seed plays the same bytes.
 
+A bus of procedure 3964R (s5 and those that begin with it) is heard with --framing 3964r.
+
 examples:
   sistap bus                                       a master and two drives, at a pseudo terminal
   sistap bus --list                                what else there is
@@ -123,7 +125,7 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         choice.check(args)
         if (faults.parity or faults.break_) and not (args.listen or args.file):
             raise ValueError("a pseudo terminal cannot carry parity errors and breaks: use --listen")
-        _check_place(args, played)
+        _check_place(args, played, faults)
         cycles = args.cycles or (1 if args.file and args.duration is None else 0)
         end_ns = math.inf if args.duration is None else args.duration * 1e9
         return played, settings, Playing(args.seed, cycles, faults, _rates(args), end_ns)
@@ -156,17 +158,19 @@ def _check_numbers(args: argparse.Namespace) -> None:
         raise ValueError(f"--duration {args.duration:g} is no time in seconds (for example 60)")
 
 
-def _check_place(args: argparse.Namespace, played: Scenario) -> None:
+def _check_place(args: argparse.Namespace, played: Scenario, faults: Faults) -> None:
     """Refuse a scenario that cannot be played where it is to be played."""
     name = args.scenario
-    if not played.station_tables and not args.port:
+    if not played.has_stations and not args.port:
         raise ValueError(f"{name} has no stations, it talks to real ones: add --port PORT --transmit")
-    if not played.masters and (args.listen or args.file):
+    if not played.has_masters and (args.listen or args.file):
         raise ValueError(f"{name} has no master, it waits for a real one: leave out --listen and -w, or use --port")
-    if not played.masters and args.duration is not None:
+    if not played.has_masters and args.duration is not None:
         raise ValueError(f"{name} has no master, it answers a real one until it is stopped: leave out --duration")
     if not played.is_complete and args.faults:
         raise ValueError("--faults disturbs what a tap hears, but a real line is not disturbed: leave it out")
+    if played.procedure and (faults.checksum or faults.pause):
+        raise ValueError("--faults checksum and pause are for SIS: use parity, break or loss, or [[fault]]")
     if args.rates and name != DEFAULT:
         raise ValueError(f"--rates is for the scenario {DEFAULT}: leave it out")
     if args.file == STANDARD_OUTPUT and os.isatty(1):
@@ -193,16 +197,16 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
     args: argparse.Namespace, played: Scenario, settings: LineSettings, how: Playing, log: Log | None, stop: Stop
 ) -> None:
     """Play it where it is to be played. May raise Refusal, PortError or PortLost."""
-    if not played.station_tables:
+    if not played.has_stations:
         from sistap.bus.real.talking import talk
 
         talk(args.port, settings, played, how, log)
-    elif not played.masters:
+    elif not played.has_masters:
         _answer(args, settings, played, log)
     else:
         pace = Pace(simulated=args.fast or bool(args.file))
         if args.file:
-            wire = _recording(args, settings, stop)
+            wire = _recording(args, settings, played, stop)
         else:
             wire = choice.opened(args, settings, pace, args.seed, args.reads)
         telegrams = itertools.takewhile(lambda _: not stop.asked, played.play(settings, how))
@@ -231,14 +235,14 @@ def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, 
         port.close()
 
 
-def _recording(args: argparse.Namespace, settings: LineSettings, stop: Stop) -> Wire:
+def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Wire:
     from sistap.bus.wires.recording import Recording
 
     try:
         text = f"scenario {args.scenario}, seed {args.seed}"
         output = Output(args.file, stopped=lambda: stop.asked)
         stop.at_once = False
-        return Recording(output, settings, text, args.seed, args.reads)
+        return Recording(output, settings, text, args.seed, args.reads, played.cut, played.lines)
     except OutputRefused as error:
         raise Refusal(USAGE, str(error)) from error
     except OutputError as error:

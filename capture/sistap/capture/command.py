@@ -13,6 +13,7 @@ from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.files.output import Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
+from sistap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.terminal.console import Console
 from sistap.terminal.exits import USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -41,11 +42,16 @@ an older telegram is still coming in on the other line, half a second at most.
 A capture filter is written as for tcpdump and sees the plain telegram: link[5] is the service, link[6] the sender
 address, link[7] the receiver address. Other characters and events always pass.
 
+With --framing 3964r the tap records what two partners of procedure 3964R say: handshake characters (STX, DLE, NAK), one
+a record, and blocks with their BCC. A filter then sees the block. A rate cannot be searched for or followed there.
+
 examples:
   sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
   sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
+  sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 --framing 3964r -w x.pcapng
+                                                               an S5 and a PPC over 3964R, both directions
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
                                                                the last 24 hours, a file for each
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
@@ -115,16 +121,11 @@ def _condition(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(f"'{text}' is not duration:SECONDS, filesize:KB or files:NUMBER") from None
 
 
-def _framing(text: str) -> float | None:
-    if text == "sis":
-        return None
-    name, _, value = text.partition(":")
+def _framing(text: str) -> Cut:
     try:
-        if name == "silence":
-            return _positive(float, value)
-    except ValueError:
-        pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not sis or silence:MILLISECONDS")
+        return Cut.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -158,10 +159,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
     add(
         "--framing",
-        dest="silence_ms",
         type=_framing,
-        metavar="sis|silence:MS",
-        help="cut SIS telegrams (the default), or, for another protocol, frames with so much silence between them",
+        default=SIS,
+        metavar=WORDS,
+        help=HELP,
     )
     add(
         "--link-type",
@@ -221,7 +222,7 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         baud=args.baud,
         format=args.format,
         follow_baud=args.follow_baud,
-        silence_ms=args.silence_ms,
+        framing=args.framing,
         link_type=args.link_type,
         count=args.count,
         autostop=dict(args.autostop),

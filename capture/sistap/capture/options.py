@@ -11,9 +11,10 @@ from typing import NamedTuple
 from sistap.capture.filter import Filter
 from sistap.capture.scan import AUTO, FORMATS
 from sistap.files.output import Limits
-from sistap.files.writer import UPPER_PDU
+from sistap.files.writer import RTAC, UPPER_PDU
 from sistap.line import ports
 from sistap.line.settings import LineSettings
+from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.record import LARGEST_RATE
 from sistap.sis.rates import RATES
 from sistap.terminal.exits import UsageError
@@ -31,7 +32,7 @@ class CaptureOptions:
     baud: int | None = RATES[0]  # None: look for it
     format: str | None = None  # None: that of the specification, or looked for with the rate
     follow_baud: bool = False
-    silence_ms: float | None = None  # None: cut SIS telegrams
+    framing: Cut = SIS
     link_type: str = UPPER_PDU
     count: int | None = None
     autostop: Mapping[str, float] = field(default_factory=dict)  # -a: duration, filesize, files
@@ -87,6 +88,11 @@ def rate(text: str) -> int | None:
 def checked(options: CaptureOptions) -> Plan:
     """Check the options that do not concern the output. May raise UsageError or FilterError."""
     settings = _settings(options)
+    if options.framing == PROCEDURE_3964R and options.link_type not in (UPPER_PDU, RTAC):
+        raise UsageError(
+            f"--link-type {options.link_type} is for SIS telegrams, and has no place for the handshakes of 3964R: "
+            f"use {UPPER_PDU} or {RTAC}"
+        )
     _check_ports(options)
     return Plan(settings, Filter(options.filter) if options.filter else None)
 
@@ -95,7 +101,7 @@ def _settings(options: CaptureOptions) -> LineSettings:
     """Return the settings to begin with."""
     fixed = [port for port in options.ports if port.startswith("socket://")]
     steered = "--baud auto" if options.baud is None else "--follow-baud" if options.follow_baud else ""
-    if steered and options.silence_ms is not None:
+    if steered and options.framing != SIS:
         raise UsageError(f"{steered} needs SIS telegrams: leave out --framing or {steered}")
     if steered and fixed:
         raise UsageError(f"{steered} cannot change the rate behind {fixed[0]}: set it there, and leave out {steered}")

@@ -84,7 +84,7 @@ def _sink(options: CaptureOptions, readers: list[Reader], output: Output, counte
 
 def _conditions(options: CaptureOptions, only: Filter | None) -> Conditions:
     duration_s = options.autostop.get("duration")
-    return Conditions(options.silence_ms, only, options.count, duration_s, options.formats, options.follow_baud)
+    return Conditions(options.framing, only, options.count, duration_s, options.formats, options.follow_baud)
 
 
 def _interface(options: CaptureOptions, reader: Reader) -> Interface:

@@ -19,6 +19,7 @@ from sistap.files.output import Output, OutputError, ReaderGone
 from sistap.line.reader import PortError, PortLost, Reader, together
 from sistap.line.settings import LineSettings, Read
 from sistap.records.counters import Counters
+from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Audience
@@ -33,7 +34,7 @@ TICK_NS = 1_000_000_000  # how often hints and progress are looked at
 class Conditions:
     """What a capture takes and when it ends by itself; None: does not apply."""
 
-    silence_ms: float | None = None  # frames are cut by silence, not as SIS
+    cut: Cut = SIS
     only: Filter | None = None  # frames that it does not let pass are left out
     count: int | None = None  # records written
     duration_s: float | None = None
@@ -76,7 +77,7 @@ class Capture:
             sink,
             counters,
             clock_ns,
-            silence_ms=conditions.silence_ms,
+            cut=conditions.cut,
             only=conditions.only,
             count=conditions.count,
         )
@@ -119,8 +120,7 @@ class Capture:
         self._tap.end()
 
     def _description(self, reader: Reader) -> str:
-        silence_ms = self._conditions.silence_ms
-        framing = "" if silence_ms is None else f"; frames cut by {silence_ms:g} ms of silence"
+        framing = self._conditions.cut.said
         search = "; looking for the rate" if self._conditions.formats else ""
         follow = "; following changes of the rate" if self._conditions.follow else ""
         return f"{reader.name} ({reader.adapter}); {reader.settings}{search}{follow}; {reader.timing}{framing}"
@@ -203,6 +203,9 @@ class Capture:
 
     def _set_rate(self, baud: int | None) -> None:
         """Go on at a rate, or look for it."""
+        if not baud and self._conditions.cut != SIS:
+            self._console.say("a rate can be looked for only with SIS telegrams: choose one")
+            return
         formats = () if baud else self._conditions.formats or FORMATS
         self._conditions = replace(self._conditions, formats=formats)
         settings = self._readers[0].settings._replace(baud=baud or RATES[0])

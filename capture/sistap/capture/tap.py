@@ -15,6 +15,7 @@ from sistap.line.reader import Reader
 from sistap.line.settings import Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
+from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Record, Type, event
 
 
@@ -53,18 +54,18 @@ class Tap:
         counters: Counters,
         clock_ns: Callable[[], int],
         *,
-        silence_ms: float | None = None,
+        cut: Cut = SIS,
         only: Filter | None = None,
         count: int | None = None,
     ) -> None:
-        """Cut frames by `silence_ms`, if it is said; write those that `only` lets pass, and no more than `count`."""
+        """Cut frames as `cut` says; write those that `only` lets pass, and no more than `count`."""
         self._sink = sink
         self._counters = counters
         self._clock_ns = clock_ns
         self._only = only
         self._count = count
         self._several = len(readers) > 1
-        self._assembler = Assembler(self._write, silence_ms)
+        self._assembler = Assembler(self._write, cut)
         self._lines: dict[int, _Line] = {}
         self._last: Read | None = None
         for reader in readers:
@@ -155,7 +156,7 @@ class Tap:
         return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
 
     def _new_hints(self, reader: Reader) -> Hints:
-        return Hints(reader.settings, self._assembler.framing)
+        return Hints(reader.settings, self._assembler.cut.framing)
 
     def _lines_of(self, reader: Reader) -> Iterable[int]:
         return [number for number, line in self._lines.items() if line.reader is reader]

@@ -10,9 +10,15 @@ from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import serve
 from sistap.bus.wires.taps import Taps
+from sistap.records.cut import Cut
 
 _SEED = 1
 _A_CHARACTER = 1  # at a time, as they come on a line
+
+
+def framing(scenario: str) -> Cut:
+    """Return how a tap has to cut what is played. ValueError: there is no such scenario."""
+    return load(scenario or DEFAULT).cut
 
 
 def start(faults: str, scenario: str) -> str:

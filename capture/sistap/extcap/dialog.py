@@ -45,6 +45,10 @@ def _formats(_: str) -> Sequence[Choice]:
     return [("", f"{FORMATS[0]}, or looked for with the rate"), *((text, text) for text in FORMATS)]
 
 
+def _framings(_: str) -> Sequence[Choice]:
+    return [("sis", "SIS telegrams"), ("3964r", "3964R: handshakes and blocks")]
+
+
 def _other_ports(name: str) -> Sequence[Choice]:
     others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, DEMO)]
     return [("", "None: a bus"), *others]
@@ -82,6 +86,15 @@ OPTIONS = (
         "Go with the bus when it is told another rate",
         "As service 0x03 says it, also for the time of a timed test",
         LINE,
+    ),
+    Option(
+        "--framing",
+        "selector",
+        "Framing",
+        "What is on the line: SIS, or procedure 3964R between a control and a PPC",
+        LINE,
+        for_demo=False,  # its scenario says it
+        choices=_framings,
     ),
     Option(
         "--second-port",

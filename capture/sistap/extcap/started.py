@@ -19,6 +19,7 @@ from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
+from sistap.records.cut import Cut
 from sistap.sis.rates import RATES
 from sistap.terminal.exits import PORT, USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -62,6 +63,7 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         baud=_rate(args.other_baud or args.baud),
         format=args.format or None,
         follow_baud=args.follow_baud,
+        framing=demo.framing(args.scenario) if demo_bus else Cut.parse(args.framing or "sis"),
         filter=args.extcap_capture_filter or None,
     )
 

@@ -17,6 +17,7 @@ from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Source, Told
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 from sistap.records.counters import Counters
+from sistap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.records.record import LARGEST_RATE
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -40,6 +41,7 @@ examples:
   sistap import usb.pcapng -w bus.pcapng                               the adapter says how it was set
   sistap import usb.pcapng -w bus.pcapng --device 1.5                  this one, of several
   sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
+  sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
   sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -k -i -
 
 exit status:
@@ -58,6 +60,13 @@ def _whole(text: str) -> int:
     raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 to {LARGEST_RATE}")
 
 
+def _framing(text: str) -> Cut:
+    try:
+        return Cut.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
@@ -69,6 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits, where FILE does not say (8E1)"
     )
+    add("--framing", type=_framing, default=SIS, metavar=WORDS, help=HELP)
     add("--device", metavar="BUS.ADDRESS", help="the adapter, where a USB capture has several")
     add(
         "--samplerate",
@@ -118,7 +128,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
         line: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {timing}", settings.baud)
         for line, text in source.lines.items()
     }
-    conversion = Conversion(source, PcapngWriter(output, interfaces, counters), counters, args.file.name)
+    conversion = Conversion(source, PcapngWriter(output, interfaces, counters), counters, args.file.name, args.framing)
     try:
         conversion.run(lambda: stop.asked, console.progress if console.shows_progress else _silent)
     except TsharkError:

@@ -13,6 +13,7 @@ from sistap.imports.source import Source
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
+from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Record, event
 from sistap.wireshark.tshark import TsharkError
 
@@ -23,13 +24,13 @@ _LOOK_NS = 100_000_000  # how often a line is asked whether it has been silent f
 class Conversion:
     """One source on its way into one capture."""
 
-    def __init__(self, source: Source, writer: PcapngWriter, counters: Counters, name: str) -> None:
-        """Nothing is read yet; `name` is that of the file for people."""
+    def __init__(self, source: Source, writer: PcapngWriter, counters: Counters, name: str, cut: Cut = SIS) -> None:
+        """Nothing is read yet; `name` is that of the file for people, frames are cut as `cut` says."""
         self._source = source
         self._writer = writer
         self._counters = counters
         self._name = name
-        self._assembler = Assembler(self._write)
+        self._assembler = Assembler(self._write, cut)
         self._begun = False
         self._now_ns = 0
         self._looked_ns = 0
@@ -66,6 +67,7 @@ class Conversion:
         for line in source.lines:
             self._assembler.add_line(line, source.settings, time_ns)
         said = f"sistap {sistap.__version__}; imported from {self._name}: "
+        how = f"{source.settings}, {source.settings_from}; {source.timing}{self._assembler.cut.said}"
         self._writer.begin(
             *(
                 event(
@@ -73,7 +75,7 @@ class Conversion:
                     line,
                     source.settings,
                     Event.CAPTURE_STARTED,
-                    f"{said}{text}; {source.settings}, {source.settings_from}; {source.timing}",
+                    f"{said}{text}; {how}",
                 )
                 for line, text in source.lines.items()
             )

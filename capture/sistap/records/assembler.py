@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings, Read
-from sistap.records.framer import Framer, SilenceFramer, SisFramer
+from sistap.records.cut import SIS, Cut
+from sistap.records.framer import Framer
 from sistap.records.order import Order
-from sistap.records.record import Event, Framing, Record, event
+from sistap.records.record import Event, Record, event
 
 
 @dataclass
@@ -24,23 +25,16 @@ class _Line:
 class Assembler:
     """The lines of one tap. The clock of `now_ns` is any that goes on; the other times are those of the characters."""
 
-    def __init__(self, write: Callable[[Record], None], silence_ms: float | None = None) -> None:
-        """Call `write` with each record when it is due. With `silence_ms`, silence cuts frames, not their content."""
+    def __init__(self, write: Callable[[Record], None], cut: Cut = SIS) -> None:
+        """Call `write` with each record when it is due. Frames are cut as `cut` says."""
         self._write = write
-        self._silence_ms = silence_ms
         self._lines: dict[int, _Line] = {}
         self._order = Order()
-        self.framing = Framing.SIS if silence_ms is None else Framing.SILENCE
+        self.cut = cut
 
     def add_line(self, number: int, settings: LineSettings, now_ns: int) -> None:
         """Begin a line, on which nothing has come yet."""
-        silence_ms = self._silence_ms
-        framer: Framer = (
-            SisFramer(number, settings)
-            if silence_ms is None
-            else SilenceFramer(number, settings, int(silence_ms * 1e6))
-        )
-        self._lines[number] = _Line(framer, now_ns)
+        self._lines[number] = _Line(self.cut.framer(number, settings), now_ns)
 
     @property
     def lines(self) -> Sequence[int]:

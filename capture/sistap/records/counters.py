@@ -31,7 +31,7 @@ class Counters:
         self.characters = 0
         self.faulty_characters = 0  # with any error, breaks included
         self.breaks = 0
-        self.telegrams = 0  # good ones
+        self.telegrams = 0  # good ones; of 3964R blocks, not handshakes
         self.damaged = 0  # telegrams with a wrong checksum
         self.longest_ns = 0  # interval inside any of these
         # By line, for its interface statistics:
@@ -62,7 +62,7 @@ class Counters:
     def add_record(self, record: Record) -> None:
         """Count a record that the framer made."""
         self.received[record.line] += 1
-        if record.type == Type.FRAME:
+        if record.type == Type.FRAME and not record.is_handshake:
             self.telegrams += not record.checksum_bad
             self.damaged += record.checksum_bad
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))

@@ -138,7 +138,57 @@ class SilenceFramer(Framer):
         self._drop(start)
 
 
-class SisFramer(Framer):
+class ContentFramer(Framer):
+    """A way of framing by what comes, whenever it comes: the base of SIS and of 3964R."""
+
+    def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
+        """Start with an empty line."""
+        super().__init__(line, settings, silence_ns)
+        self._done = 0  # position in the data: what is before is in records
+
+    def idle(self, idle_ns: int) -> list[Record]:
+        """Give, too, what is decided and has waited for so long: other traffic may never pause."""
+        records = super().idle(idle_ns)
+        if self._data and self._times[-1] - self._times[1] + idle_ns >= self.silence_ns:
+            records += self.settle()
+        return records
+
+    def settle(self) -> list[Record]:
+        """Return what is certainly no part of a frame, without collecting more of it."""
+        records: list[Record] = []
+        self._emit_others(records, self._certain)
+        self._forget_done()
+        return records
+
+    def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:
+        """Believe only what is certain: what waited while this process was stopped came without a pause.
+
+        Where nothing is known of the times, idle() alone tells of silence.
+        """
+        return uncertainty_ns != UNCERTAINTY_UNKNOWN and pause_ns - uncertainty_ns >= self.silence_ns
+
+    @property
+    @abstractmethod
+    def _certain(self) -> int:
+        """Before this, what is not in records is no part of a frame."""
+
+    def _emit_frame(self, records: list[Record], start: int, end: int, *, checksum_bad: bool) -> None:
+        self._emit_others(records, start)
+        records.append(self._record(Type.FRAME, start, end, checksum_bad=checksum_bad))
+        self._done = end
+
+    def _emit_others(self, records: list[Record], end: int) -> None:
+        while self._done < end:
+            start = self._done
+            self._done = min(start + RUN_LIMIT, end)
+            records.append(self._record(Type.OTHER, start, self._done))
+
+    def _forget_done(self) -> None:
+        self._drop(self._done)
+        self._done = 0
+
+
+class SisFramer(ContentFramer):
     """Cuts SIS telegrams: start character, equal lengths, complete length, checksum zero.
 
     Where that does not hold it goes on from the next character, and what is skipped becomes records of other
@@ -152,8 +202,7 @@ class SisFramer(Framer):
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
         """Start with an empty line."""
         super().__init__(line, settings, silence_ns)
-        # Positions in the data:
-        self._done = 0  # what is before is in records
+        # Positions in the data, too:
         self._at = 0  # before this no good telegram starts ...
         self._damaged: list[tuple[int, int]] = []  # ... but these do (start, end), wrong only in their checksum
 
@@ -183,27 +232,6 @@ class SisFramer(Framer):
         if self._done:
             self._forget_done()
 
-    def idle(self, idle_ns: int) -> list[Record]:
-        """Give, too, what is decided and has waited for so long: other traffic may never pause."""
-        records = super().idle(idle_ns)
-        if self._data and self._times[-1] - self._times[1] + idle_ns >= self.silence_ns:
-            records += self.settle()
-        return records
-
-    def settle(self) -> list[Record]:
-        """Return what is certainly no part of a telegram, without collecting more of it."""
-        records: list[Record] = []
-        self._emit_others(records, self._certain)
-        self._forget_done()
-        return records
-
-    def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:
-        """Believe only what is certain: what waited while this process was stopped came without a pause.
-
-        Where nothing is known of the times, idle() alone tells of silence.
-        """
-        return uncertainty_ns != UNCERTAINTY_UNKNOWN and pause_ns - uncertainty_ns >= self.silence_ns
-
     @property
     def _certain(self) -> int:
         """Before this, what is not in records is no part of a telegram."""
@@ -228,21 +256,9 @@ class SisFramer(Framer):
             self._emit_frame(records, start, end, checksum_bad=True)
             self._damaged = [span for span in self._damaged if span[0] >= end]
 
-    def _emit_frame(self, records: list[Record], start: int, end: int, *, checksum_bad: bool) -> None:
-        self._emit_others(records, start)
-        records.append(self._record(Type.FRAME, start, end, checksum_bad=checksum_bad))
-        self._done = end
-
-    def _emit_others(self, records: list[Record], end: int) -> None:
-        while self._done < end:
-            start = self._done
-            self._done = min(start + RUN_LIMIT, end)
-            records.append(self._record(Type.OTHER, start, self._done))
-
     def _forget_done(self) -> None:
         done = self._done
-        self._drop(done)
-        self._done = 0
+        super()._forget_done()
         self._at -= done
         self._needed -= done
         self._damaged = [(start - done, end - done) for start, end in self._damaged]

@@ -100,6 +100,11 @@ class Record(NamedTuple):
         return self.type == Type.FRAME and not self.checksum_bad
 
     @property
+    def is_handshake(self) -> bool:
+        """Whether it is a frame of one character, with which partners of 3964R ask and answer: no telegram."""
+        return self.framing == Framing.PROCEDURE_3964R and self.type == Type.FRAME and len(self.data) == 1
+
+    @property
     def errors(self) -> Flag:
         """All line errors of the record's characters, ORed."""
         union = 0

@@ -7,6 +7,7 @@ import time
 
 from sistap.line.settings import Flag
 from sistap.records.counters import longest_interval_ns
+from sistap.records.framer_3964r import HANDSHAKE_NAMES
 from sistap.records.record import Framing, Record, Type
 from sistap.sis import telegram
 from sistap.sis.names import service_name
@@ -31,6 +32,10 @@ def lines(record: Record) -> str:
     marks = "".join(f"  {text}" for flag, text in _ERRORS.items() if flag & errors)
     if record.type == Type.FRAME and record.framing == Framing.SIS:
         return f"{when}  {_telegram(record)}{marks}\n"
+    if record.is_handshake:
+        return f"{when}  {HANDSHAKE_NAMES[record.data[0]]}{marks}\n"
+    if record.type == Type.FRAME and record.framing == Framing.PROCEDURE_3964R:
+        marks = f"  BCC {'WRONG' if record.checksum_bad else 'ok'}{marks}"
     return "".join(
         f"{when if i == 0 else ' ' * len(when)}  {_hex_and_text(record.data[i : i + _FOLD])}{marks if i == 0 else ''}\n"
         for i in range(0, len(record.data), _FOLD)

@@ -24,6 +24,7 @@ FIELDS = (
     "sertap.type",
     "sertap.baud",
     "sertap.format",
+    "sertap.framing",
     "sertap.uncertainty",
     "sertap.event",
     "sertap.text",
@@ -117,6 +118,7 @@ class Packet:
     errors: int  # Flags, ORed
     telegrams: list[Telegram] = field(default_factory=list)
     info: str = ""
+    framing: int | None = None  # of a frame; 0: SIS
 
     @property
     def end_s(self) -> float:
@@ -214,6 +216,7 @@ def _packet(columns: dict[str, str]) -> Packet:
         errors=_errors(columns),
         telegrams=_telegrams(columns),
         info=info(columns),
+        framing=_known_integer(columns.get("sertap.framing")),
     )
 
 

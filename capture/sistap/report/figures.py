@@ -90,6 +90,8 @@ class Figures:
     events: list[Packet] = field(default_factory=list)  # the first ones
     exactness: Exactness = field(default_factory=Exactness)
     intervals: Distribution = field(default_factory=Distribution)  # inside telegrams, from character to character
+    framings: Counter[int] = field(default_factory=Counter)  # frames that are no SIS telegrams, by framing
+    frame_intervals: Distribution = field(default_factory=Distribution)  # inside those
     limits: dict[str, Limit] = field(default_factory=lambda: {name: Limit() for name in ("tza", "trs", "tmas")})
     services: defaultdict[int, Service] = field(default_factory=lambda: defaultdict(Service))
     stations: defaultdict[int, Station] = field(default_factory=lambda: defaultdict(Station))
@@ -121,6 +123,10 @@ class Figures:
         self.exactness.add(packet)
         if packet.baud:
             self.settings[packet.baud, packet.format] += 1
+        if packet.type == FRAME and packet.framing:
+            self.framings[packet.framing] += 1
+            if not packet.errors & LOST:
+                self.frame_intervals.add(packet.intervals_s)
         # The time in which characters were lost is none between neighbours.
         if packet.telegrams and not packet.errors & LOST:
             self.exactness.same_read += packet.same_read

@@ -54,10 +54,11 @@ def _report(report: Report) -> dict[str, Any]:
         "lines": [f"{rate} Bd {kind}" for rate, kind in figures.settings],
         "packets": figures.packets,
         "records": {
-            "telegrams": figures.records[FRAME],
+            "telegrams": figures.records[FRAME] - figures.framings.total(),
             "other_characters": figures.records[OTHER],
             "events": figures.records[EVENT],
         },
+        "other_frames": {str(number): count for number, count in sorted(figures.framings.items())},
         "telegrams": {"all": figures.telegrams, "damaged": figures.telegrams - figures.good},
         "clock": _clock(figures),
         "events": [_event(packet) for packet in figures.events],
@@ -65,6 +66,7 @@ def _report(report: Report) -> dict[str, Any]:
         "faults": figures.moments.counts,
         "worst": [_moment(moment, report.info) for moment in report.worst],
         "intervals": _distribution(figures.intervals),
+        "other_frame_intervals": _distribution(figures.frame_intervals),
         "services": [
             {"service": number, "name": service_name(number), "times": _distribution(service.times)}
             | {"trs": _limit(service.trs)}

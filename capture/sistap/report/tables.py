@@ -3,18 +3,24 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
-from sistap.records.record import Event
+from sistap.records.record import Event, Framing
 from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Judged
+from sistap.report.distribution import Distribution
 from sistap.report.figures import Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.moments import KINDS, Moment
 from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
+_FRAMINGS = {
+    int(Framing.PROCEDURE_3964R): "handshakes and blocks of 3964R",
+    int(Framing.SILENCE): "frames cut by silence",
+}
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
 _LIMITS = {
     "tza": ("TzA, from character to character in a telegram", "sis.tza.verdict"),
@@ -66,6 +72,8 @@ def summary(report: Report) -> Table:
         ("Uncertainty of the times", _uncertainty(figures)),
         ("In the same read", _same_read(figures)),
     ]
+    if figures.frame_intervals.count:
+        rows.append(("Intervals in other frames", _frame_intervals(figures.frame_intervals)))
     return Table("What was captured", (), rows)
 
 
@@ -76,8 +84,21 @@ def _date(epoch_s: float | None) -> str:
 
 
 def _records(figures: Figures) -> str:
-    names = [f"{figures.records[kind]} {text}" for kind, text in _TYPES.items() if figures.records[kind]]
+    counts = Counter(figures.records)
+    counts[FRAME] -= figures.framings.total()
+    names = [f"{counts[kind]} {text}" for kind, text in _TYPES.items() if counts[kind]]
+    names += [f"{count} {_framing(number)}" for number, count in sorted(figures.framings.items())]
     return f": {', '.join(names)}" if names else ""
+
+
+def _framing(number: int) -> str:
+    return _FRAMINGS.get(number, f"frames of framing {number}")
+
+
+def _frame_intervals(times: Distribution) -> str:
+    """Write those in frames that are no SIS telegrams."""
+    half, most = ms(times.within_s(0.5)), ms(times.longest_s)
+    return f"{times.count}, from character to character: half within {half}, the longest {most}"
 
 
 def _uncertainty(figures: Figures) -> str:
@@ -204,6 +225,8 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
     yield f"tshark could not read the capture to its end: {report.warning}", report.warning
     yield "The capture has no packets.", not figures.packets
     yield "The capture has no SIS telegrams.", figures.packets and not figures.telegrams
+    others = " and ".join(f"{count} {_framing(number)}" for number, count in sorted(figures.framings.items()))
+    yield f"It has {others}: their limits are not judged here.", figures.framings
     yield (
         "The packets are no records of the tap: there are no times of characters, no verdicts on TzA, and a reaction "
         "time is that from packet to packet.",

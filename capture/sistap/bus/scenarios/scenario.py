@@ -17,12 +17,15 @@ from sistap.bus.playing.player import Player
 from sistap.bus.playing.script import Script, repeating
 from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
 from sistap.bus.playing.times import Times
+from sistap.bus.scenarios import procedure3964
 from sistap.bus.scenarios.faults import Disturbances, Fault
+from sistap.bus.scenarios.procedure3964 import Procedure
 from sistap.bus.scenarios.steps import Master, Step, read_steps, script
 from sistap.bus.stations.making import make
 from sistap.bus.stations.station import Station
-from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, tables, text, whole
+from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, flag, tables, text, whole
 from sistap.line.settings import LineSettings
+from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 
 DEFAULT = "demo"
 _SUFFIX = ".toml"
@@ -60,11 +63,32 @@ class Scenario:
     masters: Sequence[_MasterTable]
     station_tables: Sequence[Mapping[str, object]]
     faults: Sequence[Fault]
+    procedure: Procedure | None = None  # of a scenario of 3964R: all that is played
+
+    @property
+    def cut(self) -> Cut:
+        """How a tap cuts what it hears."""
+        return PROCEDURE_3964R if self.procedure else SIS
+
+    @property
+    def lines(self) -> Sequence[int]:
+        """Their numbers: a shared bus, or the directions of a full-duplex line."""
+        return (1, 2) if self.procedure and self.procedure.duplex else (0,)
+
+    @property
+    def has_masters(self) -> bool:
+        """Whether somebody asks."""
+        return bool(self.masters or self.procedure)
+
+    @property
+    def has_stations(self) -> bool:
+        """Whether somebody answers."""
+        return bool(self.station_tables or self.procedure)
 
     @property
     def is_complete(self) -> bool:
         """Whether it needs nobody else: masters and stations are its own."""
-        return bool(self.masters and self.station_tables)
+        return self.has_masters and self.has_stations
 
     def stations(self, seed: int) -> list[Station]:
         """Make the stations, as they are when they have been switched on."""
@@ -89,6 +113,9 @@ class Scenario:
 
     def play(self, settings: LineSettings, how: Playing) -> Iterator[Played]:
         """Play it on a simulated line: all that is sent, in order."""
+        if self.procedure:
+            yield from self.procedure.play(settings, how.seed, how.cycles, how.tap_faults, how.end_ns)
+            return
         disturb = Disturbances(self.faults, how.seed)
         line = Player(settings, how.tap_faults, how.seed, self.stations(how.seed), self.times_for(settings), disturb)
         if self.ascii_first:
@@ -133,7 +160,10 @@ def _contents(path: Path) -> bytes:
 
 
 def _read(table: Table) -> Scenario:
-    settings, times = _line(table.take("line", lambda value: Table(value, "[line]"), Table({}, "[line]")))
+    line = table.take("line", lambda value: Table(value, "[line]"), Table({}, "[line]"))
+    if "s5" in table or "ppc" in table:
+        return _read_procedure(table, line)
+    settings, times = _line(line)
     scenario = Scenario(
         table.need("title", text),
         settings,
@@ -143,6 +173,18 @@ def _read(table: Table) -> Scenario:
         table.take("station", _list, []),
         [Fault.of_table(fault) for fault in table.take("fault", tables("[[fault]]"), NO_TABLES)],
     )
+    table.end()
+    return scenario
+
+
+def _read_procedure(table: Table, line: Table) -> Scenario:
+    """Read a scenario of 3964R."""
+    title, duplex = table.need("title", text), line.take("duplex", flag, False)
+    faults = table.take("fault", tables("[[fault]]"), NO_TABLES)
+    settings, times = _line(line)
+    scenario = Scenario(title, settings, times, b"", [], [], [], procedure3964.read(table, duplex, faults))
+    if times:
+        raise ValueError("[line]: trs_ms, tza_ms and twm_ms are for SIS: leave them out")
     table.end()
     return scenario
 
@@ -196,7 +238,7 @@ def _check(scenario: Scenario, tokens: Set[object]) -> None:
         raise ValueError("two [[master]] have one address: give each another")
     if strangers := tokens - set(addresses):
         raise ValueError(f"token = {min(strangers, key=str)}: there is no such master; add a [[master]]")
-    if not addresses and not scenario.station_tables:
+    if not addresses and not scenario.has_stations:
         raise ValueError("nobody is on the bus: add [[station]] or [[master]]")
     if not scenario.is_complete and (scenario.faults or scenario.ascii_first):
         raise ValueError("a real line is not disturbed: [[fault]] and ascii_first need [[master]] and [[station]]")

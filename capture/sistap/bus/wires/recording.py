@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 
 import sistap
 from sistap.bus.playing.hearing import received
@@ -14,11 +15,12 @@ from sistap.files.writer import PcapngWriter
 from sistap.line.settings import LineSettings, Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, event
+from sistap.records.cut import SIS, Cut
+from sistap.records.record import Event, Framing, Record, event
 from sistap.sis.follow import Change, Follow
 
 START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
-_LINE = 0  # one shared bus
+_LINE = 0  # of SIS: one shared bus
 
 
 class Recording:
@@ -28,22 +30,30 @@ class Recording:
     deserted = False
 
     def __init__(  # noqa: PLR0913 - what is recorded, how, and where to
-        self, output: Output, settings: LineSettings, text: str, seed: int, most: int
+        self,
+        output: Output,
+        settings: LineSettings,
+        text: str,
+        seed: int,
+        most: int,
+        cut: Cut = SIS,
+        lines: Sequence[int] = (_LINE,),
     ) -> None:
         """Begin the file; `text` says what is played, reads have `most` characters. May raise OutputError."""
         self.counters = Counters()
         self._output = output
         self._most = most
         self._noise = random.Random(f"{seed} tap")
-        self._assembler = Assembler(self._write)
-        self._assembler.add_line(_LINE, settings, START_NS)
+        self._assembler = Assembler(self._write, cut)
+        for line in lines:
+            self._assembler.add_line(line, settings, START_NS)
         self._follow = Follow(settings.baud)
         self._now_ns = START_NS
         timing = "times and their uncertainty are those the virtual bus says"
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {timing}", settings.baud, "virtual bus")
-        self._writer = PcapngWriter(output, {_LINE: interface}, self.counters)
-        said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {timing}"
-        self._writer.begin(event(START_NS, _LINE, settings, Event.CAPTURE_STARTED, said))
+        self._writer = PcapngWriter(output, dict.fromkeys(lines, interface), self.counters)
+        said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {timing}{cut.said}"
+        self._writer.begin(*(event(START_NS, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
 
     def wait_for_listener(self) -> None:
         """Go on: it listens already."""
@@ -52,16 +62,17 @@ class Recording:
         """Record all characters. May raise OutputError."""
         for read in reads(played.characters, self._most, played.settings.character_ns):
             time_ns = START_NS + read[-1].time_ns
-            self._change(self._follow.due(time_ns - uncertainty(read)))
-            settings = self._assembler.settings(_LINE)
+            if played.line == _LINE:
+                self._change(self._follow.due(time_ns - uncertainty(read)))
+            settings = self._assembler.settings(played.line)
             heard = [received(character, played.settings, settings, self._noise) for character in read]
             values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
-            self._take(Read(_LINE, time_ns, values, flags, uncertainty(read), settings))
+            self._take(Read(played.line, time_ns, values, flags, uncertainty(read), settings))
         return []
 
     def close(self) -> None:
         """End the file. May raise OutputError."""
-        self._assembler.flush([_LINE], self._now_ns)
+        self._assembler.flush(self._assembler.lines, self._now_ns)
         self._writer.end(self._now_ns)
         self._output.close()
 
@@ -69,7 +80,7 @@ class Recording:
         self._now_ns = read.time_ns
         self.counters.add_read(read)
         for record in self._assembler.take(read, read.time_ns, ""):
-            if record.is_good_frame:
+            if record.is_good_frame and record.framing == Framing.SIS:
                 self._change(self._follow.take(record.data, record.end_ns))
 
     def _change(self, change: Change | None) -> None:
@@ -81,5 +92,5 @@ class Recording:
     def _write(self, record: Record) -> None:
         written = self._writer.write(record)
         if record.event == Event.NONE:
-            self.counters.accepted[_LINE] += written
+            self.counters.accepted[record.line] += written
             self.counters.add_record(record)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How characters are cut into frames: what --framing says, and the framer that does it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sistap.line.settings import LineSettings
+from sistap.records.framer import Framer, SilenceFramer, SisFramer
+from sistap.records.framer_3964r import Framer3964R
+from sistap.records.record import Framing
+
+WORDS = "sis|3964r|silence:MS"
+HELP = "cut SIS telegrams (the default), blocks of procedure 3964R, or frames with so much silence between them"
+LONGEST_MS = 1e12  # more than 30 years
+
+
+@dataclass(frozen=True)
+class Cut:
+    """One way."""
+
+    framing: Framing = Framing.SIS
+    silence_ms: float = 0  # only of Framing.SILENCE
+
+    @classmethod
+    def parse(cls, text: str) -> Cut:
+        """Read the option. ValueError says what it has to be."""
+        if text in _BY_NAME:
+            return _BY_NAME[text]
+        name, _, value = text.partition(":")
+        try:
+            if name == "silence" and 0 < (silence_ms := float(value)) <= LONGEST_MS:
+                return cls(Framing.SILENCE, silence_ms)
+        except ValueError:
+            pass
+        raise ValueError(f"'{text}' is not {', '.join(_BY_NAME)} or silence:MILLISECONDS")
+
+    def framer(self, line: int, settings: LineSettings) -> Framer:
+        """Make the framer of a line."""
+        if self.framing == Framing.SILENCE:
+            return SilenceFramer(line, settings, int(self.silence_ms * 1e6))
+        return Framer3964R(line, settings) if self.framing == Framing.PROCEDURE_3964R else SisFramer(line, settings)
+
+    @property
+    def said(self) -> str:
+        """What a description of a capture says of it; nothing of SIS."""
+        if self.framing == Framing.SILENCE:
+            return f"; frames cut by {self.silence_ms:g} ms of silence"
+        return "; blocks of procedure 3964R" if self.framing == Framing.PROCEDURE_3964R else ""
+
+
+SIS = Cut()
+PROCEDURE_3964R = Cut(Framing.PROCEDURE_3964R)
+_BY_NAME = {"sis": SIS, "3964r": PROCEDURE_3964R}

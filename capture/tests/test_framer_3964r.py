@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""3964R is cut by content: handshakes and blocks of both partners, on one line or on a line each."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.records.counters import Counters
+from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.records.framer_3964r import BLOCK_LIMIT, Framer3964R
+from sistap.records.record import Framing, Record, Type
+from sistap.records.text import lines
+
+SILENCE_NS = 1_000_000_000
+START_NS = 1_700_000_000_000_000_000
+SETTINGS = LineSettings(9600)
+SHARED, OWN = 0, 1
+OTHER, FRAME, BAD = "other", "frame", "bad"
+
+# S-0-0237 is read. BCC by hand: 45 ^ 44 = 01, ^ 10 (DLE) ^ 03 (ETX) = 12.
+ASKED = bytes.fromhex("00 00 45 44 00 00 00 00 00 00 10 03 12")
+# One data byte 10 hex: it stands there twice, so only DLE and ETX are left in the sum.
+DOUBLED = bytes.fromhex("10 10 10 03 13")
+WRONG = ASKED[:-1] + b"\x13"
+
+
+def came(text: str, line: int = SHARED, gap_ns: int = 1_000_000) -> list[Read]:
+    """Read characters one by one; "-" is a pause of 1 s."""
+    reads, time_ns = [], START_NS
+    for word in text.split():
+        if word == "-":
+            time_ns += SILENCE_NS
+            continue
+        for value in bytes.fromhex(word):
+            time_ns += gap_ns
+            reads.append(Read(line, time_ns, bytes([value]), b"\0", 1000))
+    return reads
+
+
+def kinds(records: list[Record]) -> list[tuple[str, str]]:
+    return [
+        (OTHER if record.type == Type.OTHER else BAD if record.checksum_bad else FRAME, record.data.hex())
+        for record in records
+    ]
+
+
+def cut(text: str, line: int = SHARED, *, to_the_end: bool = True) -> list[tuple[str, str]]:
+    framer = Framer3964R(line, SETTINGS)
+    records = [record for read in came(text, line) for record in framer.feed(read)]
+    return kinds(records + (framer.flush() if to_the_end else []))
+
+
+def frames(*texts: str) -> list[tuple[str, str]]:
+    return [(FRAME, text) for text in texts]
+
+
+A, D, W = ASKED.hex(), DOUBLED.hex(), WRONG.hex()
+
+
+# -- Both partners on one line --------------------------------------------------------------------------------------
+
+
+def test_a_request_and_its_reaction() -> None:
+    """Each is complete with its last character."""
+    assert cut(f"02 10 {A} 10 02 10 {D} 10", to_the_end=False) == frames("02", "10", A, "10", "02", "10", D, "10")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("02 15 02 10 " + A, frames("02", "15", "02", "10", A)),
+        ("02 02 10 " + A, frames("02", "02", "10", A)),  # both ask
+        (f"02 10 {W} 15 02 10 {A} 10", [*frames("02", "10"), (BAD, W), *frames("15", "02", "10", A, "10")]),
+        # The grant comes late, or the request is repeated.
+        ("02 - 10 " + A, frames("02", "10", A)),
+        ("02 - - 02 10 " + A, frames("02", "02", "10", A)),
+        ("02 10 - " + A, frames("02", "10", A)),
+        # The grant was not heard.
+        ("02 " + A, frames("02", A)),
+        # A block breaks off: its receiver says NAK; the sender asks again, soon or later.
+        (f"02 10 000045 15 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("15", "02", "10", A)]),
+        (f"02 10 000045 15 - 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("15", "02", "10", A)]),
+        (f"02 10 000045 - 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("02", "10", A)]),
+        ("02 10 000045", [*frames("02", "10"), (OTHER, "000045")]),
+        ("02 10 000045 10 03", [*frames("02", "10"), (OTHER, "0000451003")]),  # BCC is missing
+        ("02 10 15 02 10 " + A, frames("02", "10", "15", "02", "10", A)),  # nothing came of it
+        # A block that begins with a doubled DLE is asked for again after one that broke off.
+        ("02 10 41 02 10 10 10 41 10 03 52", [*frames("02", "10"), (OTHER, "41"), *frames("02", "10", "101041100352")]),
+        # DLE is followed by what may not follow it.
+        (
+            f"02 10 41 10 42 43 10 03 55 02 10 {A}",
+            [*frames("02", "10"), (OTHER, "41104243100355"), *frames("02", "10", A)],
+        ),
+        # A BCC that is DLE or STX: 03 ^ 10 ^ 03 = 10, 11 ^ 10 ^ 03 = 02.
+        (
+            "02 10 03 10 03 10 10 02 10 11 10 03 02 10",
+            frames("02", "10", "03100310", "10", "02", "10", "11100302", "10"),
+        ),
+        ("02 10 15 10 41 10 03 55", [*frames("02", "10"), (OTHER, "151041100355")]),
+        # A pair is over: 42 ^ 10 ^ 03 = 51.
+        ("02 10 10 10 42 10 03 51", frames("02", "10", "101042100351")),
+        # On one line a request inside a block would have been granted there: 42 ^ 10 ^ 03 = 51.
+        ("02 10 41 02 42 10 03 51", [*frames("02", "10"), (BAD, "410242100351")]),
+        # Outside of blocks.
+        ("41 42 02 10 " + A, [(OTHER, "4142"), *frames("02", "10", A)]),
+        ("41 10 42 15 43", [(OTHER, "41"), (FRAME, "10"), (OTHER, "42"), (FRAME, "15"), (OTHER, "43")]),
+    ],
+)
+def test_on_one_line(text: str, expected: list[tuple[str, str]]) -> None:
+    assert cut(text) == expected
+
+
+# -- A line for each ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("02 " + A, frames("02", A)),
+        (f"02 {A} 10 10 02 {D}", frames("02", A, "10", "10", "02", D)),
+        ("10 10 10 10", frames("10", "10", "10", "10")),
+        ("02 " + W, [(FRAME, "02"), (BAD, W)]),
+        # The grant takes longer than a second; a repeated request, too.
+        ("02 - " + A, frames("02", A)),
+        ("02 - - 02 " + A, frames("02", "02", A)),
+        # Refused, and asked again within the second: BCC tells.
+        ("02 02 " + A, frames("02", "02", A)),
+        # A block may begin with 02: 02 ^ 41 ^ 10 ^ 03 = 50.
+        ("02 02 41 10 03 50", frames("02", "0241100350")),
+        # Both asked; this one gave way, granted and acknowledged (or refused), then asked again.
+        ("02 10 10 02 " + A, frames("02", "10", "10", "02", A)),
+        ("02 10 15 02 " + A, frames("02", "10", "15", "02", A)),
+        ("02 10 10 -", frames("02", "10", "10")),
+        ("02 - 10 10 02 " + A, frames("02", "10", "10", "02", A)),
+        # Broken off, and asked again: within the second, and after it.
+        ("02 000045 02 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
+        ("02 000045 - 02 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
+        ("02 4142 - 41 10 03 52", [(FRAME, "02"), (OTHER, "4142"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
+        ("02 41 10 42 02 " + A, [(FRAME, "02"), (OTHER, "411042"), *frames("02", A)]),
+        ("02 41 10 42 43 10 03 55", [(FRAME, "02"), (OTHER, "41104243100355")]),
+        # A block without data: its BCC is 10 ^ 03 = 13.
+        ("02 41 02 10 03 13", [(FRAME, "02"), (OTHER, "41"), *frames("02", "100313")]),
+        # STX among the last three characters is none: here it is BCC, and wrong.
+        ("02 41 10 03 02", [(FRAME, "02"), (BAD, "41100302")]),
+        # No block with a right BCC begins at the STX inside, or the whole is good already.
+        ("02 41 02 42 10 03 00", [(FRAME, "02"), (BAD, "410242100300")]),
+        ("02 02 02 41 10 03 52", frames("02", "020241100352")),
+        ("02 41 02 10 42 10 03 55", [(FRAME, "02"), (OTHER, "41021042100355")]),
+        # After a pause a DLE is an answer to the partner, and no grant.
+        ("02 - 10 41 10 03 52", [*frames("02", "10"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
+        ("02 10 15 41 42", [*frames("02", "10", "15"), (OTHER, "4142")]),
+        # What ends a block that broke off is no partner's NAK: that is on the other line.
+        ("02 000015 -", [(FRAME, "02"), (OTHER, "000015")]),
+    ],
+)
+def test_on_a_line_of_its_own(text: str, expected: list[tuple[str, str]]) -> None:
+    assert cut(text, OWN) == expected
+
+
+def test_a_broken_block_is_given_at_its_end() -> None:
+    assert cut("02 41 10 42 43 10 03 55", OWN, to_the_end=False) == [(FRAME, "02"), (OTHER, "41104243100355")]
+
+
+# -- On any line ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line", [SHARED, OWN])
+def test_records_say_how_they_were_cut(line: int) -> None:
+    framer = Framer3964R(line, SETTINGS)
+    records = [record for read in came(f"02 {A} 41", line) for record in framer.feed(read)] + framer.flush()
+    assert {(record.framing, record.line, record.settings) for record in records} == {
+        (Framing.PROCEDURE_3964R, line, SETTINGS)
+    }
+    assert [record.type for record in records] == [Type.FRAME, Type.FRAME, Type.OTHER]
+    assert {record.pack()[11] for record in records} == {1}
+
+
+@pytest.mark.parametrize("line", [SHARED, OWN])
+@pytest.mark.parametrize("uncertainty_ns", [2 * SILENCE_NS, UNCERTAINTY_UNKNOWN])
+def test_what_waited_while_we_were_stopped_is_not_cut(line: int, uncertainty_ns: int) -> None:
+    framer = Framer3964R(line, SETTINGS)
+    reads = [read._replace(uncertainty_ns=uncertainty_ns) for read in came(f"02 {A[:8]} - {A[8:]}", line)]
+    assert kinds([record for read in reads for record in framer.feed(read)]) == frames("02", A)
+
+
+@pytest.mark.parametrize("line", [SHARED, OWN])
+def test_a_block_without_an_end_is_given_up(line: int) -> None:
+    framer = Framer3964R(line, SETTINGS)
+    assert BLOCK_LIMIT == 2 * 4096 + 3  # so that the longest block fits
+    data = b"\x02" + b"A" * BLOCK_LIMIT + b"\x15"
+    records = framer.feed(Read(line, START_NS, data, bytes(len(data)), 1000))
+    assert [len(record.data) for record in records] == [1, 4096, 4096, BLOCK_LIMIT - 8192, 1]
+    assert records[-1].type == Type.FRAME
+    assert framer.empty
+
+
+def test_other_characters_are_given_when_there_are_many() -> None:
+    framer = Framer3964R(SHARED, SETTINGS)
+    records = framer.feed(Read(SHARED, START_NS, b"A" * 5000, bytes(5000), 1000))
+    assert [len(record.data) for record in records] == [4096]
+    assert [len(record.data) for record in framer.flush()] == [904]
+    exact = Read(SHARED, START_NS + SILENCE_NS, b"A" * 4096, bytes(4096), 1000)
+    assert [len(record.data) for record in framer.feed(exact)] == [4096]
+
+
+def test_other_characters_without_a_pause_come_every_second() -> None:
+    framer = Framer3964R(SHARED, SETTINGS)
+    given = []
+    for place, read in enumerate(came("41" * 12, gap_ns=SILENCE_NS // 5)):
+        given += [(place, record.data) for record in framer.feed(read) + framer.idle(0)]
+    assert given == [(5, b"A" * 6), (11, b"A" * 6)]
+
+
+PIECES = st.lists(
+    st.sampled_from([b"\x02", b"\x10", b"\x03", b"\x15", b"\x02\x10", b"\x10\x03", ASKED, DOUBLED, WRONG, b"A"])
+    | st.binary(max_size=5),
+    max_size=30,
+).map(b"".join)
+
+
+@st.composite
+def read_lists(draw: st.DrawFn) -> list[Read]:
+    """Any characters in any reads, with any errors and pauses."""
+    data, time_ns, at, result = draw(PIECES), START_NS, 0, []
+    line = draw(st.sampled_from([0, 1, 2]))
+    while at < len(data):
+        piece = data[at : at + draw(st.integers(1, 20))]
+        time_ns += draw(st.sampled_from([0, 1_000_000, SILENCE_NS // 2, 2 * SILENCE_NS]))
+        flags = bytes(draw(st.lists(st.sampled_from([0, 2, 4, 8, 16]), min_size=len(piece), max_size=len(piece))))
+        result.append(Read(line, time_ns, piece, flags, draw(st.sampled_from([0, 1000, UNCERTAINTY_UNKNOWN]))))
+        at += len(piece)
+    return result
+
+
+def framed(reads: list[Read], idle_ns: int | None = None) -> list[Record]:
+    framer = Framer3964R(reads[0].line if reads else 0, SETTINGS)
+    records = []
+    for read in reads:
+        records += framer.feed(read)
+        records += framer.idle(idle_ns) if idle_ns is not None else []
+    return records + framer.flush()
+
+
+@given(read_lists(), st.none() | st.sampled_from([0, SILENCE_NS // 2, SILENCE_NS]))
+def test_nothing_is_lost_or_invented(reads: list[Read], idle_ns: int | None) -> None:
+    records = framed(reads, idle_ns)
+    assert b"".join(record.data for record in records) == b"".join(read.data for read in reads)
+    made = Flag.SAME_READ | Flag.INTERVAL_UNKNOWN
+    flags = b"".join(record.flags for record in records)
+    assert bytes(flag & ~made for flag in flags) == b"".join(read.flags for read in reads)
+    times = [read.time_ns for read in reads for _ in read.data]
+    intervals = [interval for record in records for interval in record.intervals]
+    assert intervals[1:] == [later - earlier for earlier, later in pairwise(times)]
+
+
+@given(read_lists())
+def test_frames_are_handshakes_or_blocks(reads: list[Read]) -> None:
+    for record in framed(reads):
+        if record.type == Type.FRAME and len(record.data) == 1:
+            assert record.data in (b"\x02", b"\x10", b"\x15")
+        elif record.type == Type.FRAME:
+            assert record.data[-3:-1] == b"\x10\x03"
+            left = 0
+            for value in record.data:
+                left ^= value
+            assert record.checksum_bad == (left != 0)
+            assert b"\x10" not in record.data[:-3].replace(b"\x10\x10", b"")
+
+
+@given(PIECES, st.integers(1, 20), st.sampled_from([SHARED, OWN]))
+def test_it_does_not_care_how_it_was_read(data: bytes, size: int, line: int) -> None:
+    whole = Read(line, START_NS, data, bytes(len(data)), 1000)
+    parts = [data[at : at + size] for at in range(0, len(data), size)]
+    pieces = [whole._replace(data=part, flags=bytes(len(part))) for part in parts]
+    assert kinds(framed(pieces)) == kinds(framed([whole] if data else []))
+
+
+# -- What is said of it ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("sis", SIS),
+        ("3964r", PROCEDURE_3964R),
+        ("silence:5", Cut(Framing.SILENCE, 5)),
+        ("silence:.5", Cut(Framing.SILENCE, 0.5)),
+    ],
+)
+def test_the_option(text: str, expected: Cut) -> None:
+    assert Cut.parse(text) == expected
+    assert expected.framer(1, SETTINGS).framing == expected.framing
+
+
+def test_silence_is_in_milliseconds() -> None:
+    assert Cut.parse("silence:0.5").framer(1, SETTINGS).silence_ns == 500_000
+
+
+def test_what_a_description_says() -> None:
+    said = [Cut.parse(text).said for text in ("sis", "3964r", "silence:2.5")]
+    assert said == ["", "; blocks of procedure 3964R", "; frames cut by 2.5 ms of silence"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "3964", "SIS", "silence", "silence:", "silence:0", "silence:nan", "silence:1e305", "pause:5"],
+)
+def test_what_the_option_may_not_be(text: str) -> None:
+    with pytest.raises(ValueError, match=f"'{text}' is not sis, 3964r or silence:MILLISECONDS"):
+        Cut.parse(text)
+
+
+def test_handshakes_are_not_counted_as_telegrams() -> None:
+    counters = Counters()
+    for record in framed(came(f"02 10 {A} 10 02 10 {W} 15 41")):
+        counters.add_record(record)
+    assert (counters.telegrams, counters.damaged, counters.received[0]) == (1, 1, 9)
+
+
+def test_as_text() -> None:
+    shown = [lines(record).rstrip("\n").split("  ", 1)[1] for record in framed(came(f"02 10 {D} 15 41"))]
+    assert [text.strip() for text in shown] == [
+        "STX",
+        "DLE",
+        f"{'10 10 10 03 13':47}  |.....|  BCC ok",
+        "NAK",
+        f"{'41':47}  |A|",
+    ]
