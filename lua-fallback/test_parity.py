@@ -126,10 +126,10 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 
 
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
-    """Names, defaults and descriptions, as they stand in a file of preferences."""
+    """Names, defaults and descriptions, as they stand in a file of preferences; what the script prints is its own."""
     expected, found = (
         [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if re.search("^#sis[.]", entry, re.M)]
         for tshark in (plugin, script)
     )
     assert expected
-    assert found == expected
+    assert [entry for entry in found if "#sis.statistics:" not in entry] == expected
