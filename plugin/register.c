@@ -21,8 +21,11 @@
 #include "sis/tables.h"
 #include "sis/timing.h"
 #include "sis/transports.h"
+#include "synax/arcnet7f.h"
 #include "synax/fields.h"
 #include "synax/head.h"
+#include "synax/pieces.h"
+#include "synax/synaxpk.h"
 
 void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
@@ -100,9 +103,14 @@ proto_register_synax(void)
 {
     synax_fields_register(); /* before all others */
     synax_head_register();
+    synax_pieces_register();
+    synax_arcnet7f_register();
+    synax_synaxpk_register();
 }
 
 void
 proto_reg_handoff_synax(void)
 {
+    synax_arcnet7f_handoff();
+    synax_synaxpk_handoff();
 }

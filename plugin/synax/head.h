@@ -20,6 +20,11 @@ typedef struct {
 /* Data blocks that have a meaning of their own (chapters 7 and 8): 98 to 116; NULL: none. */
 const char *synax_block_text(unsigned number);
 
+/* Adds the info access at `offset`; says which of its bits no document names, but for those that are `known`
+ * from elsewhere. */
+void synax_add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
+                    uint16_t known);
+
 /* Adds the head at `offset`, all 6 bytes of which are there. Appends words for the packet list: "Read
  * S-0-0237, axis 2". */
 synax_head_t synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset,
