@@ -982,7 +982,8 @@ field("synaxpk.word", "Control or status word", ftypes.UINT16, base.HEX, nil, 0,
   "FBSteuer of the master, FBStatus of the slave")
 field("synaxpk.word.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xc000)
 field("synaxpk.word.error", "Error", ftypes.BOOLEAN, 16, nil, 0x2000, "Of the slave; of the master: clear the error")
-field("synaxpk.word.read", "Access", ftypes.BOOLEAN, 16, N.channel_access, 0x1000)
+field("synaxpk.word.read", "Access to the channel", ftypes.BOOLEAN, 16, N.channel_access, 0x1000,
+  "An order is written and its answer read, that of writing a parameter, too")
 field("synaxpk.word.busy", "Bit 11 (busy)", ftypes.BOOLEAN, 16, nil, 0x800, "Not certain")
 field("synaxpk.word.last", "Last fragment", ftypes.BOOLEAN, 16, nil, 0x400)
 field("synaxpk.word.bit9", "Bit 9 (handshake)", ftypes.BOOLEAN, 16, nil, 0x200, "Not certain")
@@ -5762,7 +5763,7 @@ do
     local there = #t.bytes
 
     if t.is_short then
-      mark(t, nil, EX.synax_short, "%d bytes after the length, %d are there", t.declared, there - SHORT_HEAD)
+      mark(t, nil, EX.synax_short, "%d of %d bytes after the length are there", there - SHORT_HEAD, t.declared)
     end
     if there > t.end_ then
       add_raw(t, t.end_, there)
@@ -6133,7 +6134,7 @@ do
       mark(c, nil, EX.synax_note, "The channel has 10 bytes of data, its word says %d", count)
     elseif there + WORD_SIZE < count then
       c.is_short = true
-      mark(c, nil, EX.synax_short, "%d bytes of data, %d are there", count, there)
+      mark(c, nil, EX.synax_short, "%d of %d bytes of data are there", there, count)
     end
   end
 
@@ -6252,7 +6253,8 @@ do
     if not text then
       return add_open_bytes(c, c.tvb, WORD_SIZE, c.end_, "The place of the error code is not defined")
     end
-    local item = add_value(c.tree, FX.synaxpk_code, c.tvb, WORD_SIZE, 2, code, strformat("%s (0x%04x)", text, code))
+    local value = strformat("%s (0x%04x)", text, code)
+    local item = add_value(c.tree, FX.synaxpk_code, c.tvb, WORD_SIZE, 2, code, value)
 
     mark(c, item, EX.synax_error, "error 0x%04x: %s", code, text)
     c.words = c.words .. strformat(" 0x%04x: %s", code, text)
@@ -6320,11 +6322,15 @@ do
     local format = band(c.word, 0xF)
 
     say(c, N.channel_formats[format] or "format not defined")
+    if has(c, ERROR_BIT) and c.end_ == WORD_SIZE then
+      say(c, "error bit")
+      return nil
+    end
     if format == SIS_FORMAT and has(c, ERROR_BIT) then
       add_channel_error(c)
       return nil
     end
-    say(c, has(c, READ_BIT) and "read" or "write")
+    say(c, has(c, READ_BIT) and "channel read" or "channel write")
     if c.end_ == WORD_SIZE then
       say(c, "no data")
     elseif format == SIS_FORMAT then
@@ -6397,7 +6403,7 @@ do
     local is_alone = has(c, DRIVE_LAST_BIT) and fragment == band(c.word, 0xFF)
 
     add_bits(c, FX.synaxpk_drive, drive_bits)
-    if fragment > there then mark(c, nil, EX.synax_short, "%d bytes of data, %d are there", fragment, there) end
+    if fragment > there then mark(c, nil, EX.synax_short, "%d of %d bytes of data are there", there, fragment) end
     c.end_ = WORD_SIZE + min(fragment, there)
     if c.sender == SLAVE and has(c, DRIVE_ERROR_BIT) then
       say(c, "error")

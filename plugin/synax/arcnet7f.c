@@ -166,8 +166,8 @@ check_extent(telegram_t *t)
     unsigned there = tvb_captured_length(t->tvb);
 
     if (t->is_short)
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "%u bytes after the length, %u are there",
-                               t->declared, there - SHORT_HEAD);
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
+                               "%u of %u bytes after the length are there", there - SHORT_HEAD, t->declared);
     if (there > t->end) {
         add_raw(t, t->end, there);
         expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "%u byte%s after the telegram",

@@ -234,8 +234,8 @@ read_extent(channel_t *c)
                                "The channel has 10 bytes of data, its word says %u", count);
     c->is_short = count <= MOST_DATA && there + WORD_SIZE < count;
     if (c->is_short)
-        expert_add_info_format(c->pinfo, c->root, &ei_synax_short, "%u bytes of data, %u are there", count,
-                               there);
+        expert_add_info_format(c->pinfo, c->root, &ei_synax_short, "%u of %u bytes of data are there", there,
+                               count);
 }
 
 /* Of a sender; where that is unknown, of the access: data to read come from the slave, data to write from the
@@ -514,11 +514,15 @@ add_content(channel_t *c)
     unsigned format = c->word & FORMAT;
 
     say(c, val_to_str_const(format, channel_formats, "format not defined"));
+    if (c->word & ERROR_BIT && c->end == WORD_SIZE) {
+        say(c, "error bit");
+        return NULL;
+    }
     if (format == SIS_FORMAT && c->word & ERROR_BIT) {
         add_channel_error(c);
         return NULL;
     }
-    say(c, c->word & READ_BIT ? "read" : "write");
+    say(c, c->word & READ_BIT ? "channel read" : "channel write");
     if (c->end == WORD_SIZE)
         say(c, "no data");
     else if (format == SIS_FORMAT)
@@ -600,8 +604,8 @@ add_drive_word(channel_t *c)
     proto_tree_add_bitmask_with_flags(c->tree, c->tvb, 0, hf_drive_word, ett_word, bits, ENC_BIG_ENDIAN,
                                       BMT_NO_APPEND);
     if (fragment > there)
-        expert_add_info_format(c->pinfo, c->root, &ei_synax_short, "%u bytes of data, %u are there", fragment,
-                               there);
+        expert_add_info_format(c->pinfo, c->root, &ei_synax_short, "%u of %u bytes of data are there", there,
+                               fragment);
     c->end = WORD_SIZE + MIN(fragment, there);
     return fragment;
 }
@@ -695,7 +699,7 @@ static hf_register_info fields[] = {
     {&hf_word, {"Control or status word", "synaxpk.word", FT_UINT16, BASE_HEX, NULL, 0, "FBSteuer of the master, FBStatus of the slave", HFILL}},
     {&hf_open, {"Not defined", "synaxpk.word.open", FT_UINT16, BASE_HEX, NULL, OPEN_BITS, NULL, HFILL}},
     {&hf_error, {"Error", "synaxpk.word.error", FT_BOOLEAN, 16, NULL, ERROR_BIT, "Of the slave; of the master: clear the error", HFILL}},
-    {&hf_read, {"Access", "synaxpk.word.read", FT_BOOLEAN, 16, TFS(&channel_access), READ_BIT, NULL, HFILL}},
+    {&hf_read, {"Access to the channel", "synaxpk.word.read", FT_BOOLEAN, 16, TFS(&channel_access), READ_BIT, "An order is written and its answer read, that of writing a parameter, too", HFILL}},
     {&hf_busy, {"Bit 11 (busy)", "synaxpk.word.busy", FT_BOOLEAN, 16, NULL, BUSY_BIT, "Not certain", HFILL}},
     {&hf_last, {"Last fragment", "synaxpk.word.last", FT_BOOLEAN, 16, NULL, LAST_BIT, NULL, HFILL}},
     {&hf_bit_9, {"Bit 9 (handshake)", "synaxpk.word.bit9", FT_BOOLEAN, 16, NULL, BIT_9, "Not certain", HFILL}},
