@@ -5936,7 +5936,7 @@ do
 
     say(t, "%s", words)
     if t.command == FETCH then return end
-    if head.is_last or announced == length then
+    if head.is_last or (announced == length and length > 0) then
       local telegram = t.end_ == #t.bytes and t.tvb or t.tvb(0, t.end_):tvb()
 
       say(t, "%s", S.add_head_data(t.tree, t.root, telegram, HEAD, false, head))
@@ -6307,7 +6307,9 @@ do
 
     if not packet.visited then follow(c, kept) end
     say_bytes(c, length)
-    if kept.is_repeated or kept.transfer or c.is_short then add(c.tree, FX.synaxpk_payload, c.tvb, WORD_SIZE, length) end
+    if kept.is_repeated or kept.transfer or c.is_short then
+      add(c.tree, FX.synaxpk_payload, c.tvb, WORD_SIZE, length)
+    end
     if kept.is_repeated then
       say(c, "as before")
       return nil

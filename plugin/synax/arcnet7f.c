@@ -391,7 +391,7 @@ add_parameter(telegram_t *t)
 
     if (t->command == FETCH)
         return;
-    if (head.is_last || announced == length) {
+    if (head.is_last || (announced == length && length > 0)) {
         synax_add_data(t->tree, t->pinfo, data, 0, ENC_LITTLE_ENDIAN, &head, t->words);
     } else if (announced > length) {
         add_first_piece(t, announced);
