@@ -119,7 +119,6 @@ static wmem_map_t *ways; /* of the file */
 typedef struct {
     tvbuff_t *tvb;
     packet_info *pinfo;
-    proto_tree *parent;
     proto_tree *tree;
     proto_item *root;
     wmem_strbuf_t *words; /* for the packet list */
@@ -672,7 +671,7 @@ static int
 dissect_synaxpk(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
     unsigned all = tvb_captured_length(tvb);
-    channel_t c = {.tvb = tvb, .pinfo = pinfo, .parent = parent};
+    channel_t c = {.tvb = tvb, .pinfo = pinfo};
     tvbuff_t *telegram;
 
     c.there = layout == SYNAX ? MIN(all, CHANNEL_SIZE) : all;
