@@ -31,6 +31,8 @@ local sis = Proto("sis", "Rexroth SIS serial protocol")
 local synax = Proto("synax", "Rexroth SYNAX200 transports")
 local procedure = Proto("3964r", "3964R procedure")
 local rk512i = Proto("rk512i", "RK512 with the Indramat extension")
+local arcnet7f = Proto("arcnet7f", "Rexroth SYNAX200 on ARCNET")
+local synaxpk = Proto("synaxpk", "Rexroth SYNAX200 parameter channel")
 local protos = {sertap = sertap, sis = sis, synax = synax} -- by filter name
 
 -- What crosses blocks, named as in the C headers: S.take for sis_take(), T.load for sertap_load().
@@ -968,6 +970,27 @@ expert_field("3964r.tries", "SEQUENCE", "WARN", "More tries than 3964R has")
 expert_field("3964r.exceeded", "PROTOCOL", "WARN", "A time of the procedure is exceeded")
 expert_field("3964r.unresolved", "PROTOCOL", "NOTE", "A time of the procedure is perhaps exceeded")
 
+-- synax/arcnet7f.c
+N.arcnet7f_commands = {
+  [0] = "TO",
+  [1] = "FETCH",
+}
+N.arcnet7f_types = {
+  [5] = "Word array",
+}
+field("arcnet7f.id", "Protocol", ftypes.UINT8, base.HEX)
+field("arcnet7f.message", "Message number", ftypes.UINT16, base.HEX, nil, 0, "0x8010, in follow-ups 0x1c20 to 0x1cff")
+field("arcnet7f.command", "Command", ftypes.UINT8, base.DEC, N.arcnet7f_commands, 0, "An answer is a TO")
+field("arcnet7f.type", "Data type", ftypes.UINT8, base.DEC, N.arcnet7f_types)
+field("arcnet7f.length", "Length in words", ftypes.UINT16, base.DEC, nil, 0, "Of what follows it")
+field("arcnet7f.block", "Data block", ftypes.UINT8, base.DEC)
+field("arcnet7f.word", "Word", ftypes.UINT16, base.HEX, nil, 0, "Of a data block")
+field("arcnet7f.list.actual", "Actual length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
+  {" byte", " bytes"})
+field("arcnet7f.list.maximum", "Maximum length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
+  {" byte", " bytes"})
+field("arcnet7f.first_in", "Follows the telegram in", ftypes.FRAMENUM)
+
 -- synax/fields.c
 field("synax.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
 field("synax.answer_in", "Answer in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
@@ -985,6 +1008,18 @@ field("synax.info.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xfffc)
 field("synax.info.last", "Last transmission", ftypes.BOOLEAN, 16, nil, 0x02)
 field("synax.info.write", "Write", ftypes.BOOLEAN, 16, nil, 0x01)
 field("synax.axis", "Axis", ftypes.UINT8, base.DEC, nil, 0, "Drive, 0: none; with a data block its number")
+
+-- synax/pieces.c
+field("synax.pieces", "Pieces", ftypes.NONE)
+field("synax.pieces.piece", "Piece", ftypes.FRAMENUM)
+field("synax.pieces.overlap", "Overlap", ftypes.BOOLEAN)
+field("synax.pieces.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN)
+field("synax.pieces.multiple_tails", "Several last pieces", ftypes.BOOLEAN)
+field("synax.pieces.too_long", "Piece too long", ftypes.BOOLEAN)
+field("synax.pieces.error", "Error while putting together", ftypes.FRAMENUM)
+field("synax.pieces.count", "Number of pieces", ftypes.UINT32, base.DEC)
+field("synax.pieces.whole_in", "The whole is in", ftypes.FRAMENUM)
+field("synax.pieces.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
 
 -- synax/rk512i.c
 N.rk512_commands = {
@@ -1041,6 +1076,68 @@ field("rk512i.sequence.error", "Error while putting together", ftypes.FRAMENUM)
 field("rk512i.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC)
 field("rk512i.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
 field("rk512i.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
+
+-- synax/synaxpk.c
+N.channel_formats = {
+  [0] = "S/P parameter, short format 1",
+  [1] = "A parameter, short format 1",
+  [11] = "Indramat SIS",
+  [15] = "Basic state",
+}
+N.channel_senders = {
+  [1] = "Master",
+  [2] = "Slave",
+}
+N.channel_codes = {
+  [133] = "Sum of the fragments too large",
+  [136] = "Internal error between card and drive",
+  [138] = "Index not present",
+  [139] = "Format unknown",
+  [140] = "Length longer than the channel",
+  [141] = "The channel has only one word",
+  [144] = "Format changed between fragments",
+  [149] = "Read request with more than index and subindex",
+  [150] = "Internal SIS communication error",
+  [154] = "Not implemented",
+  [155] = "Change between old and new channel",
+  [156] = "Subindex does not exist",
+  [157] = "Subindex write-protected",
+  [240] = "Timeout between card and drive",
+  [511] = "Length wrong: more than 128 bytes",
+}
+N.channel_access = {"Read", "Write"}
+field("synaxpk.word", "Control or status word", ftypes.UINT16, base.HEX, nil, 0,
+  "FBSteuer of the master, FBStatus of the slave")
+field("synaxpk.word.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xc000)
+field("synaxpk.word.error", "Error", ftypes.BOOLEAN, 16, nil, 0x2000, "Of the slave; of the master: clear the error")
+field("synaxpk.word.read", "Access to the channel", ftypes.BOOLEAN, 16, N.channel_access, 0x1000,
+  "An order is written and its answer read, that of writing a parameter, too")
+field("synaxpk.word.busy", "Bit 11 (busy)", ftypes.BOOLEAN, 16, nil, 0x800, "Not certain")
+field("synaxpk.word.last", "Last fragment", ftypes.BOOLEAN, 16, nil, 0x400)
+field("synaxpk.word.bit9", "Bit 9 (handshake)", ftypes.BOOLEAN, 16, nil, 0x200, "Not certain")
+field("synaxpk.word.toggle", "Toggle", ftypes.BOOLEAN, 16, nil, 0x100)
+field("synaxpk.word.count", "Valid data bytes", ftypes.UINT16, base.DEC, nil, 0xf0)
+field("synaxpk.word.format", "Format", ftypes.UINT16, base.HEX, N.channel_formats, 0x0f)
+field("synaxpk.sender", "Sender", ftypes.UINT8, base.DEC, N.channel_senders)
+field("synaxpk.payload", "Data of this packet", ftypes.BYTES)
+field("synaxpk.beyond", "Not valid", ftypes.BYTES, base.NONE, nil, 0, "Bytes of the channel after the valid ones")
+field("synaxpk.byte", "Byte", ftypes.UINT8, base.HEX, nil, 0, "Not defined")
+field("synaxpk.class", "Error class", ftypes.UINT8, base.HEX)
+field("synaxpk.class.code", "Error code in its class", ftypes.UINT8, base.HEX)
+field("synaxpk.code", "Error of the channel", ftypes.UINT16, base.HEX, N.channel_codes)
+field("synaxpk.sis.length", "Length (DatL)", ftypes.UINT8, base.DEC)
+field("synaxpk.sis.length_repeated", "Length again (DatLW)", ftypes.UINT8, base.DEC)
+field("synaxpk.sis.control", "Telegram control (Cntrl)", ftypes.UINT8, base.HEX)
+field("synaxpk.sis.service", "Service", ftypes.UINT8, base.HEX)
+field("synaxpk.drive", "Control or status word", ftypes.UINT16, base.HEX, nil, 0, "Of IndraDrive")
+field("synaxpk.drive.pf", "Ident of 4 bytes (PF)", ftypes.BOOLEAN, 16, nil, 0x8000)
+field("synaxpk.drive.error", "G; in a status word F, error", ftypes.BOOLEAN, 16, nil, 0x4000)
+field("synaxpk.drive.last", "Last fragment (L)", ftypes.BOOLEAN, 16, nil, 0x2000)
+field("synaxpk.drive.toggle", "Toggle (T)", ftypes.BOOLEAN, 16, nil, 0x1000)
+field("synaxpk.drive.fragment", "Bytes in this fragment (FL)", ftypes.UINT16, base.DEC, nil, 0xf00)
+field("synaxpk.drive.length", "Bytes left, with this fragment (GL)", ftypes.UINT16, base.DEC, nil, 0xff)
+field("synaxpk.index", "Index", ftypes.UINT16, base.HEX)
+field("synaxpk.subindex", "Subindex", ftypes.UINT16, base.DEC)
 
 -- end of what fields.py has made
 
@@ -4503,7 +4600,7 @@ do
 
     if known.name then append_text(item, " (" .. known.name .. ")") end
     if place.length > 0 then
-      add(item, F.parameter_type, tvb, place.type_at, 1)
+      if place.type_at then add(item, F.parameter_type, tvb, place.type_at, 1) end
       if ident.type == 0 then add_bits(item, F.parameter_product_specific, tvb, place.number_at, 2) end
       add_bits(item, F.parameter_set, tvb, place.number_at, 2)
       add_bits(item, F.parameter_number, tvb, place.number_at, 2)
@@ -6029,8 +6126,11 @@ do
     return blocks[number]
   end
 
-  -- Elements and other services hide in bits that no document names.
-  local function add_info(tree, root, tvb, offset, is_big, info)
+  -- Adds the info access. Elements and other services hide in bits that no document names, but for those that are
+  -- `known` from elsewhere.
+  function S.add_info(tree, root, tvb, offset, is_big, known)
+    local info = is_big and tvb(offset, 2):uint() or tvb(offset, 2):le_uint()
+    local open = band(info, INFO_OPEN - known)
     local add_bits = is_big and add or add_le
     local item = add_bits(tree, FX.synax_info, tvb, offset, 2)
 
@@ -6039,9 +6139,9 @@ do
     end
     append_text(item, strformat(" (%s, %s)", band(info, INFO_WRITE) ~= 0 and "write" or "read",
       band(info, INFO_LAST) ~= 0 and "last transmission" or "more follows"))
-    if band(info, INFO_OPEN) ~= 0 then
+    if open ~= 0 then
       add_expert(item or root, EX.synax_note,
-        strformat("Bits 2 to 15 of the info access are not defined: 0x%04x", band(info, INFO_OPEN)))
+        strformat("Bits 2 to 15 of the info access are not defined: 0x%04x", open))
     end
   end
 
@@ -6078,7 +6178,7 @@ do
     local info, axis, kind = info_low + info_high * 0x100, byte(bytes, 3, 4)
     local head = S.head_of(info, axis, S.ident(kind, low + high * 0x100))
 
-    add_info(tree, root, tvb, offset, is_big, info)
+    S.add_info(tree, root, tvb, offset, is_big, 0)
     add(tree, FX.synax_axis, tvb, offset + 2, 1)
     if tree then
       S.add_ident(tree, tvb, {offset = offset + 3, length = 3, type_at = offset + 3, number_at = offset + 4,
@@ -6675,6 +6775,855 @@ do
     show_unit(d)
     show_answer(d)
     if d.unit.meaning == BLOCK then show_intervals(d) end
+  end
+end
+
+--- synax/pieces: data that do not fit into one packet, put together
+
+do
+  local WHOLE = "Data of all pieces"
+
+  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole}. First pass: adds a piece.
+  function S.add_piece(transfer, bytes, is_last)
+    local pieces, all = transfer.pieces, {}
+
+    pieces[#pieces + 1] = {frame = packet.number, bytes = bytes}
+    if not is_last then return end
+    for i, piece in ipairs(pieces) do
+      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
+    end
+    transfer.bytes, transfer.whole_in = concat(all), packet.number
+  end
+
+  local function show_piece(tree, tvb, piece, offset)
+    local words = strformat("Frame: %d (no data)", piece.frame)
+
+    if piece.length > 0 then
+      words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
+        piece.length, plural(piece.length))
+    end
+    set_generated(add(tree, FX.synax_pieces_piece, tvb, offset, piece.length, piece.frame, words))
+  end
+
+  -- As Wireshark's own reassembly shows it.
+  local function show_pieces(parent, tvb, transfer)
+    local numbers, offset, count, length = {}, 0, #transfer.pieces, #transfer.bytes
+
+    for i, piece in ipairs(transfer.pieces) do
+      numbers[i] = strformat("#%d(%d)", piece.frame, piece.length)
+    end
+    local tree = parent:add(FX.synax_pieces, tvb())
+
+    tree:set_text(strformat("%d %s (%d byte%s): %s", count, count == 1 and "Piece" or "Pieces", length,
+      plural(length), concat(numbers, ", ")))
+    tree:set_generated()
+    for _, piece in ipairs(transfer.pieces) do
+      show_piece(tree, tvb, piece, offset)
+      offset = offset + piece.length
+    end
+    set_generated(add(tree, FX.synax_pieces_count, tvb, 0, 0, count))
+    set_generated(add(tree, FX.synax_pieces_length, tvb, 0, 0, length))
+  end
+
+  -- Shows what is known of a piece. Gives the whole where it is the last one: its tvb.
+  function S.put_together(tree, tvb, transfer, is_last)
+    if not transfer.whole_in then return nil end
+    if not is_last then
+      set_generated(add(tree, FX.synax_pieces_whole_in, tvb, 0, 0, transfer.whole_in))
+      return nil
+    end
+    local whole = ByteArray.new(transfer.bytes, true):tvb(WHOLE)
+
+    if tree then show_pieces(tree, whole, transfer) end
+    return whole
+  end
+
+  -- Who sends to whom, on which line of the capture.
+  function S.way_key(from, to)
+    local of_section, of_interface = S.place()
+
+    return strformat("%d/%d/%s/%s", of_section, of_interface, tostring(from), tostring(to))
+  end
+end
+
+--- synax/arcnet7f: the data exchange protocol on ARCNET, protocol id 0x7F (chapter 7): TO sends data, FETCH asks for
+-- them, and only FETCH is answered, by a TO (page 7-3).
+
+do
+  protos.arcnet7f = arcnet7f
+
+  local PROTOCOL_ID, TO, FETCH, WORD_ARRAY = 0x7F, 0, 1, 0x05
+  local SHORT_HEAD, HEAD, BLOCK_AT = 7, 13, 9
+  local FIRST_MESSAGE, FOLLOW_UP_MESSAGES, FOLLOW_UP_MESSAGE_END = 0x8010, 0x1C20, 0x1CFF
+  local INFO_WRITE, INFO_LAST, INFO_BLOCK = 1, 2, 0x0040
+  local CANCEL_BLOCK, IO_BLOCK, MODE_BLOCK, FIRST_BY_LIST, LAST_BY_LIST, CONFIGURATION = 98, 99, 100, 101, 108, 58
+  local LENGTH_WORDS = 4
+
+  local frame_field = Field.new("frame")
+  local ways, kept_of -- from one station to another; what is kept, by packet
+
+  at_init(function() ways, kept_of = {}, {} end)
+
+  local function byte_at(t, offset)
+    return byte(t.bytes, offset + 1)
+  end
+
+  local function word_at(t, offset)
+    return S.little_endian(t.bytes, offset + 1, 2)
+  end
+
+  local function say(t, ...)
+    t.words = t.words .. strformat(...)
+  end
+
+  local function mark(t, item, which, ...)
+    add_expert(item or t.root, which, strformat(...))
+  end
+
+  local function add_raw(t, offset, stop)
+    if stop > offset then add(t.tree, F.raw, t.tvb, offset, stop - offset) end
+  end
+
+  -- No document says what stands there.
+  local function give_up(t, text)
+    add_raw(t, SHORT_HEAD, t.end_)
+    mark(t, nil, EX.synax_note, "%s", text)
+    say(t, "%s%s", t.words ~= "" and ": " or "", text)
+  end
+
+  local short_head = {
+    {FX.arcnet7f_id, 1}, {FX.arcnet7f_message, 2}, {FX.arcnet7f_command, 1}, {FX.arcnet7f_type, 1},
+    {FX.arcnet7f_length, 2},
+  }
+
+  -- The seven bytes that every telegram has, as far as they are there.
+  local function add_short_head(t)
+    local offset = 0
+
+    for _, part in ipairs(short_head) do
+      if offset + part[2] > t.end_ then break end
+      add_le(t.tree, part[1], t.tvb, offset, part[2])
+      offset = offset + part[2]
+    end
+    if offset == SHORT_HEAD then return true end
+    add_raw(t, offset, t.end_)
+    mark(t, nil, EX.synax_short, "The head is cut: %d of %d bytes", t.end_, SHORT_HEAD)
+    say(t, "Cut telegram")
+    return false
+  end
+
+  local function read_extent(t)
+    local there = t.end_ - SHORT_HEAD
+
+    t.declared = 2 * word_at(t, 5)
+    if t.command == FETCH then t.declared = t.is_follow_up and 0 or K.HEAD_SIZE end
+    t.is_short = t.declared > there
+    t.end_ = SHORT_HEAD + min(t.declared, there)
+  end
+
+  local function check_extent(t)
+    local there = #t.bytes
+
+    if t.is_short then
+      mark(t, nil, EX.synax_short, "%d of %d bytes after the length are there", there - SHORT_HEAD, t.declared)
+    end
+    if there > t.end_ then
+      add_raw(t, t.end_, there)
+      mark(t, nil, EX.synax_unexpected, "%d byte%s after the telegram", there - t.end_, plural(there - t.end_))
+    end
+  end
+
+  local function find_way(from, to)
+    local key = S.way_key(from, to)
+
+    ways[key] = ways[key] or {}
+    return ways[key]
+  end
+
+  -- What a telegram is about, the same in a FETCH and in its answer.
+  local function subject_of(t)
+    if t.is_follow_up then return sub(t.bytes, 2, 3) end
+    return band(byte_at(t, SHORT_HEAD), INFO_WRITE) .. "/" .. sub(t.bytes, BLOCK_AT + 1, BLOCK_AT + 4)
+  end
+
+  local function ask(t, way)
+    if way.request then t.kept.unanswered_in = way.request_in end
+    way.request, way.request_in, way.subject = t.kept, packet.number, subject_of(t)
+    way.request_time = packet_time(t.pinfo, packet.number)
+  end
+
+  local function answer(t, way)
+    if not way.request or way.subject ~= subject_of(t) then return end
+    way.request.answer_in = packet.number
+    t.kept.request_in = way.request_in
+    t.kept.answer_time = packet_time(t.pinfo, packet.number) - way.request_time
+    way.request = nil
+  end
+
+  -- How many bytes a list is going to have by its length words; 0: there are none, or they cannot be right.
+  local function announced_by(t)
+    if t.is_block or t.end_ < HEAD + LENGTH_WORDS then return 0 end
+    local actual = word_at(t, HEAD)
+
+    return actual <= word_at(t, HEAD + 2) and actual + LENGTH_WORDS or 0
+  end
+
+  local function says_last(t)
+    return band(byte_at(t, SHORT_HEAD), INFO_LAST) ~= 0
+  end
+
+  local function data_bytes(t, offset)
+    return sub(t.bytes, offset + 1, t.end_)
+  end
+
+  local function begin_transfer(t, way)
+    local announced, is_last = announced_by(t), says_last(t)
+
+    if t.is_block and byte_at(t, BLOCK_AT) == CANCEL_BLOCK then way.transfer = nil end
+    if t.is_short or announced <= t.end_ - HEAD or (is_last and way.transfer and not way.transfer.is_last) then
+      return
+    end
+    way.transfer = {
+      ident = S.ident(byte_at(t, 10), word_at(t, 11)),
+      is_last = is_last,
+      begun_in = packet.number,
+      announced = announced,
+      received = t.end_ - HEAD,
+      pieces = {},
+    }
+    t.kept.transfer = way.transfer
+    S.add_piece(way.transfer, data_bytes(t, HEAD), false)
+  end
+
+  local function continue_transfer(t, way)
+    local transfer = way.transfer
+
+    if not transfer then return end
+    if t.is_short then
+      way.transfer = nil
+      return
+    end
+    t.kept.transfer = transfer
+    transfer.received = transfer.received + t.end_ - SHORT_HEAD
+    t.kept.is_last_piece = transfer.received >= transfer.announced
+    if t.kept.is_last_piece then way.transfer = nil end
+    S.add_piece(transfer, data_bytes(t, SHORT_HEAD), t.kept.is_last_piece)
+  end
+
+  -- First pass: which request it answers, which list it goes on with.
+  local function follow(t)
+    local from, to = t.pinfo.src, t.pinfo.dst
+    local way = find_way(from, to)
+
+    effects = effects + 1
+    if t.command == FETCH then
+      ask(t, way)
+      return
+    end
+    answer(t, find_way(to, from))
+    if t.is_follow_up then continue_transfer(t, way) else begin_transfer(t, way) end
+  end
+
+  local function add_frame(t, which, frame)
+    if frame then set_generated(add(t.tree, which, t.tvb, 0, 0, frame)) end
+  end
+
+  local function show_links(t)
+    local kept = t.kept
+
+    add_frame(t, FX.synax_request_in, kept.request_in)
+    add_frame(t, FX.synax_answer_in, kept.answer_in)
+    if kept.request_in then
+      set_generated(add(t.tree, FX.synax_answer_time, t.tvb, 0, 0, nstime(kept.answer_time)))
+    end
+    if kept.unanswered_in then
+      mark(t, nil, EX.synax_unanswered, "No answer to the request in frame %d", kept.unanswered_in)
+    end
+  end
+
+  local function say_bytes(t, count)
+    say(t, ", %d byte%s", count, plural(count))
+  end
+
+  local function add_block_data(t, block)
+    local length = t.end_ - HEAD
+
+    if length == 0 then return end
+    add(t.tree, F.data, t.tvb, HEAD, length)
+    if block == IO_BLOCK or block == MODE_BLOCK then
+      for at = HEAD, t.end_ - 2, 2 do
+        add_le(t.tree, FX.arcnet7f_word, t.tvb, at, 2)
+      end
+    end
+    if block == MODE_BLOCK then mark(t, nil, EX.synax_note, "No document says which value is which mode") end
+    say_bytes(t, length)
+  end
+
+  local function add_block(t)
+    local block = byte_at(t, BLOCK_AT)
+    local text = S.block_text(block)
+
+    S.add_info(t.tree, t.root, t.tvb, SHORT_HEAD, false, INFO_BLOCK)
+    local item = add(t.tree, FX.arcnet7f_block, t.tvb, BLOCK_AT, 1)
+
+    if text then
+      append_text(item, " (" .. text .. ")")
+    else
+      mark(t, item, EX.synax_note, "Data block that is not defined")
+    end
+    if block >= FIRST_BY_LIST and block <= LAST_BY_LIST then
+      append_text(item, strformat(", by C-0-%04d", block - FIRST_BY_LIST + CONFIGURATION))
+    end
+    if sub(t.bytes, BLOCK_AT + 2, HEAD) ~= "\0\0\0" then
+      add_raw(t, BLOCK_AT + 1, HEAD)
+      mark(t, nil, EX.synax_note, "Content after the number of a data block")
+    end
+    say(t, "%s DB %d%s", band(byte_at(t, SHORT_HEAD), INFO_WRITE) ~= 0 and "Write" or "Read", block,
+      text and " (" .. text .. ")" or "")
+    add_block_data(t, block)
+  end
+
+  local function add_first_piece(t, announced)
+    local here = t.end_ - HEAD - LENGTH_WORDS
+
+    add_le(t.tree, FX.arcnet7f_list_actual, t.tvb, HEAD, 2)
+    add_le(t.tree, FX.arcnet7f_list_maximum, t.tvb, HEAD + 2, 2)
+    if here > 0 then add(t.tree, F.data, t.tvb, HEAD + LENGTH_WORDS, here) end
+    say(t, ", list of %d bytes, %d here", announced - LENGTH_WORDS, here)
+  end
+
+  local function add_parameter(t)
+    local head, words = S.add_head(t.tree, t.root, t.tvb, SHORT_HEAD, false)
+    local announced, length = announced_by(t), t.end_ - HEAD
+
+    say(t, "%s", words)
+    if t.command == FETCH then return end
+    if head.is_last or (announced == length and length > 0) then
+      local telegram = t.end_ == #t.bytes and t.tvb or t.tvb(0, t.end_):tvb()
+
+      say(t, "%s", S.add_head_data(t.tree, t.root, telegram, HEAD, false, head))
+    elseif announced > length then
+      add_first_piece(t, announced)
+    else
+      say_bytes(t, length)
+      if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
+      mark(t, nil, EX.synax_note, "More is to follow, but the data do not begin with the lengths of a list")
+    end
+    if t.kept.transfer then S.put_together(t.tree, t.tvb(HEAD, length):tvb(), t.kept.transfer, false) end
+  end
+
+  local function add_first(t)
+    if t.end_ < HEAD then
+      add_raw(t, SHORT_HEAD, t.end_)
+      say(t, "Cut telegram")
+      if not t.is_short then
+        mark(t, nil, EX.synax_short, "The length says %d bytes, the head has %d", t.declared, K.HEAD_SIZE)
+      end
+    elseif t.is_block then
+      add_block(t)
+    else
+      add_parameter(t)
+    end
+  end
+
+  local function add_whole(t, whole)
+    local transfer, length = t.kept.transfer, whole:len()
+    local head = {ident = transfer.ident, known = S.known_from_tables(transfer.ident)}
+
+    say(t, "; whole")
+    if length > transfer.announced + 1 then
+      mark(t, nil, EX.synax_unexpected, "The list announces %d bytes, %d came", transfer.announced, length)
+    end
+    local part = length > transfer.announced and whole(0, transfer.announced):tvb() or whole
+
+    say(t, "%s", S.add_head_data(t.tree, t.root, part, 0, false, head))
+  end
+
+  local function add_follow_up(t)
+    local transfer, length = t.kept.transfer, t.end_ - SHORT_HEAD
+
+    say(t, "Follow-up 0x%04x", word_at(t, 1))
+    if t.command == FETCH then return end
+    if transfer then
+      add_frame(t, FX.arcnet7f_first_in, transfer.begun_in)
+      if t.tree then
+        S.add_ident(t.tree, t.tvb, {offset = 0, length = 0}, transfer.ident, S.known_from_tables(transfer.ident))
+      end
+      say(t, " of %s", transfer.ident.text)
+    end
+    if length > 0 then add(t.tree, F.data, t.tvb, SHORT_HEAD, length) end
+    say_bytes(t, length)
+    if not transfer then
+      mark(t, nil, EX.synax_note, "No list goes on here: its beginning is missing, or it has ended")
+      return
+    end
+    local piece = length > 0 and t.tvb(SHORT_HEAD, length):tvb() or t.tvb
+    local whole = S.put_together(t.tree, piece, transfer, t.kept.is_last_piece)
+
+    if whole then add_whole(t, whole) end
+  end
+
+  -- After the first seven bytes.
+  local function add_rest(t)
+    local message = word_at(t, 1)
+
+    t.command = byte_at(t, 3)
+    t.is_follow_up = message >= FOLLOW_UP_MESSAGES and message <= FOLLOW_UP_MESSAGE_END
+    if byte_at(t, 0) ~= PROTOCOL_ID then return give_up(t, "not the protocol 0x7f") end
+    if t.command > FETCH then return give_up(t, "command that is not defined") end
+    say(t, t.command == TO and "TO" or "FETCH")
+    if message ~= FIRST_MESSAGE and not t.is_follow_up then
+      return give_up(t, "message number that is not defined")
+    end
+    if byte_at(t, 4) ~= WORD_ARRAY then return give_up(t, "data type that is not defined") end
+    say(t, "  ")
+    read_extent(t)
+    t.is_block = not t.is_follow_up and t.end_ > SHORT_HEAD and band(byte_at(t, SHORT_HEAD), INFO_BLOCK) ~= 0
+    if not packet.visited and (t.is_follow_up or t.end_ >= HEAD) then follow(t) end
+    show_links(t)
+    if t.is_follow_up then add_follow_up(t) else add_first(t) end
+    check_extent(t)
+  end
+
+  local function dissect(tvb, pinfo, parent)
+    local tree = parent:add(arcnet7f, tvb())
+    local bytes = tvb:raw()
+    local t = {tvb = tvb, bytes = bytes, pinfo = pinfo, tree = tree, root = tree, words = "", end_ = #bytes}
+
+    kept_of[packet.number] = kept_of[packet.number] or {}
+    t.kept = kept_of[packet.number]
+    if add_short_head(t) then add_rest(t) end
+    pinfo.cols.info = t.words
+    append_text(t.root, ", " .. t.words)
+  end
+
+  -- Wireshark takes the three bytes after the protocol id for its split flag and sequence number, and seven where the
+  -- first of them is 0xFF and the link type is BSD's. Only the field of the whole packet has them.
+  function arcnet7f.dissector(tvb, pinfo, parent)
+    S.begin_packet(pinfo)
+    pinfo.cols.protocol = "ARCNET7F"
+    pinfo.cols.info = ""
+    if pinfo.match ~= PROTOCOL_ID then return dissect(tvb, pinfo, parent) end
+    local frame, offset = frame_field(), tvb:offset()
+
+    if frame then dissect(frame.range(offset == 10 and 2 or max(offset, 4) - 4):tvb(), pinfo, parent) end
+  end
+
+  DissectorTable.get("arcnet.protocol_id"):add(PROTOCOL_ID, arcnet7f)
+end
+
+--- synax/synaxpk: the parameter channel in the cyclic data of Profibus: six words, the first of which is the control
+-- word FBSteuer or the status word FBStatus (chapter 3).
+
+do
+  protos.synaxpk = synaxpk
+
+  local CHANNEL_SIZE, WORD_SIZE, MOST_DATA = 12, 2, 10
+  local BASIC_STATE = 0x000F
+  local OPEN_BITS, ERROR_BIT, READ_BIT, BUSY_BIT, LAST_BIT = 0xC000, 0x2000, 0x1000, 0x0800, 0x0400
+  local DRIVE_SHORT_1, A_SHORT_1, SIS_FORMAT = 0x0, 0x1, 0xB
+  local BUSY_CODE, SERIAL_ERRORS, TELEGRAM_START = 0x0008, 0x01, 0x02
+  local DRIVE_ERROR_BIT, DRIVE_LAST_BIT, FIRST_S_INDEX, S_INDEX_END = 0x4000, 0x2000, 0x2000, 0x3000
+  local SYNAX, INDRADRIVE = 0, 1
+  local GUESS, MASTER, SLAVE = 0, 1, 2
+  local SENT, RECEIVED = 0, 1 -- pinfo.p2p_dir
+
+  synaxpk.prefs.layout = Pref.enum("Layout of the control and status word", SYNAX,
+    "IndraDrive has a parameter channel of its own",
+    {{"synax", "SYNAX200", SYNAX}, {"indradrive", "IndraDrive", INDRADRIVE}}, false)
+  synaxpk.prefs.direction = Pref.enum("Sender", GUESS,
+    "Who has sent the packets: in a capture made at the master, what it sent comes from the master, and what it "
+    .. "received from the slave",
+    {{"guess", "As the packet says: sent, received", GUESS}, {"master", "Master", MASTER}, {"slave", "Slave", SLAVE}},
+    false)
+
+  local ways, kept_of -- data under way in one direction; what is kept, by packet
+
+  at_init(function() ways, kept_of = {}, {} end)
+
+  local function big_endian(bytes, offset)
+    return byte(bytes, offset + 1) * 0x100 + byte(bytes, offset + 2)
+  end
+
+  local function has(c, bits)
+    return band(c.word, bits) ~= 0
+  end
+
+  local function mark(c, item, which, ...)
+    add_expert(item or c.root, which, strformat(...))
+  end
+
+  local function say(c, text)
+    c.words = c.words .. (c.words ~= "" and ", " or "") .. text
+  end
+
+  local function say_bytes(c, count)
+    say(c, strformat("%d byte%s", count, plural(count)))
+  end
+
+  -- Bytes whose meaning no document says: each with its number, counted from byte 0 of `tvb`.
+  local function add_open_bytes(c, tvb, offset, stop, why)
+    if offset >= stop then return end
+    local tree = add(c.tree, F.raw, tvb, offset, stop - offset)
+
+    for at = offset, stop - 1 do
+      local value = tvb(at, 1):uint()
+
+      add(tree, FX.synaxpk_byte, tvb, at, 1, value, strformat("Byte %d: 0x%02x", at, value))
+    end
+    if why then mark(c, tree, EX.synax_note, "%s", why) end
+  end
+
+  local function add_sender(c)
+    local sender = synaxpk.prefs.direction
+
+    if sender == GUESS then
+      sender = c.pinfo.p2p_dir == SENT and MASTER or c.pinfo.p2p_dir == RECEIVED and SLAVE or GUESS
+    end
+    c.sender = sender
+    if sender == GUESS then return end
+    set_generated(add(c.tree, FX.synaxpk_sender, c.tvb, 0, 0, sender))
+    c.words = N.channel_senders[sender]
+  end
+
+  -- FLP does not count the control word. Where the two bytes less are there that would be if SYNAX did, nothing is
+  -- said: the error answers that it prints can be read both ways.
+  local function read_extent(c)
+    local count, there = band(rshift(c.word, 4), 0xF), c.there - WORD_SIZE
+
+    c.end_ = WORD_SIZE + min(count, there)
+    if count > MOST_DATA then
+      mark(c, nil, EX.synax_note, "The channel has 10 bytes of data, its word says %d", count)
+    elseif there + WORD_SIZE < count then
+      c.is_short = true
+      mark(c, nil, EX.synax_short, "%d of %d bytes of data are there", there, count)
+    end
+  end
+
+  -- Of a sender; where that is unknown, of the access: data to read come from the slave, data to write from the master
+  -- (FLP, page 11-12).
+  local function find_key(c, whose)
+    local key = S.way_key(c.pinfo.src, c.pinfo.dst) .. "/" .. whose
+
+    ways[key] = ways[key] or {}
+    return key
+  end
+
+  -- First pass: cyclic data stay as they are until they change, and the toggle bit changes with every fragment.
+  local function follow(c, kept)
+    local way = ways[find_key(c, c.sender ~= GUESS and c.sender or band(c.word, READ_BIT))]
+    local image, is_last = sub(c.bytes, 1, c.there), has(c, LAST_BIT)
+
+    effects = effects + 1
+    kept.is_repeated = way.image == image
+    way.image = image
+    if kept.is_repeated then return end
+    if c.is_short then
+      way.transfer = nil
+      return
+    end
+    if not is_last and not way.transfer then way.transfer = {pieces = {}} end
+    kept.transfer = way.transfer
+    if is_last then way.transfer = nil end
+    if kept.transfer then S.add_piece(kept.transfer, sub(c.bytes, WORD_SIZE + 1, c.end_), is_last) end
+  end
+
+  -- First pass: data are repeated only if their sender has sent nothing else since. Where it is unknown, only the basic
+  -- state tells that they are others.
+  local function follow_word(c)
+    if c.sender ~= GUESS then
+      local key = find_key(c, c.sender)
+
+      if c.word == BASIC_STATE then ways[key] = {} end
+      ways[key].image = sub(c.bytes, 1, c.there)
+    elseif c.word == BASIC_STATE then
+      ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
+    end
+  end
+
+  local function add_parameter(c)
+    local ident = S.ident(band(c.word, 0xF) == A_SHORT_1 and 1 or 0, big_endian(c.bytes, WORD_SIZE))
+    local known = S.known_from_tables(ident)
+
+    if c.tree then
+      S.add_ident(c.tree, c.tvb, {offset = WORD_SIZE, length = 2, number_at = WORD_SIZE, is_big = true}, ident, known)
+    end
+    say(c, ident.text .. (known.name and " (" .. known.name .. ")" or ""))
+  end
+
+  -- Class and code together are the error code of SIS, and 00, 08 means busy (pages 3-8 and 3-9).
+  local function add_class_and_code(c)
+    local code = big_endian(c.bytes, 4)
+    local text = N.errors_parameter[code] or "Not defined"
+
+    add(c.tree, FX.synaxpk_class, c.tvb, 4, 1)
+    local item = add(c.tree, FX.synaxpk_class_code, c.tvb, 5, 1)
+
+    if not has(c, ERROR_BIT) then
+      append_text(item, " (busy)")
+      return
+    end
+    item = add_value(c.tree, F.error, c.tvb, 4, 2, code, strformat("%s (0x%04x)", text, code))
+    mark(c, item, EX.synax_error, "error 0x%04x: %s", code, text)
+    say(c, strformat("error 0x%04x: %s", code, text))
+  end
+
+  local function is_busy(c)
+    return not has(c, ERROR_BIT) and has(c, BUSY_BIT) and c.end_ >= 6 and big_endian(c.bytes, 4) == BUSY_CODE
+  end
+
+  local function add_short_answer(c)
+    say(c, has(c, ERROR_BIT) and "error" or "busy")
+    if c.end_ < 4 then
+      add_open_bytes(c, c.tvb, WORD_SIZE, c.end_)
+      mark(c, nil, EX.synax_short, "Parameter number missing")
+      return
+    end
+    add_parameter(c)
+    if c.end_ < 6 then
+      add_open_bytes(c, c.tvb, 4, c.end_)
+      mark(c, nil, EX.synax_short, "Error code missing")
+      return
+    end
+    add_class_and_code(c)
+    add_open_bytes(c, c.tvb, 6, c.end_, "What follows the error code is not defined")
+  end
+
+  local function add_short_1(c)
+    if has(c, ERROR_BIT) or is_busy(c) then return add_short_answer(c) end
+    say_bytes(c, c.end_ - WORD_SIZE)
+    if c.sender == SLAVE and c.end_ > 4 then
+      add_open_bytes(c, c.tvb, WORD_SIZE, 4, "The first word of a good answer is not defined")
+      add(c.tree, F.data, c.tvb, 4, c.end_ - 4)
+      return
+    end
+    add_open_bytes(c, c.tvb, WORD_SIZE, c.end_, "Requests and lists of the short format 1 are not defined")
+  end
+
+  -- Code of the channel itself, in the first word of the data (FLP, page 11-15).
+  local function add_channel_error(c)
+    say(c, "error")
+    if c.end_ < 4 then
+      add_open_bytes(c, c.tvb, WORD_SIZE, c.end_)
+      mark(c, nil, EX.synax_short, "Error code missing")
+      return
+    end
+    local code = big_endian(c.bytes, WORD_SIZE)
+    local text = N.channel_codes[code]
+
+    if not text and rshift(code, 8) == SERIAL_ERRORS then text = strformat("Serial error %d", code % 0x100) end
+    if not text then
+      return add_open_bytes(c, c.tvb, WORD_SIZE, c.end_, "The place of the error code is not defined")
+    end
+    local value = strformat("%s (0x%04x)", text, code)
+    local item = add_value(c.tree, FX.synaxpk_code, c.tvb, WORD_SIZE, 2, code, value)
+
+    mark(c, item, EX.synax_error, "error 0x%04x: %s", code, text)
+    c.words = c.words .. strformat(" 0x%04x: %s", code, text)
+    add_open_bytes(c, c.tvb, 4, c.end_, "What follows the error code is not defined")
+  end
+
+  local sis_parts = {
+    FX.synaxpk_sis_length, FX.synaxpk_sis_length_repeated, FX.synaxpk_sis_control, FX.synaxpk_sis_service,
+  }
+
+  local function add_sis_part(c, data)
+    local length = data:len()
+    local known = min(length, #sis_parts)
+
+    for at = 0, known - 1 do
+      local item = add(c.tree, sis_parts[at + 1], data, at, 1)
+
+      if at == 3 then
+        local name = S.service_name(data(at, 1):uint())
+
+        append_text(item, " (" .. name .. ")")
+        say(c, name)
+      end
+    end
+    add_open_bytes(c, data, known, length, "Whether addresses stand before the data is not defined")
+  end
+
+  -- A telegram begins with its start character and has equal lengths; without that head it begins with them. Gives the
+  -- telegram that another dissector takes apart, if there is one.
+  local function add_sis_data(c, data)
+    local bytes = data:raw()
+    local start, second, length, length_repeat = byte(bytes, 1, 4)
+
+    if start == TELEGRAM_START and length_repeat and length == length_repeat then return data end
+    if second and start == second then
+      add_sis_part(c, data)
+    else
+      add_open_bytes(c, data, 0, #bytes, "Neither a telegram nor one without start character and sum")
+    end
+  end
+
+  local function add_sis_format(c)
+    local number = packet.number
+    local length, is_last = c.end_ - WORD_SIZE, has(c, LAST_BIT)
+    local piece = c.tvb(WORD_SIZE, length):tvb()
+    local whole = piece
+
+    kept_of[number] = kept_of[number] or {}
+    local kept = kept_of[number]
+
+    if not packet.visited then follow(c, kept) end
+    say_bytes(c, length)
+    if kept.is_repeated or kept.transfer or c.is_short then
+      add(c.tree, FX.synaxpk_payload, c.tvb, WORD_SIZE, length)
+    end
+    if kept.is_repeated then
+      say(c, "as before")
+      return nil
+    end
+    if not is_last then say(c, "more follows") end
+    if c.is_short then return nil end
+    if kept.transfer then whole = S.put_together(c.tree, piece, kept.transfer, is_last) end
+    return whole and add_sis_data(c, whole)
+  end
+
+  local function add_content(c)
+    local format = band(c.word, 0xF)
+
+    say(c, N.channel_formats[format] or "format not defined")
+    if has(c, ERROR_BIT) and c.end_ == WORD_SIZE then
+      say(c, "error bit")
+      return nil
+    end
+    if format == SIS_FORMAT and has(c, ERROR_BIT) then
+      add_channel_error(c)
+      return nil
+    end
+    say(c, has(c, READ_BIT) and "channel read" or "channel write")
+    if c.end_ == WORD_SIZE then
+      say(c, "no data")
+    elseif format == SIS_FORMAT then
+      return add_sis_format(c)
+    elseif format == DRIVE_SHORT_1 or format == A_SHORT_1 then
+      add_short_1(c)
+    else
+      add_open_bytes(c, c.tvb, WORD_SIZE, c.end_, "This format is not defined")
+    end
+  end
+
+  local function add_bits(c, which, parts)
+    local item = add(c.tree, which, c.tvb, 0, 2)
+
+    for _, part in ipairs(parts) do
+      add(item, part, c.tvb, 0, 2)
+    end
+    return item
+  end
+
+  local word_bits = {
+    FX.synaxpk_word_open, FX.synaxpk_word_error, FX.synaxpk_word_read, FX.synaxpk_word_busy, FX.synaxpk_word_last,
+    FX.synaxpk_word_bit9, FX.synaxpk_word_toggle, FX.synaxpk_word_count, FX.synaxpk_word_format,
+  }
+  local drive_bits = {
+    FX.synaxpk_drive_pf, FX.synaxpk_drive_error, FX.synaxpk_drive_last, FX.synaxpk_drive_toggle,
+    FX.synaxpk_drive_fragment, FX.synaxpk_drive_length,
+  }
+
+  local function add_beyond(c)
+    if c.there > c.end_ then add(c.tree, FX.synaxpk_beyond, c.tvb, c.end_, c.there - c.end_) end
+  end
+
+  -- The word of SYNAX, and what follows it.
+  local function add_synax(c)
+    local item = add_bits(c, FX.synaxpk_word, word_bits)
+    local telegram
+
+    if has(c, OPEN_BITS) then mark(c, item, EX.synax_note, "Bits 14 and 15 are not defined") end
+    c.end_ = WORD_SIZE
+    if c.word == BASIC_STATE then
+      say(c, "basic state")
+    elseif has(c, ERROR_BIT) and c.sender == MASTER then
+      say(c, "clear error")
+    else
+      read_extent(c)
+      telegram = add_content(c)
+    end
+    add_beyond(c)
+    return telegram
+  end
+
+  -- Index 0x2000 and above: an S parameter; the subindex is its element (IndraDrive MPH-02, page 4-48).
+  local function add_index(c)
+    local index, element = big_endian(c.bytes, WORD_SIZE), big_endian(c.bytes, 4)
+
+    add(c.tree, FX.synaxpk_index, c.tvb, WORD_SIZE, 2)
+    add(c.tree, FX.synaxpk_subindex, c.tvb, 4, 2)
+    say(c, strformat("index 0x%04x, subindex %d", index, element))
+    if index < FIRST_S_INDEX or index >= S_INDEX_END then return end
+    local ident = S.ident(0, index - FIRST_S_INDEX)
+
+    if c.tree then S.add_ident(c.tree, c.tvb, {offset = 0, length = 0}, ident, S.known_from_tables(ident)) end
+    c.words = c.words .. " (" .. ident.text .. ")"
+  end
+
+  -- IndraDrive: an order begins with index and subindex; fragments are not put together.
+  local function add_indradrive(c)
+    local fragment, there, at = band(rshift(c.word, 8), 0xF), c.there - WORD_SIZE, WORD_SIZE
+    local is_alone = has(c, DRIVE_LAST_BIT) and fragment == band(c.word, 0xFF)
+
+    add_bits(c, FX.synaxpk_drive, drive_bits)
+    if fragment > there then mark(c, nil, EX.synax_short, "%d of %d bytes of data are there", there, fragment) end
+    c.end_ = WORD_SIZE + min(fragment, there)
+    if c.sender == SLAVE and has(c, DRIVE_ERROR_BIT) then
+      say(c, "error")
+      mark(c, nil, EX.synax_error, "error")
+    end
+    say_bytes(c, c.end_ - WORD_SIZE)
+    if c.sender == MASTER and is_alone and c.end_ >= 6 then
+      add_index(c)
+      at = 6
+    end
+    if c.end_ > at then add(c.tree, FX.synaxpk_payload, c.tvb, at, c.end_ - at) end
+    add_beyond(c)
+  end
+
+  local function check_size(c)
+    local more = #c.bytes - c.there
+
+    if more == 0 then return end
+    add(c.tree, F.raw, c.tvb, c.there, more)
+    mark(c, nil, EX.synax_unexpected, "%d byte%s after the six words of the channel", more, plural(more))
+  end
+
+  -- All but the telegram that another dissector takes apart.
+  local function add_channel(c)
+    local is_synax, telegram = synaxpk.prefs.layout == SYNAX, nil
+
+    c.there = is_synax and min(#c.bytes, CHANNEL_SIZE) or #c.bytes
+    if c.there < WORD_SIZE then
+      add_open_bytes(c, c.tvb, 0, c.there)
+      mark(c, nil, EX.synax_short, "The control or status word is cut")
+      say(c, "Cut channel")
+      return nil
+    end
+    c.word = big_endian(c.bytes, 0)
+    add_sender(c)
+    if is_synax then telegram = add_synax(c) else add_indradrive(c) end
+    check_size(c)
+    if not packet.visited and is_synax then follow_word(c) end
+    return telegram
+  end
+
+  function synaxpk.dissector(tvb, pinfo, parent)
+    S.begin_packet(pinfo)
+    local tree, cols = parent:add(synaxpk, tvb()), pinfo.cols
+    local c = {tvb = tvb, bytes = tvb:raw(), pinfo = pinfo, tree = tree, root = tree, words = ""}
+
+    cols.protocol = "SYNAXPK"
+    cols.info = ""
+    local telegram = add_channel(c)
+    cols.info = c.words
+    append_text(tree, ", " .. c.words)
+    if telegram then
+      cols.info:append(" | ")
+      cols.info:fence()
+      Dissector.get("sis"):call(telegram, pinfo, parent)
+    end
   end
 end
 

@@ -66,7 +66,7 @@ def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> N
     """What people read: generated items stand in brackets here."""
     capture = tmp_path / "merged.pcapng"
     group.write(capture)
-    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", "sis,sertap")
+    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", "sis,sertap,arcnet7f,synaxpk")
     expected, found = (
         re.split(r"^(?=Frame \d+:)", tshark.output(*shown), flags=re.MULTILINE) for tshark in (plugin, script)
     )
@@ -91,12 +91,12 @@ DIFFERENT = {
     "heuristic-decodes": {"sis": ("SIS over TCP", "SIS")},
     "dissector-tables": {"sertap.framing": ("Decode As supported", "Decode As not supported")},
 }
-OURS = re.compile(r"(^|\t)(sis|sertap)([.\t]|$)")
+OURS = re.compile(r"(^|\t)(sis|sertap|synax|synaxpk|arcnet7f)([.\t]|$)")
 
 
 def is_ours(line: str) -> bool:
     """Tell it of a million lines: the expression alone takes seconds."""
-    return ("sis" in line or "sertap" in line) and OURS.search(line) is not None
+    return any(name in line for name in ("sis", "sertap", "synax", "arcnet7f")) and OURS.search(line) is not None
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,11 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
     """Names, defaults and descriptions, as they stand in a file of preferences; what the script prints is its own."""
     expected, found = (
-        [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if re.search("^#sis[.]", entry, re.M)]
+        [
+            entry
+            for entry in tshark.output("-G", "currentprefs").split("\n\n")
+            if re.search("^#(sis|synaxpk)[.]", entry, re.M)
+        ]
         for tshark in (plugin, script)
     )
     assert expected

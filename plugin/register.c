@@ -22,10 +22,13 @@
 #include "sis/timing.h"
 #include "sis/transports.h"
 #include "synax/3964r.h"
+#include "synax/arcnet7f.h"
 #include "synax/fields.h"
 #include "synax/head.h"
+#include "synax/pieces.h"
 #include "synax/rk512i.h"
 #include "synax/statistics.h"
+#include "synax/synaxpk.h"
 
 void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
@@ -103,6 +106,9 @@ proto_register_synax(void)
 {
     synax_fields_register(); /* before all others */
     synax_head_register();
+    synax_pieces_register();
+    synax_arcnet7f_register();
+    synax_synaxpk_register();
     synax_rk512i_register();
     synax_3964r_register();
     synax_statistics_register();
@@ -112,4 +118,6 @@ void
 proto_reg_handoff_synax(void)
 {
     synax_3964r_handoff();
+    synax_arcnet7f_handoff();
+    synax_synaxpk_handoff();
 }

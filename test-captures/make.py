@@ -37,9 +37,15 @@ LONGEST_NS = 0xFFFFFFFF  # that a record can hold
 SILENCE_NS = 25_000_000  # before the next packet, unless `silence` says otherwise
 
 LINKTYPE_RAW_IPV4 = 228
+LINKTYPE_ARCNET_BSD = 7
+LINKTYPE_ARCNET_LINUX = 129
 LINK_TYPES = {
     "sertap": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "sis": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "arcnet7f": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "synaxpk": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "arcnet": LINKTYPE_ARCNET_LINUX,
+    "arcnet-bsd": LINKTYPE_ARCNET_BSD,
     "user0": pcapng.LINKTYPE_USER0,
     "rtac": pcapng.LINKTYPE_RTAC_SERIAL,
     "tcp": LINKTYPE_RAW_IPV4,
@@ -352,6 +358,10 @@ def tcp_segment(port: int, from_client: bool, sequence: int, acknowledged: int, 
 LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
     "sertap": lambda payload, _: pcapng.upper_pdu("sertap", payload),
     "sis": lambda payload, _: pcapng.upper_pdu("sis", payload),
+    "arcnet7f": lambda payload, _: pcapng.upper_pdu("arcnet7f", payload),
+    "synaxpk": lambda payload, _: pcapng.upper_pdu("synaxpk", payload),
+    "arcnet": lambda payload, _: payload,
+    "arcnet-bsd": lambda payload, _: payload,
     "user0": lambda payload, _: payload,
     "rtac": rtac_header,
     "tcp": lambda payload, _: payload,

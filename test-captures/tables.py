@@ -17,8 +17,14 @@ HERE = Path(__file__).parent
 Table = dict[int, str]
 
 # What only a later packet can tell: there in the second pass, and in the first not.
-LATER = {"reaction_in", "sequence.whole_in", "command.unanswered"}
-OTHER_LATER = {"synax.answer_in", "3964r.answer_in", "rk512i.sequence.whole_in"}  # with their protocols
+LATER = {
+    "reaction_in",
+    "sequence.whole_in",
+    "command.unanswered",
+    "synax.answer_in",
+    "synax.pieces.whole_in",
+}
+OTHER_LATER = {"synax.answer_in", "synax.pieces.whole_in", "3964r.answer_in", "rk512i.sequence.whole_in"}
 
 BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them
 
@@ -29,10 +35,10 @@ def row(text: str) -> dict[str, str]:
     return {name: value or "there" for name, _, value in pairs}
 
 
-def shown(tshark: Tshark, capture: Path, fields: str, *options: str) -> dict[int, dict[str, str]]:
+def shown(tshark: Tshark, capture: Path, fields: str, *options: str, prefix: str = "sis.") -> dict[int, dict[str, str]]:
     """Tell what tshark shows of the fields, by frame; empty ones are left out."""
     names = fields.split()
-    columns = [option for name in names for option in ("-e", f"sis.{name}")]
+    columns = [option for name in names for option in ("-e", prefix + name)]
     lines = tshark.output("-r", str(capture), *options, "-T", "fields", *columns).splitlines()
     frames = {}
     for number, line in enumerate(lines, 1):
@@ -41,11 +47,13 @@ def shown(tshark: Tshark, capture: Path, fields: str, *options: str) -> dict[int
     return frames
 
 
-def check(tshark: Tshark, name: str, fields: str, experts: str, table: Table, *options: str) -> None:
-    """Compare NAME.pcapng with its table."""
+def check(  # noqa: PLR0913
+    tshark: Tshark, name: str, fields: str, experts: str, table: Table, *options: str, prefix: str = "sis."
+) -> None:
+    """Compare NAME.pcapng with its table; without a prefix, fields have their whole names there."""
     for passes in ((), ("-2",)):
         wrong = []
-        frames = shown(tshark, HERE / f"{name}.pcapng", f"{fields} {experts}", *passes, *options)
+        frames = shown(tshark, HERE / f"{name}.pcapng", f"{fields} {experts}", *passes, *options, prefix=prefix)
         assert set(table) <= set(frames), "the table has more frames than the capture"
         for number, cells in frames.items():
             found = cells | {expert: "there" for expert in experts.split() if expert in cells}

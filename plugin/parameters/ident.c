@@ -49,7 +49,8 @@ add_parts(proto_tree *tree, tvbuff_t *tvb, const sis_ident_place_t *place, sis_i
     static int *const bits_drive[] = {&hf_profile, &hf_set, &hf_number, NULL};
     static int *const bits_control[] = {&hf_set, &hf_number, NULL};
 
-    proto_tree_add_item(tree, hf_type, tvb, place->type_at, 1, ENC_NA);
+    if (place->type_at != SIS_NO_TYPE_BYTE)
+        proto_tree_add_item(tree, hf_type, tvb, place->type_at, 1, ENC_NA);
     proto_tree_add_bitmask_list(tree, tvb, place->number_at, 2, ident.type == 0 ? bits_drive : bits_control,
                                 place->encoding);
 }

@@ -8,7 +8,9 @@
 
 extern int hf_sis_parameter;
 
-/* Where an ident stands: all of it, its type byte and its number word. */
+#define SIS_NO_TYPE_BYTE UINT_MAX
+
+/* Where an ident stands: all of it, its type byte (SIS_NO_TYPE_BYTE: told elsewhere) and its number word. */
 typedef struct {
     unsigned offset, length; /* no length: it does not stand here, a command said it */
     unsigned type_at, number_at;

@@ -37,19 +37,20 @@ synax_block_text(unsigned number)
 }
 
 /* Elements and other services hide in bits that no document names. */
-static void
-add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
-         uint16_t info)
+void
+synax_add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
+               uint16_t known)
 {
+    uint16_t info = compat_get_uint16(tvb, offset, encoding), open = info & INFO_OPEN & ~known;
     static int *const bits[] = {&hf_info_open, &hf_info_last, &hf_info_write, NULL};
     proto_item *item = proto_tree_add_bitmask_with_flags(tree, tvb, offset, hf_info, ett_info, bits, encoding,
                                                          BMT_NO_APPEND);
 
     proto_item_append_text(item, " (%s, %s)", info & INFO_WRITE ? "write" : "read",
                            info & INFO_LAST ? "last transmission" : "more follows");
-    if (info & INFO_OPEN)
+    if (open != 0)
         expert_add_info_format(pinfo, item, &ei_synax_note,
-                               "Bits 2 to 15 of the info access are not defined: 0x%04x", info & INFO_OPEN);
+                               "Bits 2 to 15 of the info access are not defined: 0x%04x", open);
 }
 
 synax_head_t
@@ -86,7 +87,7 @@ synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned off
     synax_head_t head = synax_head_of(info, compat_get_uint8(tvb, offset + 2), ident);
     sis_ident_place_t place = {offset + 3, 3, offset + 3, offset + 4, encoding};
 
-    add_info(tree, pinfo, tvb, offset, encoding, info);
+    synax_add_info(tree, pinfo, tvb, offset, encoding, 0);
     proto_tree_add_item(tree, hf_axis, tvb, offset + 2, 1, ENC_NA);
     sis_add_ident(tree, pinfo->pool, tvb, &place, ident, &head.known);
     wmem_strbuf_append(words, head.is_write ? "Write " : "Read ");

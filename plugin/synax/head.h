@@ -26,6 +26,10 @@ synax_head_t synax_head_of(uint16_t info, uint8_t axis, sis_ident_t ident);
 /* Adds sis.parameter where a command said it. */
 void synax_recall_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const synax_head_t *head,
                        wmem_strbuf_t *words);
+/* Adds the info access at `offset`; says which of its bits no document names, but for those that are `known`
+ * from elsewhere. */
+void synax_add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
+                    uint16_t known);
 
 /* Adds the head at `offset`, all 6 bytes of which are there. Appends words for the packet list: "Read
  * S-0-0237, axis 2". */

@@ -1,0 +1,595 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The data exchange protocol on ARCNET, protocol id 0x7F (chapter 7 of DOK-SYNAX*-SY*-08V*2/2-FK01-DE-P): TO
+ * sends data, FETCH asks for them, and only FETCH is answered, by a TO (page 7-3). */
+
+#include "synax/arcnet7f.h"
+
+#include <epan/proto_data.h>
+#include <epan/to_str.h>
+
+#include "parameters/fields.h"
+#include "parameters/ident.h"
+#include "synax/fields.h"
+#include "synax/head.h"
+#include "synax/pieces.h"
+
+#define PROTOCOL_ID 0x7F
+#define TO          0
+#define FETCH       1
+#define WORD_ARRAY  0x05
+
+#define SHORT_HEAD 7u /* of a follow-up (page 7-6) */
+#define HEAD       13u
+#define BLOCK_AT   9u /* the number of a data block, or the axis */
+
+/* Page 7-27. */
+#define FIRST_MESSAGE         0x8010
+#define FOLLOW_UP_MESSAGES    0x1C20
+#define FOLLOW_UP_MESSAGE_END 0x1CFF
+
+/* Set in the one telegram that is printed whole, which writes a data block (page 7-14). */
+#define INFO_BLOCK 0x0040
+
+#define CANCEL_BLOCK  98
+#define IO_BLOCK      99
+#define MODE_BLOCK    100
+#define FIRST_BY_LIST 101
+#define LAST_BY_LIST  108
+#define CONFIGURATION 58 /* C-0-0058 configures data block 101 (page 7-16) */
+
+#define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each (page 7-20) */
+
+static int proto_arcnet7f = -1;
+
+static int hf_id = -1;
+static int hf_message = -1;
+static int hf_command = -1;
+static int hf_type = -1;
+static int hf_length = -1;
+static int hf_block = -1;
+static int hf_word = -1;
+static int hf_list_actual = -1;
+static int hf_list_maximum = -1;
+static int hf_first_in = -1;
+
+static int ett_arcnet7f = -1;
+
+/* A list that goes on in follow-ups. */
+typedef struct {
+    sis_ident_t ident;
+    bool is_last; /* as the info access of its first telegram says */
+    uint32_t number;
+    uint32_t begun_in;
+    uint32_t announced; /* bytes, length words included */
+    uint32_t received;
+} transfer_t;
+
+/* What is kept of a telegram. */
+typedef struct {
+    uint32_t request_in; /* 0: none; the same for the other two */
+    uint32_t answer_in;
+    uint32_t unanswered_in; /* an earlier request that nobody answered */
+    nstime_t answer_time;
+    transfer_t *transfer; /* whose piece it is */
+    bool is_last_piece;
+} kept_t;
+
+/* From one station to another. */
+typedef struct {
+    kept_t *request; /* waiting for its answer */
+    uint32_t request_in;
+    nstime_t request_time;
+    uint64_t subject;
+    transfer_t *transfer;
+} way_t;
+
+static wmem_map_t *ways; /* of the file */
+
+/* The telegram that is dissected. */
+typedef struct {
+    tvbuff_t *tvb;
+    packet_info *pinfo;
+    proto_tree *tree;
+    proto_item *root;
+    wmem_strbuf_t *words; /* for the packet list */
+    uint8_t command;
+    bool is_follow_up;
+    bool is_block;
+    bool is_short;     /* bytes are missing */
+    unsigned declared; /* bytes that the head says follow its first seven */
+    unsigned end;      /* of what belongs to the telegram and is there */
+    kept_t *kept;
+} telegram_t;
+
+static void
+mark(telegram_t *t, proto_item *item, expert_field *ei, const char *text)
+{
+    expert_add_info_format(t->pinfo, item != NULL ? item : t->root, ei, "%s", text);
+}
+
+static void
+add_raw(telegram_t *t, unsigned offset, unsigned end)
+{
+    if (end > offset)
+        proto_tree_add_item(t->tree, hf_sis_raw, t->tvb, offset, end - offset, ENC_NA);
+}
+
+/* No document says what stands there. */
+static void
+give_up(telegram_t *t, unsigned offset, const char *text)
+{
+    add_raw(t, offset, t->end);
+    mark(t, NULL, &ei_synax_note, text);
+    wmem_strbuf_append_printf(t->words, "%s%s", wmem_strbuf_get_len(t->words) > 0 ? ": " : "", text);
+}
+
+/* The seven bytes that every telegram has, as far as they are there. */
+static bool
+add_short_head(telegram_t *t)
+{
+    static const struct {
+        int *hf;
+        unsigned size;
+    } parts[] = {{&hf_id, 1}, {&hf_message, 2}, {&hf_command, 1}, {&hf_type, 1}, {&hf_length, 2}};
+    unsigned offset = 0;
+
+    for (unsigned i = 0; i < array_length(parts) && offset + parts[i].size <= t->end; i++) {
+        proto_tree_add_item(t->tree, *parts[i].hf, t->tvb, offset, parts[i].size, ENC_LITTLE_ENDIAN);
+        offset += parts[i].size;
+    }
+    if (offset == SHORT_HEAD)
+        return true;
+    add_raw(t, offset, t->end);
+    expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The head is cut: %u of %u bytes", t->end,
+                           SHORT_HEAD);
+    wmem_strbuf_append(t->words, "Cut telegram");
+    return false;
+}
+
+/* A FETCH has no data: whether its length is that of the answer is not stated, so only that of a TO is
+ * judged. */
+static void
+read_extent(telegram_t *t)
+{
+    unsigned there = t->end - SHORT_HEAD;
+
+    t->declared = 2 * tvb_get_letohs(t->tvb, 5);
+    if (t->command == FETCH)
+        t->declared = t->is_follow_up ? 0 : SYNAX_HEAD_SIZE;
+    t->is_short = t->declared > there;
+    t->end = SHORT_HEAD + MIN(t->declared, there);
+}
+
+static void
+check_extent(telegram_t *t)
+{
+    unsigned there = tvb_captured_length(t->tvb);
+
+    if (t->is_short)
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
+                               "%u of %u bytes after the length are there", there - SHORT_HEAD, t->declared);
+    if (there > t->end) {
+        add_raw(t, t->end, there);
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "%u byte%s after the telegram",
+                               there - t->end, plurality(there - t->end, "", "s"));
+    }
+}
+
+static way_t *
+find_way(const packet_info *pinfo, const address *from, const address *to)
+{
+    const char *key =
+        wmem_strdup_printf(pinfo->pool, "%u/%u/%s/%s", compat_section(pinfo), compat_interface(pinfo),
+                           address_to_str(pinfo->pool, from), address_to_str(pinfo->pool, to));
+    way_t *way = wmem_map_lookup(ways, key);
+
+    if (way == NULL) {
+        way = wmem_new0(wmem_file_scope(), way_t);
+        wmem_map_insert(ways, wmem_strdup(wmem_file_scope(), key), way);
+    }
+    return way;
+}
+
+/* What a telegram is about, the same in a FETCH and in its answer: a parameter or a block, and whether it is
+ * read or written; of a follow-up its number. */
+static uint64_t
+subject_of(const telegram_t *t)
+{
+    if (t->is_follow_up)
+        return UINT64_C(1) << 48 | tvb_get_letohs(t->tvb, 1);
+    return (uint64_t)(compat_get_uint8(t->tvb, SHORT_HEAD) & 1) << 32 | tvb_get_ntohl(t->tvb, BLOCK_AT);
+}
+
+static void
+ask(const telegram_t *t, way_t *way)
+{
+    if (way->request != NULL)
+        t->kept->unanswered_in = way->request_in;
+    way->request = t->kept;
+    way->request_in = t->pinfo->num;
+    way->request_time = t->pinfo->abs_ts;
+    way->subject = subject_of(t);
+}
+
+static void
+answer(const telegram_t *t, way_t *way)
+{
+    if (way->request == NULL || way->subject != subject_of(t))
+        return;
+    way->request->answer_in = t->pinfo->num;
+    t->kept->request_in = way->request_in;
+    nstime_delta(&t->kept->answer_time, &t->pinfo->abs_ts, &way->request_time);
+    way->request = NULL;
+}
+
+/* How many bytes a list is going to have by its length words; 0: there are none, or they cannot be right. */
+static unsigned
+announced_by(const telegram_t *t)
+{
+    unsigned actual;
+
+    if (t->is_block || t->end < HEAD + LENGTH_WORDS)
+        return 0;
+    actual = tvb_get_letohs(t->tvb, HEAD);
+    return actual <= tvb_get_letohs(t->tvb, HEAD + 2) ? actual + LENGTH_WORDS : 0;
+}
+
+static bool
+says_last(const telegram_t *t)
+{
+    return compat_get_uint8(t->tvb, SHORT_HEAD) & 2;
+}
+
+/* A list begins. Where the info access says that nothing follows, its data may be a value that looks like
+ * length words: so a list that is under way goes on, and only a follow-up will tell. */
+static void
+begin_transfer(const telegram_t *t, way_t *way)
+{
+    unsigned announced = announced_by(t);
+    bool is_cancel = t->is_block && compat_get_uint8(t->tvb, BLOCK_AT) == CANCEL_BLOCK;
+    transfer_t *transfer;
+
+    if (is_cancel)
+        way->transfer = NULL;
+    if (t->is_short || announced <= t->end - HEAD ||
+        (says_last(t) && way->transfer != NULL && !way->transfer->is_last))
+        return;
+    transfer = wmem_new0(wmem_file_scope(), transfer_t);
+    transfer->ident = (sis_ident_t){compat_get_uint8(t->tvb, 10), tvb_get_letohs(t->tvb, 11)};
+    transfer->is_last = says_last(t);
+    transfer->number = synax_next_transfer();
+    transfer->begun_in = t->pinfo->num;
+    transfer->announced = announced;
+    transfer->received = t->end - HEAD;
+    way->transfer = t->kept->transfer = transfer;
+}
+
+static void
+continue_transfer(const telegram_t *t, way_t *way)
+{
+    transfer_t *transfer = way->transfer;
+
+    if (transfer == NULL)
+        return;
+    if (t->is_short) {
+        way->transfer = NULL;
+        return;
+    }
+    t->kept->transfer = transfer;
+    transfer->received += t->end - SHORT_HEAD;
+    t->kept->is_last_piece = transfer->received >= transfer->announced;
+    if (t->kept->is_last_piece)
+        way->transfer = NULL;
+}
+
+/* First pass: which request it answers, which list it goes on with. */
+static void
+follow(const telegram_t *t)
+{
+    way_t *way = find_way(t->pinfo, &t->pinfo->src, &t->pinfo->dst);
+
+    if (t->command == FETCH) {
+        ask(t, way);
+        return;
+    }
+    answer(t, find_way(t->pinfo, &t->pinfo->dst, &t->pinfo->src));
+    if (t->is_follow_up)
+        continue_transfer(t, way);
+    else
+        begin_transfer(t, way);
+}
+
+static void
+add_frame(telegram_t *t, int hf, uint32_t frame)
+{
+    if (frame != 0)
+        proto_item_set_generated(proto_tree_add_uint(t->tree, hf, t->tvb, 0, 0, frame));
+}
+
+static void
+show_links(telegram_t *t)
+{
+    const kept_t *kept = t->kept;
+
+    add_frame(t, hf_synax_request_in, kept->request_in);
+    add_frame(t, hf_synax_answer_in, kept->answer_in);
+    if (kept->request_in != 0)
+        proto_item_set_generated(
+            proto_tree_add_time(t->tree, hf_synax_answer_time, t->tvb, 0, 0, &kept->answer_time));
+    if (kept->unanswered_in != 0)
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_unanswered,
+                               "No answer to the request in frame %u", kept->unanswered_in);
+}
+
+static void
+say_bytes(telegram_t *t, unsigned count)
+{
+    wmem_strbuf_append_printf(t->words, ", %u byte%s", count, plurality(count, "", "s"));
+}
+
+/* Of the blocks that have a meaning only the words of two are described. */
+static void
+add_block_data(telegram_t *t, unsigned block)
+{
+    unsigned length = t->end - HEAD;
+
+    if (length == 0)
+        return;
+    proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
+    for (unsigned at = HEAD; (block == IO_BLOCK || block == MODE_BLOCK) && at + 2 <= t->end; at += 2)
+        proto_tree_add_item(t->tree, hf_word, t->tvb, at, 2, ENC_LITTLE_ENDIAN);
+    if (block == MODE_BLOCK)
+        mark(t, NULL, &ei_synax_note, "No document says which value is which mode");
+    say_bytes(t, length);
+}
+
+/* Instead of axis and parameter; the three bytes after its number are 0 in the telegram that is printed. */
+static void
+add_block(telegram_t *t)
+{
+    uint8_t block = compat_get_uint8(t->tvb, BLOCK_AT);
+    const char *text = synax_block_text(block),
+               *access = compat_get_uint8(t->tvb, SHORT_HEAD) & 1 ? "Write" : "Read";
+    proto_item *item;
+
+    synax_add_info(t->tree, t->pinfo, t->tvb, SHORT_HEAD, ENC_LITTLE_ENDIAN, INFO_BLOCK);
+    item = proto_tree_add_item(t->tree, hf_block, t->tvb, BLOCK_AT, 1, ENC_NA);
+    if (text != NULL)
+        proto_item_append_text(item, " (%s)", text);
+    else
+        mark(t, item, &ei_synax_note, "Data block that is not defined");
+    if (block >= FIRST_BY_LIST && block <= LAST_BY_LIST)
+        proto_item_append_text(item, ", by C-0-%04d", block - FIRST_BY_LIST + CONFIGURATION);
+    if (tvb_get_letoh24(t->tvb, BLOCK_AT + 1) != 0) {
+        add_raw(t, BLOCK_AT + 1, HEAD);
+        mark(t, NULL, &ei_synax_note, "Content after the number of a data block");
+    }
+    wmem_strbuf_append_printf(t->words, "%s DB %u%s%s%s", access, block, text != NULL ? " (" : "",
+                              text != NULL ? text : "", text != NULL ? ")" : "");
+    add_block_data(t, block);
+}
+
+/* The first piece of a list: its length words, and whatever follows them. */
+static void
+add_first_piece(telegram_t *t, unsigned announced)
+{
+    unsigned here = t->end - HEAD - LENGTH_WORDS;
+
+    proto_tree_add_item(t->tree, hf_list_actual, t->tvb, HEAD, 2, ENC_LITTLE_ENDIAN);
+    proto_tree_add_item(t->tree, hf_list_maximum, t->tvb, HEAD + 2, 2, ENC_LITTLE_ENDIAN);
+    if (here > 0)
+        proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD + LENGTH_WORDS, here, ENC_NA);
+    wmem_strbuf_append_printf(t->words, ", list of %u bytes, %u here", announced - LENGTH_WORDS, here);
+}
+
+static void
+add_parameter(telegram_t *t)
+{
+    synax_head_t head = synax_add_head(t->tree, t->pinfo, t->tvb, SHORT_HEAD, ENC_LITTLE_ENDIAN, t->words);
+    unsigned announced = announced_by(t), length = t->end - HEAD;
+    tvbuff_t *data = tvb_new_subset_length(t->tvb, HEAD, length);
+
+    if (t->command == FETCH)
+        return;
+    if (head.is_last || (announced == length && length > 0)) {
+        synax_add_data(t->tree, t->pinfo, data, 0, ENC_LITTLE_ENDIAN, &head, t->words);
+    } else if (announced > length) {
+        add_first_piece(t, announced);
+    } else {
+        say_bytes(t, length);
+        if (length > 0)
+            proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
+        mark(t, NULL, &ei_synax_note,
+             "More is to follow, but the data do not begin with the lengths of a list");
+    }
+    if (t->kept->transfer != NULL)
+        synax_put_together(t->tree, t->pinfo, data, t->kept->transfer->number, false);
+}
+
+static void
+add_first(telegram_t *t)
+{
+    if (t->end < HEAD) {
+        add_raw(t, SHORT_HEAD, t->end);
+        wmem_strbuf_append(t->words, "Cut telegram");
+        if (!t->is_short) /* else that was said */
+            expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
+                                   "The length says %u bytes, the head has %u", t->declared, SYNAX_HEAD_SIZE);
+    } else if (t->is_block) {
+        add_block(t);
+    } else {
+        add_parameter(t);
+    }
+}
+
+/* The pieces make whole words: a list with an odd count of bytes has one more. */
+static void
+add_whole(telegram_t *t, tvbuff_t *whole)
+{
+    const transfer_t *transfer = t->kept->transfer;
+    synax_head_t head = {.ident = transfer->ident, .known = sis_known_from_tables(transfer->ident)};
+    unsigned length = tvb_captured_length(whole);
+
+    wmem_strbuf_append(t->words, "; whole");
+    if (length > transfer->announced + 1)
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected,
+                               "The list announces %u bytes, %u came", transfer->announced, length);
+    synax_add_data(t->tree, t->pinfo, tvb_new_subset_length(whole, 0, MIN(length, transfer->announced)), 0,
+                   ENC_LITTLE_ENDIAN, &head, t->words);
+}
+
+static void
+add_follow_up(telegram_t *t)
+{
+    static const sis_ident_place_t nowhere = {0};
+    const transfer_t *transfer = t->kept->transfer;
+    unsigned length = t->end - SHORT_HEAD;
+    sis_known_t known;
+    tvbuff_t *whole;
+
+    wmem_strbuf_append_printf(t->words, "Follow-up 0x%04x", tvb_get_letohs(t->tvb, 1));
+    if (t->command == FETCH)
+        return;
+    if (transfer != NULL) {
+        known = sis_known_from_tables(transfer->ident);
+        add_frame(t, hf_first_in, transfer->begun_in);
+        sis_add_ident(t->tree, t->pinfo->pool, t->tvb, &nowhere, transfer->ident, &known);
+        wmem_strbuf_append_printf(t->words, " of %s", sis_ident_text(t->pinfo->pool, transfer->ident));
+    }
+    if (length > 0)
+        proto_tree_add_item(t->tree, hf_sis_data, t->tvb, SHORT_HEAD, length, ENC_NA);
+    say_bytes(t, length);
+    if (transfer == NULL) {
+        mark(t, NULL, &ei_synax_note, "No list goes on here: its beginning is missing, or it has ended");
+        return;
+    }
+    whole = synax_put_together(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, SHORT_HEAD, length),
+                               transfer->number, t->kept->is_last_piece);
+    if (whole != NULL)
+        add_whole(t, whole);
+}
+
+/* After the first seven bytes. */
+static void
+add_rest(telegram_t *t)
+{
+    unsigned message = tvb_get_letohs(t->tvb, 1);
+
+    t->command = compat_get_uint8(t->tvb, 3);
+    t->is_follow_up = message >= FOLLOW_UP_MESSAGES && message <= FOLLOW_UP_MESSAGE_END;
+    if (compat_get_uint8(t->tvb, 0) != PROTOCOL_ID) {
+        give_up(t, SHORT_HEAD, "not the protocol 0x7f");
+        return;
+    }
+    if (t->command > FETCH) {
+        give_up(t, SHORT_HEAD, "command that is not defined");
+        return;
+    }
+    wmem_strbuf_append(t->words, t->command == FETCH ? "FETCH" : "TO");
+    if (message != FIRST_MESSAGE && !t->is_follow_up) {
+        give_up(t, SHORT_HEAD, "message number that is not defined");
+        return;
+    }
+    if (compat_get_uint8(t->tvb, 4) != WORD_ARRAY) {
+        give_up(t, SHORT_HEAD, "data type that is not defined");
+        return;
+    }
+    wmem_strbuf_append(t->words, "  ");
+    read_extent(t);
+    t->is_block =
+        !t->is_follow_up && t->end > SHORT_HEAD && compat_get_uint8(t->tvb, SHORT_HEAD) & INFO_BLOCK;
+    if (!t->pinfo->fd->visited && (t->is_follow_up || t->end >= HEAD))
+        follow(t);
+    show_links(t);
+    if (t->is_follow_up)
+        add_follow_up(t);
+    else
+        add_first(t);
+    check_extent(t);
+}
+
+static kept_t *
+kept_of(packet_info *pinfo)
+{
+    kept_t *kept = p_get_proto_data(wmem_file_scope(), pinfo, proto_arcnet7f, 0);
+
+    if (kept == NULL) {
+        kept = wmem_new0(wmem_file_scope(), kept_t);
+        p_add_proto_data(wmem_file_scope(), pinfo, proto_arcnet7f, 0, kept);
+    }
+    return kept;
+}
+
+static int
+dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
+{
+    telegram_t t = {.tvb = tvb, .pinfo = pinfo, .end = tvb_captured_length(tvb), .kept = kept_of(pinfo)};
+
+    t.words = wmem_strbuf_new(pinfo->pool, "");
+    t.root = proto_tree_add_item(parent, proto_arcnet7f, tvb, 0, -1, ENC_NA);
+    t.tree = proto_item_add_subtree(t.root, ett_arcnet7f);
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "ARCNET7F");
+    col_clear(pinfo->cinfo, COL_INFO);
+    if (add_short_head(&t))
+        add_rest(&t);
+    col_add_str(pinfo->cinfo, COL_INFO, wmem_strbuf_get_str(t.words));
+    proto_item_append_text(t.root, ", %s", wmem_strbuf_get_str(t.words));
+    return tvb_captured_length(tvb);
+}
+
+/* Wireshark takes the three bytes after the protocol id for its split flag and sequence number, and seven
+ * where the first of them is 0xFF and the link type is BSD's, without the two bytes of the offset
+ * (packet-arcnet.c). */
+static int
+dissect_in_arcnet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
+{
+    tvbuff_t *packet = tvb_get_ds_tvb(tvb);
+    unsigned offset = tvb_raw_offset(tvb), begin = offset == 10 ? 2 : MAX(offset, 4u) - 4;
+
+    return dissect_arcnet7f(tvb_new_subset_remaining(packet, begin), pinfo, parent, data);
+}
+
+/* clang-format off */
+static const value_string arcnet7f_commands[] = {
+    {TO, "TO"},
+    {FETCH, "FETCH"},
+    {0, NULL},
+};
+
+static const value_string arcnet7f_types[] = {
+    {WORD_ARRAY, "Word array"},
+    {0, NULL},
+};
+
+static hf_register_info fields[] = {
+    {&hf_id, {"Protocol", "arcnet7f.id", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
+    {&hf_message, {"Message number", "arcnet7f.message", FT_UINT16, BASE_HEX, NULL, 0, "0x8010, in follow-ups 0x1c20 to 0x1cff", HFILL}},
+    {&hf_command, {"Command", "arcnet7f.command", FT_UINT8, BASE_DEC, VALS(arcnet7f_commands), 0, "An answer is a TO", HFILL}},
+    {&hf_type, {"Data type", "arcnet7f.type", FT_UINT8, BASE_DEC, VALS(arcnet7f_types), 0, NULL, HFILL}},
+    {&hf_length, {"Length in words", "arcnet7f.length", FT_UINT16, BASE_DEC, NULL, 0, "Of what follows it", HFILL}},
+    {&hf_block, {"Data block", "arcnet7f.block", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
+    {&hf_word, {"Word", "arcnet7f.word", FT_UINT16, BASE_HEX, NULL, 0, "Of a data block", HFILL}},
+    {&hf_list_actual, {"Actual length of the list", "arcnet7f.list.actual", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
+    {&hf_list_maximum, {"Maximum length of the list", "arcnet7f.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
+    {&hf_first_in, {"Follows the telegram in", "arcnet7f.first_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
+};
+/* clang-format on */
+
+void
+synax_arcnet7f_register(void)
+{
+    static int *trees[] = {&ett_arcnet7f};
+
+    proto_arcnet7f = proto_register_protocol("Rexroth SYNAX200 on ARCNET", "ARCNET7F", "arcnet7f");
+    proto_register_field_array(proto_arcnet7f, fields, array_length(fields));
+    proto_register_subtree_array(trees, array_length(trees));
+    register_dissector("arcnet7f", dissect_arcnet7f, proto_arcnet7f);
+    ways = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_str_hash, g_str_equal);
+}
+
+void
+synax_arcnet7f_handoff(void)
+{
+    dissector_add_uint("arcnet.protocol_id", PROTOCOL_ID,
+                       create_dissector_handle(dissect_in_arcnet, proto_arcnet7f));
+}
