@@ -23,6 +23,9 @@
 #include "sis/transports.h"
 #include "synax/fields.h"
 #include "synax/head.h"
+#include "synax/synaxobj.h"
+#include "synax/synaxpcp.h"
+#include "synax/synaxpd.h"
 
 void proto_register_sertap(void);
 void proto_reg_handoff_sertap(void);
@@ -100,9 +103,14 @@ proto_register_synax(void)
 {
     synax_fields_register(); /* before all others */
     synax_head_register();
+    synaxobj_register();
+    synaxpcp_register();
+    synaxpd_register();
 }
 
 void
 proto_reg_handoff_synax(void)
 {
+    synaxobj_handoff();
+    synaxpd_handoff();
 }
