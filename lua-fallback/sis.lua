@@ -5671,9 +5671,9 @@ do
   -- kept for every later one.
   local function find_link(place, access)
     local number = packet.number
-    local known = links[number] and links[number][place]
+    local known, object = links[number] and links[number][place], objects[access.index]
 
-    if known or packet.visited then return known end
+    if known or packet.visited or not object or not object.of_telegrams then return known end
     local key = S.line_key(S.place()) .. " " .. access.channel .. " " .. access.index
 
     known = new_link(key, access)

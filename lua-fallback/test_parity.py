@@ -18,7 +18,7 @@ from sistap.wireshark.tshark import Tshark
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 
 
-TABLE = "uat:sis_parameters:"  # the user's table of parameters: Lua cannot have one
+TABLE = "uat:"  # a table of the user's: Lua cannot have one
 PLAIN, WITH_OPTIONS = groups()
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 
@@ -66,7 +66,7 @@ def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> N
     """What people read: generated items stand in brackets here."""
     capture = tmp_path / "merged.pcapng"
     group.write(capture)
-    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", "sis,sertap")
+    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", "sis,sertap,synaxobj,synaxpcp,synaxpd")
     expected, found = (
         re.split(r"^(?=Frame \d+:)", tshark.output(*shown), flags=re.MULTILINE) for tshark in (plugin, script)
     )
@@ -91,12 +91,12 @@ DIFFERENT = {
     "heuristic-decodes": {"sis": ("SIS over TCP", "SIS")},
     "dissector-tables": {"sertap.framing": ("Decode As supported", "Decode As not supported")},
 }
-OURS = re.compile(r"(^|\t)(sis|sertap)([.\t]|$)")
+OURS = re.compile(r"(^|\t)(sis|sertap|synax\w*)([.\t]|$)")
 
 
 def is_ours(line: str) -> bool:
     """Tell it of a million lines: the expression alone takes seconds."""
-    return ("sis" in line or "sertap" in line) and OURS.search(line) is not None
+    return any(word in line for word in ("sis", "sertap", "synax")) and OURS.search(line) is not None
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
     """Names, defaults and descriptions, as they stand in a file of preferences."""
     expected, found = (
-        [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if re.search("^#sis[.]", entry, re.M)]
+        [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if re.search(r"^#(sis|synax\w*)[.]", entry, re.M)]
         for tshark in (plugin, script)
     )
     assert expected

@@ -18,6 +18,7 @@ Table = dict[int, str]
 
 # What only a later packet can tell: there in the second pass, and in the first not.
 LATER = {"reaction_in", "sequence.whole_in", "command.unanswered"}
+LATER_ELSEWHERE = {"synax.answer_in", "synax.unanswered", "synaxpcp.response_in"}
 
 BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them
 

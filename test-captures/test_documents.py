@@ -16,7 +16,7 @@ DOCUMENTS = [path for folder in FOLDERS for path in sorted((HOUSE / folder).glob
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 CODE = re.compile(r"`([^`\n]+)`|^ {4}(.+)$", re.MULTILINE)
-NAME = re.compile(r"(?<![\w./-])(?:sis|sertap)[.]\w+(?:[.]\w+)*(?![\w/])")
+NAME = re.compile(r"(?<![\w./-])(?:sis|sertap|synax\w*)[.]\w+(?:[.]\w+)*(?![\w/])")
 FILES = {"sis.so", "sis.lua", "sis.dll"}
 
 every_document = pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(HOUSE)))
@@ -32,7 +32,7 @@ def test_links(path: Path) -> None:
 @pytest.fixture(scope="module")
 def names(tshark: Tshark) -> set[str]:
     """All names that may be typed: fields, preferences and tables of dissectors."""
-    preferences = re.findall(r"^#?((?:sis|sertap)[.]\w+):", tshark.output("-G", "currentprefs"), re.MULTILINE)
+    preferences = re.findall(r"^#?((?:sis|sertap|synax\w*)[.]\w+):", tshark.output("-G", "currentprefs"), re.MULTILINE)
     reports = [tshark.output("-G", report).splitlines() for report in ("fields", "dissector-tables")]
     fields, tables = ([line.split("\t") for line in report] for report in reports)
     return {*preferences, *(columns[2] for columns in fields), *(columns[0] for columns in tables), *FILES}

@@ -34,7 +34,7 @@ static ei_register_info experts[] = {
 void
 synax_fields_register(void)
 {
-    proto_synax = proto_register_protocol("Rexroth SYNAX200 transports", "SYNAX200", "synax");
+    proto_synax = proto_register_protocol("Rexroth SYNAX200 transports", "SYNAX", "synax");
     proto_register_field_array(proto_synax, fields, array_length(fields));
     expert_register_field_array(expert_register_protocol(proto_synax), experts, array_length(experts));
 }

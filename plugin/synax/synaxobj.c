@@ -107,6 +107,14 @@ synaxobj_is_known(uint16_t index)
     return find_object(index) != NULL;
 }
 
+static bool
+holds_telegrams(uint16_t index)
+{
+    const object_t *object = find_object(index);
+
+    return object != NULL && object->content == OF_TELEGRAMS;
+}
+
 /* What is written, until the object is written again. */
 typedef struct {
     uint32_t frame;
@@ -175,7 +183,7 @@ find_link(packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
                         .object = (uint64_t)access->channel << 16 | access->index};
     link_t *link = p_get_proto_data(wmem_file_scope(), pinfo, proto_synaxobj, place);
 
-    if (link != NULL || PINFO_FD_VISITED(pinfo))
+    if (link != NULL || PINFO_FD_VISITED(pinfo) || !holds_telegrams(access->index))
         return link;
     link = wmem_new0(wmem_file_scope(), link_t);
     if (access->operation == SYNAXOBJ_WRITE_REQUEST)
