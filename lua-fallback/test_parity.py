@@ -128,7 +128,11 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
     """Names, defaults and descriptions, as they stand in a file of preferences."""
     expected, found = (
-        [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if re.search(r"^#(sis|synax\w*)[.]", entry, re.M)]
+        [
+            entry
+            for entry in tshark.output("-G", "currentprefs").split("\n\n")
+            if re.search(r"^#(sis|synax\w*)[.]", entry, re.M)
+        ]
         for tshark in (plugin, script)
     )
     assert expected
