@@ -127,12 +127,9 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
     """Names, defaults and descriptions, as they stand in a file of preferences."""
+    ours = re.compile(r"^#(sis|synax\w*)[.]", re.MULTILINE)
     expected, found = (
-        [
-            entry
-            for entry in tshark.output("-G", "currentprefs").split("\n\n")
-            if re.search(r"^#(sis|synax\w*)[.]", entry, re.M)
-        ]
+        [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if ours.search(entry)]
         for tshark in (plugin, script)
     )
     assert expected
