@@ -28,6 +28,9 @@ local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift --
 
 local sertap = Proto("sertap", "Serial tap")
 local sis = Proto("sis", "Rexroth SIS serial protocol")
+local synaxobj = Proto("synaxobj", "Rexroth SYNAX200 object")
+local synaxpcp = Proto("synaxpcp", "Interbus PCP")
+local synaxpd = Proto("synaxpd", "Rexroth SYNAX200 process data")
 local synax = Proto("synax", "Rexroth SYNAX200 transports")
 local procedure = Proto("3964r", "3964R procedure")
 local rk512i = Proto("rk512i", "RK512 with the Indramat extension")
@@ -1001,6 +1004,7 @@ expert_field("synax.short", "PROTOCOL", "WARN", "Bytes are missing")
 expert_field("synax.unexpected", "PROTOCOL", "WARN", "More bytes than expected")
 expert_field("synax.error", "RESPONSE_CODE", "NOTE", "The answer reports an error")
 expert_field("synax.unanswered", "SEQUENCE", "NOTE", "No answer before the next request")
+expert_field("synax.unanswered_before", "SEQUENCE", "NOTE", "A request before this one got no answer")
 
 -- synax/head.c
 field("synax.info", "Info access", ftypes.UINT16, base.HEX)
@@ -1076,6 +1080,104 @@ field("rk512i.sequence.error", "Error while putting together", ftypes.FRAMENUM)
 field("rk512i.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC)
 field("rk512i.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
 field("rk512i.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
+
+-- synax/synaxobj.c
+N.synaxobj_operations = {
+  [0] = "read answer",
+  [1] = "write request",
+  [2] = "read request",
+  [3] = "write answer",
+}
+N.synaxobj_names = {
+  [24176] = "Data exchange, 16 bytes",
+  [24177] = "Data exchange, 32 bytes",
+  [24178] = "Data exchange, 64 bytes",
+  [24179] = "Data exchange, 128 bytes",
+  [24560] = "Diagnosis fieldbus",
+  [24562] = "Status fieldbus",
+  [24565] = "Written by the PPC, name not known",
+  [24566] = "Fault code PPC",
+  [24572] = "Name not known, perhaps of the multiplex channel",
+  [24573] = "Name not known, perhaps of the multiplex channel",
+  [24574] = "Name not known, perhaps of the multiplex channel",
+}
+N.no_bus_failure = {"No failure", "After a failure of the bus"}
+field("synaxobj.index", "Object", ftypes.UINT16, base.HEX, N.synaxobj_names)
+field("synaxobj.operation", "Operation", ftypes.UINT8, base.DEC, N.synaxobj_operations)
+field("synaxobj.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are not decoded")
+field("synaxobj.padding", "Padding", ftypes.BYTES, base.NONE, nil, 0, "What fills the object up after its telegram")
+field("synaxobj.open_bit", "Bit that is set and not defined", ftypes.UINT8, base.DEC)
+field("synaxobj.diagnosis", "Diagnosis fieldbus", ftypes.UINT16, base.HEX)
+field("synaxobj.diagnosis.interface", "Interface", ftypes.UINT16, base.DEC, nil, 0xf000,
+  "Which is which is not defined")
+field("synaxobj.diagnosis.fault", "Fault code", ftypes.UINT16, base.HEX, nil, 0xff,
+  "Of the fieldbus, each has its own")
+field("synaxobj.status", "Status fieldbus", ftypes.UINT16, base.HEX)
+field("synaxobj.status.bus", "Bus", ftypes.BOOLEAN, 16, N.no_bus_failure, 0x08)
+field("synaxobj.status.memory", "State of the dual-port RAM", ftypes.UINT16, base.DEC, nil, 0x03,
+  "Which is which is not defined")
+field("synaxobj.ppc", "Word of the PPC", ftypes.UINT16, base.HEX)
+field("synaxobj.fault", "Fault code PPC", ftypes.UINT16, base.HEX, nil, 0, "The next valid access clears it")
+field("synaxobj.fault.communication", "Communication channel", ftypes.UINT16, base.HEX, nil, 0xff00)
+field("synaxobj.fault.process_data", "Process data channel", ftypes.UINT16, base.HEX, nil, 0xff)
+
+-- synax/synaxpcp.c
+N.synaxpcp_services = {
+  [129] = "Read request",
+  [130] = "Write request",
+  [134] = "Status request",
+  [135] = "Identify request",
+  [136] = "Get OV request",
+  [139] = "Initiate request",
+  [141] = "Abort request",
+  [161] = "Read response",
+  [162] = "Write response",
+  [171] = "Initiate response",
+  [172] = "Initiate error response",
+  [385] = "Read confirmation",
+  [386] = "Write confirmation",
+  [390] = "Status confirmation",
+  [391] = "Identify confirmation",
+  [392] = "Get OV confirmation",
+  [395] = "Initiate confirmation",
+  [396] = "Initiate error confirmation",
+  [417] = "Read indication",
+  [418] = "Write indication",
+  [427] = "Initiate indication",
+  [429] = "Abort indication",
+}
+field("synaxpcp.service", "Service", ftypes.UINT16, base.HEX, N.synaxpcp_services)
+field("synaxpcp.count", "Word count", ftypes.UINT16, base.DEC, nil, 0, "Words after this one")
+field("synaxpcp.invoke", "Invoke id", ftypes.UINT8, base.DEC)
+field("synaxpcp.reference", "Communication reference", ftypes.UINT8, base.DEC, nil, 0, "Which device")
+field("synaxpcp.index", "Index", ftypes.UINT16, base.HEX, nil, 0, "Which object")
+field("synaxpcp.index_of_request", "Index of the request", ftypes.UINT16, base.HEX, nil, 0,
+  "An answer does not name its object")
+field("synaxpcp.subindex", "Subindex", ftypes.UINT8, base.DEC, nil, 0, "Which element of it, 0: the whole")
+field("synaxpcp.length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Bytes of data")
+field("synaxpcp.data", "Data", ftypes.BYTES)
+field("synaxpcp.padding", "Padding", ftypes.BYTES, base.NONE, nil, 0, "What fills up a word")
+field("synaxpcp.result", "Result", ftypes.UINT16, base.HEX, nil, 0, "0: done")
+field("synaxpcp.error", "Error", ftypes.UINT32, base.HEX)
+field("synaxpcp.error.class", "Error class", ftypes.UINT8, base.DEC)
+field("synaxpcp.error.code", "Error code", ftypes.UINT8, base.DEC)
+field("synaxpcp.error.additional", "Additional code", ftypes.UINT16, base.HEX)
+field("synaxpcp.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are not decoded")
+field("synaxpcp.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
+field("synaxpcp.response_in", "Response in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+field("synaxpcp.response_time", "Time to the response", ftypes.RELATIVE_TIME)
+
+-- synax/synaxpd.c
+N.synaxpd_directions = {
+  [1] = "to the PPC",
+  [2] = "from the PPC",
+}
+field("synaxpd.direction", "Direction", ftypes.UINT8, base.DEC, N.synaxpd_directions, 0,
+  "Known where one port is among those of preference synaxpd.ports")
+field("synaxpd.word", "Word", ftypes.UINT16, base.HEX)
+field("synaxpd.value", "Value", ftypes.STRING, base.NONE, nil, 0, "As the table of process data names it")
+field("synaxpd.value.number", "Number", ftypes.DOUBLE, base.NONE, nil, 0, "The value without its unit")
+field("synaxpd.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are no word")
 
 -- synax/synaxpk.c
 N.channel_formats = {
@@ -7037,7 +7139,7 @@ do
       set_generated(add(t.tree, FX.synax_answer_time, t.tvb, 0, 0, nstime(kept.answer_time)))
     end
     if kept.unanswered_in then
-      mark(t, nil, EX.synax_unanswered, "No answer to the request in frame %d", kept.unanswered_in)
+      mark(t, nil, EX.synax_unanswered_before, "No answer to the request in frame %d", kept.unanswered_in)
     end
   end
 
@@ -7625,6 +7727,649 @@ do
       Dissector.get("sis"):call(telegram, pinfo, parent)
     end
   end
+end
+
+--- synax/synaxobj: objects of SYNAX200 (chapter 2). 5E70 to 5E73 hold a SIS telegram: a request is written, its answer
+-- is read from the same object (p. 2-16). 5FF0 to 5FF6 are diagnosis words (p. 2-36 to 2-40).
+
+do
+  protos.synaxobj = synaxobj
+
+  local HEAD_SIZE, WORD_SIZE = 3, 2
+  local READ_ANSWER, WRITE_REQUEST = 0, 1
+  local DIAGNOSIS_FIELDBUS, FAULT_CODE_PPC = 0x5FF0, 0x5FF6
+
+  -- By index: size in bytes; of a word its field, the fields in it, and the bits of which the meaning is not defined.
+  local objects = {
+    [0x5E70] = {size = 16, of_telegrams = true},
+    [0x5E71] = {size = 32, of_telegrams = true},
+    [0x5E72] = {size = 64, of_telegrams = true},
+    [0x5E73] = {size = 128, of_telegrams = true},
+    [DIAGNOSIS_FIELDBUS] = {size = WORD_SIZE, field = FX.synaxobj_diagnosis, open_bits = 0xFF00,
+      fields = {FX.synaxobj_diagnosis_interface, FX.synaxobj_diagnosis_fault}},
+    [0x5FF2] = {size = WORD_SIZE, field = FX.synaxobj_status, open_bits = 0xFFF7,
+      fields = {FX.synaxobj_status_bus, FX.synaxobj_status_memory}},
+    [0x5FF5] = {size = WORD_SIZE, field = FX.synaxobj_ppc, fields = {}, open_bits = 0xFFFF},
+    [FAULT_CODE_PPC] = {size = WORD_SIZE, field = FX.synaxobj_fault, open_bits = 0xFFFF,
+      fields = {FX.synaxobj_fault_communication, FX.synaxobj_fault_process_data}},
+    [0x5FFC] = {},
+    [0x5FFD] = {},
+    [0x5FFE] = {},
+  }
+
+  function S.is_object_known(index)
+    return objects[index] ~= nil
+  end
+
+  local requests, links -- the last write request of each object; what a packet has to do with it
+
+  at_init(function() requests, links = {}, {} end)
+
+  local function new_link(key, access)
+    local before, time = requests[key], packet.time
+
+    if access.operation == WRITE_REQUEST then
+      if before then before.next_in = packet.number end
+      requests[key] = {frame = packet.number, time = time}
+      return {request = requests[key]}
+    elseif access.operation == READ_ANSWER and before then
+      before.answer_in = before.answer_in or packet.number
+      return {request = before, elapsed = T.elapsed(before.time, time)}
+    end
+    return {}
+  end
+
+  -- One exchange is a write request and one or more reads of the same object (p. 2-16). Found in the first pass, and
+  -- kept for every later one.
+  local function find_link(place, access)
+    local number = packet.number
+    local known, object = links[number] and links[number][place], objects[access.index]
+
+    if known or packet.visited or not object or not object.of_telegrams then return known end
+    local key = S.line_key(S.place()) .. " " .. access.channel .. " " .. access.index
+
+    known = new_link(key, access)
+    links[number] = links[number] or {}
+    links[number][place] = known
+    return known
+  end
+
+  local function show_link(d, link)
+    local request, tree = link and link.request, d.tree
+
+    if not request then return end
+    if d.access.operation == READ_ANSWER then
+      set_generated(add(tree, FX.synax_request_in, d.tvb, 0, 0, request.frame))
+      set_generated(add(tree, FX.synax_answer_time, d.tvb, 0, 0, nstime(link.elapsed)))
+    elseif request.answer_in then
+      set_generated(add(tree, FX.synax_answer_in, d.tvb, 0, 0, request.answer_in))
+    elseif request.next_in then
+      add_expert(d.root, EX.synax_unanswered,
+        strformat("No answer was read before the next write request, in frame %d", request.next_in))
+    end
+  end
+
+  local function add_raw(d, which, offset, length)
+    if length > 0 then add(d.tree, which, d.tvb, offset, length) end
+  end
+
+  local function dissect_no_telegram(d)
+    local is_empty = not string.find(d.bytes, "[^%z]")
+
+    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+    d.pinfo.cols.info:append(is_empty and "  empty" or "  no telegram")
+    if not is_empty then add_expert(d.root, EX.synax_note, "The object does not begin with a telegram") end
+  end
+
+  -- The whole telegram with its head of 8 bytes, and what fills the object up (p. 2-16).
+  local function dissect_telegram(d)
+    local declared = S.declared_length(d.bytes, 0)
+    local extent = declared > 0 and declared <= d.length and declared or d.length
+    local info = d.pinfo.cols.info
+
+    if byte(d.bytes, 1) ~= K.START then return dissect_no_telegram(d) end
+    add_raw(d, FX.synaxobj_padding, d.offset + extent, d.length - extent)
+    info:append("  ")
+    info:fence()
+    Dissector.get("sis"):call(d.tvb(d.offset, extent):tvb(), d.pinfo, d.parent)
+  end
+
+  -- Each set bit that is not defined as its number, and one note for all of them.
+  local function add_open_bits(d, item, bits)
+    local numbers = {}
+
+    for number = 0, 15 do
+      if band(rshift(bits, number), 1) ~= 0 then
+        add(item, FX.synaxobj_open_bit, d.tvb, d.offset, WORD_SIZE, number)
+        numbers[#numbers + 1] = number
+      end
+    end
+    if bits ~= 0 then
+      add_expert(item or d.root, EX.synax_note, "What these bits mean is not defined: " .. concat(numbers, ", "))
+    end
+  end
+
+  local function report_fault(d, item, word)
+    local low, index = band(word, 0xFF), d.access.index
+
+    if index == FAULT_CODE_PPC and word ~= 0 then
+      add_expert(item or d.root, EX.synax_error,
+        strformat("Fault of the PPC: process data channel 0x%02x, communication channel 0x%02x", low,
+          rshift(word, 8)))
+    elseif index == DIAGNOSIS_FIELDBUS and low ~= 0 then
+      add_expert(item or d.root, EX.synax_error, strformat("Fault of the fieldbus: 0x%02x", low))
+    end
+  end
+
+  -- High byte first, as PCP has its words.
+  local function dissect_word(d, object)
+    local high, low = byte(d.bytes, 1, 2)
+
+    if d.length < WORD_SIZE then
+      add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+      add_expert(d.root, EX.synax_short, "The object has 2 bytes, not 1")
+      return
+    end
+    local word = high * 0x100 + low
+    local item = add(d.tree, object.field, d.tvb, d.offset, WORD_SIZE)
+
+    for _, which in ipairs(object.fields) do
+      add(item, which, d.tvb, d.offset, WORD_SIZE)
+    end
+    add_open_bits(d, item, band(word, object.open_bits))
+    report_fault(d, item, word)
+    add_raw(d, FX.synaxobj_raw, d.offset + WORD_SIZE, d.length - WORD_SIZE)
+    d.pinfo.cols.info:append(strformat("  0x%04x", word))
+  end
+
+  local function dissect_unknown(d)
+    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+    d.pinfo.cols.info:append(strformat("  %d byte%s", d.length, plural(d.length)))
+    add_expert(d.root, EX.synax_note, strformat("What object 0x%04X holds is not defined", d.access.index))
+  end
+
+  local function dissect_without_content(d)
+    local operation = d.access.operation
+    local name = N.synaxobj_operations[operation]
+
+    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+    if not name then
+      add_expert(d.root, EX.synax_note, strformat("Operation %d is not defined", operation))
+    elseif d.length > 0 then
+      add_expert(d.root, EX.synax_unexpected,
+        strformat("A %s has no data, not %d byte%s", name, d.length, plural(d.length)))
+    end
+  end
+
+  -- A write request and a read answer bring the object, the others do not.
+  local function dissect_content(d)
+    local object, operation = objects[d.access.index], d.access.operation
+
+    if operation ~= WRITE_REQUEST and operation ~= READ_ANSWER then return dissect_without_content(d) end
+    if object and object.size and d.length > object.size then
+      add_expert(d.root, EX.synax_unexpected,
+        strformat("The object has %d bytes, not %d", object.size, d.length))
+    end
+    if d.length == 0 then
+      add_expert(d.root, EX.synax_short, "The content of the object is missing")
+    elseif not object or not object.size then
+      dissect_unknown(d)
+    elseif object.of_telegrams then
+      dissect_telegram(d)
+    else
+      dissect_word(d, object)
+    end
+  end
+
+  local function begin(tvb, pinfo, parent, offset, length)
+    local tree = parent:add(synaxobj, tvb(offset, length))
+
+    pinfo.cols.protocol = "SYNAXOBJ"
+    return {tvb = tvb, pinfo = pinfo, parent = parent, tree = tree, root = tree, offset = offset, length = length}
+  end
+
+  local function operation_text(operation)
+    return N.synaxobj_operations[operation] or strformat("operation %d", operation)
+  end
+
+  local function name_root(d)
+    append_text(d.root, strformat(", 0x%04X %s", d.access.index, operation_text(d.access.operation)))
+  end
+
+  -- An object that another bus carries: `length` bytes at `offset`, all of which are there. Appends to the info column.
+  -- `access` has index, operation, and channel, which tells the devices of a bus apart.
+  function S.dissect_object(tvb, offset, length, pinfo, parent, access)
+    local d = begin(tvb, pinfo, parent, offset, length)
+
+    d.access = access
+    d.bytes = length > 0 and tvb(offset, length):bytes():raw() or ""
+    set_generated(add(d.tree, FX.synaxobj_index, tvb, 0, 0, access.index))
+    set_generated(add(d.tree, FX.synaxobj_operation, tvb, 0, 0, access.operation))
+    name_root(d)
+    pinfo.cols.info:append(strformat("  0x%04X", access.index))
+    show_link(d, find_link(tvb:offset() + offset, access))
+    dissect_content(d)
+  end
+
+  -- The head is ours, and said in the plugin's README.md.
+  local function dissect_named(d, is_cut)
+    add(d.tree, FX.synaxobj_index, d.tvb, 0, 2)
+    add(d.tree, FX.synaxobj_operation, d.tvb, 2, 1)
+    name_root(d)
+    d.pinfo.cols.info:append(strformat("0x%04X %s", d.access.index, operation_text(d.access.operation)))
+    if is_cut then
+      add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+    else
+      show_link(d, find_link(d.tvb:offset(), d.access))
+      dissect_content(d)
+    end
+  end
+
+  function synaxobj.dissector(tvb, pinfo, parent)
+    local bytes, there = tvb:raw(), tvb:reported_len()
+    local is_cut = #bytes < there
+    local d = begin(tvb, pinfo, parent, 0, #bytes)
+
+    look_at(pinfo)
+    pinfo.cols.info:clear()
+    if #bytes < HEAD_SIZE then
+      add_raw(d, FX.synaxobj_raw, 0, #bytes)
+      pinfo.cols.info:append("Object without its head")
+      if not is_cut then
+        add_expert(d.root, EX.synax_short, strformat("Index and operation have 3 bytes, not %d", #bytes))
+      end
+    else
+      local high, low, operation = byte(bytes, 1, 3)
+
+      d.access = {index = high * 0x100 + low, operation = operation, channel = 0}
+      d.bytes = sub(bytes, HEAD_SIZE + 1)
+      d.offset, d.length = HEAD_SIZE, #d.bytes
+      dissect_named(d, is_cut)
+    end
+    if is_cut then S.show_cut(tvb, pinfo, parent, "SYNAXOBJ") end
+    return #bytes
+  end
+end
+
+--- synax/synaxpcp: Interbus PCP: service code, word count, invoke id, communication reference, and what the service
+-- brings. All words have the high byte first.
+
+do
+  protos.synaxpcp = synaxpcp
+
+  local HEAD_SIZE, REFERENCE_END, RESULT_END = 4, 6, 8
+  local SUBINDEX_AT, LENGTH_AT, DATA_AT = 8, 9, 10
+
+  -- Services on objects. Request and confirmation are seen at the master, indication and response at the device.
+  local accesses = {
+    [0x0081] = {},
+    [0x0082] = {is_write = true},
+    [0x00A1] = {is_answer = true, is_at_device = true},
+    [0x00A2] = {is_answer = true, is_write = true, is_at_device = true},
+    [0x0181] = {is_answer = true},
+    [0x0182] = {is_answer = true, is_write = true},
+    [0x01A1] = {is_at_device = true},
+    [0x01A2] = {is_write = true, is_at_device = true},
+  }
+
+  -- By error class, error code and additional code.
+  local error_texts = {
+    [0x06030000] = "no access",
+    [0x06050011] = "invalid subindex",
+    [0x06050012] = "data too long",
+    [0x06050013] = "data too short",
+    [0x06060000] = "the object is not a parameter",
+    [0x06070000] = "the object does not exist",
+    [0x08000000] = "the service cannot be executed",
+    [0x08000020] = "the service cannot be executed now",
+  }
+
+  local requests, links -- the last request of each kind; what a packet has to do with it
+
+  at_init(function() requests, links = {}, {} end)
+
+  local function word_at(d, offset)
+    return byte(d.bytes, offset + 1) * 0x100 + byte(d.bytes, offset + 2)
+  end
+
+  local function key_of(d, is_at_device)
+    return concat({S.line_key(S.place()), word_at(d, HEAD_SIZE), tostring(d.access.is_write), tostring(is_at_device)},
+      " ")
+  end
+
+  local function begin_exchange(d)
+    local request = {frame = packet.number, time = packet.time, index = word_at(d, REFERENCE_END),
+      subindex = byte(d.bytes, SUBINDEX_AT + 1)}
+
+    requests[key_of(d, d.access.is_at_device or false)] = request
+    return {request = request}
+  end
+
+  -- At the same place of the bus, else at the other: a log may have only requests and responses.
+  local function end_exchange(d)
+    local own = d.access.is_at_device or false
+
+    for _, place in ipairs({own, not own}) do
+      local request = requests[key_of(d, place)]
+
+      if request and not request.answer_in then
+        request.answer_in = packet.number
+        return {request = request, elapsed = T.elapsed(request.time, packet.time)}
+      end
+    end
+    return {}
+  end
+
+  -- Found in the first pass, and kept for every later one.
+  local function find_link(d)
+    local number, place = packet.number, d.tvb:offset()
+    local known = links[number] and links[number][place]
+
+    if known or packet.visited then return known or {} end
+    known = d.access.is_answer and end_exchange(d) or begin_exchange(d)
+    links[number] = links[number] or {}
+    links[number][place] = known
+    return known
+  end
+
+  local function show_link(d, link)
+    local request, tree = link.request, d.tree
+
+    if not request then return end
+    if d.access.is_answer then
+      set_generated(add(tree, FX.synaxpcp_request_in, d.tvb, 0, 0, request.frame))
+      set_generated(add(tree, FX.synaxpcp_response_time, d.tvb, 0, 0, nstime(link.elapsed)))
+    elseif request.answer_in then
+      set_generated(add(tree, FX.synaxpcp_response_in, d.tvb, 0, 0, request.answer_in))
+    end
+  end
+
+  local function add_rest(d, which, offset)
+    if offset < d.end_ then add(d.tree, which, d.tvb, offset, d.end_ - offset) end
+  end
+
+  local function say_short(d, needed)
+    add_expert(d.root, EX.synax_short, strformat("The message has at least %d bytes, not %d", needed, d.end_))
+  end
+
+  local function note_data(item, request)
+    if not request then
+      add_expert(item, EX.synax_note, "The request is not in the capture: the object is not known")
+    elseif S.is_object_known(request.index) then
+      add_expert(item, EX.synax_note,
+        strformat("What element %d of the object holds is not defined", request.subindex))
+    else
+      add_expert(item, EX.synax_note, strformat("What object 0x%04X holds is not defined", request.index))
+    end
+  end
+
+  -- Objects of SYNAX go on, as a whole: an element of an object may be anything.
+  local function dissect_data(d, length, request)
+    local operation = (d.access.is_answer and (d.access.is_write and 3 or 0)) or (d.access.is_write and 1 or 2)
+    local info = d.pinfo.cols.info
+
+    if request and request.subindex == 0 and S.is_object_known(request.index) then
+      S.dissect_object(d.tvb, length > 0 and DATA_AT or d.end_, length, d.pinfo, d.parent,
+        {index = request.index, operation = operation, channel = byte(d.bytes, HEAD_SIZE + 2)})
+      return
+    end
+    if request then info:append(strformat("  0x%04X.%d", request.index, request.subindex)) end
+    if length == 0 then return end
+    local item = add(d.tree, FX.synaxpcp_data, d.tvb, DATA_AT, length)
+
+    info:append(strformat(", %d byte%s", length, plural(length)))
+    note_data(item, request)
+  end
+
+  -- The length, the data, and the byte that fills up a word.
+  local function dissect_length(d, request)
+    local length, there = byte(d.bytes, LENGTH_AT + 1), d.end_ - DATA_AT
+    local item = add(d.tree, FX.synaxpcp_length, d.tvb, LENGTH_AT, 1)
+
+    if length > there then
+      add_expert(item, EX.synax_short,
+        strformat("The data have %d byte%s, there are %d", length, plural(length), there))
+    else
+      add_rest(d, FX.synaxpcp_padding, DATA_AT + length)
+    end
+    dissect_data(d, min(length, there), request)
+  end
+
+  -- Read and write request, and their indications.
+  local function dissect_request(d)
+    local needed = d.access.is_write and DATA_AT or SUBINDEX_AT + 1
+
+    if d.end_ < needed then
+      add_rest(d, FX.synaxpcp_raw, REFERENCE_END)
+      say_short(d, needed)
+      return
+    end
+    add(d.tree, FX.synaxpcp_index, d.tvb, REFERENCE_END, 2)
+    add(d.tree, FX.synaxpcp_subindex, d.tvb, SUBINDEX_AT, 1)
+    local link = find_link(d)
+
+    show_link(d, link)
+    if d.access.is_write then return dissect_length(d, link.request) end
+    add_rest(d, FX.synaxpcp_padding, SUBINDEX_AT + 1)
+    dissect_data(d, 0, link.request)
+  end
+
+  -- Error class, error code and additional code in place of a result.
+  local function dissect_error(d)
+    local class, code = byte(d.bytes, REFERENCE_END + 1, REFERENCE_END + 2)
+    local additional = word_at(d, RESULT_END)
+    local item = add(d.tree, FX.synaxpcp_error, d.tvb, REFERENCE_END, 4)
+    local text = error_texts[(class * 0x100 + code) * 0x10000 + additional]
+    local words = strformat("Error class %d, code %d, additional 0x%04x", class, code, additional)
+      .. (text and ", at ABB: " .. text or "")
+
+    add(item, FX.synaxpcp_error_class, d.tvb, REFERENCE_END, 1)
+    add(item, FX.synaxpcp_error_code, d.tvb, REFERENCE_END + 1, 1)
+    add(item, FX.synaxpcp_error_additional, d.tvb, RESULT_END, 2)
+    add_expert(item, EX.synax_error, words)
+    d.pinfo.cols.info:append("  " .. words)
+    add_rest(d, FX.synaxpcp_raw, RESULT_END + 2)
+  end
+
+  -- Result 0, and what was read.
+  local function dissect_result(d, request)
+    add(d.tree, FX.synaxpcp_result, d.tvb, REFERENCE_END, 2)
+    if d.access.is_write then
+      add_rest(d, FX.synaxpcp_raw, RESULT_END)
+      dissect_data(d, 0, request)
+    elseif d.end_ < DATA_AT then
+      add_rest(d, FX.synaxpcp_raw, RESULT_END)
+      say_short(d, DATA_AT)
+    else
+      add(d.tree, FX.synaxpcp_padding, d.tvb, RESULT_END, 1)
+      dissect_length(d, request)
+    end
+  end
+
+  -- Response and confirmation: they do not name the object.
+  local function dissect_answer(d)
+    local link = find_link(d)
+    local request = link.request
+
+    show_link(d, link)
+    if request then set_generated(add(d.tree, FX.synaxpcp_index_of_request, d.tvb, 0, 0, request.index)) end
+    if d.end_ >= RESULT_END and word_at(d, REFERENCE_END) == 0 then
+      dissect_result(d, request)
+    elseif d.end_ >= RESULT_END + 2 then
+      dissect_error(d)
+    else
+      add_rest(d, FX.synaxpcp_raw, REFERENCE_END)
+      say_short(d, d.end_ < RESULT_END and RESULT_END or RESULT_END + 2)
+    end
+  end
+
+  local function dissect_other(d, code)
+    add_rest(d, FX.synaxpcp_raw, REFERENCE_END)
+    if not N.synaxpcp_services[code] then
+      add_expert(d.root, EX.synax_note, strformat("Service code 0x%04x is not defined%s", code, rshift(code, 8) == 0x80
+        and ": older controllers have such codes, and manuals differ in which is a request" or ""))
+    elseif REFERENCE_END < d.end_ then
+      add_expert(d.root, EX.synax_note, "What this service brings is not decoded")
+    end
+  end
+
+  local function dissect_message(d)
+    local code = word_at(d, 0)
+    local name = N.synaxpcp_services[code] or strformat("Service 0x%04x", code)
+
+    d.access = accesses[code]
+    append_text(d.root, ", " .. name)
+    d.pinfo.cols.info:append(name)
+    if d.end_ < REFERENCE_END then
+      add_rest(d, FX.synaxpcp_raw, HEAD_SIZE)
+      say_short(d, REFERENCE_END)
+      return
+    end
+    add(d.tree, FX.synaxpcp_invoke, d.tvb, HEAD_SIZE, 1)
+    add(d.tree, FX.synaxpcp_reference, d.tvb, HEAD_SIZE + 1, 1)
+    if not d.access then
+      dissect_other(d, code)
+    elseif d.access.is_answer then
+      dissect_answer(d)
+    else
+      dissect_request(d)
+    end
+  end
+
+  -- Service code and word count; what comes after the words that are counted.
+  local function dissect_head(d)
+    local there, count = #d.bytes, word_at(d, 2)
+    local finish = HEAD_SIZE + 2 * count
+
+    add(d.tree, FX.synaxpcp_service, d.tvb, 0, 2)
+    local item = add(d.tree, FX.synaxpcp_count, d.tvb, 2, 2)
+
+    d.end_ = min(finish, there)
+    if finish > there then
+      add_expert(item, EX.synax_short,
+        strformat("%d words follow, of %d", floor((there - HEAD_SIZE) / 2), count))
+    elseif finish < there then
+      add_expert(item, EX.synax_unexpected,
+        strformat("%d byte%s after the last word", there - finish, plural(there - finish)))
+      add(d.tree, FX.synaxpcp_raw, d.tvb, finish, there - finish)
+    end
+    dissect_message(d)
+  end
+
+  -- Less than a head, or cut by the capture: then a length says nothing.
+  local function dissect_stump(d, is_cut)
+    d.pinfo.cols.info:append("Cut message")
+    if #d.bytes > 0 then add(d.tree, FX.synaxpcp_raw, d.tvb, 0, #d.bytes) end
+    if not is_cut then
+      add_expert(d.root, EX.synax_short,
+        strformat("Service code and word count have 4 bytes, not %d", #d.bytes))
+    end
+  end
+
+  function synaxpcp.dissector(tvb, pinfo, parent)
+    local bytes = tvb:raw()
+    local is_cut = #bytes < tvb:reported_len()
+    local tree = parent:add(synaxpcp, tvb(0, #bytes))
+    local d = {tvb = tvb, bytes = bytes, pinfo = pinfo, parent = parent, tree = tree, root = tree}
+
+    look_at(pinfo)
+    pinfo.cols.protocol = "SYNAXPCP"
+    pinfo.cols.info:clear()
+    if #bytes < HEAD_SIZE or is_cut then dissect_stump(d, is_cut) else dissect_head(d) end
+    if is_cut then S.show_cut(tvb, pinfo, parent, "SYNAXPCP") end
+    return #bytes
+  end
+end
+
+--- synax/synaxpd: process data over UDP (chapter 6, card ETH01): the payload is the data, without any head. What its
+-- words are stands in parameters of the PPC only; the user's table of the plugin cannot be here.
+
+do
+  protos.synaxpd = synaxpd
+
+  local WORDS_SHOWN = 8 -- in the packet list
+  local PORT_TYPE_UDP = 3
+  local SENT, RECEIVED = 0, 1 -- of pinfo.p2p_dir
+  local TO_PPC, FROM_PPC = 1, 2
+
+  synaxpd.prefs.ports = Pref.range("UDP ports of the PPC", "",
+    "Those of parameter C-0-0194; none is known by itself", 65535)
+  synaxpd.prefs.swap_bytes = Pref.bool("Bytes of a word are swapped", false, "As bits of C-0-0129 say")
+  synaxpd.prefs.swap_words = Pref.bool("Words of a double word are swapped", false, "As bits of C-0-0129 say")
+
+  local taken = "" -- ranges of ports, as text
+
+  local function is_taken(port)
+    for first, last in string.gmatch(taken, "(%d+)%-?(%d*)") do
+      if port >= tonumber(first) and port <= (tonumber(last) or tonumber(first)) then return true end
+    end
+    return false
+  end
+
+  -- Which port is the PPC's the preference says; a packet without ports may have a direction of its own.
+  local function find_direction(pinfo)
+    if pinfo.port_type ~= PORT_TYPE_UDP then
+      return pinfo.p2p_dir == SENT and TO_PPC or pinfo.p2p_dir == RECEIVED and FROM_PPC or nil
+    end
+    local is_to, is_from = is_taken(pinfo.dst_port), is_taken(pinfo.src_port)
+
+    if is_to == is_from then return nil end
+    return is_to and TO_PPC or FROM_PPC
+  end
+
+  -- High byte first, unless C-0-0129 says otherwise (p. 6-4).
+  local function word_at(bytes, word)
+    local one, two = byte(bytes, 2 * word + 1, 2 * word + 2)
+
+    if synaxpd.prefs.swap_bytes then return two * 0x100 + one end
+    return one * 0x100 + two
+  end
+
+  local function add_word(tree, tvb, bytes, word)
+    local value = word_at(bytes, word)
+
+    add(tree, FX.synaxpd_word, tvb, 2 * word, 2, value, strformat("Word %d: 0x%04x (%d)", word + 1, value, value))
+  end
+
+  local function info_text(bytes, count, direction)
+    local words = {}
+
+    for word = 0, min(count, WORDS_SHOWN) - 1 do
+      words[word + 1] = strformat("%04x", word_at(bytes, word))
+    end
+    return strformat("Process data%s, %d word%s%s%s%s", direction and " " .. N.synaxpd_directions[direction] or "",
+      count, plural(count), count > 0 and ": " or "", concat(words, " "), count > WORDS_SHOWN and " ..." or "")
+  end
+
+  function synaxpd.dissector(tvb, pinfo, parent)
+    local bytes, is_cut = tvb:raw(), tvb:len() < tvb:reported_len()
+    local there, count, direction = #bytes, floor(#bytes / 2), find_direction(pinfo)
+    local tree = parent:add(synaxpd, tvb(0, there))
+
+    pinfo.cols.protocol = "SYNAXPD"
+    if direction then set_generated(add(tree, FX.synaxpd_direction, tvb, 0, 0, direction)) end
+    for word = 0, count - 1 do
+      add_word(tree, tvb, bytes, word)
+    end
+    if there % 2 == 1 then
+      add(tree, FX.synaxpd_raw, tvb, there - 1, 1)
+      if not is_cut then add_expert(tree, EX.synax_unexpected, "Half a word at the end") end
+    end
+    pinfo.cols.info = info_text(bytes, count, direction)
+    if is_cut then S.show_cut(tvb, pinfo, parent, "SYNAXPD") end
+    return there
+  end
+
+  -- At each file, and not when preferences are applied.
+  at_init(function()
+    local ports, udp = synaxpd.prefs.ports, DissectorTable.get("udp.port")
+
+    if taken ~= "" then udp:remove(taken, synaxpd) end
+    if ports ~= "" then udp:add(ports, synaxpd) end
+    taken = ports
+  end)
+
+  DissectorTable.get("udp.port"):add_for_decode_as(synaxpd)
 end
 
 --- sis/transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type

@@ -66,6 +66,29 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
     parity.check(plugin, script, capture)
 
 
+@sizes
+@pytest.mark.parametrize("name", ["synaxobj", "synaxpcp"])
+def test_objects(name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """Objects and PCP: every beginning, every cut of the capture, and bytes that are changed."""
+    chance = random.Random(SEED)
+    whole = [item.data for item in Scenario(HERE / f"{name}.txt").items]
+    ends = [(data, end) for data in whole for end in range(1, min(len(data), 64))]
+    packets: list[bad_input.Packet | bytes] = [data[:end] for data, end in ends]
+    packets += [bad_input.Packet(data[:end], len(data)) for data, end in ends]
+    packets += [mutate.mutant(chance, b"", data) or b"\0" for data in whole for _ in range(40)]
+    bad_input.write(tmp_path / "bad.pcapng", some(packets, count), name)
+    parity.check(plugin, script, tmp_path / "bad.pcapng")
+
+
+@sizes
+def test_process_data(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    data = bytes(range(40))
+    packets: list[bad_input.Packet | bytes] = [data[:end] for end in range(1, 40)]
+    packets += [bad_input.Packet(data[:end], len(data)) for end in range(1, 40)]
+    bad_input.write(tmp_path / "bad.pcapng", some(packets, count), "synaxpd")
+    parity.check(plugin, script, tmp_path / "bad.pcapng", "-o", "synaxpd.swap_bytes:true")
+
+
 def mutants(link_type: int, count: int, *, far: bool) -> bytes:
     """Make a capture of packets with bytes changed, added and missing."""
     packets = [packet for path in sorted(HERE.glob("*.pcapng")) for packet in reading.packets(path)]

@@ -18,7 +18,7 @@ from sistap.wireshark.tshark import Tshark
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 
 
-TABLE = "uat:sis_parameters:"  # the user's table of parameters: Lua cannot have one
+TABLE = "uat:"  # a table of the user's: Lua cannot have one
 PLAIN, WITH_OPTIONS = groups()
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 
@@ -66,7 +66,8 @@ def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> N
     """What people read: generated items stand in brackets here."""
     capture = tmp_path / "merged.pcapng"
     group.write(capture)
-    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", "sis,sertap,arcnet7f,synaxpk")
+    layers = "sis,sertap,3964r,rk512i,arcnet7f,synaxpk,synaxobj,synaxpcp,synaxpd"
+    shown = ("-r", str(capture), *options(group.options, ()), "-V", "-O", layers)
     expected, found = (
         re.split(r"^(?=Frame \d+:)", tshark.output(*shown), flags=re.MULTILINE) for tshark in (plugin, script)
     )
@@ -87,16 +88,17 @@ def test_expected_text(path: Path, script: Tshark) -> None:
 # What differs, and cannot be the same: C's way to declare a status of a checksum, Decode As of a table of ours, and
 # from 4.2 on the name of a heuristic.
 DIFFERENT = {
-    "fields": {"sis.checksum.status": ("BASE_NONE", "BASE_DEC")},
+    "fields": {name: ("BASE_NONE", "BASE_DEC") for name in ("sis.checksum.status", "3964r.bcc.status")},
     "heuristic-decodes": {"sis": ("SIS over TCP", "SIS")},
     "dissector-tables": {"sertap.framing": ("Decode As supported", "Decode As not supported")},
 }
-OURS = re.compile(r"(^|\t)(sis|sertap|synax|synaxpk|arcnet7f)([.\t]|$)")
+OURS = re.compile(r"(^|\t)(sis|sertap|synax\w*|3964r|rk512i|arcnet7f)([.\t]|$)")
+NAMED = ("sis", "sertap", "synax", "3964r", "rk512i", "arcnet7f")  # quicker to look for
 
 
 def is_ours(line: str) -> bool:
     """Tell it of a million lines: the expression alone takes seconds."""
-    return any(name in line for name in ("sis", "sertap", "synax", "arcnet7f")) and OURS.search(line) is not None
+    return any(word in line for word in NAMED) and OURS.search(line) is not None
 
 
 @pytest.mark.parametrize(
@@ -127,12 +129,9 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
     """Names, defaults and descriptions, as they stand in a file of preferences; what the script prints is its own."""
+    ours = re.compile(r"^#(sis|synax\w*|3964r)[.]", re.MULTILINE)
     expected, found = (
-        [
-            entry
-            for entry in tshark.output("-G", "currentprefs").split("\n\n")
-            if re.search("^#(sis|synaxpk)[.]", entry, re.M)
-        ]
+        [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if ours.search(entry)]
         for tshark in (plugin, script)
     )
     assert expected

@@ -28,6 +28,9 @@
 #include "synax/pieces.h"
 #include "synax/rk512i.h"
 #include "synax/statistics.h"
+#include "synax/synaxobj.h"
+#include "synax/synaxpcp.h"
+#include "synax/synaxpd.h"
 #include "synax/synaxpk.h"
 
 void proto_register_sertap(void);
@@ -112,6 +115,9 @@ proto_register_synax(void)
     synax_rk512i_register();
     synax_3964r_register();
     synax_statistics_register();
+    synaxobj_register();
+    synaxpcp_register();
+    synaxpd_register();
 }
 
 void
@@ -120,4 +126,6 @@ proto_reg_handoff_synax(void)
     synax_3964r_handoff();
     synax_arcnet7f_handoff();
     synax_synaxpk_handoff();
+    synaxobj_handoff();
+    synaxpd_handoff();
 }

@@ -102,13 +102,13 @@ def with_all_bodies(reaction: bool) -> Iterator[bytes]:
             yield with_body(example, header.body.ljust(255 - len(header.subaddresses), b"\x55"))
 
 
-def write(path: Path, packets: Iterable[Packet | bytes]) -> None:
-    """Write a capture of bare telegrams."""
+def write(path: Path, packets: Iterable[Packet | bytes], dissector: str = "sis") -> None:
+    """Write a capture of bare telegrams, or of what another dissector takes."""
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "bad")
     blocks = [pcapng.section_header("bad_input.py", ""), pcapng.interface_description(interface)]
     for number, packet in enumerate(packets):
         data, original = packet if isinstance(packet, Packet) else (packet, len(packet))
-        block = bytearray(pcapng.enhanced_packet(0, number * 1_000_000, pcapng.upper_pdu("sis", data)))
+        block = bytearray(pcapng.enhanced_packet(0, number * 1_000_000, pcapng.upper_pdu(dissector, data)))
         (captured,) = struct.unpack_from("<I", block, _ORIGINAL_LENGTH)
         struct.pack_into("<I", block, _ORIGINAL_LENGTH, captured + original - len(data))
         blocks.append(bytes(block))

@@ -49,7 +49,14 @@ LINK_TYPES = {
     "user0": pcapng.LINKTYPE_USER0,
     "rtac": pcapng.LINKTYPE_RTAC_SERIAL,
     "tcp": LINKTYPE_RAW_IPV4,
+    "synaxobj": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "synaxpcp": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "udp": LINKTYPE_RAW_IPV4,
 }
+
+# Objects of SYNAX200: what is done to one, as the head of dissector synaxobj has it; sizes of those with telegrams.
+OPERATIONS = ("read-answer", "write-request", "read-request", "write-answer")
+OBJECT_SIZES = {0x5E70: 16, 0x5E71: 32, 0x5E72: 64, 0x5E73: 128}
 
 # What Wireshark itself says in words that change with its version: its own layers, and of a segment without a telegram.
 _OF_ANY_VERSION = (
@@ -266,6 +273,23 @@ class Scenario:
         direction, data = rest.split(None, 1)
         self._sequence[(self._port, direction)] += len(bytes.fromhex(data))
 
+    def _do_datagram(self, rest: str) -> None:
+        direction, _, data = rest.partition(" ")
+        self._add(raw=udp_datagram(self._port, direction == ">", bytes.fromhex(data)))
+
+    def _do_object(self, rest: str) -> None:
+        index, operation, *content = rest.split(None, 2)
+        self._add(data=self._object(int(index, 16), OPERATIONS.index(operation), "".join(content)))
+
+    def _object(self, index: int, operation: int, content: str) -> bytes:
+        """Make what dissector synaxobj takes; a telegram is filled up to the size of its object."""
+        kind, _, words = content.partition(" ")
+        if kind in {"command", "reaction"}:
+            held = self._built(words.strip(), reaction=kind == "reaction").ljust(OBJECT_SIZES[index], b"\0")
+        else:
+            held = bytes.fromhex(content)
+        return struct.pack(">HB", index, operation) + held
+
     def _payloads(self) -> list[bytes]:
         """What the packets hold, without the link type's own header."""
         if self.link != "sertap":
@@ -355,6 +379,15 @@ def tcp_segment(port: int, from_client: bool, sequence: int, acknowledged: int, 
     return struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(tcp), 0, 0, 64, 6, 0, source, destination) + tcp
 
 
+def udp_datagram(port: int, from_client: bool, payload: bytes) -> bytes:
+    """Make an IPv4 packet with one UDP datagram; checksums are 0, which Wireshark does not judge."""
+    ports = (50000, port) if from_client else (port, 50000)
+    addresses = (b"\x0a\x00\x00\x01", b"\x0a\x00\x00\x02")
+    source, destination = addresses if from_client else addresses[::-1]
+    udp = struct.pack(">HHHH", *ports, 8 + len(payload), 0) + payload
+    return struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(udp), 0, 0, 64, 17, 0, source, destination) + udp
+
+
 LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
     "sertap": lambda payload, _: pcapng.upper_pdu("sertap", payload),
     "sis": lambda payload, _: pcapng.upper_pdu("sis", payload),
@@ -365,6 +398,9 @@ LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
     "user0": lambda payload, _: payload,
     "rtac": rtac_header,
     "tcp": lambda payload, _: payload,
+    "synaxobj": lambda payload, _: pcapng.upper_pdu("synaxobj", payload),
+    "synaxpcp": lambda payload, _: pcapng.upper_pdu("synaxpcp", payload),
+    "udp": lambda payload, _: payload,
 }
 
 

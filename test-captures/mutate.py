@@ -157,7 +157,7 @@ OPTIONS = {
     ],
     pcapng.LINKTYPE_USER0: [["-o", "sis.dlt_user:user0"]],
     pcapng.LINKTYPE_RTAC_SERIAL: [["-d", "rtacser.data,sis"]],
-    228: [[], ["-d", "tcp.port==4200,sis"]],
+    228: [["-o", "synaxpd.ports:7001-7004"], ["-d", "tcp.port==4200,sis"]],
 }
 
 

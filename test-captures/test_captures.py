@@ -13,7 +13,7 @@ from make import Scenario, scenarios
 from merging import Group, groups
 from sistap.wireshark.tshark import Tshark
 from tables import LATER as LATER_NAMES
-from tables import OTHER_LATER
+from tables import LATER_ELSEWHERE
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 
@@ -32,7 +32,7 @@ def test_dissection(path: Path, tshark: Tshark) -> None:
 PASSES = ((), ("-2",))
 PLAIN, WITH_OPTIONS = groups()
 GROUP_NAMES = (PLAIN.name, WITH_OPTIONS.name)
-LATER = {f"sis.{name}" for name in LATER_NAMES} | OTHER_LATER
+LATER = {f"sis.{name}" for name in LATER_NAMES} | LATER_ELSEWHERE
 
 
 def fields(element: ElementTree.Element) -> Iterator[str]:

@@ -90,7 +90,7 @@ STATIONS: Table = {
     1: "synax.answer_in=2",
     2: "synax.request_in=1; synax.answer_time=0.025000000",
     # Packet 4 has no answer. Not the answer to 5: from another station, of another axis, in the same direction
-    5: "synax.answer_in=9; synax.unanswered",
+    5: "synax.answer_in=9; synax.unanswered_before",
     9: "synax.request_in=5; synax.answer_time=0.100000000",
     # 4 + 14 bytes in two telegrams
     11: "synax.pieces.whole_in=12",
@@ -152,7 +152,7 @@ def test_telegrams(tshark: Tshark) -> None:
 
 
 def test_stations(tshark: Tshark) -> None:
-    check(tshark, "arcnet", f"{LINKS} {PIECES}", f"{EXPERTS} synax.unanswered", STATIONS, prefix="")
+    check(tshark, "arcnet", f"{LINKS} {PIECES}", f"{EXPERTS} synax.unanswered_before", STATIONS, prefix="")
 
 
 def test_whole_lists(tshark: Tshark) -> None:

@@ -317,7 +317,7 @@ show_links(telegram_t *t)
         proto_item_set_generated(
             proto_tree_add_time(t->tree, hf_synax_answer_time, t->tvb, 0, 0, &kept->answer_time));
     if (kept->unanswered_in != 0)
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_unanswered,
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_unanswered_before,
                                "No answer to the request in frame %u", kept->unanswered_in);
 }
 

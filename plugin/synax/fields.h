@@ -18,8 +18,9 @@ extern int hf_synax_answer_time; /* from the request to its answer */
 extern expert_field ei_synax_note; /* what the documents do not define */
 extern expert_field ei_synax_short;
 extern expert_field ei_synax_unexpected;
-extern expert_field ei_synax_error; /* that an answer reports */
-extern expert_field ei_synax_unanswered;
+extern expert_field ei_synax_error;             /* that an answer reports */
+extern expert_field ei_synax_unanswered;        /* only a later packet tells */
+extern expert_field ei_synax_unanswered_before; /* on the request that follows */
 
 void synax_fields_register(void);
 

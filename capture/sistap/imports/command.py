@@ -12,6 +12,7 @@ from pathlib import Path
 from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
+from sistap.imports import messages
 from sistap.imports.convert import Conversion
 from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Source, Told
@@ -34,6 +35,9 @@ Make a capture of sistap of what another tool has recorded:
 
 Which it is, is seen from what is in FILE. All characters come over, with the errors that FILE tells of and times as
 good as it has; the last line says how good. Captures of USB and RTAC are read by tshark, which has to be installed.
+
+With --dissector, FILE is a table of whole messages, one a line: time in s, M (master) or S (slave), bytes. The packets
+are for that dissector of Wireshark; synaxobj wants its head of 3 bytes first: index, operation.
 """
 
 EPILOG = """\
@@ -43,6 +47,7 @@ examples:
   sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
   sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
   sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -k -i -
+  sistap import messages.csv -w pcp.pcapng --dissector synaxpcp        lines such as 0.125,M,0082 000C 0002
 
 exit status:
   0  done; also of a file that is cut: a line says so
@@ -86,6 +91,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="HZ",
         help="of the logic analyser: sigrok's texts count samples; for a table of Saleae it makes the times exact",
     )
+    add("--dissector", choices=messages.DISSECTORS, help="whose messages FILE is a table of")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -94,6 +100,8 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         told = _told(args)
+        if args.dissector:
+            return _take_messages(args, told, stop, console)
         with ExitStack() as tools:
             source = opened(args.file, told, tools)
             output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.asked)))
@@ -114,11 +122,26 @@ def _told(args: argparse.Namespace) -> Told:
         told.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
         raise UsageError(str(error)) from None
+    _check_output(args)
+    return told
+
+
+def _check_output(args: argparse.Namespace) -> None:
     if args.output == STANDARD_OUTPUT and os.isatty(1):
         raise UsageError("a terminal cannot show a pcapng file: add | wireshark -k -i -, or name a file with -w")
     if args.file.exists() and Path(args.output).exists() and args.file.samefile(args.output):
         raise UsageError(f"{args.output} is FILE itself: name another file with -w")
-    return told
+
+
+def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Console) -> int:
+    """Make packets of a table of messages."""
+    if told != Told():
+        raise UsageError("a table of messages has no line: leave out --baud, --format, --device and --samplerate")
+    found = messages.read(args.file)
+    with closing(Output(args.output, stopped=lambda: stop.asked)) as output:
+        messages.write(output, args.dissector, args.file.name, found)
+        console.say(f"{len(found)} messages for {args.dissector} written to {output.summary}")
+    return DONE
 
 
 def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Stop, console: Console) -> int:

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Objects of SYNAX200 (chapter 2) that Interbus PCP, DeviceNet and Profibus FMS read and write: SIS telegrams
+ * in data exchange objects, and diagnosis words. */
+
+#ifndef SYNAX_SYNAXOBJ_H
+#define SYNAX_SYNAXOBJ_H
+
+#include "compat.h"
+
+typedef enum {
+    SYNAXOBJ_READ_ANSWER,
+    SYNAXOBJ_WRITE_REQUEST,
+    SYNAXOBJ_READ_REQUEST,
+    SYNAXOBJ_WRITE_ANSWER,
+} synaxobj_operation_t;
+
+/* What is done to which object. */
+typedef struct {
+    uint16_t index;
+    uint8_t operation; /* synaxobj_operation_t, or a number that is none */
+    uint8_t
+        channel; /* tells the devices of a bus apart, such as a communication reference; 0: there is one */
+} synaxobj_access_t;
+
+/* Whether it is one of these objects. */
+bool synaxobj_is_known(uint16_t index);
+
+/* An object that another bus carries: `length` bytes at `offset`, all of which are there. Appends to the info
+ * column. */
+void synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *pinfo, proto_tree *parent,
+                      const synaxobj_access_t *access);
+
+/* The dissector "synaxobj": a head of 3 bytes (index, high byte first, and operation), then the object. */
+void synaxobj_register(void);
+
+void synaxobj_handoff(void);
+
+#endif
