@@ -291,14 +291,17 @@ const value_string sis_data_states[] = {
 
 int sis_edition = SIS_EDITION_IF02;
 
+/* ECODRIVE03 has no DISC: what follows is reserved there. */
+#define FIRST_DISC    0xE0
+#define LAST_RESERVED 0xFF
+
 static const range_string *
 service_entry(uint8_t service)
 {
-    static const range_string reserved_in_ecodrive03 = {0xE0, 0xFF, "Reserved service"}; /* DISC in IF02 */
     int at = 0;
 
-    if (sis_edition == SIS_EDITION_ECODRIVE03 && service >= reserved_in_ecodrive03.value_min)
-        return &reserved_in_ecodrive03;
+    if (sis_edition == SIS_EDITION_ECODRIVE03 && service >= FIRST_DISC)
+        service = LAST_RESERVED;
     try_rval_to_str_idx(service, sis_services, &at); /* the ranges leave out no service */
     return &sis_services[at];
 }

@@ -69,7 +69,7 @@ static const true_false_string no_bus_failure = {"No failure", "After a failure 
 typedef enum { OF_TELEGRAMS, OF_BITS, OF_NOTHING_KNOWN } content_t;
 
 typedef struct {
-    uint16_t index;
+    uint16_t number;
     uint8_t size; /* bytes, 0: not known */
     content_t content;
     int *hf;                  /* of a word */
@@ -92,25 +92,25 @@ static const object_t objects[] = {
 };
 
 static const object_t *
-find_object(uint16_t index)
+find_object(uint16_t number)
 {
     for (unsigned i = 0; i < array_length(objects); i++) {
-        if (objects[i].index == index)
+        if (objects[i].number == number)
             return &objects[i];
     }
     return NULL;
 }
 
 bool
-synaxobj_is_known(uint16_t index)
+synaxobj_is_known(uint16_t number)
 {
-    return find_object(index) != NULL;
+    return find_object(number) != NULL;
 }
 
 static bool
-holds_telegrams(uint16_t index)
+holds_telegrams(uint16_t number)
 {
-    const object_t *object = find_object(index);
+    const object_t *object = find_object(number);
 
     return object != NULL && object->content == OF_TELEGRAMS;
 }
@@ -118,7 +118,7 @@ holds_telegrams(uint16_t index)
 /* What is written, until the object is written again. */
 typedef struct {
     uint32_t frame;
-    int64_t time;
+    int64_t moment;
     uint32_t answer_in; /* the first; 0: none yet */
     uint32_t next_in;   /* the next write request; 0: none yet */
 } request_t;
@@ -159,7 +159,7 @@ begin_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
         before->next_in = pinfo->num;
     link->request = wmem_new0(wmem_file_scope(), request_t);
     link->request->frame = pinfo->num;
-    link->request->time = sertap_ns(&pinfo->abs_ts);
+    link->request->moment = sertap_ns(&pinfo->abs_ts);
     wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), key, sizeof *key), link->request);
 }
 
@@ -171,7 +171,7 @@ end_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
         return;
     if (link->request->answer_in == 0)
         link->request->answer_in = pinfo->num;
-    link->elapsed = sertap_elapsed(link->request->time, sertap_ns(&pinfo->abs_ts));
+    link->elapsed = sertap_elapsed(link->request->moment, sertap_ns(&pinfo->abs_ts));
 }
 
 /* One exchange is a write request and one or more reads of the same object (p. 2-16). Found in the first
@@ -180,10 +180,10 @@ static const link_t *
 find_link(packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
 {
     object_key_t key = {.line = sertap_line_key(pinfo),
-                        .object = (uint64_t)access->channel << 16 | access->index};
+                        .object = (uint64_t)access->channel << 16 | access->number};
     link_t *link = p_get_proto_data(wmem_file_scope(), pinfo, proto_synaxobj, place);
 
-    if (link != NULL || PINFO_FD_VISITED(pinfo) || !holds_telegrams(access->index))
+    if (link != NULL || PINFO_FD_VISITED(pinfo) || !holds_telegrams(access->number))
         return link;
     link = wmem_new0(wmem_file_scope(), link_t);
     if (access->operation == SYNAXOBJ_WRITE_REQUEST)
@@ -295,11 +295,11 @@ add_open_bits(const dissection_t *d, proto_item *item, uint16_t bits)
 static void
 report_fault(const dissection_t *d, proto_item *item, uint16_t word)
 {
-    if (d->access->index == FAULT_CODE_PPC && word != 0)
+    if (d->access->number == FAULT_CODE_PPC && word != 0)
         expert_add_info_format(d->pinfo, item, &ei_synax_error,
                                "Fault of the PPC: process data channel 0x%02x, communication channel 0x%02x",
                                word & 0xFF, word >> 8);
-    else if (d->access->index == DIAGNOSIS_FIELDBUS && (word & 0xFF) != 0)
+    else if (d->access->number == DIAGNOSIS_FIELDBUS && (word & 0xFF) != 0)
         expert_add_info_format(d->pinfo, item, &ei_synax_error, "Fault of the fieldbus: 0x%02x", word & 0xFF);
 }
 
@@ -332,7 +332,7 @@ dissect_unknown(const dissection_t *d)
     add_raw(d, hf_raw, d->offset, d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %u byte%s", d->length, plurality(d->length, "", "s"));
     expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "What object 0x%04X holds is not defined",
-                           d->access->index);
+                           d->access->number);
 }
 
 /* A write request and a read answer bring the object, the others do not. */
@@ -358,7 +358,7 @@ dissect_without_content(const dissection_t *d)
 static void
 dissect_content(const dissection_t *d)
 {
-    const object_t *object = find_object(d->access->index);
+    const object_t *object = find_object(d->access->number);
 
     if (!has_content(d->access)) {
         dissect_without_content(d);
@@ -399,7 +399,7 @@ operation_text(wmem_allocator_t *scope, unsigned operation)
 static void
 name_root(const dissection_t *d)
 {
-    proto_item_append_text(d->root, ", 0x%04X %s", d->access->index,
+    proto_item_append_text(d->root, ", 0x%04X %s", d->access->number,
                            operation_text(d->pinfo->pool, d->access->operation));
 }
 
@@ -408,13 +408,13 @@ synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *p
                  const synaxobj_access_t *access)
 {
     dissection_t d = begin(tvb, pinfo, parent, offset, length);
-    proto_item *index = proto_tree_add_uint(d.tree, hf_index, tvb, 0, 0, access->index);
+    proto_item *number = proto_tree_add_uint(d.tree, hf_index, tvb, 0, 0, access->number);
 
     d.access = access;
-    proto_item_set_generated(index);
+    proto_item_set_generated(number);
     proto_item_set_generated(proto_tree_add_uint(d.tree, hf_operation, tvb, 0, 0, access->operation));
     name_root(&d);
-    col_append_fstr(pinfo->cinfo, COL_INFO, "  0x%04X", access->index);
+    col_append_fstr(pinfo->cinfo, COL_INFO, "  0x%04X", access->number);
     show_link(&d, find_link(pinfo, tvb_raw_offset(tvb) + offset, access));
     dissect_content(&d);
 }
@@ -428,7 +428,7 @@ dissect_named(const dissection_t *d)
     proto_tree_add_item(d->tree, hf_index, d->tvb, 0, 2, ENC_BIG_ENDIAN);
     proto_tree_add_item(d->tree, hf_operation, d->tvb, 2, 1, ENC_NA);
     name_root(d);
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "0x%04X %s", d->access->index,
+    col_append_fstr(d->pinfo->cinfo, COL_INFO, "0x%04X %s", d->access->number,
                     operation_text(d->pinfo->pool, d->access->operation));
     if (is_cut) {
         add_raw(d, hf_raw, d->offset, d->length);
@@ -453,7 +453,7 @@ dissect_synaxobj(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
             expert_add_info_format(pinfo, d.root, &ei_synax_short, "Index and operation have 3 bytes, not %u",
                                    there);
     } else {
-        access.index = compat_get_uint16(tvb, 0, ENC_BIG_ENDIAN);
+        access.number = compat_get_uint16(tvb, 0, ENC_BIG_ENDIAN);
         access.operation = compat_get_uint8(tvb, 2);
         d.access = &access;
         d.offset = HEAD_SIZE;

@@ -16,14 +16,14 @@ typedef enum {
 
 /* What is done to which object. */
 typedef struct {
-    uint16_t index;
+    uint16_t number;
     uint8_t operation; /* synaxobj_operation_t, or a number that is none */
     uint8_t
         channel; /* tells the devices of a bus apart, such as a communication reference; 0: there is one */
 } synaxobj_access_t;
 
 /* Whether it is one of these objects. */
-bool synaxobj_is_known(uint16_t index);
+bool synaxobj_is_known(uint16_t number);
 
 /* An object that another bus carries: `length` bytes at `offset`, all of which are there. Appends to the info
  * column. */

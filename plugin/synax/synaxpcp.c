@@ -110,9 +110,9 @@ find_access(uint16_t code)
 /* A request or an indication; only these name their object. */
 typedef struct {
     uint32_t frame;
-    int64_t time;
+    int64_t moment;
     uint32_t answer_in; /* 0: none yet */
-    uint16_t index;
+    uint16_t number;
     uint8_t subindex;
 } request_t;
 
@@ -170,8 +170,8 @@ begin_exchange(const dissection_t *d, link_t *link)
 
     link->request = wmem_new0(wmem_file_scope(), request_t);
     link->request->frame = d->pinfo->num;
-    link->request->time = sertap_ns(&d->pinfo->abs_ts);
-    link->request->index = compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN);
+    link->request->moment = sertap_ns(&d->pinfo->abs_ts);
+    link->request->number = compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN);
     link->request->subindex = compat_get_uint8(d->tvb, SUBINDEX_AT);
     wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), &key, sizeof key), link->request);
 }
@@ -188,7 +188,7 @@ end_exchange(const dissection_t *d, link_t *link)
             continue;
         request->answer_in = d->pinfo->num;
         link->request = request;
-        link->elapsed = sertap_elapsed(request->time, sertap_ns(&d->pinfo->abs_ts));
+        link->elapsed = sertap_elapsed(request->moment, sertap_ns(&d->pinfo->abs_ts));
         return;
     }
 }
@@ -254,13 +254,13 @@ dissect_data(const dissection_t *d, unsigned length, const request_t *request)
                            ? d->access->is_write ? SYNAXOBJ_WRITE_ANSWER : SYNAXOBJ_READ_ANSWER
                        : d->access->is_write ? SYNAXOBJ_WRITE_REQUEST
                                              : SYNAXOBJ_READ_REQUEST;
-    access.index = request != NULL ? request->index : 0;
-    if (request != NULL && request->subindex == 0 && synaxobj_is_known(access.index)) {
+    access.number = request != NULL ? request->number : 0;
+    if (request != NULL && request->subindex == 0 && synaxobj_is_known(access.number)) {
         synaxobj_dissect(d->tvb, length > 0 ? DATA_AT : d->end, length, d->pinfo, d->parent, &access);
         return;
     }
     if (request != NULL)
-        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  0x%04X.%u", request->index, request->subindex);
+        col_append_fstr(d->pinfo->cinfo, COL_INFO, "  0x%04X.%u", request->number, request->subindex);
     if (length == 0)
         return;
     item = proto_tree_add_item(d->tree, hf_data, d->tvb, DATA_AT, length, ENC_NA);
@@ -268,12 +268,12 @@ dissect_data(const dissection_t *d, unsigned length, const request_t *request)
     if (request == NULL)
         expert_add_info_format(d->pinfo, item, &ei_synax_note,
                                "The request is not in the capture: the object is not known");
-    else if (synaxobj_is_known(request->index))
+    else if (synaxobj_is_known(request->number))
         expert_add_info_format(d->pinfo, item, &ei_synax_note,
                                "What element %u of the object holds is not defined", request->subindex);
     else
         expert_add_info_format(d->pinfo, item, &ei_synax_note, "What object 0x%04X holds is not defined",
-                               request->index);
+                               request->number);
 }
 
 /* The length, the data, and the byte that fills up a word. */
@@ -363,7 +363,7 @@ dissect_answer(const dissection_t *d)
     show_link(d, link);
     if (request != NULL)
         proto_item_set_generated(
-            proto_tree_add_uint(d->tree, hf_index_of_request, d->tvb, 0, 0, request->index));
+            proto_tree_add_uint(d->tree, hf_index_of_request, d->tvb, 0, 0, request->number));
     if (is_good) {
         dissect_result(d, request);
     } else if (d->end >= RESULT_END + 2) {

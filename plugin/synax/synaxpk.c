@@ -573,14 +573,14 @@ static void
 add_index(channel_t *c)
 {
     static const sis_ident_place_t nowhere = {0};
-    unsigned index = tvb_get_ntohs(c->tvb, WORD_SIZE), element = tvb_get_ntohs(c->tvb, 4);
-    sis_ident_t ident = {0, (uint16_t)(index - FIRST_S_INDEX)};
+    unsigned number = tvb_get_ntohs(c->tvb, WORD_SIZE), element = tvb_get_ntohs(c->tvb, 4);
+    sis_ident_t ident = {0, (uint16_t)(number - FIRST_S_INDEX)};
     sis_known_t known = sis_known_from_tables(ident);
 
     proto_tree_add_item(c->tree, hf_index, c->tvb, WORD_SIZE, 2, ENC_BIG_ENDIAN);
     proto_tree_add_item(c->tree, hf_subindex, c->tvb, 4, 2, ENC_BIG_ENDIAN);
-    say(c, wmem_strdup_printf(c->pinfo->pool, "index 0x%04x, subindex %u", index, element));
-    if (index < FIRST_S_INDEX || index >= S_INDEX_END)
+    say(c, wmem_strdup_printf(c->pinfo->pool, "index 0x%04x, subindex %u", number, element));
+    if (number < FIRST_S_INDEX || number >= S_INDEX_END)
         return;
     sis_add_ident(c->tree, c->pinfo->pool, c->tvb, &nowhere, ident, &known);
     wmem_strbuf_append_printf(c->words, " (%s)", sis_ident_text(c->pinfo->pool, ident));
