@@ -8,10 +8,10 @@ import os
 import select
 import struct
 import sys
-from time import monotonic_ns
 
 from sistap.line import ports, priority
 from sistap.line.clock import CLOCK
+from sistap.line.clocks import monotonic_ns
 from sistap.line.reader import latency
 from sistap.line.reader.contract import READ_SIZE, STEP_MS, PortLost
 from sistap.line.reader.opening import change_device, open_device

@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-import time
 from contextlib import suppress
-from time import monotonic_ns
 
 from sistap.line.clock import CLOCK
+from sistap.line.clocks import STEADY, monotonic_ns
 from sistap.line.reader.contract import READ_SIZE, PortError, PortLost
 from sistap.line.reader.listening import closed_serial
 from sistap.line.reader.trouble import url_trouble
@@ -25,7 +24,7 @@ class UrlReader:
         self.line = line
         scheme, separator, _ = port.partition("://")
         over = scheme + separator
-        self.timing = f"times are those of arrival at this program over {over}; no bound known"
+        self.timing = f"times are those of arrival at this program over {over}; {STEADY}; no bound known"
         self.notes: tuple[str, ...] = (
             f"{port}: without a bound no verdict on its times is possible: a device of this computer has one",
         )
@@ -38,9 +37,9 @@ class UrlReader:
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived, None if nothing did in that time. May raise PortLost."""
-        end = time.monotonic() + timeout_s
+        end_ns = monotonic_ns() + int(timeout_s * 1e9)
         data = b""
-        while not self._lost and not data and time.monotonic() <= end:
+        while not self._lost and not data and monotonic_ns() <= end_ns:
             data = self._waiting()
         if data:
             return Read(self.line, CLOCK.wall_ns(monotonic_ns()), data, bytes(len(data)), settings=self.settings)
