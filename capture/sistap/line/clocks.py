@@ -36,7 +36,7 @@ class Steady(NamedTuple):
         return f"clock {self.name}, in steps of {step}"
 
 
-def steady(info: Callable[[str], Info] = time.get_clock_info) -> Steady:
+def steady(info: Callable[[Any], Info] = time.get_clock_info) -> Steady:
     """Choose the monotonic clock, or the performance counter where that one is coarse."""
     step_s = info("monotonic").resolution
     if step_s < COARSE_S:
@@ -44,18 +44,23 @@ def steady(info: Callable[[str], Info] = time.get_clock_info) -> Steady:
     return Steady(time.perf_counter_ns, "perf_counter", info("perf_counter").resolution)
 
 
-def wall(info: Callable[[str], Info] = time.get_clock_info, kernel: Any = None) -> Callable[[], int]:
+def wall(info: Callable[[Any], Info] = time.get_clock_info, kernel: Any = None) -> Callable[[], int]:
     """Choose the wall clock (ns since 1970), or the precise one of Windows where that one is coarse.
 
     `kernel` is kernel32.dll.
     """
     if info("time").resolution < COARSE_S:
         return time.time_ns
-    if kernel is None and sys.platform == "win32":
+    kernel = kernel or _kernel()
+    return _precise(kernel) if hasattr(kernel, "GetSystemTimePreciseAsFileTime") else time.time_ns
+
+
+def _kernel() -> Any:
+    if sys.platform == "win32":
         import ctypes
 
-        kernel = ctypes.windll.kernel32
-    return _precise(kernel) if hasattr(kernel, "GetSystemTimePreciseAsFileTime") else time.time_ns
+        return ctypes.windll.kernel32
+    return None
 
 
 def _precise(kernel: Any) -> Callable[[], int]:
