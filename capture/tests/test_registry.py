@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 
 from sistap.line import ports, registry
@@ -13,7 +15,7 @@ FTDI = r"SYSTEM\CurrentControlSet\Enum\FTDIBUS"
 class Values:
     """A registry: values by key and name."""
 
-    def __init__(self, **adapters: dict[str, object]) -> None:
+    def __init__(self, adapters: Mapping[str, Mapping[str, object]]) -> None:
         self._values: dict[tuple[str, str], object] = {}
         for device, values in adapters.items():
             for name, value in values.items():
@@ -30,7 +32,7 @@ class Values:
 
 
 ADAPTERS = Values(
-    **{
+    {
         "VID_0403+PID_6001+FT0000001A": {"PortName": "COM15", "LatencyTimer": 1, "FriendlyName": "RS485 (COM15)"},
         "VID_0403+PID_6001+A50285BIA": {
             "PortName": "COM5",
@@ -58,7 +60,7 @@ def test_a_port_above_9() -> None:
 def test_what_the_registry_does_not_say() -> None:
     assert registry.ftdi("COM7", ADAPTERS) == registry.Ftdi("", "", "X1", None)
     assert ports.of_windows("COM1", ADAPTERS) == ports.Adapter()
-    assert ports.of_windows("COM5", Values()) == ports.Adapter()
+    assert ports.of_windows("COM5", Values({})) == ports.Adapter()
 
 
 def test_a_system_without_a_registry() -> None:

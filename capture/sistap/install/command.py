@@ -14,6 +14,7 @@ from typing import NamedTuple
 from sistap.install import module, sources
 from sistap.install.launching import launcher
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.state import is_root
@@ -210,5 +211,5 @@ def _check(console: Console) -> int:
         why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())
         console.say(f"Wireshark does not load the dissector: {why}")
         return FAILED
-    print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + "; start it with `wireshark -C SIS`")
+    print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + f"; {advice().started}")
     return DONE

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.line import registry
+from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE
 
 SYSFS = Path("/sys")
@@ -163,7 +164,7 @@ def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has th
     """Print the table of ports; return the exit code."""
     ports = found()
     if not ports:
-        print("no serial port found: plug the adapter in; if it stays away, `sudo dmesg | tail` says what became of it")
+        print(f"no serial port found: plug the adapter in; {advice().no_port}")
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
     rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
