@@ -52,6 +52,8 @@ class Win32:
         self.errors = 0
         self.time_outs: list[tuple[int, int, int]] = []
         self.is_gone = False
+        self.last_error = 0
+        self.is_timed_out = False  # wine says that a read of nothing failed
 
     def CreateEvent(self, *_: object) -> int:
         return 7
@@ -62,7 +64,7 @@ class Win32:
     def ResetEvent(self, handle: int) -> None: ...
 
     def GetLastError(self) -> int:
-        return 5 if self.is_gone else 997
+        return self.last_error
 
     def SetCommTimeouts(self, handle: int, place: Any) -> None:
         time_outs = place._obj
@@ -77,17 +79,19 @@ class Win32:
 
     def ReadFile(self, handle: int, buffer: Any, size: int, count: Any, overlapped: object) -> bool:
         assert handle == 99
+        assert size <= (len(self.waiting) or 1)  # it would wait for more
         if not self.waiting and self.came:
             came = self.came.pop(0)
             self.waiting, self.errors = came.data, self.errors | came.errors
         data, self.waiting = self.waiting[:size], self.waiting[size:]
         ctypes.memmove(buffer, data, len(data))
-        self.count = len(data)
+        self.count, self.last_error = len(data), 997
         return False
 
     def GetOverlappedResult(self, handle: int, overlapped: object, count: Any, wait: bool) -> bool:
         count._obj.value = self.count
-        return not self.is_gone
+        self.last_error = 5 if self.is_gone else 1460
+        return not (self.is_gone or self.is_timed_out)
 
 
 class Device:
@@ -171,11 +175,11 @@ def test_what_waits_when_an_error_is_told_is_part_of_its_read(device: Device, mo
     assert read and (read.data, list(read.flags)) == (b"AB", [Flag.UNLOCATED_ERROR] * 2)
 
 
-def test_a_read_comes_back_with_the_first_characters(device: Device) -> None:
+def test_no_read_waits_longer_than_a_step(device: Device) -> None:
     api = Win32()
     source = opened(api)
     source.change(LineSettings(19200))
-    assert api.time_outs == [(0xFFFFFFFF, 0xFFFFFFFF, 10)] * 2  # again after pyserial set its own
+    assert api.time_outs == [(0, 0, 10)] * 2  # again after pyserial set its own
     assert source.settings.baud == 19200
 
 
@@ -213,6 +217,13 @@ def test_other_adapters_have_no_bound(device: Device) -> None:
     assert source.adapter == "COM5"
     assert source.timing.startswith("Windows tells no bound of its times; clock ")
     assert [note.partition(":")[0] for note in source.notes] == ["COM5"]
+
+
+def test_a_read_that_times_out_is_no_loss(device: Device) -> None:
+    api = Win32()
+    source = opened(api)
+    api.is_timed_out = True
+    assert source.read(0.01) is None
 
 
 def test_a_port_that_is_unplugged(device: Device) -> None:

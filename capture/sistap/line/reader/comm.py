@@ -20,8 +20,8 @@ if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest stil
 # winbase.h: CE_RXOVER and CE_OVERRUN, then CE_RXPARITY, CE_FRAME and CE_BREAK.
 LOST, DAMAGED = 0x01 | 0x02, 0x04 | 0x08 | 0x10
 
-_MAXDWORD = 0xFFFFFFFF
 _ERROR_IO_PENDING = 997
+_ENDED_EARLY = (995, 1460)  # ERROR_OPERATION_ABORTED, ERROR_TIMEOUT: what came until then was read
 
 
 class CommPort:
@@ -39,9 +39,8 @@ class CommPort:
         self.prepare()
 
     def prepare(self) -> None:
-        """Let reads come back with the first characters; again after pyserial has changed settings."""
+        """Let no read wait longer than STEP_MS; again after pyserial has changed settings."""
         time_outs = self._api.COMMTIMEOUTS()
-        time_outs.ReadIntervalTimeout = time_outs.ReadTotalTimeoutMultiplier = _MAXDWORD
         time_outs.ReadTotalTimeoutConstant = STEP_MS
         self._api.SetCommTimeouts(self._handle, ctypes.byref(time_outs))
 
@@ -54,15 +53,20 @@ class CommPort:
         count: int = status.cbInQue
         return count
 
-    def take(self) -> bytes:
-        """Read what waits; if nothing does, what comes within STEP_MS. OSError if the port is gone."""
+    def take(self, waiting: int) -> bytes:
+        """Read what waits; if nothing does, the first character that comes within STEP_MS. OSError if the port is gone.
+
+        Not more than that one: Windows would wait for all that is asked for.
+        """
+        size = min(waiting, READ_SIZE) or 1
         api, count = self._api, self._api.DWORD()
         overlapped = ctypes.byref(self._overlapped)
         api.ResetEvent(self._overlapped.hEvent)
-        is_done = api.ReadFile(self._handle, self._buffer, READ_SIZE, ctypes.byref(count), overlapped)
+        is_done = api.ReadFile(self._handle, self._buffer, size, ctypes.byref(count), overlapped)
         if not is_done and api.GetLastError() not in (0, _ERROR_IO_PENDING):
             raise self._error()
-        if not api.GetOverlappedResult(self._handle, overlapped, ctypes.byref(count), True):
+        is_done = api.GetOverlappedResult(self._handle, overlapped, ctypes.byref(count), True)
+        if not is_done and api.GetLastError() not in _ENDED_EARLY:
             raise self._error()
         return self._buffer.raw[: count.value]
 

@@ -57,12 +57,13 @@ class WindowsReader:
         try:
             while not self._is_lost:
                 asked_ns = monotonic_ns()
-                in_time = not self._port.waiting()
+                waiting = self._port.waiting()
+                in_time = not waiting
                 if in_time:
                     self._emptied_ns = asked_ns
                 if in_time and not timeout_s:
                     return None
-                if data := self._port.take():
+                if data := self._port.take(waiting):
                     return self._received(data, in_time=in_time)
                 if monotonic_ns() >= end_ns:
                     return None
@@ -77,9 +78,9 @@ class WindowsReader:
         with suppress(OSError):  # what came before the port was lost is kept
             while len(data) < READ_SIZE:
                 self._emptied_ns = monotonic_ns()
-                if not self._port.waiting():
+                if not (waiting := self._port.waiting()):
                     break
-                data += self._port.take()
+                data += self._port.take(waiting)
                 now_ns = monotonic_ns()
         uncertainty_ns = latency.uncertainty_ns(
             self._latency_ns, self.settings, len(data), now_ns - since_ns, in_time=in_time, sleep_ns=_SLEEP_NS
