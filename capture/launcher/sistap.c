@@ -63,6 +63,17 @@ static void end_together(HANDLE child)
     AssignProcessToJobObject(job, child);
 }
 
+static void pass_streams_on(STARTUPINFOW *start)
+{
+    start->dwFlags = STARTF_USESTDHANDLES;
+    start->hStdInput = GetStdHandle(STD_INPUT_HANDLE);
+    start->hStdOutput = GetStdHandle(STD_OUTPUT_HANDLE);
+    start->hStdError = GetStdHandle(STD_ERROR_HANDLE);
+    SetHandleInformation(start->hStdInput, HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
+    SetHandleInformation(start->hStdOutput, HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
+    SetHandleInformation(start->hStdError, HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
+}
+
 static int run(const wchar_t *python, wchar_t *command)
 {
     STARTUPINFOW start = {.cb = sizeof start};
@@ -70,9 +81,7 @@ static int run(const wchar_t *python, wchar_t *command)
     DWORD code = 1;
 
     SetConsoleCtrlHandler(go_on, TRUE);
-    GetStartupInfoW(&start);
-    start.lpReserved2 = NULL;
-    start.cbReserved2 = 0;
+    pass_streams_on(&start);
     if (!CreateProcessW(python, command, NULL, NULL, TRUE, CREATE_SUSPENDED, NULL, NULL, &start, &child))
         return fail("cannot start", python);
     end_together(child.hProcess);

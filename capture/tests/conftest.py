@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -23,7 +24,8 @@ settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile("quick")
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
+if sys.platform != "win32":
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 @pytest.fixture(scope="session")
@@ -57,7 +59,7 @@ def full() -> Path:
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
     """Put back what a command run in this process does to the handlers."""
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
     yield
     for number, handler in handlers:
         signal.signal(number, handler)
