@@ -104,7 +104,7 @@ def test_a_capture_ends_well_when_wireshark_closes_its_pipe(monkeypatch: pytest.
 
 def test_a_file_that_wireshark_has_open(tmp_path: Path) -> None:
     file = tmp_path / "sis.dll"
-    held = f"^{file} stays as it is: a program has it open: close Wireshark, then try again"
+    held = f"^{re.escape(str(file))} stays as it is: a program has it open: close Wireshark, then try again"
     with pytest.raises(OSError, match=held), state.closed(file, "win32"):
         raise PermissionError(13, "Access is denied")
     with pytest.raises(PermissionError, match="Access is denied"), state.closed(file, "linux"):
