@@ -11,10 +11,11 @@ from collections.abc import Sequence
 
 import sistap
 from sistap.line.reader import PortError, PortLost
+from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.stop import Stop, Stopped
-from sistap.terminal.streams import end_standard_output, leave_standard_output
+from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_standard_output
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {
@@ -75,13 +76,13 @@ def _failed(error: Exception) -> int:
     """Say in one line what went wrong; return the exit code. Raise it again if that is nothing to be expected."""
     if isinstance(error, OSError):
         leave_standard_output()
-        if not isinstance(error, BrokenPipeError):
+        if not is_reader_gone(error, is_file=error.filename is not None):
             Console().say(str(error))
         return FAILED
     if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] == "serial":
         Console().say(
             f"pyserial is missing for {sys.executable}: `{sys.executable} -m pip install pyserial`, "
-            "or install the package python3-serial and run sistap with the system's own python3"
+            f"{advice().pyserial}"
         )
         return FAILED
     raise error

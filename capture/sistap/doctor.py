@@ -7,7 +7,7 @@ import argparse
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,8 +15,9 @@ from sistap.capture.filter import Filter, FilterError
 from sistap.line import measurement, ports, priority
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
+from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE, FAILED, PORT
-from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
+from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, program, version
 
 DESCRIPTION = """\
 Say in a line each what a capture needs and whether it is there; with -i, of this port, too.
@@ -101,7 +102,7 @@ def port_points(port: str) -> Iterator[Point]:
         return
     reader.close()
     if device:
-        for subject, text, _ in _HURDLES:
+        for subject, text, _ in _hurdles():
             yield Point("good", subject, text)
     yield Point("good", "adapter", reader.adapter)
     yield Point("poor" if reader.notes else "good", "times", reader.timing)
@@ -110,6 +111,7 @@ def port_points(port: str) -> Iterator[Point]:
 
 
 # What can keep a device from being opened, in this order: subject, what it is when it is well, and whether it is.
+# A port of Windows is no file that could be looked at.
 _HURDLES: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
     ("port", "it exists", lambda port: Path(port).exists()),
     ("rights", "you may open it", lambda port: os.access(port, os.R_OK | os.W_OK)),
@@ -117,8 +119,12 @@ _HURDLES: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
 )
 
 
+def _hurdles() -> Sequence[tuple[str, str, Callable[[str], bool]]]:
+    return _HURDLES[-1:] if sys.platform == "win32" else _HURDLES
+
+
 def _up_to_the_trouble(port: str, trouble: str) -> Iterator[Point]:
-    for subject, text, is_well in _HURDLES:
+    for subject, text, is_well in _hurdles():
         if not is_well(port):
             yield Point("bad", subject, trouble)
             return
@@ -135,7 +141,7 @@ def _has_pyserial() -> bool:
 
 def _pyserial() -> Iterator[Point]:
     if not _has_pyserial():
-        cure = f"`{sys.executable} -m pip install pyserial`, or install the package python3-serial"
+        cure = f"`{sys.executable} -m pip install pyserial`, {advice().pyserial}"
         yield Point("bad", "pyserial", f"missing for {sys.executable}: {cure}")
         return
     import serial
@@ -145,7 +151,7 @@ def _pyserial() -> Iterator[Point]:
     if found:
         yield Point("good", "ports", ", ".join(f"{port} ({behind})" for port, behind in found))
     else:
-        yield Point("poor", "ports", "none: plug the adapter in; if it stays away, `sudo dmesg | tail` says why")
+        yield Point("poor", "ports", f"none: plug the adapter in; {advice().no_port}")
 
 
 def _grabbers() -> Iterator[Point]:
@@ -164,8 +170,7 @@ def _clock() -> Iterator[Point]:
     if priority.is_real_time():
         yield Point("good", "priority", "a capture gets real-time priority")
     else:
-        cure = "run sistap with sudo, or put `@dialout - rtprio 1` into /etc/security/limits.conf and log in again"
-        yield Point("poor", "priority", f"other programs can make a capture late: {cure}")
+        yield Point("poor", "priority", f"other programs can make a capture late: {advice().late}")
     results, trouble = measurement.load()
     result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
     if result:
@@ -201,8 +206,8 @@ def _version(text: str) -> Point:
         return Point("bad", "tshark", "it does not say its version: install tshark 4.0 or later")
     if (found.major, found.minor) < OLDEST_WIRESHARK:
         return Point("bad", "tshark", f"{found.text} is too old: install 4.0 or later")
-    if not shutil.which("wireshark"):
-        return Point("poor", "tshark", f"{found.text}, no Wireshark beside it: `apt-get install wireshark`")
+    if not program("wireshark"):
+        return Point("poor", "tshark", f"{found.text}, no Wireshark beside it: {advice().wireshark}")
     return Point("good", "tshark", f"{found.text}, Wireshark beside it")
 
 

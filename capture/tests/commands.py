@@ -17,6 +17,9 @@ from pathlib import Path
 
 TIMEOUT_S = 120
 
+if sys.platform == "win32":
+    raise ImportError("Windows has no fork")
+
 _PROCESSES = multiprocessing.get_context("forkserver")
 _PROCESSES.set_forkserver_preload(
     ["sistap.cli", "sistap.report.command", "sistap.report.page", "sistap.annotate.annotating", "sistap.annotate.log"]

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from portable import lacking
 from sharkd import Sharkd
 
 import sistap.terminal.state
@@ -22,8 +24,22 @@ settings.register_profile("quick", max_examples=25, deadline=None)
 settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile("quick")
 
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
 # What nohup ignores, children ignore: they would not end when their terminal goes.
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
+if sys.platform != "win32":
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+class NotHere(pytest.Module):
+    """A file of tests that this system cannot run: skipped, with the reason."""
+
+    def collect(self) -> Iterable[pytest.Item | pytest.Collector]:
+        pytest.skip(lacking(self.path), allow_module_level=True)
+
+
+def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module | None:
+    return NotHere.from_parent(parent, path=module_path) if lacking(module_path) else None
 
 
 @pytest.fixture(scope="session")
@@ -40,7 +56,9 @@ def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
     folder = tmp_path_factory.mktemp("state")
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
     monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", folder / "sistap")
-    monkeypatch.setattr(sistap.terminal.state, "ROOT", os.getuid())  # whoever runs the tests can play root
+    monkeypatch.setattr(
+        sistap.terminal.state, "ROOT", getattr(os, "getuid", lambda: 0)()
+    )  # whoever runs the tests can play root
     monkeypatch.setattr(sistap.terminal.state, "HOME_OF_ROOT", str(folder / "root"))
     return folder
 
@@ -57,7 +75,7 @@ def full() -> Path:
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
     """Put back what a command run in this process does to the handlers."""
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
     yield
     for number, handler in handlers:
         signal.signal(number, handler)

@@ -320,6 +320,7 @@ def test_a_full_file_ends_it(tmp_path: Path) -> None:
     assert running.sink.data == []
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no pipes that are files")
 def test_a_reader_of_the_output_who_goes_ends_it_though_nothing_comes(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)

@@ -139,6 +139,21 @@ def test_windows_gets_a_batch_file(root: Path, run: Run, monkeypatch: pytest.Mon
     assert not (root / "Personal/extcap/sistap").exists()
 
 
+def test_windows_gets_the_program_where_it_was_built(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command, "WINDOWS", True)
+    run("install")
+    program = builds() / "windows/sistap.exe"
+    program.parent.mkdir(parents=True)
+    program.write_bytes(b"MZ")
+    assert run("install")[0] == 0
+    assert files(root / "Personal/extcap") == {"sistap.exe", "sistap.cfg"}  # the .bat is taken away
+    assert (root / "Personal/extcap/sistap.exe").read_bytes() == b"MZ"
+    lines = (root / "Personal/extcap/sistap.cfg").read_text().splitlines()
+    assert lines == [sys.executable, str(sources.PACKAGE.parent)]
+    assert run("uninstall")[0] == 0
+    assert not (root / "Personal/extcap").exists()
+
+
 def test_the_newest_build_that_fits(root: Path, run: Run) -> None:
     old, new = build(builds() / "one/plugin", 0), build(builds() / "two/plugin", 0)
     with new.open("ab") as file:

@@ -21,6 +21,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sistap.line import bus_socket, ports
+from sistap.line.clocks import STEADY
 from sistap.line.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
 from sistap.line.reader.contract import READ_SIZE
 from sistap.line.reader.device import MarkDecoder, PosixReader
@@ -842,7 +843,7 @@ def test_socket_url(server: socket.socket) -> None:
     url = f"socket://127.0.0.1:{server.getsockname()[1]}"
     source = open_reader(url, SETTINGS, line=1)
     connection, _ = server.accept()
-    assert source.timing == "times are those of arrival at this program over socket://; no bound known"
+    assert source.timing == f"times are those of arrival at this program over socket://; {STEADY}; no bound known"
     (note,) = source.notes
     assert "no verdict on its times is possible" in note
     assert source.adapter == url

@@ -3,19 +3,33 @@
 
 from __future__ import annotations
 
+import argparse
+import ctypes
+import errno
 import os
 import re
 import socket
 import sys
+import threading
+from functools import partial
 from pathlib import Path
+from queue import SimpleQueue
 from typing import NamedTuple
 
 import pytest
 
 from sistap import cli
+from sistap.bus.wires import choice
+from sistap.capture.filter import FilterError, candidates, opened
+from sistap.files.output import Output, ReaderGone
 from sistap.line import ports
-from sistap.line.reader import PortError, open_reader
+from sistap.line.reader import PortError, PortLost, open_reader
 from sistap.line.settings import LineSettings
+from sistap.terminal import state
+from sistap.terminal.stop import Stop
+from sistap.terminal.streams import is_reader_gone
+
+PATIENCE_S = 20
 
 
 class Status(NamedTuple):
@@ -24,14 +38,15 @@ class Status(NamedTuple):
     st_mode: int = 0o100666
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def windows(monkeypatch: pytest.MonkeyPatch) -> None:
     """As much of it as these tests need."""
     monkeypatch.setattr(sys, "platform", "win32")
-    monkeypatch.delattr(socket, "AF_UNIX")
-    monkeypatch.delattr(os, "major")
+    monkeypatch.delattr(socket, "AF_UNIX", raising=False)
+    monkeypatch.delattr(os, "major", raising=False)
 
 
+@pytest.mark.usefixtures("windows")
 def test_a_port_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Path, "stat", lambda *_, **__: Status())
     assert not ports.is_own_terminal("COM5")
@@ -41,13 +56,125 @@ def test_a_port_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 NO_SOCKETS = "Windows has no sockets that are files: .* HOST:PORT"
 
 
+@pytest.mark.usefixtures("windows")
 def test_a_bus_is_not_looked_for_at_a_path() -> None:
     with pytest.raises(PortError, match=NO_SOCKETS):
         open_reader("bus:///run/bus", LineSettings())
 
 
+@pytest.mark.usefixtures("windows")
 def test_a_bus_does_not_listen_at_a_path(capfd: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["bus", "--listen", "./bus"]) == 2
     out, err = capfd.readouterr()
     assert out == ""
     assert re.fullmatch(f"sistap bus: --listen .*{NO_SOCKETS} .*\n", err)
+
+
+@pytest.mark.parametrize(
+    ("number", "is_file", "system", "gone"),
+    [
+        (errno.EPIPE, False, "linux", True),
+        (errno.EPIPE, False, "win32", True),
+        (errno.EINVAL, False, "win32", True),
+        (errno.EINVAL, True, "win32", False),
+        (errno.EINVAL, False, "linux", False),
+        (errno.ENOSPC, False, "win32", False),
+    ],
+)
+def test_who_reads_a_pipe_is_gone(number: int, is_file: bool, system: str, gone: bool) -> None:
+    assert is_reader_gone(OSError(number, ""), is_file=is_file, system=system) is gone
+
+
+def test_a_capture_ends_well_when_wireshark_closes_its_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    reading, writing = os.pipe()
+    output = Output(f"/dev/fd/{writing}")
+
+    def refuse(descriptor: int, data: bytes) -> int:
+        raise OSError(errno.EINVAL, "Invalid argument")
+
+    monkeypatch.setattr("sistap.files.output.os.write", refuse)
+    monkeypatch.setattr("sistap.files.output.is_reader_gone", partial(is_reader_gone, system="win32"))
+    with pytest.raises(ReaderGone):
+        output.write(b"block")
+    monkeypatch.undo()
+    output.close()
+    for descriptor in (reading, writing):
+        os.close(descriptor)
+
+
+def test_a_file_that_wireshark_has_open(tmp_path: Path) -> None:
+    file = tmp_path / "sis.dll"
+    held = f"^{re.escape(str(file))} stays as it is: a program has it open: close Wireshark, then try again"
+    with pytest.raises(OSError, match=held), state.closed(file, "win32"):
+        raise PermissionError(13, "Access is denied")
+    with pytest.raises(PermissionError, match="Access is denied"), state.closed(file, "linux"):
+        raise PermissionError(13, "Access is denied")
+
+
+def places(**given: object) -> argparse.Namespace:
+    return argparse.Namespace(**({"pty": False, "listen": None, "port": None} | given))
+
+
+@pytest.mark.parametrize(
+    ("given", "listen"),
+    [
+        ({}, "127.0.0.1:0"),
+        ({"listen": "127.0.0.1:5000"}, "127.0.0.1:5000"),
+        ({"port": "COM5"}, None),
+        ({"file": "x.pcapng"}, None),
+    ],
+)
+def test_without_pseudo_terminals_a_bus_is_at_a_socket(given: dict[str, object], listen: str | None) -> None:
+    args = places(**given)
+    choice.settle(args, has_ptys=False)
+    assert args.listen == listen
+
+
+def test_a_pseudo_terminal_is_used_or_refused() -> None:
+    args = places()
+    choice.settle(args, has_ptys=True)
+    assert args.listen is None
+    with pytest.raises(ValueError, match="leave out --pty"):
+        choice.settle(places(pty=True), has_ptys=False)
+
+
+def test_a_bus_says_where_it_listens_by_itself(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The whole command, with the socket instead of a pseudo terminal; a tap hears it to its end."""
+    monkeypatch.setattr(choice.settle, "__kwdefaults__", {"has_ptys": False})
+    said: SimpleQueue[str] = SimpleQueue()
+    monkeypatch.setattr("builtins.print", lambda *text, **_: said.put(str(text[0])))
+    command = threading.Thread(target=cli.main, args=(["bus", "--cycles", "1", "--fast"], Deaf()))
+    command.start()
+    url = said.get(timeout=PATIENCE_S)
+    assert re.fullmatch(r"bus://127\.0\.0\.1:\d+", url)
+    reader = open_reader(url, LineSettings())
+    heard = b""
+    with pytest.raises(PortLost):
+        while True:
+            read = reader.read(PATIENCE_S)
+            heard += read.data if read else b""
+    reader.close()
+    command.join(PATIENCE_S)
+    assert len(heard) > 100
+
+
+class Deaf(Stop):
+    """A stop without signals: they are for the main thread."""
+
+    def _install(self) -> None: ...
+
+
+@pytest.mark.usefixtures("windows")
+def test_the_libpcap_of_windows_is_that_of_npcap(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SYSTEMROOT", r"D:\Windows")
+    names = list(candidates("win32"))
+    assert names == [r"D:\Windows\System32\Npcap\wpcap.dll", "wpcap.dll"]
+    tried: list[str] = []
+
+    def load(name: str) -> ctypes.CDLL:
+        tried.append(name)
+        raise OSError
+
+    with pytest.raises(FilterError, match="^a capture filter needs libpcap: install Npcap, which"):
+        opened(names, load)
+    assert tried == names

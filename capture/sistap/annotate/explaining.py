@@ -130,7 +130,7 @@ class Running:
         try:
             self._process.stdin.write(self._blocks.packet(record))
             self._process.stdin.flush()
-        except BrokenPipeError:
+        except OSError:
             raise self._failure() from None
 
     def get(self) -> Said:
@@ -168,7 +168,7 @@ class Running:
         assert self._process.stdin
         if kind is not None:
             self._process.kill()
-        with contextlib.suppress(BrokenPipeError):
+        with contextlib.suppress(OSError):
             self._process.stdin.close()
         self._process.wait()
         self._errors.close()

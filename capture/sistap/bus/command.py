@@ -121,6 +121,8 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         played = load(args.scenario)
         settings = _settings(args, played.settings)
         faults = Faults.parse(args.faults) if args.faults else NO_FAULTS
+        if played.is_complete:
+            choice.settle(args)
         _check_numbers(args)
         choice.check(args)
         if (faults.parity or faults.break_) and not (args.listen or args.file):

@@ -77,6 +77,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _play(args: argparse.Namespace) -> None:
     try:
+        choice.settle(args)
         choice.check(args)
         content = look(args.capture)
     except ValueError as error:

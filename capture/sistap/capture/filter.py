@@ -9,8 +9,13 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from pathlib import PureWindowsPath
 
 from sistap.files.pcapng import LINKTYPE_USER0
+from sistap.terminal.advice import advice
 
 _SNAPLEN = 0xFFFF
 
@@ -32,11 +37,25 @@ class _PacketHeader(ctypes.Structure):
     ]
 
 
+def candidates(system: str = sys.platform) -> Iterator[str]:
+    """Yield what libpcap can be called; on Windows it is Npcap's, which is in a folder of its own beside Packet.dll."""
+    if system == "win32":
+        yield str(PureWindowsPath(os.environ.get("SYSTEMROOT", r"C:\Windows"), "System32", "Npcap", "wpcap.dll"))
+        yield "wpcap.dll"  # Npcap, installed in WinPcap's place
+    else:
+        yield ctypes.util.find_library("pcap") or "libpcap.so.0.8"
+
+
+def opened(names: Iterable[str], load: Callable[[str], ctypes.CDLL] | None = None) -> ctypes.CDLL:
+    """Load the first that is there. FilterError."""
+    for name in names:
+        with suppress(OSError):
+            return (load or ctypes.CDLL)(name)
+    raise FilterError(f"a capture filter needs libpcap: {advice().libpcap}")
+
+
 def _load() -> ctypes.CDLL:
-    try:
-        pcap = ctypes.CDLL(ctypes.util.find_library("pcap") or "libpcap.so.0.8")
-    except OSError as error:
-        raise FilterError("a capture filter needs libpcap: install the package libpcap0.8 (or libpcap)") from error
+    pcap = opened(candidates())
     pcap.pcap_open_dead.restype = ctypes.c_void_p
     pcap.pcap_open_dead.argtypes = [ctypes.c_int, ctypes.c_int]
     pcap.pcap_compile.argtypes = [

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import gc
-import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from sistap.capture.scan import FORMATS
 from sistap.capture.steering import Steering, Step
 from sistap.capture.tap import Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
+from sistap.line.clocks import monotonic_ns
 from sistap.line.reader import PortError, PortLost, Reader, together
 from sistap.line.settings import LineSettings, Read
 from sistap.records.counters import Counters
@@ -60,7 +60,7 @@ class Capture:
         quiet: bool = False,
         progress: bool = False,
         remote: Remote | None = None,
-        clock_ns: Callable[[], int] = time.monotonic_ns,
+        clock_ns: Callable[[], int] = monotonic_ns,
     ) -> None:
         """`quiet`: do not say that it runs; `progress`: show the counters every second; `remote`: who controls it."""
         self._output = output

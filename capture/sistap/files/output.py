@@ -20,7 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, never_waiting
+from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
 
 if sys.platform == "win32":
     import msvcrt
@@ -178,7 +178,7 @@ class Output:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
 
     def _failure(self, error: OSError) -> OutputError:
-        if error.errno == errno.EPIPE:
+        if is_reader_gone(error, is_file=self._file.regular):
             return ReaderGone(f"the reader of {self} is gone; the capture has ended")
         return OutputError(f"{self}: {error.strerror}; everything before it is saved")
 
@@ -197,11 +197,11 @@ class _File:
             raise OutputRefused(
                 f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
             ) from error
-        self._regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
+        self.regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
         self._poll: select.poll | None = None
-        if self._regular and path != STANDARD_OUTPUT:
+        if self.regular and path != STANDARD_OUTPUT:
             self._lock()
-        elif sys.platform != "win32" and not self._regular:
+        elif sys.platform != "win32" and not self.regular:
             self._poll = select.poll()
             self._poll.register(self._descriptor, select.POLLOUT)
 
@@ -220,7 +220,7 @@ class _File:
 
     def empty(self) -> None:
         """Drop what an older capture left; not what a shell appends to."""
-        if self._regular and self.path != STANDARD_OUTPUT:
+        if self.regular and self.path != STANDARD_OUTPUT:
             os.ftruncate(self._descriptor, 0)
 
     def write_some(self, data: memoryview) -> int:
@@ -237,7 +237,7 @@ class _File:
 
     def cut(self, count: int) -> None:
         """Take away the last bytes, if that is possible."""
-        if self._regular:
+        if self.regular:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - count)
 

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.install import module, sources
-from sistap.install.launching import launcher
+from sistap.install.launching import launcher, settings
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.state import is_root
@@ -141,10 +142,21 @@ def _dissector(plugin: Path | None, wireshark: Version, places: folders.Folders,
 
 def _others(places: folders.Folders) -> Iterator[File]:
     """Yield all but the dissector."""
-    text = launcher(sys.executable, sources.PACKAGE.parent, WINDOWS)
-    yield File(places.extcap / ("sistap.bat" if WINDOWS else "sistap"), text.encode(), executable=True)
+    yield from _launchers(places.extcap, sources.PACKAGE.parent)
     for file in sources.profile():
         yield File(places.profiles / sources.PROFILE / file.name, file.read_bytes())
+
+
+def _launchers(folder: Path, package_root: Path) -> Iterator[File]:
+    """Yield by what Wireshark starts sistap; on Windows a program where there is one: cmd.exe garbles filters."""
+    text = launcher(sys.executable, package_root, WINDOWS)
+    if not WINDOWS:
+        yield File(folder / "sistap", text.encode(), executable=True)
+    elif program := sources.executable():
+        yield File(folder / "sistap.exe", program.read_bytes(), executable=True)
+        yield File(folder / "sistap.cfg", settings(sys.executable, package_root).encode())
+    else:
+        yield File(folder / "sistap.bat", text.encode(), executable=True)
 
 
 def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]:
@@ -210,5 +222,5 @@ def _check(console: Console) -> int:
         why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())
         console.say(f"Wireshark does not load the dissector: {why}")
         return FAILED
-    print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + "; start it with `wireshark -C SIS`")
+    print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + f"; {advice().started}")
     return DONE

@@ -24,6 +24,11 @@ set "PYTHONPATH={package_root}"
 """
 
 
+def settings(interpreter: str, package_root: Path) -> str:
+    """Return the text of sistap.cfg, which says to sistap.exe what the other launchers have in themselves."""
+    return f"{interpreter}\r\n{package_root}\r\n"
+
+
 def launcher(interpreter: str, package_root: Path, windows: bool) -> str:
     """Return the text of the launcher: `interpreter` is to run the package `sistap` that is in `package_root`.
 

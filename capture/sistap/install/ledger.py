@@ -112,7 +112,8 @@ class Ledger:
         if not file.exists():
             line = f"gone     {file}: somebody has removed it already"
         elif self._is_ours(file):
-            file.unlink()
+            with state.closed(file):
+                file.unlink()
             line = f"removed  {file}"
         else:
             line = f"kept     {file}: it was changed since it was put there"

@@ -41,6 +41,12 @@ def lua() -> Path:
     raise SourceError(f"sis.lua is missing beside {PACKAGE}: install sistap again, or run it from a whole checkout")
 
 
+def executable() -> Path | None:
+    """Find sistap.exe, the launcher for Windows: in the package, or as capture/launcher/build has made it."""
+    places = (PACKAGE / "sistap.exe", _checkout() / "build/windows/sistap.exe")
+    return next((file for file in places if file.is_file()), None)
+
+
 def profile() -> list[Path]:
     """List the files of the profile. SourceError."""
     files = sorted((PACKAGE / "profile" / PROFILE).glob("*"))

@@ -7,8 +7,9 @@ slowly that an interval is never off by more than SLEW_PPM; so somebody who sets
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+
+from sistap.line import clocks
 
 SLEW_PPM = 500  # what adjtime(3) allows itself
 CHECK_NS = 1_000_000_000  # how often the wall clock is looked at
@@ -19,7 +20,7 @@ class Clock:
     """Maps instants of the monotonic clock (ns) to ns since 1970."""
 
     def __init__(
-        self, monotonic_ns: Callable[[], int] = time.monotonic_ns, wall_ns: Callable[[], int] = time.time_ns
+        self, monotonic_ns: Callable[[], int] = clocks.monotonic_ns, wall_ns: Callable[[], int] = clocks.wall_ns
     ) -> None:
         """Take the offset now."""
         self._monotonic_ns = monotonic_ns

@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+from sistap.line import registry
+from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE
 
 SYSFS = Path("/sys")
@@ -51,6 +53,8 @@ class Adapter(NamedTuple):
 
 def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
     """Describe what is behind a device; a port that does not exist is an unknown adapter, not an error."""
+    if sys.platform == "win32":
+        return of_windows(port)
     if _is_pseudo_terminal(port):
         return Adapter("pseudo terminal", pseudo_terminal=True)
     tty = sysfs / "class/tty" / Path(os.path.realpath(port)).name
@@ -63,6 +67,12 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
         number(tty / "rx_trig_bytes"),
         serial=_line(usb / "serial") if usb else "",
     )
+
+
+def of_windows(port: str, known: registry.Registry | None = None) -> Adapter:
+    """Describe what is behind a port of Windows, from its registry: only FTDI adapters are in it."""
+    found = registry.ftdi(port, known)
+    return Adapter(found.name, found.driver, found.latency_ms, serial=found.serial) if found else Adapter()
 
 
 def identity(port: str, behind: Adapter) -> str:
@@ -154,7 +164,7 @@ def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has th
     """Print the table of ports; return the exit code."""
     ports = found()
     if not ports:
-        print("no serial port found: plug the adapter in; if it stays away, `sudo dmesg | tail` says what became of it")
+        print(f"no serial port found: plug the adapter in; {advice().no_port}")
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
     rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from sistap.terminal.advice import advice
 from sistap.terminal.stop import held
 
 ROOT = 0  # user
@@ -22,6 +25,10 @@ HOME_OF_ROOT = "~root"  # whatever the environment says
 
 class StateError(RuntimeError):
     """The folder cannot be used; the text is one line that names the cure."""
+
+
+class HeldOpenError(OSError):
+    """A program has a file open; the text is one line that names the cure."""
 
 
 def is_root() -> bool:
@@ -89,6 +96,17 @@ def save(name: str, content: bytes) -> Path:
     return path / name
 
 
+@contextmanager
+def closed(file: Path, system: str = sys.platform) -> Iterator[None]:
+    """Replace or remove a file in a `with`. HeldOpenError if a program has it open: only Windows minds that."""
+    try:
+        yield
+    except PermissionError as error:
+        if system != "win32":
+            raise
+        raise HeldOpenError(f"{file} stays as it is: {advice(system).held}") from error
+
+
 def replace(file: Path, content: bytes, *, executable: bool = False) -> None:
     """Write a whole file, or none; a new one in place of the old: a running Wireshark may have that one mapped.
 
@@ -100,7 +118,8 @@ def replace(file: Path, content: bytes, *, executable: bool = False) -> None:
             with open(descriptor, "wb") as stream:
                 stream.write(content)
             Path(new).chmod(0o755 if executable else 0o644)
-            Path(new).replace(file)
+            with closed(file):
+                Path(new).replace(file)
         finally:
             with suppress(OSError):
                 Path(new).unlink()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import select
 import sys
@@ -11,6 +12,14 @@ import sys
 STANDARD_OUTPUT = "-"
 PIECE = getattr(select, "PIPE_BUF", 512)  # bytes that a pipe takes without waiting once poll says that it takes any
 _WAIT_MS = 100  # so long, at most, does a stop take
+
+
+def is_reader_gone(error: OSError, *, is_file: bool = False, system: str = sys.platform) -> bool:
+    """Tell whether a write failed because nobody reads any more.
+
+    Windows says EPIPE for a pipe whose other end was closed just now, and EINVAL from then on.
+    """
+    return error.errno == errno.EPIPE or (system == "win32" and error.errno == errno.EINVAL and not is_file)
 
 
 def leave_standard_output() -> None:

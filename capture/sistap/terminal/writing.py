@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import BinaryIO
 
-from sistap.terminal.streams import STANDARD_OUTPUT, leave_standard_output
+from sistap.terminal.streams import STANDARD_OUTPUT, is_reader_gone, leave_standard_output
 
 
 class NotOpened(Exception):
@@ -26,9 +26,9 @@ def opened(path: str | None, cure: str = "name another file with -o") -> Iterato
         try:
             yield sys.stdout.buffer
             sys.stdout.buffer.flush()
-        except BrokenPipeError:
-            raise  # nobody reads any more: nothing has to be said
         except OSError as error:
+            if is_reader_gone(error):
+                raise  # nothing has to be said
             leave_standard_output()
             raise Incomplete(f"standard output is incomplete: {error.strerror}; make room, or {cure}") from None
         return

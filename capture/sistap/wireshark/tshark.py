@@ -23,6 +23,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
+from sistap.terminal.advice import advice
 from sistap.terminal.stop import held
 
 NOBODY = 65534
@@ -69,6 +70,18 @@ def loaded(text: str) -> list[Loaded]:
     return [Loaded(row[0], row[1], row[-1]) for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
 
 
+def program(name: str) -> str | None:
+    """Find a program of Wireshark, also where its installers put it without adding it to PATH."""
+    return shutil.which(name) or shutil.which(name, path=_FOLDERS.get(sys.platform, ""))
+
+
+def _found(name: str) -> str:
+    path = program(name)
+    if path is None:
+        raise TsharkError(f"{name} is not on PATH; {advice().tshark}")
+    return path
+
+
 class Used(NamedTuple):
     """What a run of tshark has used."""
 
@@ -88,10 +101,7 @@ class Tshark:
         It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Root stays root without
         `drop_rights`: then folders are root's own, and personal plugins are not loaded.
         """
-        path = shutil.which(program) or shutil.which(program, path=_FOLDERS.get(sys.platform, ""))
-        if path is None:
-            raise TsharkError(f"{program} is not on PATH; Debian and Ubuntu: apt-get install {program}")
-        self._path = path
+        self._path = _found(program)
         self._environment = dict(os.environ)
         if plugins is not None:
             self._environment["WIRESHARK_PLUGIN_DIR"] = str(plugins)

@@ -14,6 +14,7 @@ from sistap.bus.real.noting import Noting
 from sistap.bus.real.receiver import Receiver
 from sistap.bus.stations.initialization import Timing
 from sistap.bus.stations.station import Station
+from sistap.line.clocks import monotonic_ns
 from sistap.line.settings import LineSettings
 
 _MS = 1_000_000
@@ -48,11 +49,11 @@ class BusTime:
 
     def __init__(self) -> None:
         """Start at 0."""
-        self._zero = time.monotonic_ns()
+        self._zero = monotonic_ns()
 
     def now_ns(self) -> int:
         """Tell the time."""
-        return time.monotonic_ns() - self._zero
+        return monotonic_ns() - self._zero
 
     def until_s(self, time_ns: int) -> float:
         """Tell how long one would have to sleep from now, in seconds; 0 if it is over."""

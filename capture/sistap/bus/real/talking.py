@@ -16,6 +16,7 @@ from sistap.bus.scenarios.scenario import Playing, Scenario
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.transmitting import TransmittingPort
 from sistap.line.clock import CLOCK
+from sistap.line.clocks import monotonic_ns
 from sistap.line.settings import LineSettings, Read
 from sistap.records.framer import SisFramer
 from sistap.records.record import Record, Type
@@ -40,7 +41,7 @@ class RealLine:
         self.commands = self.reactions = self.unanswered = 0
         self._port = port
         self._times = times
-        self._zero = time.monotonic_ns()
+        self._zero = monotonic_ns()
         self._follow = Follow(port.settings.baud)
 
     @property
@@ -51,7 +52,7 @@ class RealLine:
     @property
     def now_ns(self) -> int:
         """The time, in ns since the line was opened."""
-        return time.monotonic_ns() - self._zero
+        return monotonic_ns() - self._zero
 
     @property
     def counts(self) -> str:

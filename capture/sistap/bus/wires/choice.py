@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import TYPE_CHECKING
 
 from sistap.bus.ending import Refusal
@@ -11,6 +12,7 @@ from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire
 from sistap.line import ports
 from sistap.line.settings import LineSettings
+from sistap.terminal.advice import advice
 from sistap.terminal.exits import PORT, USAGE
 
 if TYPE_CHECKING:  # Windows has no pseudo terminals, and a pty needs no pyserial
@@ -18,19 +20,32 @@ if TYPE_CHECKING:  # Windows has no pseudo terminals, and a pty needs no pyseria
     from sistap.bus.wires.transmitting import TransmittingPort
 
 ALL = 0xFFFF  # characters of a read, at most
+ANY_LOCAL = "127.0.0.1:0"  # any free port; only programs of this computer reach it
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> argparse._MutuallyExclusiveGroup:
     """Declare where to play; gives the group for more such options."""
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--pty", action="store_true", help="at a pseudo terminal; its name is printed (default)")
-    where.add_argument("--listen", metavar="HOST:PORT|PATH", help="at a socket, for `sistap capture -i bus://...`")
+    where.add_argument(
+        "--listen", metavar="HOST:PORT|PATH", help="at a socket, for `sistap capture -i bus://...` (default on Windows)"
+    )
     where.add_argument("--port", metavar="PORT", help="at a real port, with --transmit")
     parser.add_argument(
         "--transmit", action="store_true", help="allow sending on PORT; without it nothing is ever sent there"
     )
     parser.add_argument("--fast", action="store_true", help="do not wait for real time (with --listen)")
     return where
+
+
+def settle(args: argparse.Namespace, *, has_ptys: bool = sys.platform != "win32") -> None:
+    """Choose a socket where no place is named and there are no pseudo terminals. ValueError: one is asked for."""
+    if has_ptys:
+        return
+    if args.pty:
+        raise ValueError("this system has no pseudo terminals: leave out --pty")
+    if not (args.listen or args.port or getattr(args, "file", None)):
+        args.listen = ANY_LOCAL
 
 
 def check(args: argparse.Namespace) -> None:
@@ -64,7 +79,7 @@ def opened(args: argparse.Namespace, settings: LineSettings, pace: Pace, seed: i
     except ValueError as error:
         raise Refusal(USAGE, f"--listen {error}") from error
     except OSError as error:
-        cure = "choose another port (0: any free one) or PATH" if args.listen else "close some terminals"
+        cure = "choose another port (0: any free one) or PATH" if args.listen else advice().no_pseudo_terminal
         where = args.listen or "a pseudo terminal"
         raise Refusal(PORT, f"cannot listen at {where}: {error.strerror or error}; {cure}") from error
 
@@ -82,7 +97,9 @@ def port(args: argparse.Namespace, settings: LineSettings, seed: int) -> Transmi
     except ImportError as error:
         raise Refusal(PORT, "this system has no pseudo terminals: use --port PORT --transmit") from error
     except OSError as error:
-        raise Refusal(PORT, f"cannot open a pseudo terminal: {error.strerror}; close some terminals") from error
+        raise Refusal(
+            PORT, f"cannot open a pseudo terminal: {error.strerror}; {advice().no_pseudo_terminal}"
+        ) from error
 
 
 def _pseudo_terminal(pace: Pace, settings: LineSettings, seed: int) -> Wire:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 
 from sistap.line.clock import CLOCK
+from sistap.line.clocks import monotonic_ns
 
 _SPIN_NS = 150_000  # a sleep ends up to about this much late
 
@@ -20,7 +21,7 @@ class Pace:
 
     def start(self, delay_s: float = 0) -> None:
         """Let time 0 be so much later than now."""
-        self._zero = time.monotonic_ns() + int(delay_s * 1e9)
+        self._zero = monotonic_ns() + int(delay_s * 1e9)
         self._wall_zero = CLOCK.wall_ns(self._zero)
 
     def wait_until(self, time_ns: int) -> None:
@@ -28,10 +29,10 @@ class Pace:
         if self.simulated:
             return
         instant = self._zero + time_ns
-        remaining = instant - time.monotonic_ns()
+        remaining = instant - monotonic_ns()
         if remaining > _SPIN_NS:
             time.sleep((remaining - _SPIN_NS) / 1e9)
-        while time.monotonic_ns() < instant:
+        while monotonic_ns() < instant:
             pass
 
     def wall_ns(self, time_ns: int = 0) -> int:

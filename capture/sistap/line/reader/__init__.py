@@ -25,10 +25,14 @@ def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
         return WireReader(port, settings, line)
     if settings.baud <= 0:
         raise PortError(f"{port} needs a rate: say it with --baud")
-    if "://" in port or sys.platform == "win32":
+    if "://" in port:
         from sistap.line.reader.url import UrlReader
 
         return UrlReader(port, settings, line)
+    if sys.platform == "win32":
+        from sistap.line.reader.windows import WindowsReader
+
+        return WindowsReader(port, settings, line)
     from sistap.line.reader.device import PosixReader
 
     return PosixReader(port, settings, line)

@@ -13,8 +13,8 @@ import time
 import tty
 from array import array
 from contextlib import suppress
-from time import monotonic_ns
 
+from sistap.line.clocks import monotonic_ns
 from sistap.line.reader.contract import READ_SIZE
 
 if sys.platform == "win32":

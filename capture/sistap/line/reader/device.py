@@ -8,16 +8,16 @@ import os
 import select
 import struct
 import sys
-from time import monotonic_ns
 
 from sistap.line import ports, priority
 from sistap.line.clock import CLOCK
+from sistap.line.clocks import monotonic_ns
 from sistap.line.reader import latency
 from sistap.line.reader.contract import READ_SIZE, STEP_MS, PortLost
 from sistap.line.reader.opening import change_device, open_device
 from sistap.line.reader.trouble import lost_text
 from sistap.line.reader.tuning import Tuning
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.line.settings import Flag, LineSettings, Read
 
 if sys.platform == "win32":
     raise ImportError("Windows has no terminals: sistap.line.reader.url reads its ports")
@@ -84,7 +84,9 @@ class PosixReader:
         decoder = self._decoder
         in_time = in_time and not decoder.pending
         characters, flags = decoder.feed(data)
-        uncertainty_ns = self._uncertainty_ns(len(characters), now - self._emptied_ns, in_time=in_time)
+        uncertainty_ns = latency.uncertainty_ns(
+            self._latency_ns, self.settings, len(characters), now - self._emptied_ns, in_time=in_time
+        )
         if not decoder.pending and len(data) < READ_SIZE:
             self._emptied_ns = asked_ns
         if not characters:
@@ -111,19 +113,6 @@ class PosixReader:
             left_ms -= step_ms
             asked_ns = monotonic_ns()
         return step_ms > 0
-
-    def _uncertainty_ns(self, count: int, unseen_ns: int, *, in_time: bool) -> int:
-        """Bound how long characters had been there; for `unseen_ns` nobody had looked, or slept until they came.
-
-        They were not read within the latency if they were there before they were asked for, if so many take longer
-        than that, or if the sleep was longer than it was meant to be (the process was stopped): then, since when they
-        were there, nobody knows.
-        """
-        latency_ns, character_ns = self._latency_ns, self.settings.character_ns
-        if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > STEP_MS * 1_000_000 + latency_ns:
-            return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
-        # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
-        return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)
 
     def close(self) -> None:
         """Set the port back to what it was, and let it go."""

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import functools
+import sys
+from contextlib import suppress
 from typing import NamedTuple
 
 from sistap.line import measurement, ports
 from sistap.line.ports import Adapter
-from sistap.line.reader import delay
+from sistap.line.reader.contract import STEP_MS
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
 MEASURE_NS = 200_000_000
@@ -69,6 +71,28 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
     return Bound(total_ns, f"uncertainty {_ms(total_ns)}{parts}, {before.how}{unknown}", notes)
 
 
+def uncertainty_ns(  # noqa: PLR0913 - all that is known of a read
+    latency_ns: int,
+    settings: LineSettings,
+    count: int,
+    unseen_ns: int,
+    *,
+    in_time: bool,
+    sleep_ns: int = STEP_MS * 1_000_000,
+) -> int:
+    """Bound how long characters had been there; for `unseen_ns` nobody had looked, or slept until they came.
+
+    They were not read within the latency if they were there before they were asked for, if so many take longer
+    than that, or if the sleep was longer than `sleep_ns` (the process was stopped): then, since when they were there,
+    nobody knows.
+    """
+    character_ns = settings.character_ns
+    if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > sleep_ns + latency_ns:
+        return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
+    # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
+    return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)
+
+
 def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:
     """Return what a self-test of a port depends on; the adapter as it is while it is tuned."""
     return measurement.conditions(adapter=str(behind), line=f"{settings.baud} Bd {settings.format}")
@@ -103,8 +127,16 @@ def _ms(ns: int) -> str:
 def measured_latency_ns() -> int:
     """Measure how late, at worst, this process sees a character: for MEASURE_NS, once in its life.
 
-    Fewer than a thousand samples: so the bound p99.9 is the largest. UNCERTAINTY_UNKNOWN without a pty.
+    Fewer than a thousand samples: so the bound p99.9 is the largest. UNCERTAINTY_UNKNOWN if it cannot be measured.
     """
+    if sys.platform == "win32":
+        from sistap.line.reader import loopback
+
+        with suppress(OSError):
+            return max(loopback.through_socket(MEASURE_NS), default=UNCERTAINTY_UNKNOWN)
+        return UNCERTAINTY_UNKNOWN
+    from sistap.line.reader import delay
+
     try:
         return max(delay.through_pty(MEASURE_NS))
     except (OSError, delay.LoopBroken):

@@ -30,3 +30,11 @@ def closed_serial(port: str, settings: LineSettings) -> serial.Serial:
     device.dtr = False
     device.rts = False
     return device
+
+
+def configure(device: serial.Serial, settings: LineSettings) -> None:
+    """Change rate and format of an open port of pyserial. OSError or ValueError if it cannot do them."""
+    device.baudrate = settings.baud
+    device.bytesize = settings.data_bits
+    device.parity = settings.parity
+    device.stopbits = settings.stop_half_bits / 2

@@ -14,9 +14,9 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
-from time import monotonic_ns
 from typing import Protocol, runtime_checkable
 
+from sistap.line.clocks import monotonic_ns
 from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 

@@ -1,21 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads any port that pyserial can open."""
+"""Reads any URL that pyserial can open."""
 
 from __future__ import annotations
 
-import time
 from contextlib import suppress
-from time import monotonic_ns
 
 from sistap.line.clock import CLOCK
+from sistap.line.clocks import STEADY, monotonic_ns
 from sistap.line.reader.contract import READ_SIZE, PortError, PortLost
-from sistap.line.reader.listening import closed_serial
+from sistap.line.reader.listening import closed_serial, configure
 from sistap.line.reader.trouble import url_trouble
 from sistap.line.settings import LineSettings, Read
 
 
 class UrlReader:
-    """Reads through pyserial: URLs such as socket:// and rfc2217://, and the ports of Windows. No error flags."""
+    """Reads through pyserial: URLs such as socket:// and rfc2217://. No error flags."""
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Open the port. May raise PortError."""
@@ -25,7 +24,7 @@ class UrlReader:
         self.line = line
         scheme, separator, _ = port.partition("://")
         over = scheme + separator
-        self.timing = f"times are those of arrival at this program over {over}; no bound known"
+        self.timing = f"times are those of arrival at this program over {over}; {STEADY}; no bound known"
         self.notes: tuple[str, ...] = (
             f"{port}: without a bound no verdict on its times is possible: a device of this computer has one",
         )
@@ -38,9 +37,9 @@ class UrlReader:
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived, None if nothing did in that time. May raise PortLost."""
-        end = time.monotonic() + timeout_s
+        end_ns = monotonic_ns() + int(timeout_s * 1e9)
         data = b""
-        while not self._lost and not data and time.monotonic() <= end:
+        while not self._lost and not data and monotonic_ns() <= end_ns:
             data = self._waiting()
         if data:
             return Read(self.line, CLOCK.wall_ns(monotonic_ns()), data, bytes(len(data)), settings=self.settings)
@@ -51,19 +50,12 @@ class UrlReader:
     def change(self, settings: LineSettings) -> None:
         """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
         try:
-            self._apply(settings)
+            configure(self._device, settings)
         except (OSError, ValueError) as error:
             with suppress(OSError, ValueError):
-                self._apply(self.settings)
+                configure(self._device, self.settings)
             raise PortError(url_trouble(self.name, settings, error)) from error
         self.settings = settings
-
-    def _apply(self, settings: LineSettings) -> None:
-        device = self._device
-        device.baudrate = settings.baud
-        device.bytesize = settings.data_bits
-        device.parity = settings.parity
-        device.stopbits = settings.stop_half_bits / 2
 
     def _waiting(self) -> bytes:
         """Take one character, and all that are there with it; what came before the port was lost is kept."""

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What to do, in the words of each system: a column of the table of cures for Linux, Windows and macOS."""
+
+from __future__ import annotations
+
+import sys
+from typing import NamedTuple
+
+
+class Advice(NamedTuple):
+    """Cures, each a clause that goes behind a colon."""
+
+    no_port: str  # an adapter was plugged in, and there is no port
+    late: str  # other programs make a capture late
+    tshark: str
+    wireshark: str  # tshark is there, Wireshark is not
+    libpcap: str
+    pyserial: str  # beside `python -m pip install pyserial`
+    no_pseudo_terminal: str
+    held: str  # a file cannot be replaced or removed
+    started: str  # how Wireshark is started with the profile
+    latency_timer: str  # of an FTDI adapter: {name} is that of Windows
+
+
+_LINUX = Advice(
+    no_port="if it stays away, `sudo dmesg | tail` says why",
+    late="run sistap with sudo, or put `@dialout - rtprio 1` into /etc/security/limits.conf and log in again",
+    tshark="Debian and Ubuntu: `apt-get install tshark`",
+    wireshark="`apt-get install wireshark`",
+    libpcap="install the package libpcap0.8 (or libpcap)",
+    pyserial="or install the package python3-serial and run sistap with the system's own python3",
+    no_pseudo_terminal="close some terminals",
+    held="see who may write to its folder",
+    started="start it with `wireshark -C SIS`",
+    latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
+)
+
+_MACOS = _LINUX._replace(
+    no_port="if it stays away, see System Information > USB, and install its driver",
+    late="end what needs the processor",
+    tshark="install Wireshark, which brings it",
+    wireshark="install Wireshark",
+    libpcap="macOS brings it: start sistap with a Python of this system",
+    pyserial="with the Python that runs sistap",
+)
+
+_WINDOWS = Advice(
+    no_port="if it stays away, Device Manager > Ports (COM & LPT) shows whether its driver is missing",
+    late="end what needs the processor, and choose the power plan High performance",
+    tshark="run Wireshark's installer again and tick TShark",
+    wireshark="run Wireshark's installer again and tick Wireshark",
+    libpcap="install Npcap, which Wireshark's installer brings",
+    pyserial="with the Python that runs sistap",
+    no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
+    held="a program has it open: close Wireshark, then try again",
+    started="start it, and choose the profile SIS at the right end of its status bar",
+    latency_timer="in Device Manager > Ports (COM & LPT) > {name} > Properties > Port Settings > Advanced set Latency "
+    "Timer (msec) to 1, then start again",
+)
+
+_OF_SYSTEM = {"darwin": _MACOS, "win32": _WINDOWS}
+
+
+def advice(system: str = "") -> Advice:
+    """Return the column of a system as Python calls it; without a name, that of this one."""
+    return _OF_SYSTEM.get(system or sys.platform, _LINUX)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What to do is said in the words of the system."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import sistap
+from sistap.terminal.advice import advice
+
+PACKAGE = Path(sistap.__file__).parent
+WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-serial|libpcap0")
+
+# Where else such words may stand: in modules that Windows never loads, and where the programs of Linux are named.
+LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}
+
+
+def test_windows_is_told_nothing_of_linux() -> None:
+    assert not WORDS.search(" ".join(advice("win32")))
+    assert not re.search("sudo|/dev/|/sys/|`", " ".join(advice("win32")))
+    assert advice("linux") != advice("win32") != advice("darwin")
+    assert advice("freebsd") == advice("linux")
+
+
+def texts(file: Path) -> list[str]:
+    """Return all texts of a module that are shown to somebody."""
+    tree = ast.parse(file.read_text("utf-8"))
+    return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+
+
+@pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_such_words_stand_in_the_table_alone(file: Path) -> None:
+    if file.name != "advice.py":
+        allowed = LINUX_ALONE.get(file.name, "\0")
+        assert not [text for text in texts(file) if WORDS.search(text) and allowed not in text]

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which clocks are taken: the usual ones, unless they are coarse, as those of Windows before Python 3.13."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sistap.line import clocks
+from sistap.line.settings import LineSettings
+
+TICK_S = 0.015625
+
+
+def described(coarse: str = "") -> Callable[[str], clocks.Info]:
+    """Describe clocks as Python does; those named in `coarse` move in ticks."""
+    return lambda name: SimpleNamespace(resolution=TICK_S if name in coarse.split() else 1e-7)
+
+
+def test_a_fine_monotonic_clock_is_taken() -> None:
+    clock = clocks.steady(described())
+    assert clock.now_ns is time.monotonic_ns
+    assert str(clock) == "clock monotonic, in steps of 100 ns"
+
+
+def test_the_performance_counter_stands_in_for_a_coarse_one() -> None:
+    clock = clocks.steady(described("monotonic"))
+    assert clock.now_ns is time.perf_counter_ns
+    assert str(clock) == "clock perf_counter, in steps of 100 ns"
+    assert "in steps of 15.6 ms" in str(clocks.steady(described("monotonic perf_counter")))
+
+
+class Kernel:
+    """Of kernel32.dll the precise wall clock, at 2026-11-20 12:00:00.1234567 UTC."""
+
+    def GetSystemTimePreciseAsFileTime(self, place: Any) -> None:
+        seconds = 1_795_176_000 + 11_644_473_600
+        ctypes.cast(place, ctypes.POINTER(ctypes.c_uint64))[0] = seconds * 10_000_000 + 1_234_567
+
+
+def test_the_wall_clock_of_windows_is_the_precise_one() -> None:
+    assert clocks.wall(described(), Kernel()) is time.time_ns
+    assert clocks.wall(described("time"), Kernel())() == 1_795_176_000_123_456_700
+    assert clocks.wall(described("time"), object()) is time.time_ns  # Windows 7 has none
+
+
+def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    from sistap.bus.wires import pace
+    from sistap.capture import session
+    from sistap.line.reader import delay, device, several, url
+
+    for module in (pace, session, delay, device, several, url):
+        assert module.monotonic_ns is clocks.monotonic_ns, module
+
+
+def test_what_a_url_says_of_its_times_names_the_clock() -> None:
+    from sistap.line.reader.url import UrlReader
+
+    reader = UrlReader("loop://", LineSettings())
+    reader.close()
+    assert str(clocks.STEADY) in reader.timing

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Files of tests that Windows cannot run are skipped there, and say why."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from portable import lacking
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("import os, sistap.line.ports\nfrom sistap.line.reader import open_reader, url", ""),
+        ("from no_such_module import x", "needs no_such_module: No module named 'no_such_module'"),
+        ("import os.no_such", "needs os.no_such: "),
+        ("from sistap.line import no_such", "needs sistap.line: "),
+    ],
+)
+def test_what_windows_lacks(tmp_path: Path, text: str, reason: str) -> None:
+    file = tmp_path / "test_x.py"
+    file.write_text(text)
+    assert lacking(file, "win32").startswith(reason)
+    assert bool(lacking(file, "win32")) == bool(reason)
+    assert lacking(file, "linux") == ""
