@@ -17,9 +17,10 @@ ROW = re.compile(r"^ *(All|\d+) +(\|.*\|)$", re.MULTILINE)
 COUNT = re.compile(r"^( *)(\S.*?) {2,}(\d+)(?: |$)", re.MULTILINE)
 TIMES = re.compile(r"^ +(\d+) +(\S.*?) +(\d+) +([\d.]+) +([\d.]+) +([\d.]+)", re.MULTILINE)
 
+CAPTURE = Path(__file__).parent.parent / "test-captures" / "statistics.pcapng"
+
 # How each of the statistics is read from what is printed.
 READERS = {"tree": COUNT, "tza": ROW, "bus": ROW, "srt": TIMES}
-every_kind = pytest.mark.parametrize("kind", READERS)
 
 
 def figures(kind: str, text: str) -> list[tuple[str, ...]]:
@@ -28,37 +29,36 @@ def figures(kind: str, text: str) -> list[tuple[str, ...]]:
     return [row for row in rows if kind != "tree" or row[-1] != "0"]
 
 
-def check(plugin: Tshark, script: Tshark, kind: str, capture: Path, *given: str) -> None:
-    """Compare what both count in a capture."""
+def check(plugin: Tshark, script: Tshark, capture: Path, *given: str) -> dict[str, list[tuple[str, ...]]]:
+    """Compare what both count in a capture; return the figures."""
     reading = ("-q", "-r", str(capture), *given)
-    asked = figures(kind, plugin.output("-z", f"sis,{kind}", *reading))
-    assert figures(kind, script.output("-o", f"sis.statistics:{kind}", *reading)) == asked
+    counted = {}
+    for kind in READERS:
+        counted[kind] = figures(kind, plugin.output("-z", f"sis,{kind}", *reading))
+        assert figures(kind, script.output("-o", f"sis.statistics:{kind}", *reading)) == counted[kind], kind
+    return counted
 
 
-@every_kind
-def test_all_captures_together(kind: str, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    group = groups()[0]
-    capture = tmp_path / "merged.pcapng"
-    group.write(capture)
-    check(plugin, script, kind, capture, *options(group.options, ()))
-    assert figures(kind, plugin.output("-q", "-z", f"sis,{kind}", "-r", str(capture))), "there is nothing to compare"
+def test_a_capture(plugin: Tshark, script: Tshark) -> None:
+    counted = check(plugin, script, CAPTURE)
+    assert all(counted.values()), "there is nothing to compare"
 
 
 @pytest.mark.thorough
-@every_kind
 @pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
-def test_each_capture(kind: str, path: Path, plugin: Tshark, script: Tshark) -> None:
-    check(plugin, script, kind, path.with_suffix(".pcapng"), *options(Scenario(path).options, ()))
+def test_each_capture(path: Path, plugin: Tshark, script: Tshark) -> None:
+    check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, ()))
 
 
-def test_two_passes_count_once(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+@pytest.mark.thorough
+@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
+def test_all_captures_together(passes: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     group: Group = groups()[0]
     capture = tmp_path / "merged.pcapng"
     group.write(capture)
-    check(plugin, script, "bus", capture, *options(group.options, ("-2",)))
+    check(plugin, script, capture, *options(group.options, passes))
 
 
 def test_an_unknown_name_is_told(script: Tshark) -> None:
-    capture = str(Path(__file__).parent.parent / "test-captures" / "statistics.pcapng")
-    said = script.output("-q", "-o", "sis.statistics:tre", "-r", capture)
+    said = script.output("-q", "-o", "sis.statistics:tre", "-r", str(CAPTURE))
     assert "'tre' is none of tree, tza, bus, srt" in said
