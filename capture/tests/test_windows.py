@@ -53,6 +53,15 @@ def test_a_port_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not ports.adapter("COM5").pseudo_terminal
 
 
+@pytest.mark.usefixtures("windows")
+def test_a_port_is_no_file_that_could_be_a_link(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> str:
+        raise PermissionError("[WinError 31] General failure: 'COM5'")
+
+    monkeypatch.setattr(os.path, "realpath", fail)
+    assert ports.identity("COM5", ports.Adapter()) == "unknown adapter at COM5"
+
+
 NO_SOCKETS = "Windows has no sockets that are files: .* HOST:PORT"
 
 

@@ -56,7 +56,7 @@ def port_of(name: str) -> str:
 def _of_port(port: str, adapter: str, names: dict[str, str]) -> Interface:
     device = Path(port).name
     described = f"SIS tap: {device} ({adapter})" if adapter else f"SIS tap: {device}"
-    return Interface(PREFIX + names.get(os.path.realpath(port), device), plain(described))
+    return Interface(PREFIX + names.get(ports.real(port), device), plain(described))
 
 
 def _adapter_names() -> dict[str, str]:

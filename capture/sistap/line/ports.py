@@ -79,7 +79,12 @@ def identity(port: str, behind: Adapter) -> str:
     """Name the hardware itself: an adapter with a serial number is the same at whatever port it turns up."""
     if behind.serial:
         return f"{behind.name} {behind.serial}"
-    return f"{behind.name or 'unknown adapter'} at {os.path.realpath(port)}"
+    return f"{behind.name or 'unknown adapter'} at {real(port)}"
+
+
+def real(port: str) -> str:
+    """Return the device behind a link. On Windows there are none, and looking for one at COM5 may fail."""
+    return port if sys.platform == "win32" else os.path.realpath(port)
 
 
 def _is_pseudo_terminal(port: str) -> bool:
