@@ -543,7 +543,7 @@ synax_rk512i_register(void)
                                                          job_key,       free_nothing,   free_nothing};
     static int *trees[] = {&ett_rk512i, &ett_pieces, &ett_piece, &ett_whole};
 
-    proto_rk512i = proto_register_protocol("RK512 with the Indramat extension", "RK512i", "rk512i");
+    proto_rk512i = proto_register_protocol("RK512 with the Indramat extension", "RK512I", "rk512i");
     proto_register_field_array(proto_rk512i, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
     reassembly_table_register(&table, &functions);
