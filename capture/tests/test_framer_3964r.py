@@ -290,6 +290,7 @@ def test_it_does_not_care_how_it_was_read(data: bytes, size: int, line: int) -> 
         ("3964r", PROCEDURE_3964R),
         ("silence:5", Cut(Framing.SILENCE, 5)),
         ("silence:.5", Cut(Framing.SILENCE, 0.5)),
+        ("silence:1e12", Cut(Framing.SILENCE, 1e12)),
     ],
 )
 def test_the_option(text: str, expected: Cut) -> None:
@@ -308,7 +309,18 @@ def test_what_a_description_says() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "3964", "SIS", "silence", "silence:", "silence:0", "silence:nan", "silence:1e305", "pause:5"],
+    [
+        "",
+        "3964",
+        "SIS",
+        "silence",
+        "silence:",
+        "silence:0",
+        "silence:nan",
+        "silence:1.1e12",
+        "silence:1e305",
+        "pause:5",
+    ],
 )
 def test_what_the_option_may_not_be(text: str) -> None:
     with pytest.raises(ValueError, match=f"'{text}' is not sis, 3964r or silence:MILLISECONDS"):

@@ -14,6 +14,7 @@ import pytest
 from sistap.line import measurement, ports, priority
 from sistap.line.measurement import MACHINE, Conditions, Result
 from sistap.line.reader import delay, latency
+from sistap.line.reader.contract import STEP_MS
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
 HERE: Conditions = {"machine": "bench", "kernel": "6.1.0-28-amd64", "priority": "ordinary priority"}
@@ -282,3 +283,26 @@ def test_a_self_test_of_a_port_holds_for_its_adapter_tuning_and_line() -> None:
         assert said in note
     twin = bound(FTDI._replace(serial="A50285BJ"))
     assert (twin.ns, twin.notes) == (1_000_000 + MEASURED_NS, ())  # nobody has tested this one
+
+
+LATENCY_NS, UNSEEN_NS = 2_000_000, 5_000_000
+CHARACTER_NS = LineSettings(9600).character_ns  # 1.146 ms: two intervals are longer than the latency
+SLEEP_NS = STEP_MS * 1_000_000  # of a read that nothing wakes
+
+
+@pytest.mark.parametrize(
+    ("count", "unseen_ns", "in_time", "expected_ns"),
+    [
+        (1, UNSEEN_NS, True, LATENCY_NS),
+        (2, UNSEEN_NS, True, LATENCY_NS + CHARACTER_NS),
+        (3, UNSEEN_NS, True, LATENCY_NS + UNSEEN_NS),
+        (1, UNSEEN_NS, False, LATENCY_NS + UNSEEN_NS),
+        (1, SLEEP_NS + LATENCY_NS, True, LATENCY_NS),
+        (1, SLEEP_NS + LATENCY_NS + 1, True, SLEEP_NS + 2 * LATENCY_NS + 1),
+        (1, 10**12, False, UNCERTAINTY_UNKNOWN),
+    ],
+    ids=["alone", "two", "more than the latency", "there before", "a whole sleep", "stopped", "too long to be told"],
+)
+def test_how_long_characters_had_been_there(count: int, unseen_ns: int, in_time: bool, expected_ns: int) -> None:
+    found = latency.uncertainty_ns(LATENCY_NS, LineSettings(9600), count, unseen_ns, in_time=in_time)
+    assert found == expected_ns

@@ -17,7 +17,7 @@ from specification import TELEGRAMS
 
 from sistap.files import pcapng, writer
 from sistap.files.output import Output
-from sistap.files.pcapng import Interface
+from sistap.files.pcapng import Interface, Statistics
 from sistap.line.settings import Flag, LineSettings
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type, event
@@ -198,14 +198,26 @@ PACKET = (
 )
 
 
+COUNTERS = (
+    "05000000 58000000 01000000 03000000 04000000"  # interface, time
+    "0200 0800 03000000 01000000"  # isb_starttime
+    "0300 0800 03000000 04000000"  # isb_endtime
+    "0400 0800 0700000000000000"  # isb_ifrecv
+    "0600 0800 0600000000000000"  # isb_filteraccept
+    "0700 0800 0100000000000000"  # isb_osdrop
+    "0000 0000 58000000"
+)
+
+
 @pytest.mark.parametrize(
     ("block", "by_hand"),
     [
         (pcapng.section_header("sis", "Linux"), SECTION),
         (pcapng.interface_description(Interface(252, "tty0")), LINE),
         (pcapng.enhanced_packet(2, (1 << 32) + 2, b"abc"), PACKET),
+        (pcapng.interface_statistics(1, Statistics((3 << 32) + 1, (3 << 32) + 4, 7, 6, 1)), COUNTERS),
     ],
-    ids=["section", "interface", "packet"],
+    ids=["section", "interface", "packet", "statistics"],
 )
 def test_a_block_is_as_the_draft_says(block: bytes, by_hand: str) -> None:
     assert block.hex(" ") == bytes.fromhex(by_hand).hex(" ")

@@ -147,3 +147,18 @@ def test_an_event_is_cut_between_characters() -> None:
     record = event(0, 0, SETTINGS, Event.MARKER, "x" * 42_999 + "ä")
     assert record.data == b"x" * 42_999
     assert HEADER.unpack_from(record.pack())[-1] == Event.MARKER
+
+
+@pytest.mark.parametrize(
+    ("framing", "kind", "data", "is_handshake"),
+    [
+        (Framing.PROCEDURE_3964R, Type.FRAME, b"\x02", True),
+        (Framing.PROCEDURE_3964R, Type.FRAME, b"\x10\x03\x13", False),
+        (Framing.PROCEDURE_3964R, Type.OTHER, b"\x02", False),
+        (Framing.SILENCE, Type.FRAME, b"\x02", False),
+    ],
+)
+def test_a_handshake_is_one_character_of_3964r(framing: Framing, kind: Type, data: bytes, is_handshake: bool) -> None:
+    size = len(data)
+    made = Record(5, kind, 0, SETTINGS, data, (0,) * size, bytes(size), 300_000, framing)
+    assert made.is_handshake == is_handshake
