@@ -7136,7 +7136,8 @@ do
     add_frame(t, FX.synax_request_in, kept.request_in)
     add_frame(t, FX.synax_answer_in, kept.answer_in)
     if kept.request_in then
-      set_generated(add(t.tree, FX.synax_answer_time, t.tvb, 0, 0, nstime(kept.answer_time)))
+      set_generated(t.tree and add_value(t.tree, FX.synax_answer_time, t.tvb, 0, 0, nstime(kept.answer_time),
+        T.ms_text(kept.answer_time)))
     end
     if kept.unanswered_in then
       mark(t, nil, EX.synax_unanswered_before, "No answer to the request in frame %d", kept.unanswered_in)
@@ -7800,7 +7801,8 @@ do
     if not request then return end
     if d.access.operation == READ_ANSWER then
       set_generated(add(tree, FX.synax_request_in, d.tvb, 0, 0, request.frame))
-      set_generated(add(tree, FX.synax_answer_time, d.tvb, 0, 0, nstime(link.elapsed)))
+      set_generated(tree and add_value(tree, FX.synax_answer_time, d.tvb, 0, 0, nstime(link.elapsed),
+        T.ms_text(link.elapsed)))
     elseif request.answer_in then
       set_generated(add(tree, FX.synax_answer_in, d.tvb, 0, 0, request.answer_in))
     elseif request.next_in then
@@ -8078,7 +8080,8 @@ do
     if not request then return end
     if d.access.is_answer then
       set_generated(add(tree, FX.synaxpcp_request_in, d.tvb, 0, 0, request.frame))
-      set_generated(add(tree, FX.synaxpcp_response_time, d.tvb, 0, 0, nstime(link.elapsed)))
+      set_generated(tree and add_value(tree, FX.synaxpcp_response_time, d.tvb, 0, 0, nstime(link.elapsed),
+        T.ms_text(link.elapsed)))
     elseif request.answer_in then
       set_generated(add(tree, FX.synaxpcp_response_in, d.tvb, 0, 0, request.answer_in))
     end

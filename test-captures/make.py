@@ -62,6 +62,8 @@ OBJECT_SIZES = {0x5E70: 16, 0x5E71: 32, 0x5E72: 64, 0x5E73: 128}
 _OF_ANY_VERSION = (
     (re.compile(r"^(Frame \d+: .*|Raw packet data)\n", re.MULTILINE), ""),
     (re.compile(r"^( *\d+ .* TCP \d+) .*$", re.MULTILINE), r"\1"),
+    # Of many bytes one version shows more than the other.
+    (re.compile(r"^( *[^:\n]+?)(?: \[…\])?: ([0-9a-f]{72})[0-9a-f]*…?$", re.MULTILINE), r"\1: \2…"),
 )
 
 

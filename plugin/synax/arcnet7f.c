@@ -9,6 +9,7 @@
 
 #include "parameters/fields.h"
 #include "parameters/ident.h"
+#include "sertap/time.h"
 #include "synax/fields.h"
 #include "synax/head.h"
 #include "synax/pieces.h"
@@ -314,8 +315,8 @@ show_links(telegram_t *t)
     add_frame(t, hf_synax_request_in, kept->request_in);
     add_frame(t, hf_synax_answer_in, kept->answer_in);
     if (kept->request_in != 0)
-        proto_item_set_generated(
-            proto_tree_add_time(t->tree, hf_synax_answer_time, t->tvb, 0, 0, &kept->answer_time));
+        proto_item_set_generated(sertap_add_ms(t->tree, hf_synax_answer_time, t->tvb, 0, 0, t->pinfo->pool,
+                                               sertap_ns(&kept->answer_time)));
     if (kept->unanswered_in != 0)
         expert_add_info_format(t->pinfo, t->root, &ei_synax_unanswered_before,
                                "No answer to the request in frame %u", kept->unanswered_in);

@@ -215,14 +215,13 @@ static void
 show_link(const dissection_t *d, const link_t *link)
 {
     const request_t *request = link != NULL ? link->request : NULL;
-    nstime_t elapsed;
 
     if (request == NULL)
         return;
     if (d->access->is_answer) {
-        elapsed = sertap_time(link->elapsed);
         proto_item_set_generated(proto_tree_add_uint(d->tree, hf_request_in, d->tvb, 0, 0, request->frame));
-        proto_item_set_generated(proto_tree_add_time(d->tree, hf_response_time, d->tvb, 0, 0, &elapsed));
+        proto_item_set_generated(
+            sertap_add_ms(d->tree, hf_response_time, d->tvb, 0, 0, d->pinfo->pool, link->elapsed));
     } else if (request->answer_in != 0) {
         proto_item_set_generated(
             proto_tree_add_uint(d->tree, hf_response_in, d->tvb, 0, 0, request->answer_in));
