@@ -1070,16 +1070,6 @@ field("rk512i.flag", "Bit and CPU of the coordination flag", ftypes.UINT8, base.
 field("rk512i.error", "Error number", ftypes.UINT8, base.HEX, N.rk512_errors, 0,
   "Siemens' numbers; the table that SYNAX has is lost")
 field("rk512i.data", "Data", ftypes.BYTES)
-field("rk512i.sequence", "Pieces", ftypes.NONE)
-field("rk512i.sequence.piece", "Piece", ftypes.FRAMENUM)
-field("rk512i.sequence.overlap", "Overlap", ftypes.BOOLEAN)
-field("rk512i.sequence.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN)
-field("rk512i.sequence.multiple_tails", "Several last pieces", ftypes.BOOLEAN)
-field("rk512i.sequence.too_long", "Piece too long", ftypes.BOOLEAN)
-field("rk512i.sequence.error", "Error while putting together", ftypes.FRAMENUM)
-field("rk512i.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC)
-field("rk512i.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
-field("rk512i.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
 
 -- synax/synaxobj.c
 N.synaxobj_operations = {
@@ -6315,13 +6305,6 @@ do
   local FETCH = 0x45
   local LAST_OF_A_CHAIN, FIRST_FIXED = 1, 98 -- DB nn .. DB 1; from 98 on data blocks have meanings of their own
   local IN_WORDS = {[0x44] = true, [0x58] = true, [0x54] = true, [0x5A] = true} -- D, X, T, Z; all others in bytes
-  local WHOLE = "Data of all pieces"
-  local SEQUENCE = {
-    all = FX.rk512i_sequence,
-    piece = FX.rk512i_sequence_piece,
-    count = FX.rk512i_sequence_count,
-    length = FX.rk512i_sequence_length,
-  }
 
   -- A job is what a command asks for, with its follow-ups and further blocks: {command, kind, block, left: bytes of
   -- this block that are still to come, is_open: more blocks follow, info, axis, ident: of the Indramat head, nil
@@ -6378,14 +6361,7 @@ do
     telegram.is_last = job.left == 0 and not job.is_open
     telegram.is_piece = telegram.is_piece or job.left > 0 or not telegram.is_first
     if not telegram.is_piece then return end
-    job.pieces[#job.pieces + 1] = {frame = telegram.frame, bytes = bytes}
-    if not telegram.is_last then return end
-    local all = {}
-
-    for i, piece in ipairs(job.pieces) do
-      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
-    end
-    job.bytes, job.whole_in = concat(all), telegram.frame
+    S.add_piece(job, bytes, telegram.is_last)
   end
 
   local function note_command(bus, d, telegram)
@@ -6490,19 +6466,12 @@ do
 
   local function show_piece(d)
     local telegram, length = d.telegram, #d.bytes - d.data_at
-    local job = telegram.job
 
     add(d.tree, FX.rk512i_data, d.tvb, d.data_at, length)
     d.words = d.words .. strformat(", %s of %d bytes", telegram.is_last and "last piece" or "piece", length)
-    if not job.whole_in then return end
-    if not telegram.is_last then
-      set_generated(add(d.tree, FX.rk512i_sequence_whole_in, d.tvb, 0, 0, job.whole_in))
-      return
-    end
-    local data = {tvb = ByteArray.new(job.bytes, true):tvb(WHOLE), offset = 0, length = #job.bytes}
+    local whole = S.put_together(d.tree, d.tvb, telegram.job, telegram.is_last)
 
-    if d.tree then S.show_pieces(d.tree, data, job.pieces, SEQUENCE) end
-    show_whole(d, add_subtree(d.tree, data.tvb, 0, data.length, WHOLE), data.tvb)
+    if whole then show_whole(d, add_subtree(d.tree, whole, 0, whole:len(), "Data of all pieces"), whole) end
   end
 
   local function show_data(d)
@@ -6884,6 +6853,12 @@ end
 
 do
   local WHOLE = "Data of all pieces"
+  local PIECES = {
+    all = FX.synax_pieces,
+    piece = FX.synax_pieces_piece,
+    count = FX.synax_pieces_count,
+    length = FX.synax_pieces_length,
+  }
 
   -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole}. First pass: adds a piece.
   function S.add_piece(transfer, bytes, is_last)
@@ -6897,36 +6872,6 @@ do
     transfer.bytes, transfer.whole_in = concat(all), packet.number
   end
 
-  local function show_piece(tree, tvb, piece, offset)
-    local words = strformat("Frame: %d (no data)", piece.frame)
-
-    if piece.length > 0 then
-      words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
-        piece.length, plural(piece.length))
-    end
-    set_generated(add(tree, FX.synax_pieces_piece, tvb, offset, piece.length, piece.frame, words))
-  end
-
-  -- As Wireshark's own reassembly shows it.
-  local function show_pieces(parent, tvb, transfer)
-    local numbers, offset, count, length = {}, 0, #transfer.pieces, #transfer.bytes
-
-    for i, piece in ipairs(transfer.pieces) do
-      numbers[i] = strformat("#%d(%d)", piece.frame, piece.length)
-    end
-    local tree = parent:add(FX.synax_pieces, tvb())
-
-    tree:set_text(strformat("%d %s (%d byte%s): %s", count, count == 1 and "Piece" or "Pieces", length,
-      plural(length), concat(numbers, ", ")))
-    tree:set_generated()
-    for _, piece in ipairs(transfer.pieces) do
-      show_piece(tree, tvb, piece, offset)
-      offset = offset + piece.length
-    end
-    set_generated(add(tree, FX.synax_pieces_count, tvb, 0, 0, count))
-    set_generated(add(tree, FX.synax_pieces_length, tvb, 0, 0, length))
-  end
-
   -- Shows what is known of a piece. Gives the whole where it is the last one: its tvb.
   function S.put_together(tree, tvb, transfer, is_last)
     if not transfer.whole_in then return nil end
@@ -6936,7 +6881,7 @@ do
     end
     local whole = ByteArray.new(transfer.bytes, true):tvb(WHOLE)
 
-    if tree then show_pieces(tree, whole, transfer) end
+    if tree then S.show_pieces(tree, {tvb = whole, length = #transfer.bytes}, transfer.pieces, PIECES) end
     return whole
   end
 

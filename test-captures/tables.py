@@ -30,7 +30,6 @@ LATER_ELSEWHERE = {
     "synax.pieces.whole_in",
     "synaxpcp.response_in",
     "3964r.answer_in",
-    "rk512i.sequence.whole_in",
 }
 
 BOOLEANS = {"False": "0", "True": "1"}  # how Wireshark 4.2 and later write them

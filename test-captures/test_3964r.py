@@ -114,15 +114,15 @@ def test_the_telegrams(passes: tuple[str, ...], tshark: Tshark) -> None:
 
 def test_a_block_that_comes_again_takes_no_part(tshark: Tshark) -> None:
     """Without the reaction between them the second of two equal blocks is the first one's repeat."""
-    rows = shown(tshark, "3964r-again", ["3964r.repeat_of", "3964r.try", "rk512i.sequence.count", "sis.data"])
+    rows = shown(tshark, "3964r-again", ["3964r.repeat_of", "3964r.try", "synax.pieces.count", "sis.data"])
     assert [row.get("3964r.repeat_of") for row in rows] == [None] * 6 + ["3"] + [None] * 9
-    assert rows[-2]["rk512i.sequence.count"] == "2"
+    assert rows[-2]["synax.pieces.count"] == "2"
     assert rows[-2]["sis.data"] == "0102030405060708"
 
 
 def test_the_cam_table_of_the_manual(tshark: Tshark) -> None:
     """2053 words: 3 of the head, 2 length words, 1024 points of 4 bytes, numbered from 1 (pages 8-27 to 8-31)."""
-    fields = ["rk512i.data", "rk512i.count", "rk512i.sequence.count", "sis.parameter", "sis.data", "synax.axis"]
+    fields = ["rk512i.data", "rk512i.count", "synax.pieces.count", "sis.parameter", "sis.data", "synax.axis"]
     rows = shown(tshark, "rk512-list", fields)
     pieces = [row["rk512i.data"] for row in rows if "rk512i.data" in row]
     assert len(pieces) == 31 + 2, "DB 2 has 31 telegrams, DB 1 what is left: 138 bytes"
@@ -133,7 +133,7 @@ def test_the_cam_table_of_the_manual(tshark: Tshark) -> None:
     assert pieces[31].startswith("03de00")
     whole = next(row for row in rows if "sis.data" in row)
     points = b"".join(point.to_bytes(4, "big") for point in range(1, 1025))
-    assert (whole["sis.parameter"], whole["synax.axis"], whole["rk512i.sequence.count"]) == ("P-0-0072", "1", "33")
+    assert (whole["sis.parameter"], whole["synax.axis"], whole["synax.pieces.count"]) == ("P-0-0072", "1", "33")
     assert bytes.fromhex(whole["sis.data"]) == (4096).to_bytes(2, "big") * 2 + points
 
 

@@ -7,13 +7,13 @@
 #include "synax/rk512i.h"
 
 #include <epan/proto_data.h>
-#include <epan/reassemble.h>
 #include <epan/tap.h>
 
 #include "parameters/fields.h"
 #include "sertap/line.h"
 #include "synax/fields.h"
 #include "synax/head.h"
+#include "synax/pieces.h"
 
 #define COMMAND_SIZE   10u
 #define FOLLOW_UP_SIZE 4u /* of a reaction, too */
@@ -40,29 +40,9 @@ static int hf_flag_byte = -1;
 static int hf_flag = -1;
 static int hf_error = -1;
 static int hf_data = -1;
-static int hf_pieces = -1;
-static int hf_piece = -1;
-static int hf_overlap = -1;
-static int hf_overlap_conflict = -1;
-static int hf_multiple_tails = -1;
-static int hf_too_long = -1;
-static int hf_fragment_error = -1;
-static int hf_piece_count = -1;
-static int hf_whole_in = -1;
-static int hf_whole_length = -1;
 
 static int ett_rk512i = -1;
-static int ett_pieces = -1;
-static int ett_piece = -1;
 static int ett_whole = -1;
-
-static const fragment_items items = {
-    &ett_piece,           &ett_pieces,        &hf_pieces,   &hf_piece,          &hf_overlap,
-    &hf_overlap_conflict, &hf_multiple_tails, &hf_too_long, &hf_fragment_error, &hf_piece_count,
-    &hf_whole_in,         &hf_whole_length,   NULL,         "pieces",
-};
-
-static reassembly_table table;
 
 /* What a command asks for, with its follow-ups and further blocks. */
 typedef struct {
@@ -97,7 +77,6 @@ typedef struct {
 } bus_t;
 
 static wmem_map_t *buses;
-static wmem_map_t *counters; /* of the file: a single one, how many jobs there are */
 
 /* One telegram while it is taken apart. */
 typedef struct {
@@ -125,15 +104,6 @@ bus_of(packet_info *pinfo)
     return bus;
 }
 
-static uint32_t
-next_job(void)
-{
-    uint32_t number = GPOINTER_TO_UINT(wmem_map_lookup(counters, NULL)) + 1;
-
-    wmem_map_insert(counters, NULL, GUINT_TO_POINTER(number));
-    return number;
-}
-
 /* Data blocks, extended ones, timers and counters are counted in words, all others in bytes (Siemens). */
 static unsigned
 bytes_of(uint8_t kind, unsigned count)
@@ -156,7 +126,7 @@ begin_block(job_t *job, const dissection_t *d, telegram_t *telegram)
     unsigned data = tvb_captured_length(d->tvb) - COMMAND_SIZE;
 
     if (!goes_on) {
-        *job = (job_t){.number = next_job()};
+        *job = (job_t){.number = synax_next_transfer()};
         telegram->is_first = true;
         if (has_indramat_head(block) && data >= SYNAX_HEAD_SIZE) {
             job->has_head = true;
@@ -359,23 +329,13 @@ show_piece(const dissection_t *d)
 {
     const telegram_t *telegram = d->telegram;
     unsigned length = tvb_captured_length(d->tvb) - d->data_at;
-    fragment_head *head;
     tvbuff_t *whole;
 
     proto_tree_add_item(d->tree, hf_data, d->tvb, d->data_at, length, ENC_NA);
     wmem_strbuf_append_printf(d->words, ", %s of %u bytes", telegram->is_last ? "last piece" : "piece",
                               length);
-    head = fragment_add_seq_next(&table, d->tvb, d->data_at, d->pinfo, telegram->job->number, NULL, length,
-                                 !telegram->is_last);
-    if (head == NULL)
-        return;
-    if (!telegram->is_last) {
-        proto_item_set_generated(
-            proto_tree_add_uint(d->tree, hf_whole_in, d->tvb, 0, 0, head->reassembled_in));
-        return;
-    }
-    whole = process_reassembled_data(d->tvb, d->data_at, d->pinfo, "Data of all pieces", head, &items, NULL,
-                                     d->tree);
+    whole = synax_put_together(d->tree, d->pinfo, tvb_new_subset_remaining(d->tvb, d->data_at),
+                               telegram->job->number, telegram->is_last);
     if (whole != NULL)
         show_whole(d, proto_tree_add_subtree(d->tree, whole, 0, -1, ett_whole, NULL, "Data of all pieces"),
                    whole);
@@ -492,18 +452,6 @@ dissect_rk512i(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     return 0;
 }
 
-/* A job is found again by its number alone. */
-static void *
-job_key(const packet_info *pinfo _U_, const uint32_t id, const void *data _U_)
-{
-    return GUINT_TO_POINTER(id);
-}
-
-static void
-free_nothing(void *key _U_)
-{
-}
-
 /* clang-format off */
 static const value_string rk512_telegrams[] = {
     {0x00, "First telegram"},
@@ -523,32 +471,18 @@ static hf_register_info fields[] = {
     {&hf_flag, {"Bit and CPU of the coordination flag", "rk512i.flag", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_error, {"Error number", "rk512i.error", FT_UINT8, BASE_HEX, VALS(rk512_errors), 0, "Siemens' numbers; the table that SYNAX has is lost", HFILL}},
     {&hf_data, {"Data", "rk512i.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_pieces, {"Pieces", "rk512i.sequence", FT_NONE, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_piece, {"Piece", "rk512i.sequence.piece", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_overlap, {"Overlap", "rk512i.sequence.overlap", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_overlap_conflict, {"Overlap with other data", "rk512i.sequence.overlap.conflict", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_multiple_tails, {"Several last pieces", "rk512i.sequence.multiple_tails", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_too_long, {"Piece too long", "rk512i.sequence.too_long", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_fragment_error, {"Error while putting together", "rk512i.sequence.error", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_piece_count, {"Number of pieces", "rk512i.sequence.count", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_whole_in, {"The whole is in", "rk512i.sequence.whole_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_whole_length, {"Length of the whole", "rk512i.sequence.length", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
 };
 /* clang-format on */
 
 void
 synax_rk512i_register(void)
 {
-    static const reassembly_table_functions functions = {g_direct_hash, g_direct_equal, job_key,
-                                                         job_key,       free_nothing,   free_nothing};
-    static int *trees[] = {&ett_rk512i, &ett_pieces, &ett_piece, &ett_whole};
+    static int *trees[] = {&ett_rk512i, &ett_whole};
 
     proto_rk512i = proto_register_protocol("RK512 with the Indramat extension", "RK512I", "rk512i");
     proto_register_field_array(proto_rk512i, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
-    reassembly_table_register(&table, &functions);
     buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
-    counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
     rk512i_tap = register_tap("rk512i");
     register_dissector("rk512i", dissect_rk512i, proto_rk512i);
 }
