@@ -6469,7 +6469,7 @@ do
 
     add(d.tree, FX.rk512i_data, d.tvb, d.data_at, length)
     d.words = d.words .. strformat(", %s of %d bytes", telegram.is_last and "last piece" or "piece", length)
-    local whole = S.put_together(d.tree, d.tvb, telegram.job, telegram.is_last)
+    local whole = S.put_together(d.tree, d.tvb(d.data_at, length):tvb(), telegram.job, telegram.is_last)
 
     if whole then show_whole(d, add_subtree(d.tree, whole, 0, whole:len(), "Data of all pieces"), whole) end
   end
