@@ -208,6 +208,45 @@ def test_an_own_form_by_a_regular_expression(tmp_path: Path) -> None:
     assert b"has no group (?<data>...)" in done.stderr.splitlines()[-1]
 
 
+# An S5 reads S-0-0237 of axis 2 from a PPC, which answers 7 (chapter 8): STX, DLE, block, DLE; BCC worked out by hand.
+FETCH, ANSWER = "00 00 45 44 00 00 00 01 FF FF 00 02 02 00 00 ED 10 03 FE", "00 00 00 00 00 07 10 03 14"
+SAID_3964R = (
+    "STX  asks to send",
+    "DLE  ready to receive",
+    "Block, 16 bytes  FETCH DB 0, 1 word: Read S-0-0237, axis 2",
+    "DLE  block received",
+    "STX  asks to send",
+    "DLE  ready to receive",
+    "Block, 6 bytes  Reaction: S-0-0237, axis 2, 2 bytes: 00 07",
+    "DLE  block received",
+)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("TX: 02", "RX: 10", f"TX: {FETCH}", "RX: 10", "RX: 02", "TX: 10", f"RX: {ANSWER}", "TX: 10"),
+        ("02 10", FETCH, f"10 02 10 {ANSWER}", "10"),
+    ],
+    ids=["two_directions", "shared"],
+)
+def test_a_log_of_procedure_3964r(tmp_path: Path, lines: tuple[str, ...]) -> None:
+    log = "".join(f"10:00:00.{i}00 {line}\n" for i, line in enumerate(lines))
+    (tmp_path / "x").write_text(log)
+    done = run(tmp_path, "x", "--framing", "3964r")
+    assert (done.returncode, done.stderr) == (0, b"")
+    said = [line.partition("^-- ")[2] for line in done.stdout.decode().splitlines() if "^--" in line]
+    assert [text for text in said if text] == list(SAID_3964R)
+    page = run(tmp_path, "x", "--framing", "3964r", "--format", "html").stdout.decode()
+    for meaning in ("Command: FETCH (0x45)", "Axis: 2", "Block check character: 0xfe [correct]"):
+        assert meaning in page
+
+
+def test_a_log_without_blocks(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("01 03 00 00 00 0A C5 CD\n")
+    refused(run(tmp_path, "x", "--framing", "3964r"), 0, "x has 8 bytes, but no frame")
+
+
 def test_what_cannot_be_read_is_named_and_the_rest_counted(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("rx 025602021092000000020\n" * 23 + f"rx {PHASE.hex()}\n")
     done = run(tmp_path, "x")

@@ -13,6 +13,8 @@ from sistap.annotate.reading import LogReader, Piece
 from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Weaver
+from sistap.records.cut import SIS
+from sistap.records.cut import Cut as Framing
 from sistap.records.record import Type
 
 Batches = Iterable[list[LogLine]]  # lines that came together; an empty one: nothing came for a moment
@@ -34,11 +36,11 @@ class Found(NamedTuple):
 class Passage:
     """The reading of a log, from its first line to its last."""
 
-    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None) -> None:
-        """Read with this reader; `trouble` is told of lines that cannot be read."""
+    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None, framing: Framing = SIS) -> None:
+        """Read with this reader; `trouble` is told of lines that cannot be read; `framing` says what a frame is."""
         self._reader = reader
         self._trouble = trouble
-        self._cutter = Cutter()
+        self._cutter = Cutter(framing)
         self.lines = 0
         self.bytes = 0
         self.telegrams = 0

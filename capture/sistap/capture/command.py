@@ -13,7 +13,7 @@ from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.files.output import Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
-from sistap.records.cut import HELP, SIS, WORDS, Cut
+from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal.console import Console
 from sistap.terminal.exits import USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -121,13 +121,6 @@ def _condition(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(f"'{text}' is not duration:SECONDS, filesize:KB or files:NUMBER") from None
 
 
-def _framing(text: str) -> Cut:
-    try:
-        return Cut.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
@@ -159,7 +152,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
     add(
         "--framing",
-        type=_framing,
+        type=framing,
         default=SIS,
         metavar=WORDS,
         help=HELP,

@@ -18,7 +18,7 @@ from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Source, Told
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 from sistap.records.counters import Counters
-from sistap.records.cut import HELP, SIS, WORDS, Cut
+from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.records.record import LARGEST_RATE
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -65,13 +65,6 @@ def _whole(text: str) -> int:
     raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 to {LARGEST_RATE}")
 
 
-def _framing(text: str) -> Cut:
-    try:
-        return Cut.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
@@ -83,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits, where FILE does not say (8E1)"
     )
-    add("--framing", type=_framing, default=SIS, metavar=WORDS, help=HELP)
+    add("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
     add("--device", metavar="BUS.ADDRESS", help="the adapter, where a USB capture has several")
     add(
         "--samplerate",
