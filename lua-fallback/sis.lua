@@ -592,6 +592,8 @@ N.data_states = {
 -- parameters/fields.c
 field("sis.data", "Data", ftypes.BYTES)
 field("sis.raw", "Not decoded", ftypes.BYTES)
+field("sis.value.number", "Number", ftypes.DOUBLE, base.NONE, nil, 0,
+  "The value without its unit, for filters, columns and graphs")
 
 -- parameters/ident.c
 N.parameter_types = {
@@ -1166,7 +1168,6 @@ field("synaxpd.direction", "Direction", ftypes.UINT8, base.DEC, N.synaxpd_direct
   "Known where one port is among those of preference synaxpd.ports")
 field("synaxpd.word", "Word", ftypes.UINT16, base.HEX)
 field("synaxpd.value", "Value", ftypes.STRING, base.NONE, nil, 0, "As the table of process data names it")
-field("synaxpd.value.number", "Number", ftypes.DOUBLE, base.NONE, nil, 0, "The value without its unit")
 field("synaxpd.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are no word")
 
 -- synax/synaxpk.c
@@ -4948,6 +4949,22 @@ do
   local SHOWN_IN_LIST = 4
   local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark gives up at ten times that
 
+  -- A value as a text, and the number that this text shows: what a person reads is what a filter compares. Bits, idents
+  -- and infinity have no number.
+  local function add_value_item(tree, data, at, layout, value, words)
+    local item = add(tree, F.value, data.tvb, data.offset + at, layout.size, value, words)
+    local format = layout.format
+    local is_number = format == UNSIGNED or format == SIGNED or (format == FLOATING and layout.size >= 4)
+
+    if not is_number or not tree or not tree:referenced(F.value_number) then return end
+    local digits = match(value, "^[%d.e+-]+") -- up to the unit
+    local number = tonumber(digits)
+
+    if number then
+      set_generated(add(item, F.value_number, data.tvb, data.offset + at, layout.size, number, "Number: " .. digits))
+    end
+  end
+
   -- All elements of a list. Which one of its list the first of a segment is cannot be told.
   local function show_list(tree, data, offset, layout, is_whole)
     local size, length = layout.size, data.length - offset
@@ -4960,8 +4977,7 @@ do
       local at = offset + i * size
       local value = value_text(bytes, at + 1, layout)
 
-      add(subtree, F.value, data.tvb, data.offset + at, size, value,
-        is_whole and strformat("Element %d: %s", i + 1, value) or nil)
+      add_value_item(subtree, data, at, layout, value, is_whole and strformat("Element %d: %s", i + 1, value) or nil)
     end
     if rest > 0 then add(subtree, F.raw, data.tvb, data.offset + data.length - rest, rest) end
   end
@@ -4972,7 +4988,7 @@ do
     local count, values = floor((data.length - offset) / layout.size), {}
     local bytes = ordered(data, offset, layout.size)
 
-    if tree and (tree:referenced(F.value) or tree:referenced(F.raw)) then
+    if tree and (tree:referenced(F.value) or tree:referenced(F.value_number) or tree:referenced(F.raw)) then
       show_list(tree, data, offset, layout, is_whole)
     end
     for i = 1, min(count, SHOWN_IN_LIST) do
@@ -4993,7 +5009,7 @@ do
     if data.length ~= layout.size then return nil end
     local text = value_text(ordered(data, 0, layout.size), 1, layout)
 
-    add(tree, F.value, data.tvb, data.offset, data.length, text)
+    add_value_item(tree, data, 0, layout, text)
     return text
   end
 
