@@ -4111,6 +4111,9 @@ do
   local CANCELLED = 0x800B -- another request had priority: the transfer is over
   local INVALID_SEQUENTIAL_TELEGRAM = 0xF8
   local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
+  local MOST_BYTES = 0xFFFF + LENGTH_WORDS -- of a list: more came only if its last piece did not
+  local MOST_PIECES = 8192 -- 64 KB in pieces of 8 bytes
+  local MOST_OPEN = 256 -- transfers from one station to another: a device has one at a time
 
   local WHOLE = "Data of all pieces"
   local SEQUENCE = {all = F.sequence, piece = F.sequence_piece, count = F.sequence_count, length = F.sequence_length}
@@ -4153,6 +4156,19 @@ do
         return i, transfer
       end
     end
+  end
+
+  local function note_end(record, transfer, reason)
+    if transfer.is_refused then return end -- that was said
+    record.transfer_ended = transfer.begun_in
+    record.transfer_reason = reason
+  end
+
+  local function end_with_note(record, place, reason)
+    local transfers = transfers_of(record.exchange)
+
+    note_end(record, transfers[place], reason)
+    table.remove(transfers, place)
   end
 
   -- A step that was taken before: the same command again, or its reaction again.
@@ -4254,6 +4270,9 @@ do
       return
     end
     if not transfer then
+      if #transfers_of(exchange) >= MOST_OPEN then
+        end_with_note(record, 1, "too many others have begun since")
+      end
       transfer = begin_transfer(body, like)
       place = #transfers_of(exchange) + 1
     elseif transfer.is_refused and not record.is_piece_repeated then
@@ -4261,7 +4280,8 @@ do
     end
     transfers_of(exchange)[place] = transfer
     record.transfer, exchange.transfer = transfer, transfer
-    if not record.is_piece_repeated and is_piece_missing(body, transfer) then
+    if not record.is_piece_repeated and (is_piece_missing(body, transfer)
+      or transfer.received + S.left(body) > MOST_BYTES or #transfer.pieces == MOST_PIECES) then
       transfer.is_broken = true
     end
     record.is_piece_missing = transfer.is_broken
@@ -4389,19 +4409,6 @@ do
   -- Whether these data are a piece.
   function S.is_piece(body)
     return body.record ~= nil and body.record.transfer ~= nil
-  end
-
-  local function note_end(record, transfer, reason)
-    if transfer.is_refused then return end -- that was said
-    record.transfer_ended = transfer.begun_in
-    record.transfer_reason = reason
-  end
-
-  local function end_with_note(record, place, reason)
-    local transfers = transfers_of(record.exchange)
-
-    note_end(record, transfers[place], reason)
-    table.remove(transfers, place)
   end
 
   -- A list of which the length was announced may go on after 0xF8, or begin anew.
@@ -6868,6 +6875,7 @@ end
 --- synax/pieces: data that do not fit into one packet, put together
 
 do
+  local MOST_PIECES = 8192 -- 64 KB in pieces of 8 bytes
   local WHOLE = "Data of all pieces"
   local PIECES = {
     all = FX.synax_pieces,
@@ -6880,6 +6888,7 @@ do
   function S.add_piece(transfer, bytes, is_last)
     local pieces, all = transfer.pieces, {}
 
+    if #pieces == MOST_PIECES then return end
     pieces[#pieces + 1] = {frame = packet.number, bytes = bytes}
     if not is_last then return end
     for i, piece in ipairs(pieces) do

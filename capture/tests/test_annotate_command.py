@@ -23,6 +23,7 @@ from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
 
 from sistap import cli
 from sistap.annotate import command
+from sistap.annotate.annotating import LONGEST_LINE
 from sistap.annotate.explaining import WholeCapture
 from sistap.records.record import Record, Type
 from sistap.wireshark.tshark import Tshark
@@ -267,6 +268,34 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     done = run(tmp_path, "x")
     refused(done, 0, "x has 8 bytes, but no telegram of SIS")
     assert done.stdout.decode().splitlines()[1].startswith("^-- 8 other characters")
+
+
+def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
+    """Its beginning is explained; all of it comes through."""
+    telegram = "02 56 02 02 10 92 00 00 00 02 "
+    text = f"RX {telegram * (LONGEST_LINE // len(telegram) + 100)}\nRX {telegram}\n"
+    (tmp_path / "x").write_text(text)
+    done = run(tmp_path, "x", "-w", "x.pcapng")
+    refused(done, 0, "line 1: longer than 1,000,000 characters")
+    telegrams = [record for _, record in records(tmp_path / "x.pcapng") if record.type == Type.FRAME]
+    assert len(telegrams) == (LONGEST_LINE - 3) // len(telegram) + 1
+
+
+@pytest.mark.parametrize("year", [1400, 2260, 2999, 9999])
+def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, year: int) -> None:
+    line = f"{year}-12-31 23:59:59.{{}} RX 02 56 02 02 10 92 00 00 00 02\n"
+    (tmp_path / "x").write_text(line.format(2) + line.format(5))
+    done = run(tmp_path, "x", "-w", "x.pcapng")
+    assert done.returncode == 0
+    (_, first), (_, second) = records(tmp_path / "x.pcapng")
+    assert second.time_ns - first.time_ns == 300_000_000
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer")
+def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("02 " * 40 + "!\n")
+    done = run(tmp_path, "x", "--regex", r"(?<data>(([0-9 ]+)*)*)$")
+    refused(done, 2, "line 1: the expression takes longer than 2 s; make it simpler")
 
 
 def test_an_empty_log(tmp_path: Path) -> None:

@@ -17,6 +17,8 @@ from sistap.records.cut import SIS
 from sistap.records.cut import Cut as Framing
 from sistap.records.record import Type
 
+LONGEST_LINE = 1_000_000  # characters; each takes 350 bytes of memory while they are read
+
 Batches = Iterable[list[LogLine]]  # lines that came together; an empty one: nothing came for a moment
 Trouble = Callable[[int, str], None]  # told the number of a line, and why it cannot be read
 
@@ -47,6 +49,9 @@ class Passage:
 
     def feed(self, line: LogLine) -> Found:
         """Read the next line."""
+        if len(line.text) > LONGEST_LINE:
+            self._trouble(line.number, f"longer than {LONGEST_LINE:,} characters: only its beginning is explained")
+            line.text = line.text[:LONGEST_LINE].rpartition(" ")[0]
         pieces, trouble = self._reader.contents(line)
         if trouble:
             self._trouble(line.number, trouble)

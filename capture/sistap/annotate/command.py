@@ -13,7 +13,7 @@ from sistap.annotate.annotating import Passage
 from sistap.annotate.explaining import Running, WholeCapture
 from sistap.annotate.meanings import Meanings
 from sistap.annotate.page import PageWeaver
-from sistap.annotate.pattern import PatternReader
+from sistap.annotate.pattern import PatternReader, TooSlow
 from sistap.annotate.reading import AnyReader, LogReader
 from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
@@ -99,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
             _capture(args, passage, console)
         else:
             _explain(args, passage, console)
-    except (UsageError, SourceError, NotOpened, OutputRefused) as error:
+    except (UsageError, SourceError, NotOpened, OutputRefused, TooSlow) as error:
         console.say(str(error))
         return USAGE
     except ReaderGone:
