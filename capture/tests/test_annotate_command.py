@@ -243,6 +243,14 @@ def test_a_log_of_procedure_3964r(tmp_path: Path, lines: tuple[str, ...]) -> Non
         assert meaning in page
 
 
+def test_a_log_of_another_protocol(tmp_path: Path) -> None:
+    """Two frames of Modbus RTU, a second apart."""
+    (tmp_path / "x").write_text("10:00:00.0 01 03 00 00 00 0A C5 CD\n10:00:01.0 01 03 00 00 00 0A C5 CD\n")
+    done = run(tmp_path, "x", "--framing", "silence:10", "-w", "x.pcapng")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert [record.data.hex() for _, record in records(tmp_path / "x.pcapng")] == ["01030000000ac5cd"] * 2
+
+
 def test_a_log_without_blocks(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("01 03 00 00 00 0A C5 CD\n")
     refused(run(tmp_path, "x", "--framing", "3964r"), 0, "x has 8 bytes, but no frame")
@@ -291,7 +299,7 @@ def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, ye
     assert second.time_ns - first.time_ns == 300_000_000
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer")
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a timer of POSIX")
 def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("02 " * 40 + "!\n")
     done = run(tmp_path, "x", "--regex", r"(?<data>(([0-9 ]+)*)*)$")

@@ -73,6 +73,10 @@ class Framer(ABC):
         """Tell that nothing was read for so long, by the caller's clock; give the records that this completes."""
         return self.flush() if idle_ns >= self.silence_ns else []
 
+    def settle(self) -> list[Record]:
+        """Return what is certainly no part of a frame, without collecting more of it."""
+        return []
+
     def flush(self) -> list[Record]:
         """Return all that is left: the line is silent, or the capture ends."""
         records: list[Record] = []
