@@ -493,7 +493,8 @@ def test_a_tap_that_changes_its_settings_hears_better_and_is_told_from_where_on(
             heard += decoder.feed(connection.recv(65536))  # the socket's time-out fails the test
         connection.close()
     place = heard.index(LINE)
-    assert heard[0] == wrong
+    assert isinstance(heard[0], bus_socket.Hello)
+    assert heard[1] == wrong
     assert any(any(message.flags) for message in heard[:place] if isinstance(message, Read))
     assert not any(any(message.flags) for message in heard[place:] if isinstance(message, Read))
 
@@ -549,7 +550,9 @@ def test_what_is_no_tap_is_sent_away() -> None:
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
         stranger = connect(name, None)
         stranger.sendall(b"GET / HTTP/1.1\r\n\r\n")
-        assert stranger.recv(1) == b""
+        with contextlib.suppress(ConnectionResetError):  # it did not read all that the stranger said
+            while stranger.recv(4096):  # what the bus says of itself
+                pass
         stranger.close()
         assert listen(connect(name))
         code, errors = finish(process)
@@ -560,8 +563,9 @@ def test_what_is_no_tap_is_sent_away() -> None:
 
 def test_simulated_time_ends_with_the_last_tap() -> None:
     with running("--listen", "127.0.0.1:0", "--fast") as (process, name):
-        connection = connect(name)
-        connection.recv(100)
+        connection, decoder = connect(name), bus_socket.Decoder()
+        while LINE not in decoder.feed(connection.recv(100)):  # until then it is no tap
+            pass
         connection.close()
         assert finish(process) == (0, "")
 

@@ -106,7 +106,8 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
-def _rate(text: str) -> int | None:
+def rate_argument(text: str) -> int | None:
+    """Read a rate, or auto, as an argument."""
     try:
         return rate(text)
     except ValueError as error:
@@ -150,7 +151,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--baud",
-        type=_rate,
+        type=rate_argument,
         default=9600,
         metavar="RATE|auto",
         help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",
