@@ -73,6 +73,7 @@ def test_ports_and_the_demo_bus_are_interfaces(capsys: pytest.CaptureFixture[str
         {"value": "sistap-ttyS0", "display": "SIS tap: ttyS0 (16550A UART)"},
         # Braces would end the value.
         {"value": "sistap-usb-FTDI_FT232R_A1-if00-port0", "display": "SIS tap: ttyUSB0 (FT(232)R)"},
+        {"value": "sistap-distant", "display": "SIS tap on another computer (sistap serve)"},
         {"value": "sistap-demo", "display": "SIS demo bus"},
     ]
     assert [set(values) for values in of_kind("extcap", sentences)] == [{"version", "display"}]
@@ -92,8 +93,8 @@ def test_without_pyserial_the_demo_bus_says_why_it_is_alone(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "serial.tools", None)
-    (only,) = of_kind("interface", asked(capsys, "--extcap-interfaces"))
-    assert only["value"] == "sistap-demo"
+    distant, only = of_kind("interface", asked(capsys, "--extcap-interfaces"))
+    assert (distant["value"], only["value"]) == ("sistap-distant", "sistap-demo")
     assert f"pyserial is missing for {sys.executable}" in only["display"]
 
 

@@ -939,7 +939,7 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
     [
         (
             b"HTTP/1.1 400 Bad Request\r\n",
-            "is not a sistap bus or tap: give the address that `sistap bus` or `sistap serve` prints",
+            "is not a sistap bus or tap: give the address",
         ),
         (bus_socket.pack_settings(LineSettings()), "it does not say what it is"),
         (bus_socket.pack_hello(HELLO._replace(version=2)), "version 2 of the wire, and this sistap 1"),
