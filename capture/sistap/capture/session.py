@@ -90,7 +90,7 @@ class Capture:
         )
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not yet done
-        self._why = ""  # the settings were changed
+        self._why = "set where the tap is"  # the settings were changed; else nobody here has done it
         self._port_lost = False
         self._refused: set[str] = set()  # settings that a port cannot do, said once
 
