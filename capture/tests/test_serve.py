@@ -82,7 +82,8 @@ def connect(served: Listeners) -> socket.socket:
 
 def heard(served: Listeners, connection: socket.socket, until: Callable[[list[Message]], bool]) -> list[Message]:
     """Take messages while the listeners are attended to."""
-    messages, decoder, end = [], Decoder(), time.monotonic() + PATIENCE_S
+    messages: list[Message] = []
+    decoder, end = Decoder(), time.monotonic() + PATIENCE_S
     connection.setblocking(False)
     while not until(messages) and time.monotonic() < end:
         served.attend(0)
@@ -291,7 +292,7 @@ class Repeated:
 def test_listeners_have_their_turn_when_nothing_waits_to_be_read(
     served: Listeners, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = []
+    asked: list[int] = []
     monkeypatch.setattr(served, "attend", asked.append)
     sent = reads(3)
     reader = Repeated([*sent])
