@@ -249,7 +249,7 @@ def test_only_whom_allow_names_is_let_in(
         (["--listen", "192.168.7.1:5000"], 2, "--allow ADDRESS/BITS"),
         (["--listen", "pi:5000"], 2, "give an address of this computer, not a name"),
         (["--listen", "5000"], 2, "neither HOST:PORT nor a PATH"),
-        (["--listen", "192.0.2.1:5000", "--allow", "192.0.2.0/24"], 3, "choose another address with --listen"),
+        (["--listen", "203.0.113.1:5000", "--allow", "203.0.113.0/24"], 3, "choose another address with --listen"),
         (["--listen", "127.0.0.1:0"], 3, "/dev/nowhere does not exist"),
         (["--listen", "127.0.0.1:0", "--format", "9X9"], 2, "format '9X9'"),
         (["-i", "bus://127.0.0.1:5001"], 2, "can be heard by others already"),
