@@ -11,6 +11,7 @@ It has a room for each job. A room may use those named beside it, and what these
     files                   records                    pcapng files and rings of them, written and read
     wireshark               terminal                   tshark: run, its rows, its folders
     capture                 files, records, line       `sistap capture`
+    serve                   capture                    `sistap serve`: a line of this computer, heard at others
     bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
     selftest                line                       `sistap selftest`
     doctor                  capture, wireshark         `sistap doctor`

@@ -21,6 +21,7 @@ from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_s
 COMMANDS = {
     "ports": ("sistap.line.ports", "list the serial ports of this machine"),
     "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
+    "serve": ("sistap.serve.command", "let other computers hear a line of this one"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
     "log": ("sistap.annotate.log", "write a capture as such a log, explained"),

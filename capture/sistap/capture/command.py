@@ -27,7 +27,8 @@ the line, into a pcapng file for Wireshark, or as lines of text. The port is nev
 """
 
 EPILOG = """\
-A PORT is a device (/dev/ttyUSB0; `sistap ports` lists them), a virtual bus (bus://HOST:PORT), or a URL of pyserial
+A PORT is a device (/dev/ttyUSB0, /dev/cu.usbserial-1420 on macOS, COM5 on Windows; `sistap ports` lists them), a tap on
+another computer or a virtual bus (bus://HOST:PORT, as `sistap serve` and `sistap bus` print it), or a URL of pyserial
 (socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
 
 With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
@@ -48,6 +49,7 @@ a record, and blocks with their BCC. A filter then sees the block. A rate cannot
 examples:
   sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
+  sistap capture -i bus://pi:5000 -w x.pcapng                  what `sistap serve` hears on another computer
   sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 --framing 3964r -w x.pcapng
@@ -106,7 +108,8 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
-def _rate(text: str) -> int | None:
+def rate_argument(text: str) -> int | None:
+    """Read a rate, or auto, as an argument."""
     try:
         return rate(text)
     except ValueError as error:
@@ -143,7 +146,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--baud",
-        type=_rate,
+        type=rate_argument,
         default=9600,
         metavar="RATE|auto",
         help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",

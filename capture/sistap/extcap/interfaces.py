@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Wireshark lists: an interface for each serial port, and the demo bus.
+"""What Wireshark lists: an interface for each serial port, a distant tap, and the demo bus.
 
 Wireshark keeps what a person sets for an interface under its name. So the name is that of the adapter where the system
 has one (/dev/serial/by-id, from its maker, model and serial number): it is the same adapter wherever it is plugged in
@@ -20,6 +20,7 @@ BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")
 PREFIX = "sistap-"
 DEMO = PREFIX + "demo"
+DISTANT = PREFIX + "distant"  # what it is the tap of, its dialog says
 
 
 class Interface(NamedTuple):
@@ -34,14 +35,15 @@ class Interface(NamedTuple):
 
 
 def found() -> list[Interface]:
-    """List the ports there are, and last the demo bus; without pyserial it alone, and it says why."""
+    """List the ports there are, then what needs none; without pyserial that alone, and it says why."""
+    distant = Interface(DISTANT, "SIS tap on another computer (sistap serve)")
     try:
         names = _adapter_names()
         of_ports = [_of_port(port, str(behind.name), names) for port, behind in ports.found()]
-        return [*of_ports, Interface(DEMO, "SIS demo bus")]
+        return [*of_ports, distant, Interface(DEMO, "SIS demo bus")]
     except ModuleNotFoundError:
         why = f"no serial ports: pyserial is missing for {sys.executable}"
-        return [Interface(DEMO, plain(f"SIS demo bus ({why})"))]
+        return [distant, Interface(DEMO, plain(f"SIS demo bus ({why})"))]
 
 
 def port_of(name: str) -> str:

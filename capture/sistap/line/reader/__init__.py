@@ -9,20 +9,28 @@ from __future__ import annotations
 
 import sys
 
-from sistap.line.reader.contract import PortError, PortLost, Reader
+from sistap.line.bus_socket import Kind
+from sistap.line.reader.contract import Distant, PortError, PortLost, Reader
 from sistap.line.reader.several import Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = ["PortError", "PortLost", "Reader", "Source", "open_reader", "together"]
+__all__ = ["Distant", "PortError", "PortLost", "Reader", "Source", "open_reader", "together"]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
-    """Open a device, a pyserial URL or a virtual bus ("bus://HOST:PORT", "bus:///SOCKET"). May raise PortError."""
+    """Open a device, a pyserial URL, or a virtual bus or distant tap (bus://...). May raise PortError."""
     # Each imported where it is needed: a program that only lists ports is to start at once.
     if port.startswith("bus://"):
+        from sistap.line.reader.connection import connect
+
+        connection = connect(port)
+        if connection.hello.kind == Kind.TAP:
+            from sistap.line.reader.distant import DistantReader
+
+            return DistantReader(port, line, connection)
         from sistap.line.reader.virtual import WireReader
 
-        return WireReader(port, settings, line)
+        return WireReader(port, settings, line, connection)
     if settings.baud <= 0:
         raise PortError(f"{port} needs a rate: say it with --baud")
     if "://" in port:

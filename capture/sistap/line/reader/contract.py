@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from sistap.line.settings import LineSettings, Read
 
@@ -45,3 +45,11 @@ class Reader(Protocol):
 
     def close(self) -> None:
         """Let the port go."""
+
+
+@runtime_checkable
+class Distant(Reader, Protocol):
+    """A tap on another computer: its times are of the clock there, and its settings are set there."""
+
+    def now_ns(self) -> int:
+        """Return what time it is there, in ns since 1970."""
