@@ -19,6 +19,7 @@ class Advice(NamedTuple):
     no_pseudo_terminal: str
     held: str  # a file cannot be replaced or removed
     started: str  # how Wireshark is started with the profile
+    path: str  # {folder} is not in PATH
     latency_timer: str  # of an FTDI adapter: {name} is that of Windows
 
 
@@ -32,6 +33,7 @@ _LINUX = Advice(
     no_pseudo_terminal="close some terminals",
     held="see who may write to its folder",
     started="start it with `wireshark -C SIS`",
+    path='`export PATH="{folder}:$PATH"`, also as a line of ~/.profile; on Debian and Ubuntu a new login is enough',
     latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
 )
 
@@ -41,6 +43,7 @@ _MACOS = _LINUX._replace(
     tshark="install Wireshark, which brings it",
     wireshark="install Wireshark",
     libpcap="macOS brings it: start sistap with a Python of this system",
+    path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
     pyserial="with the Python that runs sistap",
 )
 
@@ -54,6 +57,8 @@ _WINDOWS = Advice(
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
     held="a program has it open: close Wireshark, then try again",
     started="start it, and choose the profile SIS at the right end of its status bar",
+    path="Settings > System > About > Advanced system settings > Environment Variables > Path > Edit > New adds it, "
+    "for windows that are opened then; py -m sistap works without it",
     latency_timer="in Device Manager > Ports (COM & LPT) > {name} > Properties > Port Settings > Advanced set Latency "
     "Timer (msec) to 1, then start again",
 )
