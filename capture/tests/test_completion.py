@@ -93,8 +93,8 @@ def zsh(folder: Path, *lines: str) -> list[str]:
     (folder / "_sistap").write_text(completion.zsh(cli.parser()))
     (folder / "a-file.pcapng").touch()
     setup = (
-        f"fpath=({folder} $fpath); autoload -Uz compinit; compinit -D -u; PS1=; unsetopt zle_bracketed_paste prompt_sp; "
-        'setopt no_list_ambiguous; sistap() { print -r -- "said:$*:" }; print ready\n'
+        f"fpath=({folder} $fpath); autoload -Uz compinit; compinit -D -u; PS1=; "
+        'unsetopt prompt_sp; setopt no_list_ambiguous; sistap() { print -r -- "said:$*:" }; print ready\n'
     )
     process, terminal = pty.fork()
     if process == 0:

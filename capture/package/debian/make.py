@@ -94,7 +94,9 @@ def _see_also(others: set[str]) -> str:
 def _as_help2man_reads(said: str) -> str:
     """Return what argparse says with its headings as help2man knows them."""
     said = re.sub(r"^usage: ", "Usage: ", said)
-    said = said.replace("positional arguments:\n  COMMAND\n", "commands:\n").replace("positional arguments:", "arguments:")
+    said = said.replace("positional arguments:\n  COMMAND\n", "commands:\n").replace(
+        "positional arguments:", "arguments:"
+    )
     said = re.sub(r"^(\w[\w ,]*):$", lambda heading: f"*{heading[1].capitalize()}*", said, flags=re.MULTILINE)
     return re.sub(r"^    (\w+)\n +", r"    \1  ", said, flags=re.MULTILINE)  # a long command has a line of its own
 
