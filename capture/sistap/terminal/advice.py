@@ -20,6 +20,7 @@ class Advice(NamedTuple):
     in_use: str  # another program has the port {port}: what goes behind "by another program"
     held: str  # a file cannot be replaced or removed
     started: str  # how Wireshark is started with the profile
+    path: str  # {folder} is not in PATH
     latency_timer: str  # of an FTDI adapter: {name} is that of Windows
 
 
@@ -34,6 +35,7 @@ _LINUX = Advice(
     in_use="(often ModemManager): `sudo fuser -v {port}` names it",
     held="see who may write to its folder",
     started="start it with `wireshark -C SIS`",
+    path='`export PATH="{folder}:$PATH"`, also as a line of ~/.profile; on Debian and Ubuntu a new login is enough',
     latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
 )
 
@@ -43,6 +45,7 @@ _MACOS = _LINUX._replace(
     tshark="install Wireshark, which brings it",
     wireshark="install Wireshark",
     libpcap="macOS brings it: start sistap with a Python of this system",
+    path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
     pyserial="with the Python that runs sistap",
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
     latency_timer="the driver of macOS cannot be told: capture with `sistap serve` on a Linux computer",
@@ -59,6 +62,8 @@ _WINDOWS = Advice(
     in_use=": close that one first",
     held="a program has it open: close Wireshark, then try again",
     started="start it, and choose the profile SIS at the right end of its status bar",
+    path="Settings > System > About > Advanced system settings > Environment Variables > Path > Edit > New adds it, "
+    "for windows that are opened then; py -m sistap works without it",
     latency_timer="in Device Manager > Ports (COM & LPT) > {name} > Properties > Port Settings > Advanced set Latency "
     "Timer (msec) to 1, then start again",
 )
