@@ -1,6 +1,6 @@
 ; SPDX-License-Identifier: GPL-2.0-or-later
 ; The installer: the bundle for the current user, then `sistap install`. makensis -DVERSION= -DFOLDER= -DFILE=
-Unicode true
+Target amd64-unicode ; as the Python inside
 ManifestDPIAware true
 RequestExecutionLevel user
 SetCompressor /SOLID lzma
