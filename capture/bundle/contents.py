@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is in the bundle for Windows, and how it becomes a zip that has the same bytes each time.
 
-bundle.py FOLDER PYTHON PYSERIAL : makes SIS.zip in FOLDER, the folder of the bundle, and the zip of that. PYTHON is the
-folder of a Python for Windows, PYSERIAL that of an unpacked wheel.
+contents.py FOLDER PYTHON PYSERIAL : makes SIS.zip in FOLDER, the folder of the bundle, and the zip of that. PYTHON is
+the folder of a Python for Windows, PYSERIAL that of an unpacked wheel.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tries the bundle as its README.html says, under wine, with nothing of the checkout; says how long the first telegram took.
+"""Tries the bundle under wine as its README.html says, with nothing of the checkout, and times the first telegram.
 
 Exit code: 0 all is as it should be; 1 something is not; 77 it cannot be tried here, and why.
 """
@@ -153,11 +153,11 @@ def from_installer() -> None:
     wine(str(MADE / f"sistap-{__version__}-setup.exe"), "/S", "/D=C:\\elsewhere")
     assert "plugins/sis.lua" in installed(), installed()
     (place / "mine.pcapng").touch()
-    # Else it goes on from a copy of its own, and this would not know when it has ended.
+    # Else it goes on as a copy of its own, and nothing here would know when that has ended; so it stays itself.
     wine(str(place / "uninstall.exe"), "/S", "_?=C:\\elsewhere")
     assert not installed(), installed()
     left = {file.name for file in place.iterdir()}
-    assert left == {"mine.pcapng"}, left
+    assert left == {"mine.pcapng", "uninstall.exe"}, left
     print("bundle: good   installer and uninstaller", flush=True)
 
 
