@@ -14,7 +14,7 @@ from sistap.line.clock import CLOCK
 from sistap.line.clocks import monotonic_ns
 from sistap.line.reader import latency
 from sistap.line.reader.contract import READ_SIZE, STEP_MS, PortLost
-from sistap.line.reader.opening import change_device, open_device
+from sistap.line.reader.opening import change_device, open_device, true_rate
 from sistap.line.reader.trouble import lost_text
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import Flag, LineSettings, Read
@@ -47,7 +47,9 @@ class PosixReader:
         self.adapter = str(self._behind)
         bound = latency.bound(self._known, port, self._behind, settings)
         self._latency_ns = bound.ns
-        self.timing = "; ".join([bound.how, *self._tuning.done, priority.words()])
+        rate = true_rate(self._fd, port, settings)
+        rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
+        self.timing = "; ".join([bound.how, *rates, *self._tuning.done, priority.words()])
         self.notes: tuple[str, ...] = (*self._tuning.missed, *bound.notes)
         poll = select.poll()
         poll.register(self._fd, select.POLLIN)
