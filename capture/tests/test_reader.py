@@ -12,7 +12,7 @@ import termios
 import threading
 import time
 import tty
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -630,14 +630,57 @@ def test_errors_that_the_driver_only_counts(
     driver.words[counter] = 41  # what happened before the capture does not count
     source = open_reader(bus.port, SETTINGS)
     driver.words[counter] += 1
-    bus.write(b"X")
-    monkeypatch.setattr(os, "read", lambda fd, size: data)
-    read = source.read(PATIENCE_S)
-    assert read is not None
+    bus.write(data)  # the marks as well: nobody doubles an FF here
+    monkeypatch.setattr(os, "read", unmarked(data))
+    (read,) = collect(source, len(flags))
     assert list(read.flags) == flags
-    read = source.read(PATIENCE_S)  # X is still there; nothing was counted since
-    assert read is not None
+    bus.write(data)
+    (read,) = collect(source, len(flags))  # nothing was counted since
     assert list(read.flags) == [flag & BAD for flag in flags]
+    source.close()
+
+
+def unmarked(data: bytes) -> Callable[[int, int], bytes]:
+    """Read from a pseudo terminal, but give `data`: what a port with errors delivers."""
+    real = os.read
+
+    def read(fd: int, size: int) -> bytes:
+        real(fd, size)
+        return data
+
+    return read
+
+
+def test_what_is_held_back_is_delivered_when_asked_for_what_is_there(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    driver = Counters(monkeypatch)
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    driver.words[PARITY] += 1
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    read = source.read(0)
+    assert read is not None
+    assert (read.data, list(read.flags)) == (b"A", [SOMEWHERE])
+    assert clock.now  # it stood still: nothing was waited for
+    source.close()
+
+
+def test_a_port_that_is_lost_delivers_first_what_was_held_back(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    driver = Counters(monkeypatch)
+    SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    driver.words[PARITY] += 1
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    assert isinstance(source, PosixReader)
+    assert source.take(in_time=True) == []
+    bus.hang_up()
+    (read,) = source.take(in_time=True)
+    assert (read.data, list(read.flags)) == (b"A", [SOMEWHERE])
+    with pytest.raises(PortLost):
+        source.read(PATIENCE_S)
     source.close()
 
 
