@@ -651,9 +651,7 @@ def unmarked(data: bytes) -> Callable[[int, int], bytes]:
     return read
 
 
-def test_what_is_held_back_is_delivered_when_asked_for_what_is_there(
-    bus: Pty, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_held_back_is_delivered_when_asked_for_what_is_there(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     driver = Counters(monkeypatch)
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
