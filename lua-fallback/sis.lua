@@ -6202,13 +6202,49 @@ do
 
   at_init(print_what_is_asked_for)
 
+  local WINDOW = 76 -- characters that fit into a line of a window
+
+  -- A table that is too wide, a few columns at a time, each time behind its first column.
+  local function in_narrow_tables(text)
+    local rows, lines, from = {}, {}, 2
+
+    for line in string.gmatch(text, "[^\n]+") do
+      local cells = {}
+
+      for cell in string.gmatch(line, "[^|]*|") do
+        cells[#cells + 1] = cell
+      end
+      rows[#rows + 1] = cells
+    end
+    local heads = rows[1]
+
+    while from <= #heads do
+      local width, to = #heads[1] + #heads[from], from
+
+      while to < #heads and width + #heads[to + 1] <= WINDOW do
+        to = to + 1
+        width = width + #heads[to]
+      end
+      for _, cells in ipairs(rows) do
+        lines[#lines + 1] = (cells[1] or "") .. concat(cells, "", from, min(to, #cells))
+      end
+      lines[#lines + 1] = ""
+      from = to + 1
+    end
+    return concat(lines, "\n")
+  end
+
+  local function window_text(text)
+    return string.find(text, "|", 1, true) and in_narrow_tables(text) or text
+  end
+
   local function open_window(kind)
     return function()
       local window = TextWindow.new(kind.title)
       local tap
 
       S.is_counting = true
-      tap = start(kind, function(text) window:set(text) end)
+      tap = start(kind, function(text) window:set(window_text(text)) end)
       window:set_atclose(function() tap:remove() end)
       retap_packets()
     end
