@@ -13,6 +13,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from sistap.line import measurement, ports, priority
+from sistap.line.analyser import is_analyser
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.sis.rates import RATES
 from sistap.terminal import state
@@ -103,7 +104,7 @@ def _checked(args: argparse.Namespace) -> LineSettings:
             f"a self-test of {args.port} sends characters, which on a bus would disturb it: take it off the bus, "
             "join its transmit and receive lines, and add --transmit"
         )
-    if args.port and "://" in args.port:
+    if args.port and ("://" in args.port or is_analyser(args.port)):
         raise ValueError(f"{args.port} is no device: a self-test needs one, such as /dev/ttyUSB0")
     if args.port and ports.is_own_terminal(args.port):
         raise ValueError(f"{args.port} is the terminal that sistap itself reads or writes: choose another port with -i")

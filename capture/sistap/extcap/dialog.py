@@ -8,11 +8,13 @@ from typing import NamedTuple
 
 from sistap.capture.scan import AUTO, FORMATS
 from sistap.extcap import interfaces
-from sistap.extcap.interfaces import DEMO
+from sistap.extcap.interfaces import ANALYSER, DEMO
 from sistap.extcap.sentences import sentence
+from sistap.line import analyser
 from sistap.sis.rates import RATES
 
 SELFTEST = "selftest"
+PORT = "port"  # a kind of interface, beside ANALYSER and DEMO, of which there is one each
 
 Choice = tuple[str, str]  # a value, and how it is shown
 
@@ -25,7 +27,7 @@ class Option(NamedTuple):
     display: str
     tooltip: str
     group: str  # of fields that are shown together, on a page if there are several
-    for_demo: bool | None = None  # whether it is only for the demo bus, or only for ports; None: for both
+    only: Sequence[str] = ()  # kinds of interfaces that have it; none: all
     choices: Callable[[str], Sequence[Choice]] | None = None  # for an interface; the first is the default
     reload: bool = False  # with a button that asks for the choices again
     placeholder: str = ""
@@ -50,7 +52,7 @@ def _framings(_: str) -> Sequence[Choice]:
 
 
 def _other_ports(name: str) -> Sequence[Choice]:
-    others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, DEMO)]
+    others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, ANALYSER, DEMO)]
     return [("", "None: a bus"), *others]
 
 
@@ -66,7 +68,12 @@ def _scenarios(_: str) -> Sequence[Choice]:
     return [(name, f"{name}: {titles[name]}") for name in names]
 
 
-LINE, TIMES, BUS = "Line", "Times", "Bus"
+def _inverted(_: str) -> Sequence[Choice]:
+    words = {"no": "No: high while nothing is sent", "rx": "Line 1", "tx": "Line 2", "both": "Both lines"}
+    return list(words.items())
+
+
+LINE, TIMES, BUS, PROBE = "Line", "Times", "Bus", "Analyser"
 
 OPTIONS = (
     Option("--baud", "selector", "Rate", "Rate of the line; after power-on SIS has 9600 Bd", LINE, choices=_rates),
@@ -93,7 +100,7 @@ OPTIONS = (
         "Framing",
         "What is on the line: SIS, or procedure 3964R between a control and a PPC",
         LINE,
-        for_demo=False,  # its scenario says it
+        only=(PORT, ANALYSER),  # the scenario of a demo bus says it
         choices=_framings,
     ),
     Option(
@@ -102,7 +109,7 @@ OPTIONS = (
         "Port of the other direction",
         "RS422 and RS232 have a line for each direction: tap both, each with a port of its own",
         LINE,
-        for_demo=False,
+        only=(PORT,),
         choices=_other_ports,
         reload=True,
     ),
@@ -112,7 +119,7 @@ OPTIONS = (
         "Uncertainty",
         "How late this machine may see a character; the result of a self-test is kept for later captures",
         TIMES,
-        for_demo=False,
+        only=(PORT,),
         choices=_uncertainties,
     ),
     Option(
@@ -121,7 +128,7 @@ OPTIONS = (
         "Scenario",
         "Who is on the bus, what is said, and what goes wrong: as sistap bus --list",
         BUS,
-        for_demo=True,
+        only=(DEMO,),
         choices=_scenarios,
     ),
     Option(
@@ -130,9 +137,55 @@ OPTIONS = (
         "Faults",
         "Probabilities: parity, break, loss and pause of a character, checksum of a telegram",
         BUS,
-        for_demo=True,
+        only=(DEMO,),
         placeholder="none; for example checksum=0.02,pause=0.001",
         validation="^[a-z]+=[0-9.]+(,[a-z]+=[0-9.]+)*$",
+    ),
+    Option(
+        "--driver",
+        "string",
+        "Driver",
+        "Of sigrok: sigrok-cli --scan says which; several of a kind: fx2lafw:conn=BUS.ADDRESS",
+        PROBE,
+        only=(ANALYSER,),
+        placeholder=analyser.DRIVER,
+    ),
+    Option(
+        "--channel",
+        "string",
+        "Channel",
+        "To which the line is connected",
+        PROBE,
+        only=(ANALYSER,),
+        placeholder=analyser.CHANNEL,
+    ),
+    Option(
+        "--second-channel",
+        "string",
+        "Channel of the other direction",
+        "RS422 and RS232 have a line for each direction",
+        PROBE,
+        only=(ANALYSER,),
+        placeholder="none: a bus",
+    ),
+    Option(
+        "--samplerate",
+        "string",
+        "Samples a second",
+        "The more, the more exact; at least 20 times the rate of the line",
+        PROBE,
+        only=(ANALYSER,),
+        placeholder="4m, or as the rate needs it",
+        validation="^[0-9.]+[kKmM]?$",
+    ),
+    Option(
+        "--invert",
+        "selector",
+        "Inverted",
+        "RS232 without a receiver chip is low while nothing is sent",
+        PROBE,
+        only=(ANALYSER,),
+        choices=_inverted,
     ),
 )
 
@@ -171,7 +224,8 @@ def choices(name: str, called: str) -> list[str]:
 
 def _options_of(name: str) -> list[tuple[int, Option]]:
     """Return the options of an interface with their numbers; those are shown in their order."""
-    return [item for item in enumerate(OPTIONS) if item[1].for_demo in (None, name == DEMO)]
+    kind = name if name in (DEMO, ANALYSER) else PORT
+    return [item for item in enumerate(OPTIONS) if not item[1].only or kind in item[1].only]
 
 
 def _values(name: str, number: int, option: Option) -> list[str]:

@@ -6,17 +6,19 @@ from __future__ import annotations
 import argparse
 import io
 from contextlib import closing, redirect_stdout
+from urllib.parse import urlencode
 
 from sistap import selftest
 from sistap.capture.filter import FilterError
 from sistap.capture.options import CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.extcap import demo, dialog
-from sistap.extcap.interfaces import DEMO, port_of
+from sistap.extcap.interfaces import ANALYSER, DEMO, port_of
 from sistap.extcap.toolbar import Toolbar
 from sistap.files.output import Output, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
+from sistap.line import analyser
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
 from sistap.records.cut import Cut
@@ -54,7 +56,10 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
 def _options(args: argparse.Namespace) -> CaptureOptions:
     """Make the options of the capture; ValueError says what is wrong with those of the dialog."""
     demo_bus = args.extcap_interface == DEMO
-    ports = [demo.start(args.faults, args.scenario) if demo_bus else port_of(args.extcap_interface)]
+    if args.extcap_interface == ANALYSER:
+        ports = [_address(args)]
+    else:
+        ports = [demo.start(args.faults, args.scenario) if demo_bus else port_of(args.extcap_interface)]
     if args.second_port:
         ports.append(port_of(args.second_port))
     return CaptureOptions(
@@ -66,6 +71,18 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         framing=demo.framing(args.scenario) if demo_bus else Cut.parse(args.framing or "sis"),
         filter=args.extcap_capture_filter or None,
     )
+
+
+def _address(args: argparse.Namespace) -> str:
+    """Return the address of the analyser of the dialog."""
+    said = {
+        "rx": args.channel or analyser.CHANNEL,
+        "tx": args.second_channel,
+        "samplerate": args.samplerate,
+        "invert": args.invert,
+    }
+    query = urlencode({key: value for key, value in said.items() if value})
+    return f"{analyser.PREFIX}{args.driver or analyser.DRIVER}?{query}"
 
 
 def _rate(text: str) -> int | None:

@@ -86,6 +86,20 @@ class Analyser(NamedTuple):
         return os.access(self.device, os.R_OK | os.W_OK)
 
     @property
+    def missing(self) -> str:
+        """What to do before it can be read; nothing if all is well."""
+        if not program():
+            return MISSING
+        if not self.may_be_opened:
+            return (
+                f"no permission to open {self.device}: `apt-get install libsigrok4` brings udev rules for whoever sits "
+                "at this computer, and for group plugdev; then plug it in again"
+            )
+        if not any(FIRMWARE.glob("fx2lafw-*")):
+            return "its firmware is missing: `apt-get install sigrok-firmware-fx2lafw`"
+        return ""
+
+    @property
     def port(self) -> str:
         """What -i takes."""
         return f"{PREFIX}{DRIVER}:conn={self.usb}?rx={CHANNEL}"

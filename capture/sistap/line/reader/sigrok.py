@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -308,8 +309,9 @@ class _Process:
 
 def _widen(process: subprocess.Popen[bytes]) -> None:
     """Let the pipe hold more, where the system can."""
-    with suppress(ImportError, AttributeError, OSError):
+    if sys.platform == "linux":
         import fcntl
 
         assert process.stdout
-        fcntl.fcntl(process.stdout, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
+        with suppress(OSError):
+            fcntl.fcntl(process.stdout, fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
