@@ -129,6 +129,32 @@ def test_what_one_of_them_has_not_is_left_out(true: Path) -> None:
     assert max(one.late_ns for one in measured(pairs).characters) < 0.1 * MS
 
 
+def test_a_stall_is_late_and_no_other_telegram(true: Path) -> None:
+    """The master asks the same every 25 ms or so; for 150 ms the adapter delivers nothing."""
+    stall = range(200, 300)
+    times = {}
+    number = 0
+    for frame in frames(true):
+        for time_ns in frame.times_ns:
+            number += 1
+            times[number] = time_ns
+    until_ns = times[stall.start] + 150 * MS
+    other = taken(true, lambda number: max(0, until_ns - times[number]) if number >= stall.start else 0)
+    pairs = aligned(frames(true), frames(other))
+    assert [one.data for one, _ in pairs] == [one.data for one in frames(true)]
+    assert [one.number for one, _ in pairs] == [one.number for one in frames(true)]
+    assert abs(max(one.late_ns for one in measured(pairs).characters) - 150 * MS) < 2 * MS
+
+
+def test_a_whole_cycle_that_is_missing_shifts_nothing(true: Path) -> None:
+    """In time again behind it; the same telegrams come before and after."""
+    all_ = frames(true)
+    for missing in (range(10, 14), range(21, 25), range(30, 31)):
+        other = [frame for place, frame in enumerate(all_) if place not in missing]
+        pairs = aligned(all_, other)
+        assert [one.number for one, _ in pairs] == [frame.number for frame in other]
+
+
 def test_the_report(true: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # Nothing is known of its times, but that they are worse than the limit.
     other = taken(true, uncertainty_ns=6 * MS)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Finds the telegrams that two captures have both, by what is in them.
 
-A bus says the same again and again. So first the offset between the two clocks is found that most telegrams agree on,
-then each telegram is looked for near where it has to be. An offset may drift.
+A bus says the same again and again. So first the offset between the two clocks is found that most telegrams agree on;
+of several that are as good, the smallest. From there on one telegram follows the other in both captures. Where they
+differ, or the times do, some are skipped in one of them, so that the next ones are alike and the offset is as before:
+that tells a telegram that is missing from one that is late.
 """
 
 from __future__ import annotations
@@ -10,7 +12,9 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import takewhile
 from pathlib import Path
+from statistics import median
 from typing import NamedTuple
 
 from sistap.files.reading import NotCaptured, packets, record_of
@@ -20,7 +24,10 @@ from sistap.records.record import Record, Type
 PROBES = 400  # telegrams, one after the other, by which the offset is found
 MOST = 2000  # places of one telegram that are looked at
 BIN_NS = 50_000_000
-NEAR_NS = 250_000_000  # a telegram further off is another one
+AS_GOOD = 0.95  # of the votes of the best offset
+CLOSE_NS = 20_000_000  # nobody doubts a telegram that is late by less
+SKIPPED, AHEAD = 64, 16  # telegrams, at most, that are missing in one capture, and those by which that is judged
+ENOUGH = 3  # alike ones, one after the other, are no accident
 _SLOW = 16  # so many telegrams does it take for the offset to follow
 
 
@@ -52,53 +59,83 @@ def frames(path: Path) -> list[Frame]:
         except (ValueError, IndexError) as error:
             raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
     latest = _latest([one for _, one in records])
-    return [
+    found = [
         Frame(number, one.data, _times(one), times, one.uncertainty_ns)
         for (number, one), times in zip(records, latest, strict=True)
         if one.type == Type.FRAME
     ]
+    return sorted(found, key=lambda frame: frame.time_ns)
 
 
 def aligned(true: Sequence[Frame], other: Sequence[Frame]) -> list[Pair]:
-    """Return the telegrams of both, in the order of `other`; none if the captures have not the same traffic."""
+    """Return the telegrams of both, in their order; none if the captures have not the same traffic."""
     places: dict[bytes, list[Frame]] = defaultdict(list)
-    for frame in sorted(true, key=lambda frame: frame.time_ns):
+    for frame in true:
         places[frame.data].append(frame)
-    middle = max(0, (len(other) - PROBES) // 2)
-    offset_ns = _offset_ns(places, other[middle : middle + PROBES])
-    if offset_ns is None:
-        return []
-    taken: set[int] = set()
-    before = list(_matched(places, reversed(other[:middle]), offset_ns, taken))
-    return [*reversed(before), *_matched(places, other[middle:], offset_ns, taken)]
+    for begin in range(0, len(other), PROBES):
+        offset_ns = _offset_ns(places, other[begin : begin + PROBES])
+        if offset_ns is not None:
+            first = bisect_left(true, other[begin].time_ns - offset_ns - BIN_NS, key=lambda frame: frame.time_ns)
+            if pairs := list(_walk(true[first:], other[begin:], offset_ns)):
+                return pairs
+    return []
 
 
 def _offset_ns(places: dict[bytes, list[Frame]], probes: Iterable[Frame]) -> float | None:
     """Return how much later than the true times those of the probes are, by the offset most of them have."""
     found = [probe.time_ns - one.time_ns for probe in probes for one in places.get(probe.data, [])[:MOST]]
-    votes = Counter(offset // BIN_NS for offset in found)
-    if not votes:
+    bins = Counter(offset // BIN_NS for offset in found)
+    if not bins:
         return None
-    best = max(votes, key=lambda bin_: (votes[bin_] + votes[bin_ + 1], -abs(bin_)))
-    near = [offset for offset in found if best <= offset // BIN_NS <= best + 1]
-    return sum(near) / len(near)
+    votes = {bin_: bins[bin_] + bins[bin_ + 1] for bin_ in bins}
+    enough = max(votes.values()) * AS_GOOD
+    best = min((bin_ for bin_, count in votes.items() if count >= enough), key=lambda bin_: (abs(bin_), -votes[bin_]))
+    return median(offset for offset in found if best <= offset // BIN_NS <= best + 1)
 
 
-def _matched(
-    places: dict[bytes, list[Frame]], other: Iterable[Frame], offset_ns: float, taken: set[int]
-) -> Iterator[Pair]:
-    for frame in other:
-        if true := _nearest(places.get(frame.data, []), frame.time_ns - int(offset_ns), taken):
-            taken.add(true.number)
-            offset_ns += (frame.time_ns - true.time_ns - offset_ns) / _SLOW
-            yield true, frame
+def _walk(true: Sequence[Frame], other: Sequence[Frame], offset_ns: float) -> Iterator[Pair]:
+    here = there = 0
+    while here < len(true) and there < len(other):
+        off_ns = _off_ns(true[here], other[there], offset_ns)
+        if true[here].data != other[there].data or abs(off_ns) > CLOSE_NS:
+            skipped = _skipped(true[here : here + SKIPPED + AHEAD], other[there : there + SKIPPED + AHEAD], offset_ns)
+            if skipped is None:
+                there += 1
+                continue
+            here, there = here + skipped[0], there + skipped[1]
+            off_ns = _off_ns(true[here], other[there], offset_ns)
+        yield true[here], other[there]
+        offset_ns += max(-CLOSE_NS, min(off_ns, CLOSE_NS)) / _SLOW
+        here, there = here + 1, there + 1
 
 
-def _nearest(places: Sequence[Frame], time_ns: int, taken: set[int]) -> Frame | None:
-    begin = bisect_left(places, time_ns - NEAR_NS, key=lambda frame: frame.time_ns)
-    end = bisect_left(places, time_ns + NEAR_NS, key=lambda frame: frame.time_ns)
-    free = [frame for frame in places[begin:end] if frame.number not in taken]
-    return min(free, key=lambda frame: abs(frame.time_ns - time_ns)) if free else None
+def _skipped(true: Sequence[Frame], other: Sequence[Frame], offset_ns: float) -> tuple[int, int] | None:
+    """Return how many telegrams are missing in the other capture, and in the true one."""
+    best: tuple[float, int] | None = None
+    chosen = None
+    for skips in _SKIPS:
+        run = _alike(true[skips[0] :], other[skips[1] :])
+        if run < min(ENOUGH, len(true) - skips[0], len(other) - skips[1]) or not run:
+            continue
+        # A late telegram is followed by others that are in time again.
+        off_ns = _off_ns(true[skips[0] + run - 1], other[skips[1] + run - 1], offset_ns)
+        judged = abs(off_ns) // CLOSE_NS, sum(skips)
+        if best is None or judged < best:
+            best, chosen = judged, skips
+    return chosen
+
+
+def _alike(true: Sequence[Frame], other: Sequence[Frame]) -> int:
+    """Count the telegrams that are alike from the first on."""
+    pairs = zip(true[:AHEAD], other[:AHEAD], strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0].data == pair[1].data, pairs))
+
+
+def _off_ns(true: Frame, other: Frame, offset_ns: float) -> float:
+    return other.time_ns - true.time_ns - offset_ns
+
+
+_SKIPS = sorted(((one, another) for one in range(SKIPPED) for another in range(SKIPPED)), key=sum)[: SKIPPED * 8]
 
 
 def _times(record: Record) -> list[int]:
