@@ -82,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
             print(point, flush=True)
             if point.mark == "bad":
                 code = FAILED
-    if args.port and _has_pyserial():
+    if args.port and (analyser.is_analyser(args.port) or _has_pyserial()):
         for point in port_points(args.port):
             print(point, flush=True)
             if point.mark == "bad":

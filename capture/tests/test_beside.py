@@ -155,6 +155,26 @@ def test_a_whole_cycle_that_is_missing_shifts_nothing(true: Path) -> None:
         assert [one.number for one, _ in pairs] == [frame.number for frame in other]
 
 
+def test_long_gaps_and_strange_traffic_take_no_time(true: Path) -> None:
+    """Thousands of telegrams that only one of them has: it goes on behind them."""
+    chance = random.Random(1)
+    one = frames(true)
+    step_ns = one[-1].time_ns - one[0].time_ns + 50 * MS
+    long = [
+        frame._replace(
+            number=frame.number + again * len(one),
+            data=frame.data if again in (0, 99) else bytes([chance.randrange(3)]),
+            times_ns=[time_ns + again * step_ns for time_ns in frame.times_ns],
+            latest_ns=[time_ns + again * step_ns for time_ns in frame.latest_ns],
+        )
+        for again in range(100)
+        for frame in one
+    ]
+    ends = long[: len(one)] + long[-len(one) :]
+    for pairs in (aligned(ends, long), aligned(long, ends)):
+        assert [(first.number, second.number) for first, second in pairs] == [(end.number, end.number) for end in ends]
+
+
 def test_the_report(true: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # Nothing is known of its times, but that they are worse than the limit.
     other = taken(true, uncertainty_ns=6 * MS)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from itertools import takewhile
 from pathlib import Path
 from statistics import median
@@ -72,20 +72,26 @@ def aligned(true: Sequence[Frame], other: Sequence[Frame]) -> list[Pair]:
     places: dict[bytes, list[Frame]] = defaultdict(list)
     for frame in true:
         places[frame.data].append(frame)
-    for begin in range(0, len(other), PROBES):
-        offset_ns = _offset_ns(places, other[begin : begin + PROBES])
+    pairs: list[Pair] = []
+    here = there = 0
+    while here < len(true) and there < len(other):
+        offset_ns = _offset_ns(places, other[there : there + PROBES])
         if offset_ns is not None:
-            first = bisect_left(true, other[begin].time_ns - offset_ns - BIN_NS, key=lambda frame: frame.time_ns)
-            if pairs := list(_walk(true[first:], other[begin:], offset_ns)):
-                return pairs
-    return []
+            first_ns = other[there].time_ns - offset_ns - BIN_NS
+            here = max(here, bisect_left(true, first_ns, key=lambda frame: frame.time_ns))
+            here, there, found = _walk(true, other, here, there, offset_ns)
+            pairs += found
+            if found:
+                continue
+        there += PROBES
+    return pairs
 
 
-def _offset_ns(places: dict[bytes, list[Frame]], probes: Iterable[Frame]) -> float | None:
+def _offset_ns(places: dict[bytes, list[Frame]], probes: Sequence[Frame]) -> float | None:
     """Return how much later than the true times those of the probes are, by the offset most of them have."""
     found = [probe.time_ns - one.time_ns for probe in probes for one in places.get(probe.data, [])[:MOST]]
     bins = Counter(offset // BIN_NS for offset in found)
-    if not bins:
+    if sum(bins.values()) < min(ENOUGH, len(probes)):
         return None
     votes = {bin_: bins[bin_] + bins[bin_ + 1] for bin_ in bins}
     enough = max(votes.values()) * AS_GOOD
@@ -93,20 +99,26 @@ def _offset_ns(places: dict[bytes, list[Frame]], probes: Iterable[Frame]) -> flo
     return median(offset for offset in found if best <= offset // BIN_NS <= best + 1)
 
 
-def _walk(true: Sequence[Frame], other: Sequence[Frame], offset_ns: float) -> Iterator[Pair]:
-    here = there = 0
-    while here < len(true) and there < len(other):
-        off_ns = _off_ns(true[here], other[there], offset_ns)
-        if true[here].data != other[there].data or abs(off_ns) > CLOSE_NS:
-            skipped = _skipped(true[here : here + SKIPPED + AHEAD], other[there : there + SKIPPED + AHEAD], offset_ns)
+def _walk(
+    true: Sequence[Frame], other: Sequence[Frame], here: int, there: int, offset_ns: float
+) -> tuple[int, int, list[Pair]]:
+    """Pair the telegrams from these on, until many have none. Return behind which it ended, and the pairs."""
+    pairs: list[Pair] = []
+    at = there
+    while here < len(true) and at < len(other) and at - there < PROBES:
+        off_ns = _off_ns(true[here], other[at], offset_ns)
+        if true[here].data != other[at].data or abs(off_ns) > CLOSE_NS:
+            skipped = _skipped(true[here : here + SKIPPED + AHEAD], other[at : at + SKIPPED + AHEAD], offset_ns)
             if skipped is None:
-                there += 1
+                at += 1
                 continue
-            here, there = here + skipped[0], there + skipped[1]
-            off_ns = _off_ns(true[here], other[there], offset_ns)
-        yield true[here], other[there]
+            here, at = here + skipped[0], at + skipped[1]
+            off_ns = _off_ns(true[here], other[at], offset_ns)
+        pairs.append((true[here], other[at]))
         offset_ns += max(-CLOSE_NS, min(off_ns, CLOSE_NS)) / _SLOW
-        here, there = here + 1, there + 1
+        here, at = here + 1, at + 1
+        there = at
+    return here, there, pairs
 
 
 def _skipped(true: Sequence[Frame], other: Sequence[Frame], offset_ns: float) -> tuple[int, int] | None:
@@ -114,8 +126,10 @@ def _skipped(true: Sequence[Frame], other: Sequence[Frame], offset_ns: float) ->
     best: tuple[float, int] | None = None
     chosen = None
     for skips in _SKIPS:
+        if skips[0] >= len(true) or skips[1] >= len(other) or true[skips[0]].data != other[skips[1]].data:
+            continue
         run = _alike(true[skips[0] :], other[skips[1] :])
-        if run < min(ENOUGH, len(true) - skips[0], len(other) - skips[1]) or not run:
+        if run < min(ENOUGH, len(true) - skips[0], len(other) - skips[1]):
             continue
         # A late telegram is followed by others that are in time again.
         off_ns = _off_ns(true[skips[0] + run - 1], other[skips[1] + run - 1], offset_ns)
