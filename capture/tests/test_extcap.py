@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import subprocess
@@ -12,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.extcap import interfaces
+from sistap.extcap import command, interfaces, started
 from sistap.install.launching import launcher
-from sistap.line import ports
+from sistap.line import analyser, ports
 from sistap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
@@ -36,6 +37,11 @@ def parsed(text: str) -> list[Sentence]:
         kind, _, rest = line.partition(" ")
         sentences.append((kind, dict(re.findall(r"\{([a-zA-Z_-]*?)=(.*?)\}(?=\{|$|\s)", rest))))
     return sentences
+
+
+@pytest.fixture(autouse=True)
+def _without_analyser(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "program", lambda: None)
 
 
 @pytest.fixture
@@ -237,3 +243,24 @@ def test_the_launcher_of_windows_is_a_batch_file() -> None:
     assert lines[0] == "@echo off"
     assert 'set "PYTHONPATH=D:/100%% SIS"' in lines
     assert lines[-2:] == [r'"C:\Program Files\Python\python.exe" -P -m sistap extcap %*', ""]
+
+
+def test_an_analyser_is_an_interface(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "program", lambda: "/usr/bin/sigrok-cli")
+    found = analyser.Analyser("Logic {8}", "1.2", Path("/dev/bus/usb/001/002"))
+    monkeypatch.setattr(analyser, "plugged_in", lambda: [found])
+    listed = of_kind("interface", asked(capsys, "--extcap-interfaces"))
+    assert {"value": "sistap-sigrok", "display": "SIS tap: logic analyser (Logic (8))"} in listed
+    shown = fields(capsys, "sistap-sigrok")
+    assert {"--driver", "--channel", "--second-channel", "--samplerate", "--invert", "--baud"} <= shown.keys()
+    assert not {"--second-port", "--uncertainty", "--scenario"} & shown.keys()
+
+
+def test_the_dialog_of_an_analyser_is_its_address() -> None:
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    chosen = ["--driver", "fx2lafw:conn=1.2", "--second-channel", "D1", "--samplerate", "8m", "--invert", "tx"]
+    args = parser.parse_args(["--extcap-interface", "sistap-sigrok", "--fifo", "pipe", *chosen])
+    (port,) = started._options(args).ports
+    assert port == "sigrok:fx2lafw:conn=1.2?rx=D0&tx=D1&samplerate=8m&invert=tx"
+    assert analyser.Probe.parse(port).inverted == (False, True)

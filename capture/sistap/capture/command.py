@@ -31,6 +31,10 @@ A PORT is a device (/dev/ttyUSB0, /dev/cu.usbserial-1420 on macOS, COM5 on Windo
 another computer or a virtual bus (bus://HOST:PORT, as `sistap serve` and `sistap bus` print it), or a URL of pyserial
 (socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
 
+Or it is a logic analyser that sigrok-cli can read, and knows them to a microsecond: sigrok:fx2lafw?rx=D0 is a line at
+channel D0. &tx=D1 adds the other direction, as line 2; &samplerate=8m, more samples than 4 million a second;
+&invert=rx, tx or both, lines that are low while nothing is sent. Several of a kind: fx2lafw:conn=BUS.ADDRESS.
+
 With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
 telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
 changes when the bus is told so (service 0x03), also for the time of a timed test; if then nothing valid comes, a line
@@ -56,6 +60,7 @@ examples:
                                                                an S5 and a PPC over 3964R, both directions
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
                                                                the last 24 hours, a file for each
+  sistap capture -i 'sigrok:fx2lafw?rx=D0' -w x.pcapng         a logic analyser
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
 
