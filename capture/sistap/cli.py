@@ -22,6 +22,7 @@ COMMANDS = {
     "ports": ("sistap.line.ports", "list the serial ports of this machine"),
     "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
+    "parameters": ("sistap.parameters.command", "list what was read and written of parameters, and what has changed"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
     "log": ("sistap.annotate.log", "write a capture as such a log, explained"),
     "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),
