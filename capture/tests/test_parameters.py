@@ -141,12 +141,30 @@ def test_nothing_in_it(tmp_path: Path) -> None:
     assert done.stderr == "sistap: no parameter was read or written\n"
 
 
+PLACE = Place("file", 1, 0.0)
+WRITTEN = Access(Parameter("", "3", 5, "S-0-0030"), True, 16, "", "01", None, "01", "", "", "", "")
+
+
+def test_after_a_part_was_written_the_value_is_unknown() -> None:
+    listing = Listing()
+    part = WRITTEN._replace(value="", data=None)
+    changes = [listing.add(PLACE, access) for access in (WRITTEN, WRITTEN, part, WRITTEN)]
+    assert [change and change.before for change in changes] == [None, None, "01", None]
+    assert changes[1] is None
+    assert changes[3]
+
+
+def test_a_change_that_the_text_does_not_show() -> None:
+    """A long list is cut in the text; its bytes are compared."""
+    listing = Listing()
+    assert listing.add(PLACE, WRITTEN)
+    assert listing.add(PLACE, WRITTEN._replace(data="02"))
+
+
 def test_memory_is_bounded() -> None:
     listing = Listing()
-    place = Place("file", 1, 0.0)
-    access = Access(Parameter("", "3", 5, ""), True, 16, "", "01", None, "01", "", "", "", "")
     for number in range(MOST + 2):
-        listing.add(place, access._replace(parameter=access.parameter._replace(ident=f"S-0-{number}")))
+        listing.add(PLACE, WRITTEN._replace(parameter=WRITTEN.parameter._replace(ident=f"S-0-{number}")))
     assert len(listing) == MOST
     assert listing.left_out == 2
 
