@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import shutil
 from pathlib import Path
 
@@ -128,6 +129,8 @@ def test_what_cannot_be_read_or_written(tmp_path: Path, full: Path) -> None:
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
     refused(run(tmp_path, "parameters", "junk"), 2, "junk is not a capture")
     refused(run(tmp_path, "parameters", CAPTURE, "nothing"), 2, "cannot read nothing")
+    os.mkfifo(tmp_path / "pipe")
+    refused(run(tmp_path, "parameters", "pipe"), 2, "pipe is not a file")
     shutil.copy(CAPTURE, tmp_path / "x.pcapng")
     refused(run(tmp_path, "parameters", "x.pcapng", "-o", "x.pcapng"), 2, "is the capture itself")
     refused(run(tmp_path, "parameters", CAPTURE, "-o", full), 1, "/dev/full", "No space left")
