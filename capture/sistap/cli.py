@@ -8,12 +8,13 @@ import importlib
 import os
 import sys
 from collections.abc import Container, Sequence
+from difflib import get_close_matches
 
 import sistap
 from sistap.line.reader import PortError, PortLost
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
 from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_standard_output
 
@@ -128,6 +129,9 @@ def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
 
 def _run(arguments: Sequence[str], stop: Stop) -> int:
     called = next((argument for argument in arguments if not argument.startswith("-")), "")
+    if called and called not in COMMANDS and (close := get_close_matches(called, COMMANDS, 1)):
+        Console().say(f"there is no command '{called}': did you mean `sistap {close[0]}`?")
+        return USAGE
     args = parser({called}).parse_args(arguments)
     try:
         with stop:

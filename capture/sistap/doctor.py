@@ -70,7 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("-i", dest="port", metavar="PORT", help="look at this port, too (as capture's -i)")
+    parser.add_argument(
+        "-i", dest="port", metavar="PORT", type=ports.short, help="look at this port, too (as capture's -i)"
+    )
 
 
 @priority.real_time()

@@ -73,7 +73,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add("-i", dest="port", metavar="PORT", help="measure this port, its transmit and receive lines joined")
+    add(
+        "-i",
+        dest="port",
+        metavar="PORT",
+        type=ports.short,
+        help="measure this port, its transmit and receive lines joined",
+    )
     add("--transmit", action="store_true", help="allow sending characters on PORT; without it nothing is ever sent")
     add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")
     add("--format", default="8E1", metavar="FORMAT", help="data bits, parity and stop bits of PORT (8E1)")

@@ -278,6 +278,18 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     assert done.stdout.decode().splitlines()[1].startswith("^-- 8 other characters")
 
 
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (bytes.fromhex("0a0d0d0a1c000000"), "x is a capture, not a log: `sistap log x` explains it"),
+        (b"MZ\x90\0\x03\0\0\0", "x is no text: name a log that an editor can show"),
+    ],
+)
+def test_a_file_of_bytes_is_no_log(tmp_path: Path, content: bytes, words: str) -> None:
+    (tmp_path / "x").write_bytes(content)
+    refused(run(tmp_path, "x"), 2, words)
+
+
 def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     """Its beginning is explained; all of it comes through."""
     telegram = "02 56 02 02 10 92 00 00 00 02 "
