@@ -1,0 +1,420 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The drivers that are judged: how each gets its ports, what happens on their lines, and what their devices were told."""
+
+from __future__ import annotations
+
+import json
+import re
+import socket
+import struct
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from machine import Guest, Program, eventually
+
+# Error bits of a FTDI adapter's line status, of which a software FT232R is told.
+OVERRUN, PARITY, FRAMING, BREAK = 0x02, 0x04, 0x08, 0x10
+
+UART_RATE = 115200  # of divisor 1
+FTDI_RATE = 3_000_000
+# FTDI's AN232B-05: eighths of a divisor, by their code.
+FTDI_EIGHTHS = (0, 4, 2, 1, 3, 5, 6, 7)
+STOPS = ("1", "1.5", "2")
+PARITIES = "NOEMS"  # as FTDI and CDC number them
+
+
+class Settings(NamedTuple):
+    """What a device was set to."""
+
+    baud: float
+    format: str
+
+
+class Line(Protocol):
+    """What is behind one port."""
+
+    port: str
+    sent: bytes  # what the guest has sent
+
+    def play(self, data: bytes, errors: int = 0) -> None:
+        """Let characters come in; `errors` are of all of them, for one that knows errors."""
+
+    def send_break(self) -> None:
+        """Let a break come in."""
+
+    def loop(self, *, on: bool) -> None:
+        """Send what is sent back."""
+
+
+class SocketLine:
+    """A line that QEMU has at a socket."""
+
+    def __init__(self, guest: Guest, name: str, port: str) -> None:
+        """Connect to it."""
+        self.port, self.sent = port, b""
+        self._guest, self._name, self._loop = guest, name, False
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._socket.connect(str(guest.folder / name))
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def play(self, data: bytes, errors: int = 0) -> None:
+        """Let characters come in as fast as the guest takes them."""
+        assert not errors
+        self._socket.sendall(data)
+
+    def send_break(self) -> None:
+        """Let a break come in at once: it may overtake characters."""
+        self._guest.monitor("chardev-send-break", id=self._name)
+
+    def loop(self, *, on: bool) -> None:
+        """Send what is sent back."""
+        self._loop = on
+
+    def _read(self) -> None:
+        while data := self._socket.recv(4096):
+            self.sent += data
+            if self._loop:
+                self._socket.sendall(data)
+
+
+class ProgramLine:
+    """A line whose other end is a program of the guest."""
+
+    def __init__(self, program: Program, port: str) -> None:
+        """Tell it by its input."""
+        self.port, self.program = port, program
+        self._played = 0
+
+    @property
+    def sent(self) -> bytes:
+        """What the guest has sent."""
+        told = [json.loads(line) for line in self.program.look().splitlines()]
+        return b"".join(bytes.fromhex(one["sent"]) for one in told if "sent" in one)
+
+    def play(self, data: bytes, errors: int = 0) -> None:
+        """Let characters come in together; return when the computer has taken them."""
+        self._say(play=[(value, errors) for value in data])
+        self._played += len(data)
+        self.program.until(f'{{"played": {self._played}}}')
+
+    def send_break(self) -> None:
+        """Let a break come in."""
+        self._say(**{"break": True})
+
+    def loop(self, *, on: bool) -> None:
+        """Send what is sent back."""
+        self._say(loop=on)
+
+    def _say(self, **message: Any) -> None:
+        self.program.say(json.dumps(message))
+
+
+class Watch(Protocol):
+    """Sees what a device is told."""
+
+    def mark(self) -> None:
+        """Forget what was told before."""
+
+    def lines(self) -> list[tuple[bool, bool]]:
+        """Return the states of DTR and RTS since the mark, from both low on."""
+
+    def settings(self) -> Settings | None:
+        """Return what it was set to since the mark."""
+
+
+class UartWatch:
+    """Registers of a 16550, as QEMU's trace shows them being written."""
+
+    def __init__(self, guest: Guest) -> None:
+        """Read the trace of the guest."""
+        self._file = guest.folder / "trace"
+        self._from = 0
+
+    def mark(self) -> None:
+        """Forget what was written before."""
+        self._from = self._file.stat().st_size
+
+    def lines(self) -> list[tuple[bool, bool]]:
+        """Return the states of DTR and RTS."""
+        return _changes([(bool(value & 1), bool(value & 2)) for register, value in self._written() if register == 4])
+
+    def settings(self) -> Settings | None:
+        """Return rate and format; the divisor is in registers 0 and 1 while bit 7 of register 3 is set."""
+        control, divisor = 0, [0, 0]
+        for register, value in self._written():
+            if register == 3:
+                control = value
+            elif register < 2 and control & 0x80:
+                divisor[register] = value
+        if not any(divisor):
+            return None
+        parity = "NOXEXMXS"[control >> 3 & 7] if control & 8 else "N"
+        stop = "2" if control & 4 else "1"
+        return Settings(UART_RATE / (divisor[0] + 256 * divisor[1]), f"{5 + (control & 3)}{parity}{stop}")
+
+    def _written(self) -> Iterator[tuple[int, int]]:
+        with self._file.open() as trace:
+            trace.seek(self._from)
+            for register, value in re.findall(r"serial_write .*addr 0x(\w+) val 0x(\w+)", trace.read()):
+                yield int(register, 16), int(value, 16)
+
+
+class UsbWatch:
+    """Requests that adapters get, as usbmon in the guest shows them."""
+
+    def __init__(self, usbmon: Program) -> None:
+        """Read what guest/usbmon.py says."""
+        self._usbmon = usbmon
+        self._from = 0
+
+    def mark(self) -> None:
+        """Forget what was asked before."""
+        self._from = len(self._usbmon.look())
+
+    def lines(self) -> list[tuple[bool, bool]]:
+        """Return the states of DTR and RTS."""
+        state, states = 0, []
+        for (kind, request, value, _), _data in self._requests():
+            if (kind, request) == (0x40, 1):  # FTDI: the high byte says which of them it is about
+                state = state & ~(value >> 8) | value & (value >> 8)
+                states.append((bool(state & 1), bool(state & 2)))
+            elif (kind, request) == (0x21, 0x22):  # CDC: SET_CONTROL_LINE_STATE
+                states.append((bool(value & 1), bool(value & 2)))
+        return _changes(states)
+
+    def settings(self) -> Settings | None:
+        """Return rate and format."""
+        baud, text = 0.0, ""
+        for (kind, request, value, index), data in self._requests():
+            if (kind, request) == (0x40, 3):
+                eighths = FTDI_EIGHTHS[value >> 14 | (index & 1) << 2]
+                divisor = (value & 0x3FFF) + eighths / 8
+                baud = {0: 3e6, 1: 2e6}.get(divisor) or FTDI_RATE / divisor
+            elif (kind, request) == (0x40, 4):
+                text = f"{value & 0xF}{PARITIES[value >> 8 & 7]}{STOPS[value >> 11 & 3]}"
+            elif (kind, request) == (0x21, 0x20):
+                rate, stop, parity, bits = struct.unpack("<IBBB", data)
+                baud, text = float(rate), f"{bits}{PARITIES[parity]}{STOPS[stop]}"
+        return Settings(baud, text) if baud and text else None
+
+    def _requests(self) -> Iterator[tuple[list[int], bytes]]:
+        for line in self._usbmon.look()[self._from :].splitlines():
+            message = json.loads(line)
+            if "request" in message:
+                yield message["request"], bytes.fromhex(message["data"])
+
+
+def _changes(states: list[tuple[bool, bool]]) -> list[tuple[bool, bool]]:
+    """Return each state that is another than the one before, from both low on."""
+    changes = [(False, False)]
+    for state in states:
+        if state != changes[-1]:
+            changes.append(state)
+    return changes
+
+
+@dataclass
+class Driver:
+    """A driver with two ports; what it cannot do with the device it has here is not judged."""
+
+    name: str
+    devices: tuple[str, ...]  # for QEMU
+    described: tuple[str, ...]  # what `sistap ports` says of it
+    can: frozenset[str] = frozenset()  # "break", "errors", "overrun"
+    apart: bool = True  # each port is unplugged alone
+    tuned: dict[str, tuple[object, object]] = field(default_factory=dict)  # before and during a capture
+    lines: list[Any] = field(default_factory=list)
+
+    def start(self, guest: Guest) -> None:
+        """Make the ports; then `lines` has them."""
+
+    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - of a USB adapter, it is another
+        """Return what sees its devices."""
+        return UartWatch(guest)
+
+    def unplug(self, guest: Guest) -> None:
+        """Take the first port away."""
+
+    def plug(self, guest: Guest) -> None:
+        """Give it back."""
+
+
+class Uart(Driver):
+    """The driver 8250, its UARTs in QEMU. Unplugged is: taken away from the driver."""
+
+    def __init__(self, name: str, chardevs: tuple[str, str], device: str, bus: str, ports: tuple[str, str]) -> None:
+        """Have the chardevs as ports."""
+        sockets = " ".join(_socket(one) for one in chardevs)
+        super().__init__(
+            name,
+            (*sockets.split(), *device.split()),
+            ("16550A UART", "serial"),
+            frozenset({"break", "overrun"}),
+            tuned={"FIFO trigger": ("8", "1"), "low latency": (False, True)},
+        )
+        self._chardevs, self._bus, self._ports = chardevs, bus, ports
+
+    def start(self, guest: Guest) -> None:
+        """Connect to both."""
+        self.lines = [SocketLine(guest, *one) for one in zip(self._chardevs, self._ports, strict=True)]
+
+    def unplug(self, guest: Guest) -> None:
+        """Let the driver go."""
+        (link,) = guest.find(f"/sys/bus/{self._bus}/drivers/serial/{self._bound(guest)}")
+        self._place = Path(link).name
+        guest.write(f"/sys/bus/{self._bus}/drivers/serial/unbind", self._place)
+
+    def plug(self, guest: Guest) -> None:
+        """Give it to the driver again."""
+        guest.write(f"/sys/bus/{self._bus}/drivers/serial/bind", self._place)
+        eventually(lambda: guest.run("port", self.lines[0].port).code == 0, lambda: "the port does not come back")
+
+    def _bound(self, guest: Guest) -> str:
+        done = guest.run("readlink", "-f", f"/sys/class/tty/{Path(self.lines[0].port).name}/device")
+        parts = re.findall(r"[\w:.]+", done.said)
+        return next(part for part in reversed(parts) if guest.find(f"/sys/bus/{self._bus}/drivers/serial/{part}"))
+
+
+class Usb(Driver):
+    """A driver of adapters."""
+
+    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - of a UART, it is another
+        """Return what sees its devices."""
+        return UsbWatch(usbmon)
+
+
+class QemuFtdi(Usb):
+    """ftdi_sio, its adapters in QEMU: no line errors, and a break without a character, which Linux drops."""
+
+    def __init__(self) -> None:
+        """Have two adapters."""
+        arguments = ["-device", "qemu-xhci,id=xhci"]
+        for number in range(2):
+            arguments += [*_socket(f"ftdi{number}").split(), "-device", ",".join(_pairs(self._device(number)))]
+        tuned: dict[str, tuple[object, object]] = {"latency timer": ("16", "1"), "low latency": (False, True)}
+        super().__init__(
+            "ftdi_sio, QEMU's adapter", tuple(arguments), ("QEMU USB SERIAL", "ftdi_sio", "latency timer 16 ms"),
+            tuned=tuned,
+        )
+
+    def start(self, guest: Guest) -> None:
+        """Connect to both."""
+        self.lines = [SocketLine(guest, f"ftdi{number}", _by_id(guest, f"*FTDI{number}*")) for number in range(2)]
+
+    def unplug(self, guest: Guest) -> None:
+        """Pull it out."""
+        guest.monitor("device_del", id="adapter0")
+
+    def plug(self, guest: Guest) -> None:
+        """Put it in again."""
+
+        def added() -> bool:
+            try:
+                guest.monitor("device_add", **self._device(0))
+            except OSError:  # the old one is not gone yet
+                return False
+            return True
+
+        eventually(added, lambda: "the adapter cannot be plugged in again")
+        _by_id(guest, "*FTDI0*")
+
+    @staticmethod
+    def _device(number: int) -> dict[str, Any]:
+        own = {"id": f"adapter{number}", "chardev": f"ftdi{number}", "serial": f"FTDI{number}", "bus": "xhci.0"}
+        return {"driver": "usb-serial", "always-plugged": True} | own
+
+
+class SoftwareFtdi(Usb):
+    """ftdi_sio, its adapters programs of the guest (guest/ft232r.py), with all line errors."""
+
+    SERIALS = ("A6008isP", "A6008isQ")
+
+    def __init__(self) -> None:
+        """Have two adapters."""
+        super().__init__(
+            "ftdi_sio, FT232R in software",
+            (),
+            ("FT232R USB UART", "ftdi_sio", "latency timer 16 ms"),
+            frozenset({"break", "errors", "overrun"}),
+            tuned={"latency timer": ("16", "1"), "low latency": (False, True)},
+        )
+
+    def start(self, guest: Guest) -> None:
+        """Plug both in."""
+        guest.run("modprobe", "vhci_hcd")
+        self.lines = [self._plugged(guest, number) for number in range(2)]
+
+    def unplug(self, guest: Guest) -> None:
+        """Pull it out."""
+        self.lines[0].program.stop()
+
+    def plug(self, guest: Guest) -> None:
+        """Put it in again."""
+        self.lines[0] = self._plugged(guest, 0)
+
+    def _plugged(self, guest: Guest, number: int) -> ProgramLine:
+        program = guest.start("ft232r", str(number))
+        program.until("{}")
+        return ProgramLine(program, _by_id(guest, f"*{self.SERIALS[number]}*"))
+
+
+class Cdc(Usb):
+    """cdc_acm; its adapter with two ports is the guest itself (g_serial at dummy_hcd)."""
+
+    CONNECT = "/sys/class/udc/dummy_udc.0/soft_connect"
+
+    def __init__(self) -> None:
+        """Have an adapter."""
+        super().__init__("cdc_acm", (), ("Gadget Serial", "cdc_acm"), frozenset({"break"}), apart=False)
+
+    def start(self, guest: Guest) -> None:
+        """Plug it in."""
+        guest.run("modprobe", "dummy_hcd")
+        guest.run("modprobe", "g_serial", "use_acm=1", "n_ports=2")
+        for number, interface in enumerate(("if00", "if02")):
+            program = guest.start("gadget", f"/dev/ttyGS{number}")
+            program.until("{}")
+            self.lines.append(ProgramLine(program, _by_id(guest, f"*Gadget*{interface}")))
+
+    def unplug(self, guest: Guest) -> None:
+        """Pull it out."""
+        guest.write(self.CONNECT, "disconnect")
+
+    def plug(self, guest: Guest) -> None:
+        """Put it in again."""
+        guest.write(self.CONNECT, "connect")
+        for interface in ("if00", "if02"):
+            _by_id(guest, f"*Gadget*{interface}")
+
+
+def _socket(name: str) -> str:
+    return f"-chardev socket,id={name},path={name},server=on,wait=off"
+
+
+def _pairs(device: dict[str, Any]) -> list[str]:
+    driver, *others = device.items()
+    return [driver[1], *(f"{key}={'on' if value is True else value}" for key, value in others)]
+
+
+def _by_id(guest: Guest, pattern: str) -> str:
+    """Wait for a port that udev names so; return the name."""
+    pattern = f"/dev/serial/by-id/{pattern}"
+    eventually(lambda: bool(guest.find(pattern)), lambda: f"no {pattern}; there are {guest.find('/dev/serial/*/*')}")
+    return guest.find(pattern)[0]
+
+
+def all_drivers() -> list[Driver]:
+    """Return each of them."""
+    isa = "-device isa-serial,chardev=isa0,index=1 -device isa-serial,chardev=isa1,index=2,irq=5"
+    pci = "-chardev null,id=none2 -chardev null,id=none3 -device pci-serial-4x,chardev1=pci0,chardev2=pci1,"
+    pci += "chardev3=none2,chardev4=none3"
+    return [
+        Uart("8250, 16550A (ISA)", ("isa0", "isa1"), isa, "pnp", ("/dev/ttyS1", "/dev/ttyS2")),
+        Uart("8250, pci-serial-4x", ("pci0", "pci1"), pci, "pci", ("/dev/ttyS4", "/dev/ttyS5")),
+        QemuFtdi(),
+        SoftwareFtdi(),
+        Cdc(),
+    ]
