@@ -37,7 +37,10 @@ class Line(Protocol):
     """What is behind one port."""
 
     port: str
-    sent: bytes  # what the guest has sent
+
+    @property
+    def sent(self) -> bytes:
+        """What the guest has sent."""
 
     def play(self, data: bytes, errors: int = 0) -> None:
         """Let characters come in; `errors` are of all of them, for one that knows errors."""
@@ -54,11 +57,17 @@ class SocketLine:
 
     def __init__(self, guest: Guest, name: str, port: str) -> None:
         """Connect to it."""
-        self.port, self.sent = port, b""
+        self.port = port
+        self._sent = b""
         self._guest, self._name, self._loop = guest, name, False
         self._socket = socket.socket(socket.AF_UNIX)
         self._socket.connect(str(guest.folder / name))
         threading.Thread(target=self._read, daemon=True).start()
+
+    @property
+    def sent(self) -> bytes:
+        """What the guest has sent."""
+        return self._sent
 
     def play(self, data: bytes, errors: int = 0) -> None:
         """Let characters come in as fast as the guest takes them."""
@@ -75,7 +84,7 @@ class SocketLine:
 
     def _read(self) -> None:
         while data := self._socket.recv(4096):
-            self.sent += data
+            self._sent += data
             if self._loop:
                 self._socket.sendall(data)
 
@@ -83,9 +92,10 @@ class SocketLine:
 class ProgramLine:
     """A line whose other end is a program of the guest."""
 
-    def __init__(self, program: Program, port: str) -> None:
-        """Tell it by its input."""
+    def __init__(self, program: Program, port: str, *, has_status: bool) -> None:
+        """Tell it by its input; `has_status`: it knows line errors."""
         self.port, self.program = port, program
+        self._has_status = has_status
         self._played = 0
 
     @property
@@ -101,8 +111,11 @@ class ProgramLine:
         self.program.until(f'{{"played": {self._played}}}')
 
     def send_break(self) -> None:
-        """Let a break come in."""
-        self._say(**{"break": True})
+        """Let a break come in; to a FTDI adapter it is a character."""
+        if self._has_status:
+            self.play(b"\0", BREAK | FRAMING)
+        else:
+            self._say(**{"break": True})
 
     def loop(self, *, on: bool) -> None:
         """Send what is sent back."""
@@ -122,7 +135,7 @@ class Watch(Protocol):
         """Return the states of DTR and RTS since the mark, from both low on."""
 
     def settings(self) -> Settings | None:
-        """Return what it was set to since the mark."""
+        """Return what it is set to now."""
 
 
 class UartWatch:
@@ -139,12 +152,12 @@ class UartWatch:
 
     def lines(self) -> list[tuple[bool, bool]]:
         """Return the states of DTR and RTS."""
-        return _changes([(bool(value & 1), bool(value & 2)) for register, value in self._written() if register == 4])
+        return _changes([(bool(value & 1), bool(value & 2)) for register, value in self._written(self._from) if register == 4])
 
     def settings(self) -> Settings | None:
         """Return rate and format; the divisor is in registers 0 and 1 while bit 7 of register 3 is set."""
         control, divisor = 0, [0, 0]
-        for register, value in self._written():
+        for register, value in self._written(0):
             if register == 3:
                 control = value
             elif register < 2 and control & 0x80:
@@ -155,9 +168,9 @@ class UartWatch:
         stop = "2" if control & 4 else "1"
         return Settings(UART_RATE / (divisor[0] + 256 * divisor[1]), f"{5 + (control & 3)}{parity}{stop}")
 
-    def _written(self) -> Iterator[tuple[int, int]]:
+    def _written(self, start: int) -> Iterator[tuple[int, int]]:
         with self._file.open() as trace:
-            trace.seek(self._from)
+            trace.seek(start)
             for register, value in re.findall(r"serial_write .*addr 0x(\w+) val 0x(\w+)", trace.read()):
                 yield int(register, 16), int(value, 16)
 
@@ -177,7 +190,7 @@ class UsbWatch:
     def lines(self) -> list[tuple[bool, bool]]:
         """Return the states of DTR and RTS."""
         state, states = 0, []
-        for (kind, request, value, _), _data in self._requests():
+        for (kind, request, value, _), _data in self._requests(self._from):
             if (kind, request) == (0x40, 1):  # FTDI: the high byte says which of them it is about
                 state = state & ~(value >> 8) | value & (value >> 8)
                 states.append((bool(state & 1), bool(state & 2)))
@@ -188,7 +201,7 @@ class UsbWatch:
     def settings(self) -> Settings | None:
         """Return rate and format."""
         baud, text = 0.0, ""
-        for (kind, request, value, index), data in self._requests():
+        for (kind, request, value, index), data in self._requests(0):
             if (kind, request) == (0x40, 3):
                 eighths = FTDI_EIGHTHS[value >> 14 | (index & 1) << 2]
                 divisor = (value & 0x3FFF) + eighths / 8
@@ -200,8 +213,8 @@ class UsbWatch:
                 baud, text = float(rate), f"{bits}{PARITIES[parity]}{STOPS[stop]}"
         return Settings(baud, text) if baud and text else None
 
-    def _requests(self) -> Iterator[tuple[list[int], bytes]]:
-        for line in self._usbmon.look()[self._from :].splitlines():
+    def _requests(self, start: int) -> Iterator[tuple[list[int], bytes]]:
+        for line in self._usbmon.look()[start:].splitlines():
             message = json.loads(line)
             if "request" in message:
                 yield message["request"], bytes.fromhex(message["data"])
@@ -251,8 +264,9 @@ class Uart(Driver):
         super().__init__(
             name,
             (*sockets.split(), *device.split()),
-            ("16550A UART", "serial"),
-            frozenset({"break", "overrun"}),
+            ("16550A UART", "serial", "FIFO trigger 8"),
+            frozenset({"break", "located", "overrun"}),
+            apart=bus == "pnp",
             tuned={"FIFO trigger": ("8", "1"), "low latency": (False, True)},
         )
         self._chardevs, self._bus, self._ports = chardevs, bus, ports
@@ -294,9 +308,10 @@ class QemuFtdi(Usb):
         arguments = ["-device", "qemu-xhci,id=xhci"]
         for number in range(2):
             arguments += [*_socket(f"ftdi{number}").split(), "-device", ",".join(_pairs(self._device(number)))]
-        tuned: dict[str, tuple[object, object]] = {"latency timer": ("16", "1"), "low latency": (False, True)}
+        # QEMU's adapter says at first that its timer is 0.
+        tuned: dict[str, tuple[object, object]] = {"latency timer": ("0", "1"), "low latency": (False, True)}
         super().__init__(
-            "ftdi_sio, QEMU's adapter", tuple(arguments), ("QEMU USB SERIAL", "ftdi_sio", "latency timer 16 ms"),
+            "ftdi_sio, QEMU's adapter", tuple(arguments), ("QEMU USB SERIAL", "ftdi_sio", "latency timer"),
             tuned=tuned,
         )
 
@@ -338,7 +353,7 @@ class SoftwareFtdi(Usb):
             "ftdi_sio, FT232R in software",
             (),
             ("FT232R USB UART", "ftdi_sio", "latency timer 16 ms"),
-            frozenset({"break", "errors", "overrun"}),
+            frozenset({"break", "located", "errors", "overrun"}),
             tuned={"latency timer": ("16", "1"), "low latency": (False, True)},
         )
 
@@ -358,7 +373,7 @@ class SoftwareFtdi(Usb):
     def _plugged(self, guest: Guest, number: int) -> ProgramLine:
         program = guest.start("ft232r", str(number))
         program.until("{}")
-        return ProgramLine(program, _by_id(guest, f"*{self.SERIALS[number]}*"))
+        return ProgramLine(program, _by_id(guest, f"*{self.SERIALS[number]}*"), has_status=True)
 
 
 class Cdc(Usb):
@@ -377,7 +392,7 @@ class Cdc(Usb):
         for number, interface in enumerate(("if00", "if02")):
             program = guest.start("gadget", f"/dev/ttyGS{number}")
             program.until("{}")
-            self.lines.append(ProgramLine(program, _by_id(guest, f"*Gadget*{interface}")))
+            self.lines.append(ProgramLine(program, _by_id(guest, f"*Gadget*{interface}"), has_status=False))
 
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""

@@ -1,0 +1,2 @@
+"""later"""
+def pulled(folder, runs_on): return ""
