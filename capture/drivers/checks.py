@@ -312,7 +312,8 @@ def extcap(bench: Bench) -> None:
     listed = guest.run("sistap", "extcap", "--extcap-interfaces", user="tap").said
     assert f"{{value=sistap-{device}}}" in listed, listed
     asked = ("sistap", "extcap", "--capture", "--extcap-interface", f"sistap-{device}", "--fifo")
-    guest.run("rm", "-f", "/tmp/pipe", "/tmp/piped")
+    guest.run("rm", "-f", "/tmp/pipe")
+    guest.write("/tmp/piped", "")
     guest.run("mkfifo", "-m", "666", "/tmp/pipe")
     wireshark = guest.start("sh", "-c", "exec cat </tmp/pipe >/tmp/piped")
     program = guest.start(*asked, "/tmp/pipe", user="tap")
