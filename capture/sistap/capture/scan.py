@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings, Read
-from sistap.records.counters import faulty
+from sistap.records.counters import faulty, surely_faulty
 from sistap.records.record import Record
 from sistap.sis.rates import RATES
 from sistap.sis.telegram import MAX_LENGTH
@@ -38,11 +38,12 @@ class _Try:
     since_ns: int | None  # None: it is not known yet what time it is on the line
     last_ns: int | None = None  # when the last character came
     characters: int = 0
-    faulty: int = 0
+    faulty: int = 0  # all that can be: these settings are not right
+    surely_faulty: int = 0  # those that are: these settings are wrong
 
     def in_vain(self, now_ns: int, silence_ns: int) -> bool:
         """Tell whether to go on; a line without a character gets `silence_ns`."""
-        errors = self.faulty >= ENOUGH_ERRORS and self.faulty * ACCIDENT > self.characters
+        errors = self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters
         garbage = self.characters >= ENOUGH_CHARACTERS
         patience_ns = PAUSE_NS if self.characters else silence_ns
         silence = now_ns - (self.last_ns or self.since_ns or now_ns) >= patience_ns
@@ -75,6 +76,7 @@ class Scan:
         if read.data:
             now.characters += len(read.data)
             now.faulty += faulty(read)
+            now.surely_faulty += surely_faulty(read)
             now.last_ns = read.time_ns
         good = any(record.settings == now.settings and record.is_good_frame and not record.errors for record in records)
         self.found = good and now.faulty * ACCIDENT <= now.characters

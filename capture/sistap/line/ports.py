@@ -69,6 +69,11 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
     )
 
 
+def is_8250(port: str, sysfs: Path | None = None) -> bool:
+    """Tell whether a port is an 8250 or one of its successors."""
+    return _line((sysfs or SYSFS) / "class/tty" / Path(real(port)).name / "type") in _UARTS
+
+
 def of_windows(port: str, known: registry.Registry | None = None) -> Adapter:
     """Describe what is behind a port of Windows, from its registry: only FTDI adapters are in it."""
     found = registry.ftdi(port, known)
