@@ -14,37 +14,38 @@ sys.path.insert(0, str(CAPTURE))
 import power  # noqa: E402 - of the checkout
 import table  # noqa: E402
 from checks import CHECKS, Bench, NotJudged  # noqa: E402
-from drivers import Driver, all_drivers  # noqa: E402
 from machine import Guest, NoGuest, Program, accelerator  # noqa: E402
+
+from drivers import Driver, all_drivers  # noqa: E402
 
 FAILED, NOT_RUN = 1, 77
 TRACE = ("-trace", "serial_write", "-D", "trace")
 
 
 def judged(guest: Guest, driver: Driver, usbmon: Program, words: str) -> dict[str, str]:
-    """Judge a driver; return the result of each check whose name has these words."""
-    driver.start(guest)
+    """Judge a driver; return the result of each check whose function has these words in its name."""
+    results: dict[str, str] = {}
     bench = Bench(guest, driver, driver.watch(guest, usbmon))
-    results = {}
-    for name, check in CHECKS.items():
-        if words not in check.__name__:
-            continue
+    checks = {name: check for name, check in CHECKS.items() if words in check.__name__}
+    for name, check in {"its ports": Bench.start, **checks}.items():
         begun = time.monotonic()
+        result, why = table.GOOD, ""
         try:
             check(bench)
-            results[name] = table.GOOD
         except NotJudged:
-            results[name] = table.NOT_JUDGED
+            result = table.NOT_JUDGED
         except (AssertionError, OSError, ValueError) as error:
-            results[name] = table.FAILED
-            print(f"drivers: FAILED {driver.name}: {name}: {error}", flush=True)
-        print(f"drivers: {results[name]:6} {driver.name}: {name} ({time.monotonic() - begun:.1f} s)", flush=True)
+            result, why = table.FAILED, f": {error}"
+        print(f"drivers: {result:6} {driver.name}: {name}, {time.monotonic() - begun:.1f} s{why}", flush=True)
+        if check is Bench.start and result == table.FAILED:
+            return dict.fromkeys(checks, table.FAILED)
+        results[name] = result
     return results
 
 
-def drivers(folder: Path, runs_on: str, words: str) -> dict[str, dict[str, str]]:
-    """Judge all drivers in one guest."""
-    drivers = all_drivers()
+def drivers(folder: Path, runs_on: str, words: str, only: str) -> dict[str, dict[str, str]]:
+    """Judge the drivers in one guest."""
+    drivers = [driver for driver in all_drivers() if only in driver.name]
     guest = Guest(folder, runs_on, [*TRACE, *(word for driver in drivers for word in driver.devices)])
     try:
         usbmon = guest.start("usbmon", "/dev/null")
@@ -56,20 +57,27 @@ def drivers(folder: Path, runs_on: str, words: str) -> dict[str, dict[str, str]]
 
 def main() -> int:
     """Do it; return the exit code."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--only", default="", metavar="WORD", help="run the checks whose function has this in its name")
+    parser = argparse.ArgumentParser(description="Judge drivers, then pull the plug; without options, write the table.")
+    parser.add_argument("folder", type=Path, help="where guest/make has put the guest")
+    parser.add_argument("--check", default="", metavar="WORD", help="only checks whose function has this in its name")
+    parser.add_argument("--driver", default="", metavar="WORD", help="only drivers that have this in their name")
+    parser.add_argument("--plug", action="store_true", help="only pull the plug")
     options = parser.parse_args()
+    results: dict[str, dict[str, str]] = {}
+    pulled = ""
     try:
         runs_on = accelerator(options.folder)
-        results = drivers(options.folder, runs_on, options.only)
-        pulled = power.pulled(options.folder, runs_on) if options.only in power.pulled.__name__ else ""
+        print(f"drivers: the guest runs on {runs_on.partition(',')[0]}", flush=True)
+        if not options.plug:
+            results = drivers(options.folder, runs_on, options.check, options.driver)
+        if not (options.check or options.driver):
+            pulled = power.pulled(options.folder, runs_on)
     except NoGuest as error:
         print(f"drivers: not run: {error}", file=sys.stderr)
         return NOT_RUN
-    if not options.only:
+    if results and pulled:
         table.write(CAPTURE / "README.md", results, pulled)
-    failed = table.FAILED in [result for row in results.values() for result in row.values()] or pulled.startswith(table.FAILED)
+    failed = table.FAILED in [pulled.partition(".")[0], *(one for row in results.values() for one in row.values())]
     return FAILED if failed else 0
 
 

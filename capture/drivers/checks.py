@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drivers import BREAK, FRAMING, OVERRUN, PARITY, Driver, Line, Settings, Watch
-from machine import Done, Guest, Program, eventually
+from machine import Guest, Program, eventually
 
+from drivers import BREAK, FRAMING, OVERRUN, PARITY, Driver, Line, Settings, Watch
 from sistap.files.reading import NotCaptured, records
 from sistap.line.settings import ERROR_FLAGS, Flag
 from sistap.records.record import Event, Type
@@ -27,7 +27,10 @@ FIFO = 16  # characters of a 16550
 
 # Rates and formats, and whether each driver has to open with them. The others may be refused; what is not refused is
 # what the device was really set to.
-MUST_OPEN = ("9600 8E1", "9600 8N1", "9600 8O1", "9600 7E1", "9600 8N2", "19200 8E1", "38400 8E1", "57600 8N1", "115200 8E1")
+MUST_OPEN = (
+    *("9600 8E1", "9600 8N1", "9600 8O1", "9600 7E1", "9600 8N2"),
+    *("19200 8E1", "38400 8E1", "57600 8N1", "115200 8E1"),
+)
 MAY_OPEN = ("9600 8M1", "9600 8S1", "9600 6E1", "12000 8E1", "76800 8E1", "187500 8E1", "4000000 8E1")
 CHANGES = ("19200 8E1", "187500 8E1", "12345 8N1", "76800 8E1", "115200 8E1", "9600 6E1", "9600 8E1")
 BEARABLE = 0.03  # how far a rate may be off
@@ -47,6 +50,10 @@ class Bench:
     seen: list[tuple[bool, bool]] = field(default_factory=list)  # DTR and RTS during a capture
     states: list[dict[str, object]] = field(default_factory=list)  # of the port before, during and after one
     looped: list[int] = field(default_factory=lambda: [0, 0])  # characters that the self-test sent
+
+    def start(self) -> None:
+        """Make the ports."""
+        self.driver.start(self.guest)
 
     @property
     def line(self) -> Line:
@@ -69,7 +76,8 @@ class Capture:
         self.file = "/tmp/capture.pcapng"
         guest.run("rm", "-f", self.file)
         interfaces = [word for port in ports for word in ("-i", port)]
-        self.program: Program = guest.start("sistap", "capture", *interfaces, "--framing", framing, "-w", self.file, user=user)
+        options = ("--framing", framing, "-w", self.file)
+        self.program: Program = guest.start("sistap", "capture", *interfaces, *options, user=user)
         self.program.until("capturing on")
 
     def read(self) -> Captured:
@@ -193,6 +201,7 @@ def breaks(bench: Bench) -> None:
         bench.line.play(TELEGRAM[:9])
         if counted_only:
             running.until(count + 9)
+        bench.line.settle()
         bench.line.send_break()
         bench.line.play(TELEGRAM[9:])
         count += len(TELEGRAM) + (not counted_only)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The drivers that are judged: how each gets its ports, what happens on their lines, and what their devices were told."""
+"""The drivers that are judged: how each gets its ports, what happens on their lines, what devices were told."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import socket
 import struct
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
@@ -22,6 +23,7 @@ UART_RATE = 115200  # of divisor 1
 FTDI_RATE = 3_000_000
 # FTDI's AN232B-05: eighths of a divisor, by their code.
 FTDI_EIGHTHS = (0, 4, 2, 1, 3, 5, 6, 7)
+SPECIAL_DIVISORS: dict[float, float] = {0: 1, 1: 1.5}
 STOPS = ("1", "1.5", "2")
 PARITIES = "NOEMS"  # as FTDI and CDC number them
 
@@ -44,6 +46,9 @@ class Line(Protocol):
 
     def play(self, data: bytes, errors: int = 0) -> None:
         """Let characters come in; `errors` are of all of them, for one that knows errors."""
+
+    def settle(self) -> None:
+        """Wait until the driver has taken what was played."""
 
     def send_break(self) -> None:
         """Let a break come in."""
@@ -74,6 +79,9 @@ class SocketLine:
         assert not errors
         self._socket.sendall(data)
 
+    def settle(self) -> None:
+        """Do nothing: nobody waits for these lines."""
+
     def send_break(self) -> None:
         """Let a break come in at once: it may overtake characters."""
         self._guest.monitor("chardev-send-break", id=self._name)
@@ -83,10 +91,26 @@ class SocketLine:
         self._loop = on
 
     def _read(self) -> None:
-        while data := self._socket.recv(4096):
-            self._sent += data
-            if self._loop:
-                self._socket.sendall(data)
+        with suppress(OSError):  # the guest was killed
+            while data := self._socket.recv(4096):
+                self._sent += data
+                if self._loop:
+                    self._socket.sendall(data)
+
+
+class UartLine(SocketLine):
+    """The line of a UART of QEMU. It does not keep a break with its character: it marks what is first in the FIFO."""
+
+    _due = 0
+
+    def play(self, data: bytes, errors: int = 0) -> None:
+        """Let characters come in; the driver has taken all that were played before."""
+        self._due = received(self._guest, self.port) + len(data)
+        super().play(data, errors)
+
+    def settle(self) -> None:
+        """Wait until the driver has taken them: a break would overtake them."""
+        eventually(lambda: received(self._guest, self.port) >= self._due, lambda: "the driver does not take them")
 
 
 class ProgramLine:
@@ -109,6 +133,9 @@ class ProgramLine:
         self._say(play=[(value, errors) for value in data])
         self._played += len(data)
         self.program.until(f'{{"played": {self._played}}}')
+
+    def settle(self) -> None:
+        """Do nothing: it has."""
 
     def send_break(self) -> None:
         """Let a break come in; to a FTDI adapter it is a character."""
@@ -152,7 +179,8 @@ class UartWatch:
 
     def lines(self) -> list[tuple[bool, bool]]:
         """Return the states of DTR and RTS."""
-        return _changes([(bool(value & 1), bool(value & 2)) for register, value in self._written(self._from) if register == 4])
+        modem_control = [value for register, value in self._written(self._from) if register == 4]
+        return _changes([(bool(value & 1), bool(value & 2)) for value in modem_control])
 
     def settings(self) -> Settings | None:
         """Return rate and format; the divisor is in registers 0 and 1 while bit 7 of register 3 is set."""
@@ -205,7 +233,7 @@ class UsbWatch:
             if (kind, request) == (0x40, 3):
                 eighths = FTDI_EIGHTHS[value >> 14 | (index & 1) << 2]
                 divisor = (value & 0x3FFF) + eighths / 8
-                baud = {0: 3e6, 1: 2e6}.get(divisor) or FTDI_RATE / divisor
+                baud = FTDI_RATE / SPECIAL_DIVISORS.get(divisor, divisor)
             elif (kind, request) == (0x40, 4):
                 text = f"{value & 0xF}{PARITIES[value >> 8 & 7]}{STOPS[value >> 11 & 3]}"
             elif (kind, request) == (0x21, 0x20):
@@ -273,7 +301,7 @@ class Uart(Driver):
 
     def start(self, guest: Guest) -> None:
         """Connect to both."""
-        self.lines = [SocketLine(guest, *one) for one in zip(self._chardevs, self._ports, strict=True)]
+        self.lines = [UartLine(guest, *one) for one in zip(self._chardevs, self._ports, strict=True)]
 
     def unplug(self, guest: Guest) -> None:
         """Let the driver go."""
@@ -289,7 +317,8 @@ class Uart(Driver):
     def _bound(self, guest: Guest) -> str:
         done = guest.run("readlink", "-f", f"/sys/class/tty/{Path(self.lines[0].port).name}/device")
         parts = re.findall(r"[\w:.]+", done.said)
-        return next(part for part in reversed(parts) if guest.find(f"/sys/bus/{self._bus}/drivers/serial/{part}"))
+        bound = f"/sys/bus/{self._bus}/drivers/serial/"
+        return str(next(part for part in reversed(parts) if guest.find(bound + part)))
 
 
 class Usb(Driver):
@@ -309,9 +338,11 @@ class QemuFtdi(Usb):
         for number in range(2):
             arguments += [*_socket(f"ftdi{number}").split(), "-device", ",".join(_pairs(self._device(number)))]
         # QEMU's adapter says at first that its timer is 0.
-        tuned: dict[str, tuple[object, object]] = {"latency timer": ("0", "1"), "low latency": (False, True)}
+        tuned: dict[str, tuple[object, object]] = {"latency timer": ("0", "1")}
         super().__init__(
-            "ftdi_sio, QEMU's adapter", tuple(arguments), ("QEMU USB SERIAL", "ftdi_sio", "latency timer"),
+            "ftdi_sio, QEMU's adapter",
+            tuple(arguments),
+            ("QEMU USB SERIAL", "ftdi_sio", "latency timer"),
             tuned=tuned,
         )
 
@@ -354,12 +385,12 @@ class SoftwareFtdi(Usb):
             (),
             ("FT232R USB UART", "ftdi_sio", "latency timer 16 ms"),
             frozenset({"break", "located", "errors", "overrun"}),
-            tuned={"latency timer": ("16", "1"), "low latency": (False, True)},
+            tuned={"latency timer": ("16", "1")},
         )
 
     def start(self, guest: Guest) -> None:
         """Plug both in."""
-        guest.run("modprobe", "vhci_hcd")
+        _module(guest, "vhci_hcd")
         self.lines = [self._plugged(guest, number) for number in range(2)]
 
     def unplug(self, guest: Guest) -> None:
@@ -387,9 +418,10 @@ class Cdc(Usb):
 
     def start(self, guest: Guest) -> None:
         """Plug it in."""
-        guest.run("modprobe", "dummy_hcd")
-        guest.run("modprobe", "g_serial", "use_acm=1", "n_ports=2")
+        _module(guest, "dummy_hcd")
+        _module(guest, "g_serial", "use_acm=1", "n_ports=2")
         for number, interface in enumerate(("if00", "if02")):
+            _appears(guest, f"/dev/ttyGS{number}")
             program = guest.start("gadget", f"/dev/ttyGS{number}")
             program.until("{}")
             self.lines.append(ProgramLine(program, _by_id(guest, f"*Gadget*{interface}"), has_status=False))
@@ -405,6 +437,12 @@ class Cdc(Usb):
             _by_id(guest, f"*Gadget*{interface}")
 
 
+def received(guest: Guest, port: str) -> int:
+    """Return how many characters the driver has taken from a UART."""
+    rows = re.findall(r"^(\d+):.*? rx:(\d+)", guest.read("/proc/tty/driver/serial").decode(), re.MULTILINE)
+    return int(dict(rows)[Path(port).name.removeprefix("ttyS")])
+
+
 def _socket(name: str) -> str:
     return f"-chardev socket,id={name},path={name},server=on,wait=off"
 
@@ -416,9 +454,18 @@ def _pairs(device: dict[str, Any]) -> list[str]:
 
 def _by_id(guest: Guest, pattern: str) -> str:
     """Wait for a port that udev names so; return the name."""
-    pattern = f"/dev/serial/by-id/{pattern}"
+    return _appears(guest, f"/dev/serial/by-id/{pattern}")
+
+
+def _appears(guest: Guest, pattern: str) -> str:
+    """Wait for a file; return its name."""
     eventually(lambda: bool(guest.find(pattern)), lambda: f"no {pattern}; there are {guest.find('/dev/serial/*/*')}")
     return guest.find(pattern)[0]
+
+
+def _module(guest: Guest, *words: str) -> None:
+    done = guest.run("modprobe", *words)
+    assert done.code == 0, done.said
 
 
 def all_drivers() -> list[Driver]:

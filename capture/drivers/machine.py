@@ -135,10 +135,11 @@ class Guest:
         for name in ("agent", "qmp", "console", "trace"):
             (folder / name).unlink(missing_ok=True)
         command = [
+            *"setpriv --pdeathsig KILL".split(),  # however this ends, no machine stays
             *"qemu-system-x86_64 -nodefaults -display none -no-reboot -machine pc -m 512 -smp 1 -accel".split(),
             accelerator,
             *("-cpu", "qemu64", "-kernel", "vmlinuz", "-initrd", "guest.cpio", "-append"),
-            f"console=ttyS0 rdinit=/init mitigations=off 8250.nr_uarts=8 quiet earlyprintk=ttyS0",
+            "console=ttyS0 rdinit=/init mitigations=off 8250.nr_uarts=8 quiet earlyprintk=ttyS0",
             *"-chardev file,id=console,path=console -device isa-serial,chardev=console,index=0".split(),
             *"-chardev socket,id=agent,path=agent,server=on,wait=off -device virtio-serial".split(),
             *"-device virtserialport,chardev=agent,name=agent -qmp unix:qmp,server=on,wait=off".split(),

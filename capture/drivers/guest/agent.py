@@ -146,7 +146,8 @@ def _become(command: list[str], user: int, groups: list[int]) -> NoReturn:
         home = {0: "/root", 1000: "/home/tap", 1001: "/home/outsider"}[user]
         os.environ["HOME"] = home
         os.chdir(home)
-        sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w", buffering=1), open(2, "w", buffering=1)
+        sys.stdin = os.fdopen(0)
+        sys.stdout, sys.stderr = (os.fdopen(number, "w", buffering=1) for number in (1, 2))
         sys.argv = command
         code = _run(command)
         sys.stdout.flush()
@@ -167,7 +168,7 @@ def _run(command: list[str]) -> int:
     if name in OURS:
         code: int = importlib.import_module(name).main(*arguments)
         return code
-    os.execvp(name, command)
+    return os.execvp(name, command)
 
 
 if __name__ == "__main__":

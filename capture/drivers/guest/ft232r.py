@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A FT232R in software, plugged into the guest's own vhci_hcd (USB/IP over a pair of sockets): ftdi_sio takes it for one.
+"""A FT232R in software, plugged into the guest's own vhci_hcd (USB/IP over a pair of sockets), for ftdi_sio.
 
 It gathers characters as the chip does: a packet goes when 62 characters are there, or when the latency timer is over.
 Line errors are bits in the status of a whole packet, as in the chip: which character they belong to, nobody can tell.
@@ -46,7 +46,7 @@ class Chip:
         """Be the first (0) or the second."""
         self._strings = ["", "FTDI", "FT232R USB UART", SERIALS[number]]
         self._latency_s = 0.016
-        self._received: deque[tuple[int, int]] = deque()  # characters and their errors that the computer has yet to take
+        self._received: deque[tuple[int, int]] = deque()  # characters and errors that the computer has yet to take
         self._asked: deque[int] = deque()  # numbers of its requests for them
         self._something = asyncio.Event()
         self._loop = self._idle = False
