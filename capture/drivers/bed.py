@@ -37,10 +37,10 @@ def judged(guest: Guest, driver: Driver, usbmon: Program, words: str) -> dict[st
         except (AssertionError, OSError, ValueError) as error:
             result, why = table.FAILED, f": {error}"
         print(f"drivers: {result:6} {driver.name}: {name}, {time.monotonic() - begun:.1f} s{why}", flush=True)
-        if check is Bench.start and result == table.FAILED:
-            return dict.fromkeys(checks, table.FAILED)
         results[name] = result
-    return results
+        if check is Bench.start and result == table.FAILED:
+            break
+    return {name: results.get(name, table.FAILED) for name in checks}
 
 
 def drivers(folder: Path, runs_on: str, words: str, only: str) -> dict[str, dict[str, str]]:

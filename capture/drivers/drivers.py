@@ -130,7 +130,7 @@ class ProgramLine:
 
     def play(self, data: bytes, errors: int = 0) -> None:
         """Let characters come in together; return when the computer has taken them."""
-        self._say(play=[(value, errors) for value in data])
+        self.say(play=[(value, errors) for value in data])
         self._played += len(data)
         self.program.until(f'{{"played": {self._played}}}')
 
@@ -142,13 +142,14 @@ class ProgramLine:
         if self._has_status:
             self.play(b"\0", BREAK | FRAMING)
         else:
-            self._say(**{"break": True})
+            self.say(**{"break": True})
 
     def loop(self, *, on: bool) -> None:
         """Send what is sent back."""
-        self._say(loop=on)
+        self.say(loop=on)
 
-    def _say(self, **message: Any) -> None:
+    def say(self, **message: Any) -> None:
+        """Tell the program something."""
         self.program.say(json.dumps(message))
 
 

@@ -46,7 +46,7 @@ class Chip:
         """Be the first (0) or the second."""
         self._strings = ["", "FTDI", "FT232R USB UART", SERIALS[number]]
         self._latency_s = 0.016
-        self._received: deque[tuple[int, int]] = deque()  # characters and errors that the computer has yet to take
+        self._received: deque[tuple[int, int, bool]] = deque()  # characters, errors, and whether they were played
         self._asked: deque[int] = deque()  # numbers of its requests for them
         self._something = asyncio.Event()
         self._loop = self._idle = False
@@ -113,7 +113,7 @@ class Chip:
     def _send(self, data: bytes) -> None:
         _tell({"sent": data.hex()})
         if self._loop:
-            self._received += ((value, 0) for value in data)
+            self._received += ((value, 0, False) for value in data)
             self._something.set()
 
     async def _pour(self) -> None:
@@ -132,12 +132,12 @@ class Chip:
                 continue
             part = [self._received.popleft() for _ in range(min(FULL, len(self._received)))]
             status = LINE_STATUS
-            for _, error in part:
+            for _, error, _ in part:
                 status |= error
             last = now()
-            packet = bytes([MODEM_STATUS, status, *(value for value, _ in part)])
+            packet = bytes([MODEM_STATUS, status, *(value for value, _, _ in part)])
             self._answer(SUBMITTED, self._asked.popleft(), 0, packet, len(packet))
-            self._played += len(part)
+            self._played += sum(was_played for _, _, was_played in part)
             if part and not self._received:
                 _tell({"played": self._played})
 
@@ -152,7 +152,7 @@ class Chip:
                 if pace_s:
                     due += pace_s
                     await asyncio.sleep(due - asyncio.get_running_loop().time())
-                self._received.append((value, error))
+                self._received.append((value, error, True))
                 if pace_s:
                     self._something.set()
             self._something.set()
