@@ -121,12 +121,18 @@ class ProgramLine:
         self.port, self.program = port, program
         self._has_status = has_status
         self._played = 0
+        self._sent_before = b""
 
     @property
     def sent(self) -> bytes:
         """What the guest has sent."""
         told = [json.loads(line) for line in self.program.look().splitlines()]
-        return b"".join(bytes.fromhex(one["sent"]) for one in told if "sent" in one)
+        return self._sent_before + b"".join(bytes.fromhex(one["sent"]) for one in told if "sent" in one)
+
+    def renew(self, program: Program) -> None:
+        """Go on with another program: the adapter was unplugged, and plugged in again."""
+        self._sent_before, self._played = self.sent, 0
+        self.program = program
 
     def play(self, data: bytes, errors: int = 0) -> None:
         """Let characters come in together; return when the computer has taken them."""
@@ -294,7 +300,7 @@ class Uart(Driver):
             name,
             (*sockets.split(), *device.split()),
             ("16550A UART", "serial", "FIFO trigger 8"),
-            frozenset({"break", "located", "overrun"}),
+            frozenset({"break", "overrun"}),
             apart=bus == "pnp",
             tuned={"FIFO trigger": ("8", "1"), "low latency": (False, True)},
         )
@@ -385,14 +391,14 @@ class SoftwareFtdi(Usb):
             "ftdi_sio, FT232R in software",
             (),
             ("FT232R USB UART", "ftdi_sio", "latency timer 16 ms"),
-            frozenset({"break", "located", "errors", "overrun"}),
+            frozenset({"break", "errors", "overrun"}),
             tuned={"latency timer": ("16", "1")},
         )
 
     def start(self, guest: Guest) -> None:
         """Plug both in."""
         _module(guest, "vhci_hcd")
-        self.lines = [self._plugged(guest, number) for number in range(2)]
+        self.lines = [ProgramLine(*self._plugged(guest, number), has_status=True) for number in range(2)]
 
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
@@ -400,18 +406,16 @@ class SoftwareFtdi(Usb):
 
     def plug(self, guest: Guest) -> None:
         """Put it in again."""
-        self.lines[0] = self._plugged(guest, 0)
+        self.lines[0].renew(self._plugged(guest, 0)[0])
 
-    def _plugged(self, guest: Guest, number: int) -> ProgramLine:
+    def _plugged(self, guest: Guest, number: int) -> tuple[Program, str]:
         program = guest.start("ft232r", str(number))
         program.until("{}")
-        return ProgramLine(program, _by_id(guest, f"*{self.SERIALS[number]}*"), has_status=True)
+        return program, _by_id(guest, f"*{self.SERIALS[number]}*")
 
 
 class Cdc(Usb):
     """cdc_acm; its adapter with two ports is the guest itself (g_serial at dummy_hcd)."""
-
-    CONNECT = "/sys/class/udc/dummy_udc.0/soft_connect"
 
     def __init__(self) -> None:
         """Have an adapter."""
@@ -420,22 +424,29 @@ class Cdc(Usb):
     def start(self, guest: Guest) -> None:
         """Plug it in."""
         _module(guest, "dummy_hcd")
-        _module(guest, "g_serial", "use_acm=1", "n_ports=2")
-        for number, interface in enumerate(("if00", "if02")):
-            _appears(guest, f"/dev/ttyGS{number}")
-            program = guest.start("gadget", f"/dev/ttyGS{number}")
-            program.until("{}")
-            self.lines.append(ProgramLine(program, _by_id(guest, f"*Gadget*{interface}"), has_status=False))
+        self.lines = [ProgramLine(*end, has_status=False) for end in self._plugged(guest)]
 
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
-        guest.write(self.CONNECT, "disconnect")
+        for line in self.lines:
+            line.program.stop()
+        _module(guest, "-r", "g_serial")
 
     def plug(self, guest: Guest) -> None:
         """Put it in again."""
-        guest.write(self.CONNECT, "connect")
-        for interface in ("if00", "if02"):
-            _by_id(guest, f"*Gadget*{interface}")
+        for line, (program, _) in zip(self.lines, self._plugged(guest), strict=True):
+            line.renew(program)
+
+    @staticmethod
+    def _plugged(guest: Guest) -> list[tuple[Program, str]]:
+        """Load the adapter; return its other ends and its ports."""
+        _module(guest, "g_serial", "use_acm=1", "n_ports=2")
+        ends = []
+        for number, interface in enumerate(("if00", "if02")):
+            program = guest.start("gadget", _appears(guest, f"/dev/ttyGS{number}"))
+            program.until("{}")
+            ends.append((program, _by_id(guest, f"*Gadget*{interface}")))
+        return ends
 
 
 def received(guest: Guest, port: str) -> int:

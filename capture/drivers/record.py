@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes USB captures in the guest, for the tests of `sistap import`: usbmon, both directions, with what was really sent.
+"""Makes USB captures in the guest for the tests of `sistap import`: usbmon, both directions, with what was sent.
 
 record.py FOLDER puts them into tests/real-captures/, and the truth into truth.json there; FOLDER has the guest.
 """
@@ -10,14 +10,16 @@ import json
 import lzma
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 CAPTURE = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(CAPTURE))
 
-from drivers import BREAK, FRAMING, OVERRUN, PARITY, Cdc, Line, ProgramLine, QemuFtdi, SoftwareFtdi, Usb  # noqa: E402
 from machine import Guest, Program, accelerator, eventually  # noqa: E402
+
+from drivers import BREAK, FRAMING, OVERRUN, PARITY, Cdc, Line, QemuFtdi, SoftwareFtdi, Usb  # noqa: E402
 
 PLACE = CAPTURE / "tests/real-captures"
 RECORDED = "/tmp/usbmon.pcap"
@@ -36,7 +38,7 @@ class Recording(NamedTuple):
     """What is to be recorded: packets of characters with their errors."""
 
     name: str
-    adapter: type[Usb]
+    adapter: Callable[[], Usb]
     baud: int
     format: str
     packets: list[tuple[bytes, int]]
@@ -58,18 +60,18 @@ def recorded(folder: Path, runs_on: str, wanted: Recording) -> tuple[bytes, dict
         usbmon.until("{}")
         adapter.start(guest)
         line: Line = adapter.lines[0]
-        if isinstance(line, ProgramLine) and adapter.can:
-            line.say(idle=wanted.adapter is SoftwareFtdi)
+        if isinstance(adapter, SoftwareFtdi):
+            adapter.lines[0].say(idle=True)
         terminal = guest.start("terminal", line.port, str(wanted.baud), wanted.format)
         terminal.until("{}")
         received = sent = b""
         for data, errors in wanted.packets:
             terminal.say(READ.hex())
             sent += READ
-            eventually(lambda count=len(sent): len(line.sent) >= count, terminal.look)  # type: ignore[misc]
+            _await(lambda: len(line.sent), len(sent))
             line.play(data, errors)
             received += data
-            eventually(lambda count=len(received): _count(terminal) >= count, terminal.look)  # type: ignore[misc]
+            _await(lambda: _count(terminal), len(received))
         assert line.sent == sent
         usbmon.signal(signal.SIGTERM)
         usbmon.wait()
@@ -77,6 +79,10 @@ def recorded(folder: Path, runs_on: str, wanted: Recording) -> tuple[bytes, dict
         return guest.read(RECORDED), {"received": received.hex(), "sent": sent.hex(), "packets": packets}
     finally:
         guest.kill()
+
+
+def _await(counted: Callable[[], int], count: int) -> None:
+    eventually(lambda: counted() >= count, lambda: f"{counted()} of {count} characters came")
 
 
 def _count(terminal: Program) -> int:
