@@ -186,8 +186,7 @@ def formats(bench: Bench) -> None:
                 wrong.append(f"{step}: {answer['refused']}")
         elif not _is_set(bench.watch, wished):
             wrong.append(f"{step}: recorded as {answer['settings']}, the device has {bench.watch.settings()}")
-    program.signal(signal.SIGKILL)
-    program.wait()
+    program.kill()
     assert not wrong, "; ".join(wrong)
 
 

@@ -402,7 +402,7 @@ class SoftwareFtdi(Usb):
 
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
-        self.lines[0].program.stop()
+        self.lines[0].program.kill()
 
     def plug(self, guest: Guest) -> None:
         """Put it in again."""
@@ -429,7 +429,7 @@ class Cdc(Usb):
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
         for line in self.lines:
-            line.program.stop()
+            line.program.kill()
         _module(guest, "-r", "g_serial")
 
     def plug(self, guest: Guest) -> None:

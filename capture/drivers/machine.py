@@ -111,6 +111,11 @@ class Program:
         """Send it a signal."""
         self._guest.agent(do="signal", to=self._number, signal=int(number))
 
+    def kill(self) -> None:
+        """End it at once."""
+        self.signal(signal.SIGKILL)
+        self.wait()
+
     def stop(self) -> Done:
         """Stop it as Ctrl-C does."""
         self.signal(signal.SIGINT)

@@ -63,8 +63,8 @@ class Agent:
             do: Callable[[Message], Message | None] = getattr(self, "do_" + message["do"])
             try:
                 answer = do(message)
-            except OSError as error:
-                answer = {"code": 1, "text": str(error)}
+            except (OSError, KeyError) as error:  # KeyError: a program that has ended
+                answer = {"code": 1, "text": repr(error)}
             if answer is not None:
                 self._tell({"id": message["id"]} | answer)
 
