@@ -23,7 +23,7 @@ PULLS = 10
 FIRST_S, STEP_S = 4.5, 0.13  # until the plug is pulled, and how much later each time
 PROMISED_S = 1.0  # the README: at most the characters of the last second
 OF_SYNC_S = 2.0  # and those that came while that was being written, slow as an emulated machine is
-_SLACK = f"It lacks no more than the last {PROMISED_S:g} s; the emulated machine is given {OF_SYNC_S:g} s more to write them."
+_SLACK = f"It lacks no more than the last second; to write that, the emulated machine is given {OF_SYNC_S:g} s more."
 CHARACTERS_S = 870  # at 9600 Bd
 BURST = bytes(range(256)) * 256  # no stretch of 87 characters is twice in a row
 
