@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
+import parity
+from make import Scenario
 from sistap.wireshark.tshark import Tshark
 from test_exchange import check_many_routes
+from test_sequence import OPEN, endless
 
 
 @pytest.mark.thorough
@@ -16,3 +19,11 @@ from test_exchange import check_many_routes
 def test_many_commands_wait_for_their_routers(script: Tshark, tmp_path: Path) -> None:
     """Looking through all of them for every command would take minutes."""
     check_many_routes(script, 30_000, tmp_path / "many.pcapng")
+
+
+def test_transfers_that_nobody_ends_are_forgotten(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """As in the plugin: the oldest gives way."""
+    (tmp_path / "open.txt").write_text(f"{endless(OPEN + 10)}\ncommand 16>3 1F 3C 05 01 00 00 03 04")
+    capture = tmp_path / "open.pcapng"
+    capture.write_bytes(Scenario(tmp_path / "open.txt").capture())
+    parity.check(plugin, script, capture)

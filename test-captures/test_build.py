@@ -4,10 +4,14 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import subprocess
 from pathlib import Path
 
 import pytest
+
+import sistap
 
 HOUSE = Path(__file__).parent.parent
 AS_ERRORS = "-DCMAKE_COMPILE_WARNING_AS_ERROR=ON"
@@ -26,6 +30,26 @@ def test_plain_build(tmp_path: Path) -> None:
     assert calls
     assert all({"-Wall", "-Wextra"} < call for call in calls)
     assert not any("-Werror" in call for call in calls)
+
+
+def test_the_version_is_that_of_the_python_package(tmp_path: Path) -> None:
+    said = {option for call in compilers_options(tmp_path) for option in call if "PLUGIN_VERSION" in option}
+    assert said == {f'-DPLUGIN_VERSION=\\"{sistap.__version__}\\"'}
+    for other in ("CMakeLists.txt", "capture/pyproject.toml"):
+        assert sistap.__version__ not in (HOUSE / other).read_text()
+
+
+def test_the_plugin_is_hardened() -> None:
+    """As Debian hardens its programs: calls are bound when it is loaded, and those with a known size are checked."""
+    plugin = next(Path(os.environ["WIRESHARK_PLUGIN_DIR"]).rglob("sis.so"))
+    said = {option: readelf(plugin, option) for option in ("--dynamic", "--dyn-syms")}
+    assert "BIND_NOW" in said["--dynamic"]
+    assert re.search(r"__\w+_chk@", said["--dyn-syms"])
+    assert "__stack_chk_fail@" in said["--dyn-syms"]
+
+
+def readelf(file: Path, option: str) -> str:
+    return subprocess.run(["readelf", "--wide", option, file], check=True, capture_output=True, text=True).stdout
 
 
 @pytest.mark.thorough

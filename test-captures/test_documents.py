@@ -11,7 +11,16 @@ import pytest
 from sistap.wireshark.tshark import Tshark
 
 HOUSE = Path(__file__).parent.parent
-FOLDERS = ("", "plugin", "capture", "capture/benchmark", "lua-fallback", "test-captures", "test-captures/course")
+FOLDERS = (
+    "",
+    "plugin",
+    "capture",
+    "capture/benchmark",
+    "capture/package",
+    "lua-fallback",
+    "test-captures",
+    "test-captures/course",
+)
 DOCUMENTS = [path for folder in FOLDERS for path in sorted((HOUSE / folder).glob("*.md"))]
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")

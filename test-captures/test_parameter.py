@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 import pytest
 
 from make import Scenario
 from sistap.wireshark.tshark import Tshark, TsharkError
-from tables import HERE, Table, check
+from tables import HERE, Table, check, shown
 
 FIELDS = "parameter parameter.name value attribute element.name element.unit error list.actual list.maximum"
 ATTRIBUTE = "attribute.factor attribute.length attribute.command attribute.format attribute.decimals"
@@ -281,6 +282,32 @@ COMMANDS: Table = {
     24: "data_status=0x0100; data_status.set=0; data_status.enabled=0; data_status.not_executed=0; "
     "data_status.impossible=0; data_status.invalid=1",
 }
+
+
+NUMBER = re.compile(r"-?[\d.]+(e[+-]\d+)?(?= |$)")  # in front of a unit; not 0x12AB, 0b1010, S-0-0047
+
+
+def numbers(row: str) -> list[float]:
+    """Return the numbers that the values in a row show: infinity has none, and neither has a list of characters."""
+    values = re.search(r"(?:^|; )value=([^;]*)", row)
+    return [float(found[0]) for text in (values[1].split(",") if values else ()) if (found := NUMBER.match(text))]
+
+
+def test_each_value_that_is_a_number_is_one(tshark: Tshark) -> None:
+    """Without a unit, once for each element of a list, as a person reads it."""
+    found = shown(tshark, HERE / "values.pcapng", "value.number")
+    for frame, cells in found.items():
+        expected = numbers(VALUES.get(frame, ""))
+        shown_here = [float(text) for text in cells.get("value.number", "").split(",") if text]
+        assert shown_here == pytest.approx(expected, rel=1e-14), frame
+
+
+def test_a_filter_compares_numbers(tshark: Tshark) -> None:
+    """As texts, 65535 and 524292 are less than 9, and -1 is more than -2."""
+    above = shown(tshark, HERE / "values.pcapng", "value", "-Y", "sis.value.number > 1000")
+    expected = [row for row in VALUES.values() if any(number > 1000 for number in numbers(row))]
+    assert len(above) == len(expected)
+    assert all("value=" + cells["value"] in row for cells, row in zip(above.values(), expected, strict=True))
 
 
 def test_values(tshark: Tshark) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from make import Scenario
 from sistap.wireshark.tshark import Tshark
 from tables import HERE, Table, check, shown
@@ -211,3 +213,43 @@ def test_several_telegrams_in_a_packet(tshark: Tshark) -> None:
         fields = ("-T", "fields", "-e", "sis.data")
         data = tshark.output(*passes, "-r", str(HERE / "sequences-packed.pcapng"), *fields).splitlines()
         assert data == ["4142,43,414243,6162,63,616263", "4142", "", "43,414243"]
+
+
+OPEN = 256  # transfers that may be open between two stations: one for each device address
+
+
+def endless(count: int) -> str:
+    """Begin a long write to another parameter each time, and end none."""
+    return "\n".join(f"command 16>3 1F 38 {number % 256:02X} 00 {number % 256:02X} 00 01 02" for number in range(count))
+
+
+def test_transfers_that_nobody_ends_are_forgotten(tshark: Tshark, tmp_path: Path) -> None:
+    """The oldest is told to have ended; the newest goes on."""
+    lines = [endless(OPEN), "command 16>3 1F 38 05 01 00 00 01 02", "command 16>3 1F 3C 05 01 00 00 03 04"]
+    (tmp_path / "open.txt").write_text("\n".join(lines))
+    capture = tmp_path / "open.pcapng"
+    capture.write_bytes(Scenario(tmp_path / "open.txt").capture())
+    for passes in ((), ("-2",)):
+        frames = shown(tshark, capture, "sequence.ended sequence.length", *passes)
+        assert {frame for frame, cells in frames.items() if "sequence.ended" in cells} == {OPEN + 1}
+        assert frames[OPEN + 2] == {"sequence.length": "4"}
+    assert "transfer since frame 1 ended unfinished: too many others have begun since" in tshark.output(
+        "-r", str(capture), "-V", "-Y", "sis.sequence.ended"
+    )
+
+
+@pytest.mark.thorough
+def test_pieces_without_an_end_are_not_put_together(tshark: Tshark, tmp_path: Path) -> None:
+    """8,192 pieces are put together, one more is not; neither are more bytes than a list can have."""
+    for count, size, is_whole in ((8192, 1, True), (8193, 1, False), (437, 150, False)):
+        data = bytes(size).hex()
+        lines = []
+        for number in range(count):
+            control = "3C" if number == count - 1 else "38"
+            lines += [f"command 16>3 1F {control} 05 00 24 00 {data}", f"reaction 16>3 1F 00 {control} 05"]
+        (tmp_path / "many.txt").write_text("\n".join(lines))
+        capture = tmp_path / "many.pcapng"
+        capture.write_bytes(Scenario(tmp_path / "many.txt").capture())
+        for passes in ((), ("-2",)):
+            last = shown(tshark, capture, "sequence.length sequence.piece_missing", *passes)[2 * count - 1]
+            assert last == ({"sequence.length": str(count * size)} if is_whole else {"sequence.piece_missing": "1"})

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* sistap.exe: starts `python -P -m sistap extcap` with the arguments with which Wireshark has started it.
+/* sistap.exe: starts `python -P -m sistap extcap` with the arguments with which Wireshark has started it. With COMMAND
+ * empty it is the command `sistap`.
  *
  * A .bat cannot: cmd.exe cuts a capture filter such as link[5]==0x10&&link[6]==16 at &&, and drops what stands between
  * two % signs. Which Python, and where the package is, say the two lines of sistap.cfg beside it (UTF-8); without it,
@@ -9,6 +10,11 @@
 #include <windows.h>
 
 #include "tail.h"
+
+/* What Python is told before the arguments. */
+#ifndef COMMAND
+#define COMMAND L"extcap "
+#endif
 
 enum { LONGEST = 32767 }; /* characters of a command line, and of a path */
 
@@ -110,7 +116,7 @@ int wmain(void)
         append(file, LONGEST, L"python\\python.exe");
     }
     SetEnvironmentVariableW(L"PYTHONPATH", package);
-    if (!append_quoted(command, LONGEST, python) || !append(command, LONGEST, L" -P -m sistap extcap ") ||
+    if (!append_quoted(command, LONGEST, python) || !append(command, LONGEST, L" -P -m sistap " COMMAND) ||
         !append(command, LONGEST, arguments(GetCommandLineW())))
         return fail("too many arguments for", python);
     return run(python, command);

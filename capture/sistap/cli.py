@@ -7,7 +7,7 @@ import argparse
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 import sistap
 from sistap.line.reader import PortError, PortLost
@@ -21,7 +21,9 @@ from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_s
 COMMANDS = {
     "ports": ("sistap.line.ports", "list the serial ports of this machine"),
     "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
+    "serve": ("sistap.serve.command", "let other computers hear a line of this one"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
+    "parameters": ("sistap.parameters.command", "list what was read and written of parameters, and what has changed"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
     "log": ("sistap.annotate.log", "write a capture as such a log, explained"),
     "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),
@@ -43,9 +45,9 @@ EPILOG = """\
 `sistap COMMAND --help` describes a command.
 
 examples:
-  sistap ports                                            which ports there are
-  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i - watch a line live in Wireshark
-  sistap bus                                              a bus on the desk: listen to the port that it prints
+  sistap ports                                             which ports there are
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -  watch a line live in Wireshark
+  sistap bus                                               a bus on the desk: listen to the port that it prints
 
 exit status:
   0  done; also when stopped by Ctrl-C or SIGTERM
@@ -108,22 +110,28 @@ def _flushed(arguments: Sequence[str], stop: Stop) -> int:
     return code
 
 
-def _run(arguments: Sequence[str], stop: Stop) -> int:
-    parser = argparse.ArgumentParser(
+def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
+    """Return the parser of `sistap`. Only the commands in `called` have their options: their modules are imported."""
+    whole = argparse.ArgumentParser(
         "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    called = next((argument for argument in arguments if not argument.startswith("-")), "")
+    whole.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
+    commands = whole.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, (module_name, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text, formatter_class=argparse.RawDescriptionHelpFormatter)
-        if name == called:
+        if name in called:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
-    args = parser.parse_args(arguments)
+            command.set_defaults(run=module.run, whole_parser=parser)
+    return whole
+
+
+def _run(arguments: Sequence[str], stop: Stop) -> int:
+    called = next((argument for argument in arguments if not argument.startswith("-")), "")
+    args = parser({called}).parse_args(arguments)
     try:
         with stop:
-            code: int = module.run(args)
+            code: int = args.run(args)
             sys.stdout.flush()  # while a signal can still end the waiting for whoever reads
     except (PortError, PortLost) as error:
         Console().say(str(error))

@@ -34,5 +34,5 @@ def truth(name: str) -> Truth:
         bytes.fromhex(said["received"]),
         bytes.fromhex(said.get("sent", "")),
         {int(place): status for place, status in said.get("errors", {}).items()},
-        [(size, status) for size, status in said.get("packets", [])],
+        list(map(tuple, said.get("packets", []))),
     )

@@ -22,6 +22,7 @@ LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}
 def test_windows_is_told_nothing_of_linux() -> None:
     assert not WORDS.search(" ".join(advice("win32")))
     assert not re.search("sudo|/dev/|/sys/|`", " ".join(advice("win32")))
+    assert not re.search("apt-get|dmesg|limits.conf|/sys/|fuser|ttyUSB", " ".join(advice("darwin")))
     assert advice("linux") != advice("win32") != advice("darwin")
     assert advice("freebsd") == advice("linux")
 

@@ -23,6 +23,7 @@ from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
 
 from sistap import cli
 from sistap.annotate import command
+from sistap.annotate.annotating import LONGEST_LINE
 from sistap.annotate.explaining import WholeCapture
 from sistap.records.record import Record, Type
 from sistap.wireshark.tshark import Tshark
@@ -208,6 +209,53 @@ def test_an_own_form_by_a_regular_expression(tmp_path: Path) -> None:
     assert b"has no group (?<data>...)" in done.stderr.splitlines()[-1]
 
 
+# An S5 reads S-0-0237 of axis 2 from a PPC, which answers 7 (chapter 8): STX, DLE, block, DLE; BCC worked out by hand.
+FETCH, ANSWER = "00 00 45 44 00 00 00 01 FF FF 00 02 02 00 00 ED 10 03 FE", "00 00 00 00 00 07 10 03 14"
+SAID_3964R = (
+    "STX  asks to send",
+    "DLE  ready to receive",
+    "Block, 16 bytes  FETCH DB 0, 1 word: Read S-0-0237, axis 2",
+    "DLE  block received",
+    "STX  asks to send",
+    "DLE  ready to receive",
+    "Block, 6 bytes  Reaction: S-0-0237, axis 2, 2 bytes: 00 07",
+    "DLE  block received",
+)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("TX: 02", "RX: 10", f"TX: {FETCH}", "RX: 10", "RX: 02", "TX: 10", f"RX: {ANSWER}", "TX: 10"),
+        ("02 10", FETCH, f"10 02 10 {ANSWER}", "10"),
+    ],
+    ids=["two_directions", "shared"],
+)
+def test_a_log_of_procedure_3964r(tmp_path: Path, lines: tuple[str, ...]) -> None:
+    log = "".join(f"10:00:00.{i}00 {line}\n" for i, line in enumerate(lines))
+    (tmp_path / "x").write_text(log)
+    done = run(tmp_path, "x", "--framing", "3964r")
+    assert (done.returncode, done.stderr) == (0, b"")
+    said = [line.partition("^-- ")[2] for line in done.stdout.decode().splitlines() if "^--" in line]
+    assert [text for text in said if text] == list(SAID_3964R)
+    page = run(tmp_path, "x", "--framing", "3964r", "--format", "html").stdout.decode()
+    for meaning in ("Command: FETCH (0x45)", "Axis: 2", "Block check character: 0xfe [correct]"):
+        assert meaning in page
+
+
+def test_a_log_of_another_protocol(tmp_path: Path) -> None:
+    """Two frames of Modbus RTU, a second apart."""
+    (tmp_path / "x").write_text("10:00:00.0 01 03 00 00 00 0A C5 CD\n10:00:01.0 01 03 00 00 00 0A C5 CD\n")
+    done = run(tmp_path, "x", "--framing", "silence:10", "-w", "x.pcapng")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert [record.data.hex() for _, record in records(tmp_path / "x.pcapng")] == ["01030000000ac5cd"] * 2
+
+
+def test_a_log_without_blocks(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("01 03 00 00 00 0A C5 CD\n")
+    refused(run(tmp_path, "x", "--framing", "3964r"), 0, "x has 8 bytes, but no frame")
+
+
 def test_what_cannot_be_read_is_named_and_the_rest_counted(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("rx 025602021092000000020\n" * 23 + f"rx {PHASE.hex()}\n")
     done = run(tmp_path, "x")
@@ -228,6 +276,34 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     done = run(tmp_path, "x")
     refused(done, 0, "x has 8 bytes, but no telegram of SIS")
     assert done.stdout.decode().splitlines()[1].startswith("^-- 8 other characters")
+
+
+def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
+    """Its beginning is explained; all of it comes through."""
+    telegram = "02 56 02 02 10 92 00 00 00 02 "
+    text = f"RX {telegram * (LONGEST_LINE // len(telegram) + 100)}\nRX {telegram}\n"
+    (tmp_path / "x").write_text(text)
+    done = run(tmp_path, "x", "-w", "x.pcapng")
+    refused(done, 0, "line 1: longer than 1,000,000 characters")
+    telegrams = [record for _, record in records(tmp_path / "x.pcapng") if record.type == Type.FRAME]
+    assert len(telegrams) == (LONGEST_LINE - 3) // len(telegram) + 1
+
+
+@pytest.mark.parametrize("year", [1400, 2260, 2999, 9999])
+def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, year: int) -> None:
+    line = f"{year}-12-31 23:59:59.{{}} RX 02 56 02 02 10 92 00 00 00 02\n"
+    (tmp_path / "x").write_text(line.format(2) + line.format(5))
+    done = run(tmp_path, "x", "-w", "x.pcapng")
+    assert done.returncode == 0
+    (_, first), (_, second) = records(tmp_path / "x.pcapng")
+    assert second.time_ns - first.time_ns == 300_000_000
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a timer of POSIX")
+def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("02 " * 40 + "!\n")
+    done = run(tmp_path, "x", "--regex", r"(?<data>(([0-9 ]+)*)*)$")
+    refused(done, 2, "line 1: the expression takes longer than 2 s; make it simpler")
 
 
 def test_an_empty_log(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from specification import TELEGRAMS
 
-from sistap.line.settings import LineSettings, Read
+from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.assembler import Assembler
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Framing, Record, Type
@@ -93,3 +93,33 @@ def test_silence_cuts_frames_where_it_is_said() -> None:
     made.take(12 * MS, b"C")
     (record,) = made.written
     assert (record.type, record.framing, record.data) == (Type.FRAME, Framing.SILENCE, b"AB")
+
+
+def test_a_line_with_a_time_of_its_own_is_silent_only_by_that() -> None:
+    """A network may hold back for seconds what came without a pause."""
+    written: list[Record] = []
+    assembler = Assembler(written.append)
+    assembler.add_line(0, SETTINGS, 0, own_time=True)
+    assembler.take(Read(0, 10 * MS, TELEGRAM[:4], bytes(4)), 0, "")
+    assembler.idle(5000 * MS)
+    assert not written
+    assembler.take(Read(0, 1009 * MS, b"", b""), 5001 * MS, "")
+    assert not written
+    assembler.take(Read(0, 11 * MS, TELEGRAM[4:], bytes(len(TELEGRAM) - 4)), 5002 * MS, "")
+    assert [record.data for record in written] == [TELEGRAM]
+    assembler.take(Read(0, 12 * MS, TELEGRAM[:4], bytes(4)), 5003 * MS, "")
+    assembler.take(Read(0, 1012 * MS, b"", b""), 5004 * MS, "")
+    assert [record.data for record in written] == [TELEGRAM, TELEGRAM[:4]]
+
+
+def test_another_clock_begins_without_an_interval() -> None:
+    made = Assembled()
+    made.take(5000 * MS, TELEGRAM[:4])
+    made.assembler.restart(1, 5000 * MS)
+    made.take(7 * MS, TELEGRAM)
+    made.assembler.restart(1, 8 * MS)
+    made.assembler.restart(1, 8 * MS)  # nothing is left
+    unfinished, telegram = made.written
+    assert (unfinished.time_ns, unfinished.data) == (5000 * MS, TELEGRAM[:4])
+    assert (telegram.time_ns, telegram.data, telegram.intervals[0]) == (7 * MS, TELEGRAM, 0)
+    assert telegram.flags[0] == Flag.INTERVAL_UNKNOWN

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import itertools
 import os
 import random
 import re
@@ -29,6 +30,7 @@ from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
 from sistap.bus.playing.times import Times
 from sistap.bus.scenarios.demo import commands, read_parameter
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
+from sistap.bus.wires import taps as wires
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.pseudo_terminal import PseudoTerminal
 from sistap.bus.wires.taps import Taps
@@ -493,7 +495,8 @@ def test_a_tap_that_changes_its_settings_hears_better_and_is_told_from_where_on(
             heard += decoder.feed(connection.recv(65536))  # the socket's time-out fails the test
         connection.close()
     place = heard.index(LINE)
-    assert heard[0] == wrong
+    assert isinstance(heard[0], bus_socket.Hello)
+    assert heard[1] == wrong
     assert any(any(message.flags) for message in heard[:place] if isinstance(message, Read))
     assert not any(any(message.flags) for message in heard[place:] if isinstance(message, Read))
 
@@ -549,7 +552,9 @@ def test_what_is_no_tap_is_sent_away() -> None:
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
         stranger = connect(name, None)
         stranger.sendall(b"GET / HTTP/1.1\r\n\r\n")
-        assert stranger.recv(1) == b""
+        with contextlib.suppress(ConnectionResetError):  # it did not read all that the stranger said
+            while stranger.recv(4096):  # what the bus says of itself
+                pass
         stranger.close()
         assert listen(connect(name))
         code, errors = finish(process)
@@ -560,10 +565,77 @@ def test_what_is_no_tap_is_sent_away() -> None:
 
 def test_simulated_time_ends_with_the_last_tap() -> None:
     with running("--listen", "127.0.0.1:0", "--fast") as (process, name):
-        connection = connect(name)
-        connection.recv(100)
+        connection, decoder = connect(name), bus_socket.Decoder()
+        while LINE not in decoder.feed(connection.recv(100)):  # until then it is no tap
+            pass
         connection.close()
         assert finish(process) == (0, "")
+
+
+def test_a_silent_tap_is_let_go_and_the_others_hear_everything(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(wires, "PATIENCE_S", 0.2)
+    taps = Taps(Pace(simulated=True), "127.0.0.1:0", 1, 1)
+    silent = connect(taps.name, None)
+    silent.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(LINE))  # and it never says a time again
+    other = connect(taps.name)
+    taps.wait_for_listener()
+    while sum(bool(tap.settings) for tap in taps._peers) < 2:
+        taps._attend(TIMEOUT_S)
+    played = list(bus(LINE, 1, 1))
+    for one in played:
+        taps.deliver(one)
+    other.shutdown(socket.SHUT_WR)
+    taps.close()
+    assert joined(listen(other)) == [(character.value, 0) for one in played for character in one.characters]
+    silent.close()
+    assert capsys.readouterr().err == "sistap bus: closed a connection: a tap has not read for 0.2 s\n"
+
+
+def test_a_tap_that_does_not_read_is_let_go(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(wires, "PATIENCE_S", 0.2)
+    monkeypatch.setattr(wires, "_ROOM", 1000)
+    taps = Taps(Pace(simulated=True), str(tmp_path / "bus"), 1, 1)
+    stalled = connect(taps.name)
+    taps.wait_for_listener()
+    for one in bus(LINE, 1, 50):
+        taps.deliver(one)
+        if taps.deserted:
+            break
+    assert taps.deserted
+    taps.close()
+    stalled.close()
+    assert capsys.readouterr().err == "sistap bus: closed a connection: a tap has not read for 0.2 s\n"
+
+
+def test_who_says_nothing_makes_room(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(wires, "INTRODUCTION_S", 0)
+    taps = Taps(Pace(simulated=True), "127.0.0.1:0", 1, 1)
+    with connect(taps.name, None) as stranger:
+        while not capsys.readouterr().err:
+            taps._attend(TIMEOUT_S)
+        while stranger.recv(4096):
+            pass
+    taps.close()
+
+
+def test_more_connections_than_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    taps = Taps(Pace(simulated=True), "127.0.0.1:0", 1, 1)
+    with contextlib.ExitStack() as opened:
+        some = [opened.enter_context(connect(taps.name)) for _ in range(40)]
+        for _ in some:
+            taps._attend(0)
+        assert len(list(taps._peers)) == 32
+        for one in itertools.islice(bus(LINE, 1, 1), 3):
+            taps.deliver(one)
+        for connection in some:
+            with contextlib.suppress(OSError):  # it was turned away
+                connection.shutdown(socket.SHUT_WR)
+        taps.close()
+    assert capsys.readouterr().err == "sistap bus: refused a connection: 32 are there already\n"
 
 
 # -- At a pseudo terminal -------------------------------------------------------------------------------------------

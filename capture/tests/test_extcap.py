@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import subprocess
@@ -12,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.extcap import interfaces
+from sistap.extcap import command, interfaces, started
 from sistap.install.launching import launcher
-from sistap.line import ports
+from sistap.line import analyser, ports
 from sistap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
@@ -36,6 +37,11 @@ def parsed(text: str) -> list[Sentence]:
         kind, _, rest = line.partition(" ")
         sentences.append((kind, dict(re.findall(r"\{([a-zA-Z_-]*?)=(.*?)\}(?=\{|$|\s)", rest))))
     return sentences
+
+
+@pytest.fixture(autouse=True)
+def _without_analyser(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "program", lambda: None)
 
 
 @pytest.fixture
@@ -73,6 +79,7 @@ def test_ports_and_the_demo_bus_are_interfaces(capsys: pytest.CaptureFixture[str
         {"value": "sistap-ttyS0", "display": "SIS tap: ttyS0 (16550A UART)"},
         # Braces would end the value.
         {"value": "sistap-usb-FTDI_FT232R_A1-if00-port0", "display": "SIS tap: ttyUSB0 (FT(232)R)"},
+        {"value": "sistap-distant", "display": "SIS tap on another computer (sistap serve)"},
         {"value": "sistap-demo", "display": "SIS demo bus"},
     ]
     assert [set(values) for values in of_kind("extcap", sentences)] == [{"version", "display"}]
@@ -92,8 +99,8 @@ def test_without_pyserial_the_demo_bus_says_why_it_is_alone(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "serial.tools", None)
-    (only,) = of_kind("interface", asked(capsys, "--extcap-interfaces"))
-    assert only["value"] == "sistap-demo"
+    distant, only = of_kind("interface", asked(capsys, "--extcap-interfaces"))
+    assert (distant["value"], only["value"]) == ("sistap-distant", "sistap-demo")
     assert f"pyserial is missing for {sys.executable}" in only["display"]
 
 
@@ -121,7 +128,7 @@ def test_the_toolbar_is_described_with_the_interfaces(capsys: pytest.CaptureFixt
 
 
 @pytest.mark.usefixtures("plugged")
-@pytest.mark.parametrize("interface", ["sistap-ttyS0", "sistap-demo"])
+@pytest.mark.parametrize("interface", ["sistap-ttyS0", "sistap-distant", "sistap-demo"])
 def test_the_dialog_is_one_that_wireshark_understands(capsys: pytest.CaptureFixture[str], interface: str) -> None:
     sentences = asked(capsys, "--extcap-config", "--extcap-interface", interface)
     numbers = [field["number"] for field in of_kind("arg", sentences)]
@@ -149,6 +156,12 @@ def test_rate_and_format_are_chosen_from_what_sis_and_the_field_have(capsys: pyt
     ("interface", "call", "right", "wrong"),
     [
         ("sistap-ttyS0", "--other-baud", ["1200", "31250", "500000"], ["0", "-9600", "9600 Bd", "1e4"]),
+        (
+            "sistap-distant",
+            "--address",
+            ["pi:5000", "192.168.7.1:5000", "[fd00::1]:5000"],
+            ["pi", "bus://pi:5000", ":"],
+        ),
         ("sistap-demo", "--faults", ["checksum=0.02", "parity=0.5,break=1"], ["checksum", "checksum=0.02,", "pause=x"]),
     ],
 )
@@ -158,6 +171,13 @@ def test_fields_are_checked_as_they_are_filled_in(
     field = fields(capsys, interface)[call]
     assert all(re.search(field["validation"], text) for text in right)
     assert not any(re.search(field["validation"], text) for text in wrong)
+
+
+@pytest.mark.usefixtures("plugged")
+def test_a_distant_tap_has_an_address_and_nothing_that_is_set_there(capsys: pytest.CaptureFixture[str]) -> None:
+    distant = fields(capsys, "sistap-distant")
+    assert list(distant) == ["--address", "--framing"]
+    assert distant["--address"]["required"] == "true"  # a double click shows the dialog first
 
 
 @pytest.mark.usefixtures("plugged")
@@ -223,3 +243,24 @@ def test_the_launcher_of_windows_is_a_batch_file() -> None:
     assert lines[0] == "@echo off"
     assert 'set "PYTHONPATH=D:/100%% SIS"' in lines
     assert lines[-2:] == [r'"C:\Program Files\Python\python.exe" -P -m sistap extcap %*', ""]
+
+
+def test_an_analyser_is_an_interface(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "program", lambda: "/usr/bin/sigrok-cli")
+    found = analyser.Analyser("Logic {8}", "1.2", Path("/dev/bus/usb/001/002"))
+    monkeypatch.setattr(analyser, "plugged_in", lambda: [found])
+    listed = of_kind("interface", asked(capsys, "--extcap-interfaces"))
+    assert {"value": "sistap-sigrok", "display": "SIS tap: logic analyser (Logic (8))"} in listed
+    shown = fields(capsys, "sistap-sigrok")
+    assert {"--driver", "--channel", "--second-channel", "--samplerate", "--invert", "--baud"} <= shown.keys()
+    assert not {"--second-port", "--uncertainty", "--scenario"} & shown.keys()
+
+
+def test_the_dialog_of_an_analyser_is_its_address() -> None:
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    chosen = ["--driver", "fx2lafw:conn=1.2", "--second-channel", "D1", "--samplerate", "8m", "--invert", "tx"]
+    args = parser.parse_args(["--extcap-interface", "sistap-sigrok", "--fifo", "pipe", *chosen])
+    (port,) = started._options(args).ports
+    assert port == "sigrok:fx2lafw:conn=1.2?rx=D0&tx=D1&samplerate=8m&invert=tx"
+    assert analyser.Probe.parse(port).inverted == (False, True)

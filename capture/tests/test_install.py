@@ -16,7 +16,8 @@ import pytest
 
 import sistap.terminal.state
 from sistap import cli
-from sistap.install import command, sources
+from sistap.install import command, shell, sources
+from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import NOBODY, TsharkError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -61,8 +62,13 @@ class FakeTshark:
 
 @pytest.fixture(autouse=True)
 def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """The folders of a Wireshark; there is no plugin here, and the user is nobody special."""
+    """The folders of a Wireshark, and in it a home; there is no plugin here, and the user is nobody special."""
     FakeTshark.root = tmp_path / "wireshark"
+    monkeypatch.setenv("HOME", str(FakeTshark.root / "home"))
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
+    monkeypatch.setattr(shell, "FOR_ALL", FakeTshark.root / "usr/local")
+    on_path = [FakeTshark.root / "home/.local/bin", FakeTshark.root / "usr/local/bin", "/usr/bin", "/bin"]
+    monkeypatch.setenv("PATH", os.pathsep.join(map(str, on_path)))
     checkout = tmp_path / "checkout"
     (checkout / "capture/sistap").mkdir(parents=True)
     (checkout / "lua-fallback").mkdir()
@@ -110,6 +116,10 @@ Run = Callable[..., Said]
 PROFILE = {f"wireshark/profiles/SIS/{file.name}" for file in sources.profile()}
 
 
+SHELL = {"bin/sistap", "share/bash-completion/completions/sistap", "share/zsh/site-functions/_sistap"}
+OF_THE_USER = {f"home/.local/{name}" for name in SHELL}
+
+
 def files(folder: Path) -> set[str]:
     return {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
 
@@ -118,7 +128,7 @@ def test_without_a_build_the_script(root: Path, run: Run) -> None:
     code, out, err = run("install")
     assert (code, err) == (0, "")
     assert files(root / "Personal") == {"plugins/sis.lua", "extcap/sistap"} | PROFILE
-    assert files(root) == {f"Personal/{name}" for name in files(root / "Personal")}
+    assert files(root) == {f"Personal/{name}" for name in files(root / "Personal")} | OF_THE_USER
     assert out.startswith("Wireshark 4.0.17, for this user\n")
     assert out.endswith("Wireshark loads sis.lua 0.1.0; start it with `wireshark -C SIS`\n")
     assert all(f"put      {root}/Personal/{name}\n" in out for name in files(root / "Personal"))
@@ -210,8 +220,7 @@ def test_the_plugin_takes_the_place_of_the_script_and_back(root: Path, run: Run)
     _, out, _ = run("install")
     assert f"removed  {root}/Personal/plugins/sis.lua\n" in out
     assert "Personal/plugins/4.0/epan/sis.so" in files(root)
-    shutil.rmtree(builds())
-    _, out, _ = run("install")
+    _, out, _ = run("install", "--lua")
     assert f"removed  {root}/Personal/plugins/4.0/epan/sis.so\n" in out
     assert "Personal/plugins/sis.lua" in files(root)
     assert not (root / "Personal/plugins/4.0").exists()
@@ -288,7 +297,9 @@ def test_uninstall_leaves_what_a_list_names_elsewhere(root: Path, run: Run, stat
     for _ in range(2):
         code, _, err = run("uninstall")
         assert (code, err.count("\n")) == (1, 1)
-        assert err.startswith(f"sistap: kept {secret}: {lists[0]} names it, but it is in none of Wireshark's folders")
+        assert err.startswith(
+            f"sistap: kept {secret}: {lists[0]} names it, but it is in none of the folders of `sistap install`"
+        )
     assert secret.exists()
     assert not root.exists()
     assert f"kept {secret}: " in run("install")[1]
@@ -330,7 +341,8 @@ def test_root_installs_for_all(root: Path, run: Run, monkeypatch: pytest.MonkeyP
     code, out, _ = run("install")
     assert code == 0
     assert out.startswith("Wireshark 4.0.17, for all users: run as root, it skips what is in personal folders\n")
-    assert files(root) == {f"Global/{name}" for name in {"plugins/sis.lua", "extcap/sistap"} | PROFILE}
+    of_all = {f"usr/local/{name}" for name in SHELL}
+    assert files(root) == {f"Global/{name}" for name in {"plugins/sis.lua", "extcap/sistap"} | PROFILE} | of_all
     become(monkeypatch, 1000)
     assert run("uninstall")[1].startswith("nothing to remove")
     become(monkeypatch, 0)
@@ -343,7 +355,8 @@ def test_root_hears_that_others_cannot_enter(run: Run, monkeypatch: pytest.Monke
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(sources.PACKAGE.parents[1], folder, dirs_exist_ok=True)
         monkeypatch.setattr(sources, "PACKAGE", Path(folder, "capture/sistap"))
-        Path(folder).chmod(0o755)
+        for path in (Path(folder), *Path(folder).rglob("*")):
+            path.chmod(0o755)
         assert run("install")[2] == ""
         Path(folder).chmod(0o700)
         code, _, err = run("install")
@@ -358,7 +371,9 @@ def test_what_all_users_have_is_not_put_a_second_time(root: Path, run: Run, monk
     code, out, _ = run("install")
     assert code == 0
     assert not (root / "Personal").exists()
+    assert not (root / "home").exists()
     assert f"same     {root}/Global/extcap/sistap: all users have it\n" in out
+    assert f"kept     {root}/usr/local/bin/sistap: the command sistap is there already" in out
     assert f"kept     {root}/Global/plugins/sis.lua: Wireshark loads it, " in out
 
 
@@ -415,6 +430,131 @@ def test_a_module_that_cannot_be_read_is_no_reason_to_stop(root: Path, run: Run)
     assert "Personal/plugins/sis.lua" in files(root)
 
 
+def test_the_script_never_takes_the_place_of_a_plugin_that_works(root: Path, run: Run) -> None:
+    plugin = root / "Personal/plugins/4.0/epan/sis.so"
+    build(builds() / "plugin/plugin", 0)
+    run("install")
+    content = plugin.read_bytes()
+    shutil.rmtree(builds())
+    other = build(builds() / "plugin/plugin", 4)
+    for arguments in ((), ("--plugin", str(other))):
+        code, out, err = run("install", *arguments)
+        assert (code, plugin.read_bytes()) == (0, content)
+        assert f"kept     {plugin}: Wireshark loads it" in out
+        assert "`sistap install --lua` takes sis.lua" in out
+        assert err.endswith(f"; {plugin} stays\n")
+        assert "Personal/plugins/sis.lua" not in files(root)
+        assert "Wireshark loads sis.so" in out
+    run("uninstall")
+    assert not root.exists() or not files(root)
+
+
+def test_a_plugin_that_wireshark_does_not_load_gives_way_to_the_script(
+    root: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build(builds() / "plugin/plugin", 0)
+    run("install")
+    shutil.rmtree(builds())
+    with monkeypatch.context() as later:
+        later.setattr(FakeTshark, "complaint", "sis.so was built for another one\n")
+        run("install")
+    assert "Personal/plugins/sis.lua" in files(root)
+    assert not list(root.rglob("sis.so"))
+
+
+def test_plugin_or_script_not_both(run: Run, tmp_path: Path) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        run("install", "--lua", "--plugin", str(build(tmp_path, 0)))
+
+
+def test_the_command_runs_this_package(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sources, "PACKAGE", REPOSITORY / "capture/sistap")
+    run("install", "--lua")
+    done = subprocess.run(["sistap", "--version"], cwd="/", capture_output=True, text=True, check=True)
+    assert done.stdout == f"sistap {sistap.__version__}\n"
+    assert shutil.which("sistap") == str(root / "home/.local/bin/sistap")
+
+
+def test_the_cure_where_the_command_is_not_on_path(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "/usr/bin:/bin")
+    code, _, err = run("install")
+    place = root / "home/.local/bin"
+    assert (code, err.count("\n")) == (0, 1)
+    assert err.startswith(f'sistap: {place} is not in PATH: `export PATH="{place}:$PATH"`')
+
+
+def test_windows_gets_a_command_and_words(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command, "WINDOWS", True)
+    monkeypatch.setenv("LOCALAPPDATA", str(root / "local"))
+    monkeypatch.setattr(command, "advice", lambda: advice("win32"))
+    code, _, err = run("install")
+    assert code == 0
+    assert "Environment Variables > Path" in err
+    assert b"-P -m sistap %*\r\n" in (root / "local/Programs/sistap/sistap.bat").read_bytes()
+    assert not (root / "home").exists()
+    run("uninstall")
+    assert not root.exists()
+
+
+@pytest.mark.parametrize("where", ["home/.local/bin", "usr/local/bin"])
+def test_a_command_of_somebody_else_is_kept(root: Path, run: Run, where: str) -> None:
+    foreign = root / where / "sistap"
+    foreign.parent.mkdir(parents=True)
+    foreign.write_text("#!/bin/sh\n")
+    foreign.chmod(0o755)
+    code, out, err = run("install")
+    assert (code, err) == (0, "")
+    assert f"kept     {foreign}: the command sistap is there already" in out
+    assert foreign.read_text() == "#!/bin/sh\n"
+    assert files(root) & (OF_THE_USER | {f"{where}/sistap"}) == {f"{where}/sistap"}
+    run("uninstall")
+    assert files(root) == {f"{where}/sistap"}
+
+
+def test_what_is_no_command_is_not_replaced_either(root: Path, run: Run) -> None:
+    """A shell does not find it, as it may not be run; and a link must not lead us elsewhere."""
+    notes = root / "home/notes"
+    link = root / "home/.local/bin/sistap"
+    link.parent.mkdir(parents=True)
+    notes.write_text("mine")
+    link.symlink_to(notes)
+    assert f"kept     {link}: " in run("install")[1]
+    assert (link.is_symlink(), notes.read_text()) == (True, "mine")
+
+
+def test_the_command_of_an_active_environment_does_not_count(
+    root: Path, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It is gone with the environment."""
+    program = tmp_path / "environment/bin/sistap"
+    program.parent.mkdir(parents=True)
+    program.touch(0o755)
+    monkeypatch.setenv("PATH", f"{program.parent}:{os.environ['PATH']}")
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "environment"))
+    run("install")
+    assert files(root) >= OF_THE_USER
+
+
+def test_root_hears_that_others_can_change_what_all_run(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(sources.PACKAGE.parents[1], folder, dirs_exist_ok=True)
+        monkeypatch.setattr(sources, "PACKAGE", Path(folder, "capture/sistap"))
+        for path in (Path(folder), *Path(folder).rglob("*")):
+            path.chmod(0o755)
+        become(monkeypatch, 0)
+        assert run("install")[2] == ""
+        for path in (Path(folder, "capture"), sources.PACKAGE / "profile/SIS/colorfilters"):
+            path.chmod(0o777)
+            code, _, err = run("install")
+            assert (code, err.count("\n")) == (0, 1)
+            assert err.startswith("sistap: others than root can write ")
+            assert "install the .deb" in err
+            path.chmod(0o755)
+        become(monkeypatch, 1000)
+        Path(folder, "capture").chmod(0o777)
+        assert run("install")[2] == ""
+
+
 # From here on the real Wireshark, run by an ordinary user with an empty home.
 
 
@@ -437,7 +577,8 @@ def home() -> Iterator[Path]:
 def as_user(home: Path, *arguments: str | Path) -> str:
     """Run a command in that home; give its stdout. It must end well, and say nothing else."""
     nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
-    environment = {"PATH": os.environ["PATH"], "HOME": str(home / "home"), "PYTHONDONTWRITEBYTECODE": "1"}
+    path = f"{home}/home/.local/bin:{os.environ['PATH']}"
+    environment = {"PATH": path, "HOME": str(home / "home"), "PYTHONDONTWRITEBYTECODE": "1"}
     folder = home / "checkout/capture"
     done: subprocess.CompletedProcess[str] = subprocess.run(  # type: ignore[call-overload]
         arguments, check=False, capture_output=True, text=True, cwd=folder, env=environment, **nobody

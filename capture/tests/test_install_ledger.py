@@ -181,7 +181,7 @@ def test_nothing_outside_of_wiresharks_folders_is_removed(place: Path, own: Own,
     ledger = Ledger(for_all=False)
     (file,) = ledger.files
     with pytest.raises(
-        ElsewhereError, match=f"^kept {file}: {path} names it, but it is in none of Wireshark's folders"
+        ElsewhereError, match=f"^kept {file}: {path} names it, but it is in none of the folders of `sistap install`"
     ):
         ledger.remove(file, own)
     assert secret.exists()

@@ -31,7 +31,7 @@ class Disk:
 
     def _sync(self, descriptor: int) -> None:
         self.threads.add(threading.current_thread())
-        path = Path(os.readlink(f"/proc/self/fd/{descriptor}"))
+        path = Path(f"/proc/self/fd/{descriptor}").readlink()
         content = path.read_bytes()
         assert self.takes.wait(PATIENCE_S)
         self.synced.put((path.name, content))

@@ -70,6 +70,26 @@ def test_what_does_not_go_with_3964r() -> None:
         checked(replace(PLAIN, follow_baud=True, framing=PROCEDURE_3964R))
 
 
+@pytest.mark.parametrize(
+    "ports",
+    [
+        ("bus://pi:5000", PORT),
+        (PORT, "bus://pi:5000"),
+        ("bus://pi:5000", "bus://127.0.0.1:5000"),
+    ],
+)
+def test_times_of_two_clocks_are_not_mixed(ports: tuple[str, str]) -> None:
+    with pytest.raises(
+        UsageError, match="have two clocks, and their times cannot be compared: tap both at one computer"
+    ):
+        checked(replace(PLAIN, ports=ports))
+
+
+@pytest.mark.parametrize("ports", [("bus://pi:5000", "bus://PI:5001"), ("bus:///run/one", PORT), ("/dev/a", "/dev/b")])
+def test_two_ports_of_one_computer(ports: tuple[str, str]) -> None:
+    checked(replace(PLAIN, ports=ports))
+
+
 @pytest.mark.parametrize(("text", "baud"), [("auto", None), ("19200", 19200), ("4294967295", 4294967295)])
 def test_a_rate(text: str, baud: int | None) -> None:
     assert rate(text) == baud

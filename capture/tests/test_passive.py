@@ -42,7 +42,7 @@ def traced(command: list[str], trace: Path) -> list[str]:
     master, slave = pty.openpty()
     tty.setraw(slave)
     port = os.ttyname(slave)
-    calls = "trace=write,writev,pwrite64,ioctl,openat"
+    calls = "trace=write,writev,pwrite64,ioctl,openat,fdatasync"
     child = subprocess.Popen(
         ["strace", "-f", "-y", "-e", calls, "-o", trace, sys.executable, *[word.format(port=port) for word in command]],
         cwd=CAPTURE,
@@ -103,6 +103,7 @@ def test_capture_only_listens(tmp_path: Path, options: list[str]) -> None:
     calls = traced(command, tmp_path / "trace")
     assert_only_listens(calls)
     assert TELEGRAM in file.read_bytes()
+    assert re.search(rf"fdatasync\(\d+<{file}>\) += 0", (tmp_path / "trace").read_text())
     assert any("B57600" in call for call in calls) is bool(options)
 
 

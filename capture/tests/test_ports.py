@@ -11,7 +11,7 @@ import pytest
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from sistap.line import ports
+from sistap.line import analyser, ports
 
 
 def put(file: Path, text: str) -> None:
@@ -123,3 +123,14 @@ def test_where_there_is_no_sysfs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     info = SimpleNamespace(device="COM3", description=described)
     monkeypatch.setattr(list_ports, "comports", lambda: [info])
     assert ports.found(tmp_path) == [("COM3", ports.Adapter(name))]
+
+
+def test_analysers_are_listed(
+    monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(analyser, "plugged_in", lambda: [analyser.Analyser("Logic", "1.2", tmp_path)])
+    assert show(monkeypatch, sysfs, []) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "port                           adapter  driver   latency",
+        "sigrok:fx2lafw:conn=1.2?rx=D0  Logic    fx2lafw  samples the line",
+    ]

@@ -38,6 +38,7 @@ FILTERS = sorted(
     {rule[1] for rule in RULES}
     | {button[2] for button in rows("dfilter_buttons")}
     | {row[2] for row in rows("io_graphs")}
+    | {row[3] for row in rows("plots")}
 )
 
 
@@ -95,6 +96,11 @@ def test_graphs_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
     assert fields
     for function, field in fields:
         assert f"{function}({field})" in tshark("statistics", "-q", "-z", f"io,stat,0,{function}({field}){field}")
+
+
+def test_plots_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
+    for _, _, _, _, _, _, field, _ in rows("plots"):
+        assert f"MAX({field})" in tshark("statistics", "-q", "-z", f"io,stat,0,MAX({field}){field}")
 
 
 COLUMNS = re.findall(r'^\t"([^"]+)", "([^"]+)"', (PROFILE / "preferences").read_text(), re.MULTILINE)

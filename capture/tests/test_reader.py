@@ -651,9 +651,7 @@ def unmarked(data: bytes) -> Callable[[int, int], bytes]:
     return read
 
 
-def test_what_is_held_back_is_delivered_when_asked_for_what_is_there(
-    bus: Pty, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_held_back_is_delivered_when_asked_for_what_is_there(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
     driver = Counters(monkeypatch)
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
@@ -1016,18 +1014,58 @@ def test_no_bus_at_the_socket(tmp_path: Path) -> None:
     assert refused(f"bus://{tmp_path}/bus").startswith("nothing listens at bus:///")
 
 
+HELLO = bus_socket.Hello(bus_socket.Kind.BUS, START_NS, START_NS, 0, "bus", "virtual bus", "as the bus says")
+
+
+def accept(listening: socket.socket, connections: list[socket.socket], said: bytes) -> None:
+    connections.append(listening.accept()[0])
+    connections[0].settimeout(PATIENCE_S)
+    connections[0].sendall(said)
+
+
 @pytest.fixture
 def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
     """A reader and the bus's end of its connection."""
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(str(tmp_path / "bus"))
         listening.listen()
+        connections: list[socket.socket] = []
+        bus = threading.Thread(target=accept, args=(listening, connections, bus_socket.pack_hello(HELLO)))
+        bus.start()
         source = open_reader(f"bus://{tmp_path}/bus", LineSettings(19200, 7, "O", 4))
-        connection, _ = listening.accept()
-        connection.settimeout(PATIENCE_S)
-        with connection:
-            yield source, connection
+        bus.join()
+        assert (source.adapter, source.timing) == ("virtual bus", "as the bus says")
+        with connections[0]:
+            yield source, connections[0]
         source.close()
+
+
+@pytest.mark.parametrize(
+    ("said", "cure"),
+    [
+        (
+            b"HTTP/1.1 400 Bad Request\r\n",
+            "is not a sistap bus or tap: give the address",
+        ),
+        (bus_socket.pack_settings(LineSettings()), "it does not say what it is"),
+        (bus_socket.pack_hello(HELLO._replace(version=2)), "version 2 of the wire, and this sistap 1"),
+        (b"", "it ends the connection at once"),
+    ],
+)
+def test_a_stranger_at_the_socket(tmp_path: Path, said: bytes, cure: str) -> None:
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(tmp_path / "bus"))
+        listening.listen()
+        connections: list[socket.socket] = []
+
+        def answer() -> None:
+            accept(listening, connections, said)
+            connections[0].close()
+
+        stranger = threading.Thread(target=answer)
+        stranger.start()
+        assert cure in refused(f"bus://{tmp_path}/bus")
+        stranger.join()
 
 
 def test_wire(tapped: tuple[Reader, socket.socket]) -> None:

@@ -186,3 +186,19 @@ def test_a_telegram_that_silence_completes_counts_for_its_own_settings(bus: Bus)
 def test_one_format(bus: Bus) -> None:
     bus.scan = Scan(["7O2"])
     assert {name(bus.wait(100)) for _ in range(10)} == {(rate, "7O2") for rate, text in EVERYTHING} | {None}
+
+
+def test_a_rate_that_is_seen_on_the_line_is_tried_next() -> None:
+    bus = Bus(Scan(measure=lambda: 56_900.0))
+    bus.say(b"x" * 8, bytes([WRONG]) * 8)
+    assert name(bus.wait(0)) in ((57600, "8E1"), (57600, "8N1"))
+    first = name(bus.scan.settings)
+    bus.say(b"x" * 8, bytes([WRONG]) * 8)
+    assert {first, name(bus.wait(0))} == {(57600, "8E1"), (57600, "8N1")}
+
+
+@pytest.mark.parametrize("measured", [None, 0.0, 25_000.0, 1e6])
+def test_what_is_no_rate_of_the_bus_changes_nothing(measured: float | None) -> None:
+    bus = Bus(Scan(measure=lambda: measured))
+    bus.say(b"x" * 8, bytes([WRONG]) * 8)
+    assert name(bus.wait(0)) == (9600, "8N1")

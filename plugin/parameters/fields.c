@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Bytes: of a parameter, and those that are not decoded. */
+/* What every road shows of a parameter: its data, its value as a number, and what is not decoded. */
 
 #include "parameters/fields.h"
 
@@ -8,11 +8,13 @@
 int proto_sis = -1;
 int hf_sis_data = -1;
 int hf_sis_raw = -1;
+int hf_sis_number = -1;
 
 /* clang-format off */
 static hf_register_info fields[] = {
     {&hf_sis_data, {"Data", "sis.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_sis_raw, {"Not decoded", "sis.raw", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
+    {&hf_sis_number, {"Number", "sis.value.number", FT_DOUBLE, BASE_NONE, NULL, 0, "The value without its unit, for filters, columns and graphs", HFILL}},
 };
 /* clang-format on */
 

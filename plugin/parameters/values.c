@@ -4,6 +4,8 @@
 
 #include "parameters/values.h"
 
+#include <math.h>
+
 #include "parameters/fields.h"
 #include "parameters/text.h"
 
@@ -37,6 +39,7 @@ static int hf_list_maximum = -1;
 
 static int ett_attribute = -1;
 static int ett_list = -1;
+static int ett_value = -1;
 
 /* How the elements of some data are read; made from an attribute. */
 typedef struct {
@@ -191,6 +194,43 @@ value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout
     return wmem_strdup_printf(scope, "%s %s", number, layout->unit);
 }
 
+static bool
+is_number(const layout_t *layout)
+{
+    return layout->format == UNSIGNED || layout->format == SIGNED ||
+           (layout->format == FLOATING && layout->size >= 4);
+}
+
+/* The number that the text of a value shows, up to `unit`. Bits, idents and infinity have no number. */
+static bool
+read_number(const layout_t *layout, const char *value, double *number, char **unit)
+{
+    if (!is_number(layout))
+        return false;
+    *number = g_ascii_strtod(value, unit);
+    return isfinite(*number);
+}
+
+/* A value as a text, and the number that this text shows: what a person reads is what a filter compares. */
+static void
+add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t *layout, const char *value,
+               const char *label)
+{
+    proto_item *item = proto_tree_add_string(tree, hf_value, tvb, offset, layout->size, value);
+    double number;
+    char *unit;
+
+    if (label != NULL)
+        proto_item_set_text(item, "%s", label);
+    if (!proto_field_is_referenced(tree, hf_sis_number) || !read_number(layout, value, &number, &unit))
+        return;
+    /* With the digits of the value: Wireshark 4.0 itself writes a comma in some locales. */
+    item =
+        proto_tree_add_double_format_value(proto_item_add_subtree(item, ett_value), hf_sis_number, tvb,
+                                           offset, layout->size, number, "%.*s", (int)(unit - value), value);
+    proto_item_set_generated(item);
+}
+
 /* The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries
  * them. */
 static unsigned
@@ -264,6 +304,7 @@ add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, c
     unsigned offset = add_list_header(tree, data), length = tvb_captured_length(tvb) - offset;
     unsigned count = length / layout->size, rest = length % layout->size;
     bool is_wanted = tree != NULL && (proto_field_is_referenced(tree, hf_value) ||
+                                      proto_field_is_referenced(tree, hf_sis_number) ||
                                       proto_field_is_referenced(tree, hf_sis_raw));
     proto_tree *subtree = NULL;
 
@@ -274,11 +315,10 @@ add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, c
         unsigned at = offset + i * layout->size;
         const char *value = value_text(pinfo->pool, tvb, at, layout);
 
-        if (is_wanted && data->is_whole)
-            proto_tree_add_string_format(subtree, hf_value, tvb, at, layout->size, value, "Element %u: %s",
-                                         i + 1, value);
-        else if (is_wanted)
-            proto_tree_add_string(subtree, hf_value, tvb, at, layout->size, value);
+        if (is_wanted)
+            add_value_item(subtree, tvb, at, layout, value,
+                           data->is_whole ? wmem_strdup_printf(pinfo->pool, "Element %u: %s", i + 1, value)
+                                          : NULL);
         if (i < SHOWN_IN_LIST)
             wmem_strbuf_append_printf(text, "%s%s", i > 0 ? ", " : "", value);
     }
@@ -309,8 +349,18 @@ add_value(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, 
     if (length != layout.size)
         return NULL;
     text = value_text(pinfo->pool, data->tvb, 0, &layout);
-    proto_tree_add_string(tree, hf_value, data->tvb, 0, length, text);
+    add_value_item(tree, data->tvb, 0, &layout, text, NULL);
     return text;
+}
+
+bool
+sis_element_number(const sis_element_data_t *data, const sis_known_t *known, const char *text, double *number)
+{
+    layout_t layout;
+    char *unit;
+
+    return read_layout(known, data->encoding, &layout) && !layout.is_list &&
+           tvb_captured_length(data->tvb) == layout.size && read_number(&layout, text, number, &unit);
 }
 
 /* The number word alone does not tell the kind of a control parameter. */
@@ -424,7 +474,7 @@ static hf_register_info fields[] = {
 void
 sis_values_register(void)
 {
-    static int *trees[] = {&ett_attribute, &ett_list};
+    static int *trees[] = {&ett_attribute, &ett_list, &ett_value};
 
     proto_register_field_array(proto_sis, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));

@@ -15,7 +15,10 @@
 
 #define INVALID_SEQUENTIAL_TELEGRAM 0xF8
 
-#define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each */
+#define LENGTH_WORDS 4u                       /* of a list: actual and maximum length, two bytes each */
+#define MOST_BYTES   (0xFFFFu + LENGTH_WORDS) /* of a list: more came only if its last piece did not */
+#define MOST_PIECES  8192u /* 64 KB in pieces of 8 bytes; Wireshark goes through all for each */
+#define MOST_OPEN    256u  /* transfers from one station to another: a device has one at a time */
 
 static int hf_pieces = -1;
 static int hf_piece = -1;
@@ -74,6 +77,7 @@ typedef struct sis_transfer {
     uint32_t last_in;       /* the latest piece */
     uint32_t damaged_count; /* of its bus, then */
     uint32_t received;      /* bytes */
+    uint32_t pieces;        /* put together, so far */
     uint32_t announced;     /* bytes, by the length words of a list; 0: nothing was */
     uint32_t length_words;  /* as they stand, where something was announced */
     bool is_broken;         /* a piece may be missing: the pieces are no longer put together */
@@ -115,6 +119,42 @@ end_transfer(transfer_t **link)
 
     *link = transfer->next;
     wmem_free(wmem_file_scope(), transfer);
+}
+
+static void
+note_end(sis_record_t *record, const transfer_t *transfer, const char *reason)
+{
+    sis_ended_t *ended;
+
+    if (transfer->is_refused) /* that was said */
+        return;
+    ended = wmem_new(wmem_file_scope(), sis_ended_t);
+    *ended = (sis_ended_t){transfer->begun_in, reason};
+    record->ended = ended;
+}
+
+static void
+end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
+{
+    note_end(record, *link, reason);
+    end_transfer(link);
+}
+
+/* Adds one at the end of the list. It has an end, so that a search does: the oldest gives way. */
+static transfer_t *
+open_transfer(sis_record_t *record, const transfer_t *like)
+{
+    transfer_t **link = transfers_of(record->exchange), *transfer;
+    unsigned count = 0;
+
+    for (transfer_t *open = *link; open != NULL; open = open->next)
+        count++;
+    if (count >= MOST_OPEN)
+        end_with_note(record, link, "too many others have begun since");
+    while (*link != NULL)
+        link = &(*link)->next;
+    transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
+    return transfer;
 }
 
 /* A step that was taken before: the same command again, or its reaction again. */
@@ -169,7 +209,7 @@ begin_transfer(transfer_t *transfer, const sis_body_t *body)
     transfer->number = next_transfer();
     transfer->begun_in = transfer->last_in = body->pinfo->num;
     transfer->damaged_count = body->record->exchange->stream->bus->damaged_count;
-    transfer->received = 0;
+    transfer->received = transfer->pieces = 0;
     transfer->announced = announced_by(body);
     transfer->length_words = transfer->announced != 0 ? tvb_get_letohl(body->tvb, body->offset) : 0;
     transfer->is_broken = false;
@@ -192,37 +232,42 @@ follow_refusal(transfer_t *transfer, const sis_body_t *body, bool is_last)
     }
 }
 
-/* Whose piece these data are; decided once, in the order of the capture. */
-static void
+/* Whose piece these data are; decided once, in the order of the capture. Gives its number in the transfer. */
+static unsigned
 place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
 {
     sis_record_t *record = body->record;
     sis_exchange_t *exchange = record->exchange;
-    transfer_t **link = find_transfer(exchange, like), *transfer = *link;
+    transfer_t *transfer = *find_transfer(exchange, like);
+    unsigned number;
 
     record->is_piece_repeated = is_taken_before(record);
     if (transfer == NULL && (is_last || record->is_piece_repeated)) {
         record->transfer = record->is_piece_repeated ? exchange->transfer : 0; /* of one that is over */
-        return;
+        return 0;
     }
     if (transfer == NULL) {
-        transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
+        transfer = open_transfer(record, like);
         begin_transfer(transfer, body);
     } else if (transfer->is_refused && !record->is_piece_repeated) {
         follow_refusal(transfer, body, is_last);
     }
     record->transfer = exchange->transfer = transfer->number;
-    if (!record->is_piece_repeated && is_piece_missing(record, transfer))
+    if (!record->is_piece_repeated &&
+        (is_piece_missing(record, transfer) || transfer->received + sis_left(body) > MOST_BYTES ||
+         transfer->pieces == MOST_PIECES))
         transfer->is_broken = true;
     record->is_piece_missing = transfer->is_broken;
     if (record->is_piece_repeated)
-        return;
+        return 0;
     transfer->last_in = body->pinfo->num;
     transfer->damaged_count = exchange->stream->bus->damaged_count;
     transfer->received += sis_left(body);
     record->is_begun_anew = is_last && transfer->is_begun_anew;
+    number = transfer->pieces++;
     if (is_last)
-        end_transfer(link);
+        end_transfer(find_transfer(exchange, like));
+    return number;
 }
 
 /* What a transfer brought that began anew, beside what its length words have announced. */
@@ -238,8 +283,9 @@ check_announced(sis_body_t *body, tvbuff_t *whole)
         sis_mark(body, &ei_sis_note, "the list announces %u bytes, %u came", announced, length);
 }
 
+/* The number of the piece counts only in the first pass. */
 static tvbuff_t *
-put_together(sis_body_t *body, bool is_last)
+put_together(sis_body_t *body, unsigned number, bool is_last)
 {
     const sis_record_t *record = body->record;
     unsigned length = sis_left(body);
@@ -251,8 +297,8 @@ put_together(sis_body_t *body, bool is_last)
         sis_mark(body, &ei_piece_missing, "a piece may be missing");
     if (record->is_piece_missing || record->is_piece_repeated)
         return NULL;
-    head = fragment_add_seq_next(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL, length,
-                                 !is_last);
+    head = fragment_add_seq_check(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL,
+                                  number, length, !is_last);
     if (is_last || head == NULL) {
         whole = process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head,
                                          &items, NULL, body->tree);
@@ -282,40 +328,22 @@ sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
 {
     sis_record_t *record = body->record;
     tvbuff_t *alone = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
+    unsigned number = 0;
 
     if (body->is_nested || record == NULL || record->exchange == NULL)
         return is_last ? alone : NULL;
     if (!body->pinfo->fd->visited) {
         transfer_t like = {.service = body->service, .subject = *subject};
 
-        place_piece(body, &like, is_last);
+        number = place_piece(body, &like, is_last);
     }
-    return record->transfer != 0 ? put_together(body, is_last) : alone;
+    return record->transfer != 0 ? put_together(body, number, is_last) : alone;
 }
 
 bool
 sis_is_piece(const sis_body_t *body)
 {
     return body->record != NULL && body->record->transfer != 0;
-}
-
-static void
-note_end(sis_record_t *record, const transfer_t *transfer, const char *reason)
-{
-    sis_ended_t *ended;
-
-    if (transfer->is_refused) /* that was said */
-        return;
-    ended = wmem_new(wmem_file_scope(), sis_ended_t);
-    *ended = (sis_ended_t){transfer->begun_in, reason};
-    record->ended = ended;
-}
-
-static void
-end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
-{
-    note_end(record, *link, reason);
-    end_transfer(link);
 }
 
 /* A list of which the length was announced may go on after 0xF8, or begin anew. */

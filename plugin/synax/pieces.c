@@ -8,6 +8,8 @@
 
 #include "synax/fields.h"
 
+#define MOST_PIECES 8192u /* 64 KB in pieces of 8 bytes; Wireshark goes through all for each */
+
 static int hf_pieces = -1;
 static int hf_piece = -1;
 static int hf_overlap = -1;
@@ -30,6 +32,7 @@ static const fragment_items items = {
 
 static reassembly_table table;
 static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
+static wmem_map_t *counts;   /* of pieces, by transfer */
 
 /* A transfer is found again by its number alone: who talks to whom was compared before. */
 static void *
@@ -52,12 +55,27 @@ synax_next_transfer(void)
     return number;
 }
 
+/* The number of a piece; only in the first pass. */
+static unsigned
+count_piece(uint32_t transfer)
+{
+    void *key = GUINT_TO_POINTER(transfer);
+    unsigned number = GPOINTER_TO_UINT(wmem_map_lookup(counts, key));
+
+    wmem_map_insert(counts, key, GUINT_TO_POINTER(number + 1));
+    return number;
+}
+
 tvbuff_t *
 synax_put_together(proto_tree *tree, packet_info *pinfo, tvbuff_t *piece, uint32_t transfer, bool is_last)
 {
-    fragment_head *head =
-        fragment_add_seq_next(&table, piece, 0, pinfo, transfer, NULL, tvb_captured_length(piece), !is_last);
+    unsigned number = pinfo->fd->visited ? 0 : count_piece(transfer);
+    fragment_head *head;
 
+    if (number >= MOST_PIECES)
+        return NULL;
+    head = fragment_add_seq_check(&table, piece, 0, pinfo, transfer, NULL, number, tvb_captured_length(piece),
+                                  !is_last);
     if (is_last)
         return process_reassembled_data(piece, 0, pinfo, "Data of all pieces", head, &items, NULL, tree);
     if (head != NULL)
@@ -91,4 +109,5 @@ synax_pieces_register(void)
     proto_register_subtree_array(trees, array_length(trees));
     reassembly_table_register(&table, &functions);
     counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    counts = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
 }

@@ -9,6 +9,7 @@
 #include <epan/uat.h>
 #include <math.h>
 
+#include "parameters/fields.h"
 #include "synax/fields.h"
 
 #define MAX_PORT    65535u
@@ -20,7 +21,6 @@ static int proto_synaxpd = -1;
 static int hf_direction = -1;
 static int hf_word = -1;
 static int hf_value = -1;
-static int hf_number = -1;
 static int hf_raw = -1;
 
 static int ett_synaxpd = -1;
@@ -214,7 +214,8 @@ add_value(const dissection_t *d, unsigned word, const row_t *row)
                               has_unit ? row->unit : "");
     tree = proto_item_add_subtree(
         proto_tree_add_string(d->tree, hf_value, d->tvb, 2 * word, row->width, text), ett_value);
-    proto_tree_add_double(tree, hf_number, d->tvb, 2 * word, row->width, number);
+    proto_item_set_generated(proto_tree_add_double_format_value(tree, hf_sis_number, d->tvb, 2 * word,
+                                                                row->width, number, "%s", digits));
     for (unsigned i = 0; i < row->width / 2; i++)
         add_word(tree, d, word + i);
     wmem_strbuf_append_printf(d->words, "%s%s", wmem_strbuf_get_len(d->words) > 0 ? ", " : "", text);
@@ -288,7 +289,6 @@ static hf_register_info fields[] = {
     {&hf_direction, {"Direction", "synaxpd.direction", FT_UINT8, BASE_DEC, VALS(synaxpd_directions), 0, "Known where one port is among those of preference synaxpd.ports", HFILL}},
     {&hf_word, {"Word", "synaxpd.word", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
     {&hf_value, {"Value", "synaxpd.value", FT_STRING, BASE_NONE, NULL, 0, "As the table of process data names it", HFILL}},
-    {&hf_number, {"Number", "synaxpd.value.number", FT_DOUBLE, BASE_NONE, NULL, 0, "The value without its unit", HFILL}},
     {&hf_raw, {"Raw", "synaxpd.raw", FT_BYTES, BASE_NONE, NULL, 0, "Bytes that are no word", HFILL}},
 };
 /* clang-format on */

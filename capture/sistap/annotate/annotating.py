@@ -13,7 +13,11 @@ from sistap.annotate.reading import LogReader, Piece
 from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Weaver
+from sistap.records.cut import SIS
+from sistap.records.cut import Cut as Framing
 from sistap.records.record import Type
+
+LONGEST_LINE = 1_000_000  # characters; each takes 350 bytes of memory while they are read
 
 Batches = Iterable[list[LogLine]]  # lines that came together; an empty one: nothing came for a moment
 Trouble = Callable[[int, str], None]  # told the number of a line, and why it cannot be read
@@ -34,17 +38,20 @@ class Found(NamedTuple):
 class Passage:
     """The reading of a log, from its first line to its last."""
 
-    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None) -> None:
-        """Read with this reader; `trouble` is told of lines that cannot be read."""
+    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None, framing: Framing = SIS) -> None:
+        """Read with this reader; `trouble` is told of lines that cannot be read; `framing` says what a frame is."""
         self._reader = reader
         self._trouble = trouble
-        self._cutter = Cutter()
+        self._cutter = Cutter(framing)
         self.lines = 0
         self.bytes = 0
         self.telegrams = 0
 
     def feed(self, line: LogLine) -> Found:
         """Read the next line."""
+        if len(line.text) > LONGEST_LINE:
+            self._trouble(line.number, f"longer than {LONGEST_LINE:,} characters: only its beginning is explained")
+            line.text = line.text[:LONGEST_LINE].rpartition(" ")[0]
         pieces, trouble = self._reader.contents(line)
         if trouble:
             self._trouble(line.number, trouble)

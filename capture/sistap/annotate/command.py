@@ -13,13 +13,14 @@ from sistap.annotate.annotating import Passage
 from sistap.annotate.explaining import Running, WholeCapture
 from sistap.annotate.meanings import Meanings
 from sistap.annotate.page import PageWeaver
-from sistap.annotate.pattern import PatternReader
+from sistap.annotate.pattern import PatternReader, TooSlow
 from sistap.annotate.reading import AnyReader, LogReader
 from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
 from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal import temporary
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -84,20 +85,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="where bytes are in a line, with the named groups of text2pcap: (?<data>...) hexadecimal, and if there "
         "are any (?<time>...) and (?<dir>...); lines that do not match have none",
     )
+    parser.add_argument("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
 
 
 def run(args: argparse.Namespace) -> int:
     """Explain a log; return the exit code."""
     console = Console()
     troubles = Troubles(console.say)
-    passage = Passage(args.reader(), troubles.add)
+    passage = Passage(args.reader(), troubles.add, args.framing)
     try:
         _check(args)
         if args.capture:
             _capture(args, passage, console)
         else:
             _explain(args, passage, console)
-    except (UsageError, SourceError, NotOpened, OutputRefused) as error:
+    except (UsageError, SourceError, NotOpened, OutputRefused, TooSlow) as error:
         console.say(str(error))
         return USAGE
     except ReaderGone:
@@ -128,7 +130,8 @@ def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
         console.say(f"{log} has no bytes in hexadecimal; log in hexadecimal, or say with --regex where they are")
         return USAGE
     if not passage.telegrams:
-        console.say(f"{log} has {passage.bytes} bytes, but no telegram of SIS")
+        wanted = "telegram of SIS" if args.framing == SIS else "frame"
+        console.say(f"{log} has {passage.bytes} bytes, but no {wanted}")
     return DONE
 
 

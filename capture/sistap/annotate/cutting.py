@@ -14,7 +14,8 @@ from typing import NamedTuple
 from sistap.annotate.reading import Piece
 from sistap.line import settings as serial
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.records.framer import SisFramer
+from sistap.records.cut import SIS
+from sistap.records.cut import Cut as Framing
 from sistap.records.record import Record
 from sistap.sis.rates import RATES
 
@@ -70,8 +71,8 @@ class Cut(NamedTuple):
 class _Stream:
     """The bytes of one direction."""
 
-    def __init__(self, direction: int) -> None:
-        self.framer = SisFramer(direction, _SETTINGS)
+    def __init__(self, direction: int, framing: Framing) -> None:
+        self.framer = framing.framer(direction, _SETTINGS)
         self.time_ns = 0
         self._pieces = Pieces()
 
@@ -96,8 +97,9 @@ class _Stream:
 class Cutter:
     """Makes records of pieces. Each direction is cut by itself: no telegram goes in both."""
 
-    def __init__(self) -> None:
-        """Nothing has come yet."""
+    def __init__(self, framing: Framing = SIS) -> None:
+        """Nothing has come yet; `framing` says what a frame is."""
+        self._framing = framing
         self._streams: dict[int, _Stream] = {}
         self._longest = 0
 
@@ -105,7 +107,7 @@ class Cutter:
         """Take what a line has; give what is complete by it, also after a second without a character."""
         self._longest = max(self._longest, len(piece.run.data))
         cuts = self._silent(piece)
-        stream = self._streams.setdefault(piece.direction, _Stream(piece.direction))
+        stream = self._streams.setdefault(piece.direction, _Stream(piece.direction, self._framing))
         return cuts + stream.add(piece, self._uncertainty_ns(piece))
 
     def end(self) -> list[Cut]:

@@ -14,6 +14,8 @@ from sistap.wireshark.tshark import Tshark
 FRAME, CONTROL, SERVICE, ADDRESS = "frame", "control", "service", "address"
 STATUS, OBJECT, DATA = "status", "object", "data"
 
+_PROTOCOLS = ("sis", "3964r", "rk512i")  # in whose trees a byte has a meaning, from the outside in
+
 # Fields that are not listed are useful data.
 _KINDS = {
     "sis.start": FRAME,
@@ -39,6 +41,19 @@ _KINDS = {
     "sis.parameter.number": OBJECT,
     "sis.list_offset": OBJECT,
     "sis.list_length": OBJECT,
+    "3964r.character": FRAME,
+    "3964r.end": FRAME,
+    "3964r.bcc": FRAME,
+    "rk512i.follow_up": CONTROL,
+    "rk512i.zero": CONTROL,
+    "rk512i.command": SERVICE,
+    "rk512i.kind": SERVICE,
+    "rk512i.error": STATUS,
+    "rk512i.block": OBJECT,
+    "rk512i.word": OBJECT,
+    "rk512i.count": OBJECT,
+    "synax.info": CONTROL,
+    "synax.axis": ADDRESS,
 }
 
 
@@ -54,15 +69,16 @@ class Meanings:
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
         """Start reading it."""
-        self._packets = _packets(tshark.lines(["-r", str(capture), "-2", "-T", "pdml", "-J", "sis"]))
+        self._packets = _packets(tshark.lines(["-r", str(capture), "-2", "-T", "pdml", "-J", " ".join(_PROTOCOLS)]))
         next(self._packets, None)
 
     def get(self, data: bytes) -> list[Meaning | None]:
         """Return the meaning of each byte of the next record, None where the dissector says nothing."""
         meanings: list[Meaning | None] = [None] * len(data)
         packet = next(self._packets, None)
-        for protocol in packet.iterfind("proto[@name='sis']") if packet is not None else ():
-            _note(protocol, data, int(protocol.get("pos", 0)), meanings)
+        for protocol in packet.iterfind("proto") if packet is not None else ():
+            if protocol.get("name") in _PROTOCOLS:
+                _note(protocol, data, int(protocol.get("pos", 0)), meanings)
         return meanings
 
 

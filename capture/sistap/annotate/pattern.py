@@ -4,11 +4,41 @@
 from __future__ import annotations
 
 import re
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from sistap.annotate import hexadecimal, marks
 from sistap.annotate.reading import Contents, State, is_explanation
 from sistap.annotate.stamps import TimestampParser
 from sistap.annotate.textlog import LogLine
+
+LONGEST_S = 2.0  # for a line
+
+
+class TooSlow(Exception):
+    """An expression that takes too long for a line; the text is the one line to show."""
+
+
+@contextmanager
+def _time_limit(line: LogLine) -> Iterator[None]:
+    """Raise TooSlow after LONGEST_S, where the system has timers: an expression can take years for a line."""
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def give_up(*_: object) -> None:
+        raise TooSlow(f"line {line.number}: the expression takes longer than {LONGEST_S:g} s; make it simpler")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.setitimer(signal.ITIMER_REAL, LONGEST_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 class PatternReader:
@@ -29,11 +59,13 @@ class PatternReader:
         self._state = State()
 
     def contents(self, line: LogLine) -> Contents:
-        """Find the bytes of a line, each time the expression matches."""
+        """Find the bytes of a line, each time the expression matches. May raise TooSlow."""
         pieces = []
         trouble = ""
         if not is_explanation(line.text):
-            for match in self._pattern.finditer(line.text):
+            with _time_limit(line):
+                matches = list(self._pattern.finditer(line.text))
+            for match in matches:
                 groups = match.groupdict()
                 trouble = self._set(groups) or trouble
                 try:

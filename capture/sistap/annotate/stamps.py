@@ -35,6 +35,8 @@ _STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}"
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
 _SECONDS = re.compile(r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
 
+_LATEST_S = 9_150_000_000  # in the year 2259: the dissectors know no later time
+_YEARS = range(1970, 2259)  # a date of another year is left out: its clock holds
 
 _Date = tuple[int, int, int]
 _Minute = tuple[_Date, int, int, str | None]  # hour, minute, zone
@@ -116,6 +118,8 @@ class TimestampParser:
         if not match:
             return []
         fraction = match["fraction"]
+        if int(match["seconds"]) > _LATEST_S:
+            return []
         time_ns = int(match["seconds"]) * _SECOND_NS + int(fraction.ljust(9, "0"))
         return [Stamped(match.start(), match.end(), Stamp(time_ns, 10 ** (9 - len(fraction))))]
 
@@ -137,7 +141,8 @@ def _date(match: re.Match[str]) -> _Date | None:
     else:
         return None
     year, month_number, day = (int(text or 0) for text in form)
-    return year + (_CENTURY if year < 100 else 0), month_number, day
+    year += _CENTURY if year < 100 else 0
+    return (year, month_number, day) if year in _YEARS else None
 
 
 def _seconds_of(of: _Minute) -> int | None:

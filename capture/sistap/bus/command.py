@@ -35,8 +35,9 @@ when somebody listens. Nothing is sent on a real port unless --transmit allows i
 
 EPILOG = """\
 A SCENARIO is a built-in one (--list names them) or a FILE.toml; the README beside the built-in ones (in
-sistap/bus/scenarios) says how one is written. One that has stations but no master waits for a real master; one that
-has a master but no stations talks to real ones, at a port only. The same seed plays the same bytes.
+sistap/bus/scenarios; of the .deb: /usr/share/doc/sistap/scenarios.md) says how one is written. One that has stations
+but no master waits for a real master; one that has a master but no stations talks to real ones, at a port only. The
+same seed plays the same bytes.
 
 A bus of procedure 3964R (s5 and those that begin with it) is heard with --framing 3964r.
 

@@ -13,7 +13,7 @@ from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.files.output import Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
-from sistap.records.cut import HELP, SIS, WORDS, Cut
+from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal.console import Console
 from sistap.terminal.exits import USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -27,8 +27,13 @@ the line, into a pcapng file for Wireshark, or as lines of text. The port is nev
 """
 
 EPILOG = """\
-A PORT is a device (/dev/ttyUSB0; `sistap ports` lists them), a virtual bus (bus://HOST:PORT), or a URL of pyserial
+A PORT is a device (/dev/ttyUSB0, /dev/cu.usbserial-1420 on macOS, COM5 on Windows; `sistap ports` lists them), a tap on
+another computer or a virtual bus (bus://HOST:PORT, as `sistap serve` and `sistap bus` print it), or a URL of pyserial
 (socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
+
+Or it is a logic analyser that sigrok-cli can read, and knows them to a microsecond: sigrok:fx2lafw?rx=D0 is a line at
+channel D0. &tx=D1 adds the other direction, as line 2; &samplerate=8m, more samples than 4 million a second;
+&invert=rx, tx or both, lines that are low while nothing is sent. Several of a kind: fx2lafw:conn=BUS.ADDRESS.
 
 With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
 telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
@@ -48,12 +53,14 @@ a record, and blocks with their BCC. A filter then sees the block. A rate cannot
 examples:
   sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
+  sistap capture -i bus://pi:5000 -w x.pcapng                  what `sistap serve` hears on another computer
   sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 --framing 3964r -w x.pcapng
                                                                an S5 and a PPC over 3964R, both directions
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
                                                                the last 24 hours, a file for each
+  sistap capture -i 'sigrok:fx2lafw?rx=D0' -w x.pcapng         a logic analyser
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
 
@@ -106,7 +113,8 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
-def _rate(text: str) -> int | None:
+def rate_argument(text: str) -> int | None:
+    """Read a rate, or auto, as an argument."""
     try:
         return rate(text)
     except ValueError as error:
@@ -119,13 +127,6 @@ def _condition(text: str) -> tuple[str, float]:
         return name, _positive({"duration": float, "filesize": int, "files": int}[name], value)
     except (KeyError, ValueError):
         raise argparse.ArgumentTypeError(f"'{text}' is not duration:SECONDS, filesize:KB or files:NUMBER") from None
-
-
-def _framing(text: str) -> Cut:
-    try:
-        return Cut.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -150,7 +151,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--baud",
-        type=_rate,
+        type=rate_argument,
         default=9600,
         metavar="RATE|auto",
         help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",
@@ -159,7 +160,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
     add(
         "--framing",
-        type=_framing,
+        type=framing,
         default=SIS,
         metavar=WORDS,
         help=HELP,

@@ -7,6 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
+from urllib.parse import urlsplit
 
 from sistap.capture.filter import Filter
 from sistap.capture.scan import AUTO, FORMATS
@@ -144,3 +145,15 @@ def _check_ports(options: CaptureOptions) -> None:
     first, last = options.ports[0], options.ports[-1]
     if len(options.ports) > 1 and (first == last or ports.is_same_file(first, last)):
         raise UsageError(f"{last} is the same port again: the second -i is the port of the other direction")
+    if _host(first) != _host(last):
+        raise UsageError(
+            f"{first} and {last} have two clocks, and their times cannot be compared: tap both at one computer"
+        )
+
+
+def _host(port: str) -> str:
+    """Return the host whose clock gives a port its times; of ports of this computer nothing."""
+    try:
+        return urlsplit(port).hostname or "" if port.startswith("bus://") else ""
+    except ValueError:  # opening it will say so
+        return ""

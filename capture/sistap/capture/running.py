@@ -14,7 +14,7 @@ from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import LINK_TYPES, PcapngWriter
 from sistap.line import priority
-from sistap.line.reader import Reader, open_reader
+from sistap.line.reader import Distant, PortError, Reader, open_reader
 from sistap.records.counters import Counters
 from sistap.records.record import Record, Type
 from sistap.records.text import lines
@@ -56,6 +56,7 @@ def record(  # noqa: PLR0913 - it puts the parts together
         for line, port in zip(options.lines, options.ports, strict=True):
             readers.append(open_reader(port, plan.settings, line))
             opened.callback(readers[-1].close)
+            _check_steering(options, readers[-1])
         counters = Counters()
         capture = Capture(
             readers,
@@ -77,6 +78,12 @@ def record(  # noqa: PLR0913 - it puts the parts together
     return code
 
 
+def _check_steering(options: CaptureOptions, reader: Reader) -> None:
+    steered = "--follow-baud" if options.follow_baud else "--baud auto" if options.formats else ""
+    if steered and isinstance(reader, Distant):
+        raise PortError(f"{reader.name}: the rate is set there: give {steered} to `sistap serve`, not here")
+
+
 def _sink(options: CaptureOptions, readers: list[Reader], output: Output, counters: Counters) -> Sink:
     if not options.file:
         return TextSink(output)
@@ -94,7 +101,7 @@ def _interface(options: CaptureOptions, reader: Reader) -> Interface:
         LINK_TYPES[options.link_type],
         reader.name,
         f"{settings}; {reader.timing}",
-        options.baud or 0,
+        reader.settings.baud if options.baud else 0,
         reader.adapter,
         options.filter or "",
     )

@@ -6,7 +6,7 @@ It stays where a whole telegram comes without an error, and goes on where errors
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings, Read
@@ -28,6 +28,9 @@ PAUSE_NS = 1_000_000_000  # after it what has come is no telegram any more
 # only now and then would otherwise always meet the same few.
 SILENCE_NS = 3_000_000_000
 LONGEST_SILENCE_NS = 60_000_000_000
+
+
+ALIKE = 0.05  # so much, as a share, may a rate be off that was measured
 
 
 @dataclass
@@ -53,8 +56,12 @@ class _Try:
 class Scan:
     """A bus, be it of one line or two. All times are those of its characters, in ns."""
 
-    def __init__(self, formats: Sequence[str] = FORMATS) -> None:
-        """Begin with 9600 Bd: all stations have it after power-on (chapter 2.5)."""
+    def __init__(self, formats: Sequence[str] = FORMATS, measure: Callable[[], float | None] = lambda: None) -> None:
+        """Begin with 9600 Bd: all stations have it after power-on (chapter 2.5). `measure` tells the rate, if it can.
+
+        Where it does, only the format is left to look for.
+        """
+        self._measure = measure
         self._all = [LineSettings.parse(baud, text) for baud in RATES for text in formats]
         self._tries = 1
         self._silence_ns = SILENCE_NS
@@ -90,8 +97,15 @@ class Scan:
             return None
         self._brought = self._brought + 1 if now.characters else 0
         self.in_vain = self.in_vain or self._brought >= len(self._all)
-        self._try = _Try(self._all[self._tries % len(self._all)], now_ns)
+        baud = self._measured()
+        candidates = [one for one in self._all if baud in (None, one.baud)]
+        self._try = _Try(candidates[self._tries % len(candidates)], now_ns)
         self._tries += 1
         if self._tries % len(self._all) == 1:
             self._silence_ns = min(2 * self._silence_ns, LONGEST_SILENCE_NS)
         return self.settings
+
+    def _measured(self) -> int | None:
+        """Return the rate nearest to what is measured; None: it is not known."""
+        measured = self._measure()
+        return next((baud for baud in RATES if measured and abs(measured - baud) <= baud * ALIKE), None)

@@ -16,8 +16,8 @@ from sistap.capture.steering import Steering, Step
 from sistap.capture.tap import Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
 from sistap.line.clocks import monotonic_ns
-from sistap.line.reader import PortError, PortLost, Reader, together
-from sistap.line.settings import LineSettings, Read
+from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, together
+from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event
@@ -28,6 +28,13 @@ from sistap.terminal.stop import Stop
 
 READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
 TICK_NS = 1_000_000_000  # how often hints and progress are looked at
+
+_EVENTS = {
+    Happening.MARKER: Event.MARKER,
+    Happening.LOST: Event.CHARACTERS_LOST,
+    Happening.GONE: Event.ADAPTER_LOST,
+    Happening.ANEW: Event.CHARACTERS_LOST,
+}
 
 
 @dataclass(frozen=True)
@@ -83,7 +90,7 @@ class Capture:
         )
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not yet done
-        self._why = ""  # the settings were changed
+        self._why = "set where the tap is"  # the settings were changed; else nobody here has done it
         self._port_lost = False
         self._refused: set[str] = set()  # settings that a port cannot do, said once
 
@@ -175,7 +182,12 @@ class Capture:
 
     def _steering_of(self, settings: LineSettings) -> Steering | None:
         formats, follow = self._conditions.formats, self._conditions.follow
-        return Steering(settings, formats, follow=follow) if formats or follow else None
+        return Steering(settings, formats, follow=follow, measure=self._measured) if formats or follow else None
+
+    def _measured(self) -> float | None:
+        """Return the rate of the line, where a port sees it."""
+        rates = (reader.measured_baud() for reader in self._readers if isinstance(reader, Measuring))
+        return next((rate for rate in rates if rate), None)
 
     def _timeout_s(self) -> float:
         due_ns = self._steering.due_ns if self._steering else None
@@ -205,6 +217,9 @@ class Capture:
         """Go on at a rate, or look for it."""
         if not baud and self._conditions.cut != SIS:
             self._console.say("a rate can be looked for only with SIS telegrams: choose one")
+            return
+        if any(isinstance(reader, Distant) for reader in self._readers):
+            self._console.say("the rate of a distant tap is set there, with the options of `sistap serve`")
             return
         formats = () if baud else self._conditions.formats or FORMATS
         self._conditions = replace(self._conditions, formats=formats)
@@ -244,12 +259,23 @@ class Capture:
     def _take(self, read: Read, now: int) -> None:
         if not self._tap.has(read.line):
             self._tap.add_line(read.line, self._readers[0])
+        for notice in read.notices:
+            self._hear(notice, read)
         brings_settings = self._tap.brings_settings(read)
         records = self._tap.take(read, now, self._why)
         if self._steering:
             if brings_settings and not self._steering.searching:
                 self._console.say(f"{self._tap.which(read.line)}{read.settings}: {self._why}")
             self._steps.extend(self._steering.take(read, records))
+
+    def _hear(self, notice: Notice, read: Read) -> None:
+        """Write down and say what the source of a read tells."""
+        if notice.happening == Happening.GONE:
+            self._tap.flush(self._tap.reader(read.line))
+        elif notice.happening == Happening.ANEW:
+            self._tap.restart(read.line)
+        self._tap.note(read.line, _EVENTS[notice.happening], notice.text, read.time_ns)
+        self._console.say(self._tap.which(read.line) + notice.text)
 
     def _idle(self, now: int) -> None:
         for number, records in self._tap.idle(now):

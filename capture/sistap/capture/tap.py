@@ -11,7 +11,7 @@ from sistap.capture.filter import Filter
 from sistap.capture.hints import Hints
 from sistap.capture.scan import Scan
 from sistap.line.clock import CLOCK
-from sistap.line.reader import Reader
+from sistap.line.reader import Distant, Reader
 from sistap.line.settings import Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
@@ -73,7 +73,8 @@ class Tap:
 
     def add_line(self, number: int, reader: Reader) -> None:
         """Begin a line."""
-        self._assembler.add_line(number, reader.settings, self._clock_ns())
+        distant = isinstance(reader, Distant)
+        self._assembler.add_line(number, reader.settings, self._clock_ns(), own_time=distant)
         counters = Counters() if self._several else self._counters
         self._lines[number] = _Line(reader, counters, self._new_hints(reader))
 
@@ -100,17 +101,25 @@ class Tap:
 
     def lose(self, reader: Reader, number: int, text: str) -> None:
         """Write what is left of the lines of a port that is gone, and why it is."""
-        self._assembler.flush(self._lines_of(reader), self._clock_ns())
+        self.flush(reader)
         self.note(number, Event.ADAPTER_LOST, text)
 
-    def note(self, number: int, code: Event, text: str) -> None:
-        """Write an event that has nothing to do with what was read."""
-        self._assembler.emit([self._event(number, code, text)], self._clock_ns())
+    def flush(self, reader: Reader) -> None:
+        """Write what is left of the lines of a port."""
+        self._assembler.flush(self._lines_of(reader), self._clock_ns())
+
+    def restart(self, number: int) -> None:
+        """Go on with another clock on a line."""
+        self._assembler.restart(number, self._clock_ns())
+
+    def note(self, number: int, code: Event, text: str, time_ns: int | None = None) -> None:
+        """Write an event that has nothing to do with what was read, of now or of that time."""
+        self._assembler.emit([self._event(number, code, text, time_ns)], self._clock_ns())
 
     def note_clock_step(self, number: int) -> str:
         """Write an event if the wall clock was set. Return what to say of it, or nothing."""
         step_ns = CLOCK.step_ns()
-        if not step_ns:
+        if not step_ns or isinstance(self.reader(number), Distant):
             return ""
         text = (
             f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
@@ -152,7 +161,8 @@ class Tap:
     def wall_ns(self) -> int:
         """Return the time now by the clock of the line: a virtual bus may have its own."""
         if self._last is None:
-            return CLOCK.now_ns()
+            first = next(iter(self._lines.values())).reader
+            return first.now_ns() if isinstance(first, Distant) else CLOCK.now_ns()
         return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
 
     def _new_hints(self, reader: Reader) -> Hints:
@@ -161,8 +171,8 @@ class Tap:
     def _lines_of(self, reader: Reader) -> Iterable[int]:
         return [number for number, line in self._lines.items() if line.reader is reader]
 
-    def _event(self, number: int, code: Event, text: str) -> Record:
-        return event(self.wall_ns(), number, self._assembler.settings(number), code, text)
+    def _event(self, number: int, code: Event, text: str, time_ns: int | None = None) -> Record:
+        return event(time_ns or self.wall_ns(), number, self._assembler.settings(number), code, text)
 
     def _write(self, record: Record) -> None:
         if record.type == Type.EVENT:

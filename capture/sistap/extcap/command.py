@@ -17,9 +17,9 @@ from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, USAGE
 
 DESCRIPTION = """\
-Be an interface of Wireshark: every serial port of this machine, and a bus in software to try it with. Wireshark runs
-this command itself, through a launcher in its extcap folder, with the options below; those of a capture are the fields
-of its dialog.
+Be an interface of Wireshark: every serial port of this machine, a tap on another one, and a bus in software to try it
+with. Wireshark runs this command itself, through a launcher in its extcap folder, with the options below; those of a
+capture are the fields of its dialog.
 """
 
 EPILOG = """\

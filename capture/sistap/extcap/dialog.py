@@ -3,18 +3,29 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from sistap.capture.scan import AUTO, FORMATS
 from sistap.extcap import interfaces
-from sistap.extcap.interfaces import DEMO
+from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT
 from sistap.extcap.sentences import sentence
+from sistap.line import analyser
 from sistap.sis.rates import RATES
 
 SELFTEST = "selftest"
 
 Choice = tuple[str, str]  # a value, and how it is shown
+
+
+class Of(enum.Flag):
+    """A kind of interface."""
+
+    PORT = enum.auto()
+    DISTANT = enum.auto()
+    ANALYSER = enum.auto()
+    DEMO = enum.auto()
 
 
 class Option(NamedTuple):
@@ -25,11 +36,12 @@ class Option(NamedTuple):
     display: str
     tooltip: str
     group: str  # of fields that are shown together, on a page if there are several
-    for_demo: bool | None = None  # whether it is only for the demo bus, or only for ports; None: for both
+    of: Of = Of.PORT | Of.DEMO | Of.ANALYSER  # which interfaces have it
     choices: Callable[[str], Sequence[Choice]] | None = None  # for an interface; the first is the default
     reload: bool = False  # with a button that asks for the choices again
     placeholder: str = ""
     validation: str = ""
+    required: bool = False
 
     @property
     def key(self) -> str:
@@ -50,7 +62,9 @@ def _framings(_: str) -> Sequence[Choice]:
 
 
 def _other_ports(name: str) -> Sequence[Choice]:
-    others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, DEMO)]
+    others = [
+        (other.name, other.display) for other in interfaces.found() if other.name not in (name, ANALYSER, DISTANT, DEMO)
+    ]
     return [("", "None: a bus"), *others]
 
 
@@ -66,9 +80,25 @@ def _scenarios(_: str) -> Sequence[Choice]:
     return [(name, f"{name}: {titles[name]}") for name in names]
 
 
-LINE, TIMES, BUS = "Line", "Times", "Bus"
+def _inverted(_: str) -> Sequence[Choice]:
+    words = {"no": "No: high while nothing is sent", "rx": "Line 1", "tx": "Line 2", "both": "Both lines"}
+    return list(words.items())
+
+
+LINE, TIMES, BUS, PROBE = "Line", "Times", "Bus", "Analyser"
 
 OPTIONS = (
+    Option(
+        "--address",
+        "string",
+        "Host and port",
+        "Where sistap serve runs, or this end of its ssh tunnel. Rate and format are set there",
+        LINE,
+        of=Of.DISTANT,
+        placeholder="for example pi:5000, or 127.0.0.1:5000 through ssh",
+        validation="^[^ /]+:[0-9]+$",
+        required=True,
+    ),
     Option("--baud", "selector", "Rate", "Rate of the line; after power-on SIS has 9600 Bd", LINE, choices=_rates),
     Option(
         "--other-baud",
@@ -93,7 +123,7 @@ OPTIONS = (
         "Framing",
         "What is on the line: SIS, or procedure 3964R between a control and a PPC",
         LINE,
-        for_demo=False,  # its scenario says it
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the scenario of the demo bus says it
         choices=_framings,
     ),
     Option(
@@ -102,7 +132,7 @@ OPTIONS = (
         "Port of the other direction",
         "RS422 and RS232 have a line for each direction: tap both, each with a port of its own",
         LINE,
-        for_demo=False,
+        of=Of.PORT,
         choices=_other_ports,
         reload=True,
     ),
@@ -112,7 +142,7 @@ OPTIONS = (
         "Uncertainty",
         "How late this machine may see a character; the result of a self-test is kept for later captures",
         TIMES,
-        for_demo=False,
+        of=Of.PORT,
         choices=_uncertainties,
     ),
     Option(
@@ -121,7 +151,7 @@ OPTIONS = (
         "Scenario",
         "Who is on the bus, what is said, and what goes wrong: as sistap bus --list",
         BUS,
-        for_demo=True,
+        of=Of.DEMO,
         choices=_scenarios,
     ),
     Option(
@@ -130,9 +160,55 @@ OPTIONS = (
         "Faults",
         "Probabilities: parity, break, loss and pause of a character, checksum of a telegram",
         BUS,
-        for_demo=True,
+        of=Of.DEMO,
         placeholder="none; for example checksum=0.02,pause=0.001",
         validation="^[a-z]+=[0-9.]+(,[a-z]+=[0-9.]+)*$",
+    ),
+    Option(
+        "--driver",
+        "string",
+        "Driver",
+        "Of sigrok: sigrok-cli --scan says which; several of a kind: fx2lafw:conn=BUS.ADDRESS",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder=analyser.DRIVER,
+    ),
+    Option(
+        "--channel",
+        "string",
+        "Channel",
+        "To which the line is connected",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder=analyser.CHANNEL,
+    ),
+    Option(
+        "--second-channel",
+        "string",
+        "Channel of the other direction",
+        "RS422 and RS232 have a line for each direction",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder="none: a bus",
+    ),
+    Option(
+        "--samplerate",
+        "string",
+        "Samples a second",
+        "The more, the more exact; at least 20 times the rate of the line",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder="4m, or as the rate needs it",
+        validation="^[0-9.]+[kKmM]?$",
+    ),
+    Option(
+        "--invert",
+        "selector",
+        "Inverted",
+        "RS232 without a receiver chip is low while nothing is sent",
+        PROBE,
+        of=Of.ANALYSER,
+        choices=_inverted,
     ),
 )
 
@@ -151,6 +227,7 @@ def config(name: str) -> list[str]:
                 tooltip=option.tooltip,
                 group=option.group,
                 reload="true" if option.reload else None,
+                required="true" if option.required else None,
                 placeholder=option.placeholder,
                 validation=option.validation,
             )
@@ -171,7 +248,8 @@ def choices(name: str, called: str) -> list[str]:
 
 def _options_of(name: str) -> list[tuple[int, Option]]:
     """Return the options of an interface with their numbers; those are shown in their order."""
-    return [item for item in enumerate(OPTIONS) if item[1].for_demo in (None, name == DEMO)]
+    kind = {DEMO: Of.DEMO, DISTANT: Of.DISTANT, ANALYSER: Of.ANALYSER}.get(name, Of.PORT)
+    return [item for item in enumerate(OPTIONS) if kind in item[1].of]
 
 
 def _values(name: str, number: int, option: Option) -> list[str]:

@@ -10,6 +10,7 @@ import errno
 import os
 import threading
 from collections import deque
+from contextlib import suppress
 from pathlib import Path
 
 PROMISED_S = 1.0  # nothing older than this is lost
@@ -32,11 +33,12 @@ class _File:
         getattr(os, "fdatasync", os.fsync)(self._descriptor)  # macOS has only the larger one
         if not self._is_named:
             self._is_named = True
-            folder = os.open(self._folder, os.O_RDONLY)
-            try:
-                os.fsync(folder)
-            finally:
-                os.close(folder)
+            with suppress(OSError):  # a folder that cannot be read: most file systems have the name with the file
+                folder = os.open(self._folder, os.O_RDONLY)
+                try:
+                    os.fsync(folder)
+                finally:
+                    os.close(folder)
 
     def close(self) -> None:
         os.close(self._descriptor)

@@ -18,7 +18,7 @@ from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Source, Told
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 from sistap.records.counters import Counters
-from sistap.records.cut import HELP, SIS, WORDS, Cut
+from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.records.record import LARGEST_RATE
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -65,13 +65,6 @@ def _whole(text: str) -> int:
     raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 to {LARGEST_RATE}")
 
 
-def _framing(text: str) -> Cut:
-    try:
-        return Cut.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
@@ -83,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits, where FILE does not say (8E1)"
     )
-    add("--framing", type=_framing, default=SIS, metavar=WORDS, help=HELP)
+    add("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
     add("--device", metavar="BUS.ADDRESS", help="the adapter, where a USB capture has several")
     add(
         "--samplerate",
@@ -108,11 +101,16 @@ def run(args: argparse.Namespace) -> int:
             stop.at_once = False
             return _convert(args, source, output, stop, console)
     except (UsageError, OutputRefused) as error:
-        console.say(str(error))
+        console.say(_one_line(str(error)))
         return USAGE
     except (TsharkError, OutputError) as error:
-        console.say(str(error))
+        console.say(_one_line(str(error)))
         return FAILED
+
+
+def _one_line(text: str) -> str:
+    """Return a text that may quote a damaged file, or tshark, as one line without control characters."""
+    return "".join(character if character.isprintable() else "?" for character in " ".join(text.split()))
 
 
 def _told(args: argparse.Namespace) -> Told:
@@ -158,7 +156,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
         if not stop.asked:  # else the same Ctrl-C has ended it
             raise
     if source.warning:
-        console.say(f"{args.file}: {source.warning}")
+        console.say(_one_line(f"{args.file}: {source.warning}"))
     console.say(f"{counters} written to {output.summary}")
     console.say(f"{settings}, {source.settings_from}; {timing}: {_precision(conversion.uncertainties)}")
     return DONE

@@ -11,26 +11,31 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.install import module, sources
+from sistap.install import module, shell, sources
 from sistap.install.launching import launcher, settings
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
-from sistap.terminal.state import is_root
+from sistap.terminal.state import is_root, is_roots_alone
 from sistap.terminal.stop import held
 from sistap.wireshark import folders
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
 DESCRIPTION = """\
 Put the dissector, the serial ports among Wireshark's interfaces (extcap) and the profile SIS where the Wireshark of
-this machine looks for them. Says in a line each what it did; asks nothing; safe to run again, also for a newer sistap
-or after a new Wireshark.
+this machine looks for them, and the command `sistap`, with its completion, where a shell does. Says in a line each what
+it did; asks nothing; safe to run again, also for a newer sistap or after a new Wireshark.
 """
 
 EPILOG = """\
 The dissector is the plugin built in this checkout, if it was built for this Wireshark (4.0, 4.2 ...: a plugin fits
 one of them only), and else sis.lua, which fits all from 4.0 on. What Wireshark loads already from elsewhere is kept.
+So is a plugin that an earlier install put there, while Wireshark loads it and nothing newer was built; with --lua
+sis.lua takes its place.
+
+The command is put into ~/.local/bin, for all users into /usr/local/bin, on Windows into a folder of its own; if that
+is not in PATH, a line says what to do. Where there is a command sistap already, from a package, that one is kept.
 
 Run as root it installs for all users: as root, Wireshark skips what is in personal folders.
 A file that somebody else put there, or has changed since, is kept. `sistap uninstall` takes everything away again.
@@ -39,6 +44,7 @@ examples:
   sistap install                                        for this user
   sudo sistap install                                   for all users
   sistap install --plugin build/plugin/plugin/sis.so    this plugin, if it fits
+  sistap install --lua                                  the script, in place of the plugin
   wireshark -C SIS                                      then: Wireshark with the profile
 
 exit status:
@@ -64,14 +70,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("--plugin", metavar="FILE", type=_existing_file, help="take this plugin, sis.so, if it fits")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--plugin", metavar="FILE", type=_existing_file, help="take this plugin, sis.so, if it fits")
+    which.add_argument("--lua", action="store_true", help="take sis.lua, even if there is a plugin that fits")
 
 
 def run(args: argparse.Namespace) -> int:
     """Install; print a line for each file; return the exit code."""
     console = Console()
     try:
-        return _install(args.plugin, console)
+        return _install(args, console)
     except module.ModuleError as error:
         console.say(str(error))
         return USAGE
@@ -86,7 +94,7 @@ def _existing_file(text: str) -> Path:
     return Path(text)
 
 
-def _install(plugin: Path | None, console: Console) -> int:
+def _install(args: argparse.Namespace, console: Console) -> int:
     for_all = is_root()
     with Tshark(drop_rights=False) as tshark:
         wireshark = _supported_version(tshark)
@@ -104,17 +112,26 @@ def _install(plugin: Path | None, console: Console) -> int:
     if foreign:
         print(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there", flush=True)
     else:
-        files.append(_dissector(plugin, wireshark, places, console))
-    _bring_up_to_date(ledger, files, folders.Own(named, for_all=for_all))
+        files.append(_dissector(args, wireshark, places, _working(there), console))
+    where = shell.places(for_all=for_all, windows=WINDOWS)
+    files += _for_a_shell(args, where, ledger)
+    _bring_up_to_date(ledger, files, _own(named, for_all=for_all))
+    if where.command in ledger.files and not shell.is_on_path(where):
+        console.say(f"{where.command.parent} is not in PATH: {advice().path.format(folder=where.command.parent)}")
     if for_all:
         _warn_of_others_rights(console)
     return _check(console)
 
 
 def own_folders() -> folders.Own:
-    """Ask Wireshark which folders are its own: as root those for all users. TsharkError, folders.FoldersError."""
+    """Ask Wireshark which folders are its own; add those of a shell. TsharkError, folders.FoldersError."""
     with Tshark(drop_rights=False) as tshark:
-        return folders.Own(tshark.output("-G", "folders"), for_all=is_root())
+        return _own(tshark.output("-G", "folders"), for_all=is_root())
+
+
+def _own(named: str, *, for_all: bool) -> folders.Own:
+    """Return all folders into which install puts. FoldersError."""
+    return folders.Own(named, for_all=for_all, others=shell.folders(shell.places(for_all=for_all, windows=WINDOWS)))
 
 
 def _supported_version(tshark: Tshark) -> Version:
@@ -132,8 +149,24 @@ def _foreign(there: list[Loaded], ledger: Ledger) -> str:
     return next((found.file for found in there if Path(found.file).resolve() not in ours), "")
 
 
-def _dissector(plugin: Path | None, wireshark: Version, places: folders.Folders, console: Console) -> File:
-    chosen = sources.dissector(plugin, wireshark)
+def _working(there: list[Loaded]) -> Path | None:
+    """Return the plugin that Wireshark loads."""
+    return next((Path(found.file) for found in there if not found.file.endswith(".lua")), None)
+
+
+def _dissector(
+    args: argparse.Namespace, wireshark: Version, places: folders.Folders, working: Path | None, console: Console
+) -> File:
+    chosen = sources.Dissector(sources.lua(), False, []) if args.lua else sources.dissector(args.plugin, wireshark)
+    if working and not chosen.is_module and not args.lua:
+        for note in chosen.notes:
+            console.say(f"{note}; {working} stays")
+        print(
+            f"kept     {working}: Wireshark loads it, and there is no other plugin for it here; `sistap install "
+            "--plugin FILE` takes one, `sistap install --lua` takes sis.lua",
+            flush=True,
+        )
+        return File(working, working.read_bytes())
     for note in chosen.notes:
         console.say(note if chosen.is_module else f"{note}; sis.lua takes its place")
     target = places.plugins / "sis.so" if chosen.is_module else places.lua / "sis.lua"
@@ -145,6 +178,15 @@ def _others(places: folders.Folders) -> Iterator[File]:
     yield from _launchers(places.extcap, sources.PACKAGE.parent)
     for file in sources.profile():
         yield File(places.profiles / sources.PROFILE / file.name, file.read_bytes())
+
+
+def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) -> Iterator[File]:
+    """Yield the command and its completion, unless a shell has a command `sistap` from elsewhere."""
+    if found := shell.foreign(ledger.files):
+        print(f"kept     {found}: the command sistap is there already, and `sistap install` did not put it there")
+        return
+    for file, content in shell.files(where, sources.PACKAGE.parent, args.whole_parser(), windows=WINDOWS).items():
+        yield File(file, content, executable=file == where.command)
 
 
 def _launchers(folder: Path, package_root: Path) -> Iterator[File]:
@@ -197,12 +239,19 @@ def _changes(ledger: Ledger, files: list[File], own: folders.Own) -> Iterator[st
 
 
 def _warn_of_others_rights(console: Console) -> None:
-    """Say it if the other users cannot run what the launcher names."""
+    """Say it if the other users cannot run what the launcher names, or can change what all users then run."""
     closed = [path for path in (sources.PACKAGE, *sources.PACKAGE.parents) if not path.stat().st_mode & stat.S_IXOTH]
     if closed:
         console.say(
             f"other users get no serial ports in Wireshark, as they may not enter {closed[-1]}: run install from a "
             "folder that is open to all"
+        )
+    run = (sources.PACKAGE, *sources.PACKAGE.rglob("*"), Path(sys.executable).resolve())
+    changeable = next((path for path in run if not is_roots_alone(path)), None)
+    if changeable:
+        console.say(
+            f"others than root can write {changeable}, or a folder on the way to it, and so change what all users run: "
+            "install the .deb, or run install from a folder that only root can write, such as a copy in /opt"
         )
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What `sistap install` has put where, so that it and `uninstall` touch nothing else.
 
-A file is ours as long as it is byte for byte what was put there, in one of Wireshark's own folders. What somebody has
+A file is ours as long as it is byte for byte what was put there, in a folder into which install puts. What somebody has
 changed since, what was there before, and what the list names elsewhere is left alone, with a line that says so.
 """
 
@@ -21,7 +21,7 @@ class LedgerError(Exception):
 
 
 class ElsewhereError(Exception):
-    """The list names what is not in Wireshark's folders; the text is the one line to show."""
+    """The list names what is not in those folders; the text is the one line to show."""
 
 
 class Ledger:
@@ -105,7 +105,7 @@ class Ledger:
     def remove(self, file: Path, own: Own) -> str:
         """Remove a file that is ours; return the line that says what happened.
 
-        OSError, or ElsewhereError if it is not in Wireshark's `own` folders: then it stays on the list.
+        OSError, or ElsewhereError if it is not in `own` folders: then it stays on the list.
         """
         if not own.have(file):
             raise ElsewhereError(f"kept {file}: {self._elsewhere()}")
@@ -141,7 +141,10 @@ class Ledger:
         return lines
 
     def _elsewhere(self) -> str:
-        return f"{self.path} names it, but it is in none of Wireshark's folders; if it is yours, delete it yourself"
+        return (
+            f"{self.path} names it, but it is in none of the folders of `sistap install`; if it is yours, delete it "
+            "yourself"
+        )
 
     def _is_ours(self, file: Path) -> bool:
         if not file.is_file() or file.is_symlink():

@@ -17,7 +17,7 @@ from sistap.wireshark.tshark import TsharkError
 DESCRIPTION = """\
 Remove what `sistap install` has put on this machine, and the folders that it made; as root, what was installed for all
 users. Says in a line each what it did. What somebody has changed since, or put beside it, is kept. Nothing is removed
-outside of Wireshark's own folders, which tshark names.
+outside of Wireshark's own folders, which tshark names, and those of the command `sistap` and its completion.
 """
 
 EPILOG = """\

@@ -1,36 +1,69 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The wire over a socket: characters with time, errors and line settings, for what a pty cannot carry.
+"""The wire over a socket: characters with time, errors and line settings, from a virtual bus or from a distant tap.
 
-The tap connects and says its own line settings, again whenever they change; the bus answers with reads. Network byte
-order:
+Who listens connects; who sends is a bus (`sistap bus`) or a tap (`sistap serve`). Network byte order; README.md says
+what each message means:
 
-    both ways    'S' (1)  baud (4)  data bits (1)  parity code (1)  stop half bits (1)
-    both ways    'T' (1)  time ns since 1970 (8)
-    bus -> tap   'R' (1)  line (1)  count (2)  time ns since 1970 (8)  uncertainty ns (4)
-                 then count times: value (1)  flags (1)
-
-An 'S' of the bus repeats that of the tap: what follows it was heard with these settings. A 'T' of the bus says that
-nothing arrives before that time. A bus whose time is simulated then waits until the tap has said the same 'T': that it
-has dealt with all that came before, and what settings it wants from now on. It waits only for taps that said 'T' with
-the time 0 when they connected.
-
-One 'R' is what one read of a real adapter would have delivered: several characters in it share its time. The end of the
-connection is the end of the bus (an unplugged adapter).
+    from the sender   'V' (1)  version (1)  kind (1)  time ns (8)  began ns (8)  place (8)  length (2)  text (length)
+    both ways         'S' (1)  baud (4)  data bits (1)  parity code (1)  stop half bits (1)
+    both ways         'T' (1)  time ns (8)
+    from the sender   'R' (1)  line (1)  count (2)  time ns (8)  uncertainty ns (4)
+                      then count times: value (1)  flags (1)
+    from the sender   'L' (1)  count (8)
+    from the sender   'N' (1)  happening (1)  length (2)  text (length)
 """
 
 from __future__ import annotations
 
+import enum
 import struct
+from collections.abc import Callable
 from typing import NamedTuple
 
-from sistap.line.settings import PARITIES, STOP_HALF_BITS, LineSettings, Read
+from sistap.line.settings import PARITIES, STOP_HALF_BITS, Happening, LineSettings, Notice, Read
+
+VERSION = 1
 
 _SETTINGS = struct.Struct(">cIBBB")
 _TIME = struct.Struct(">cQ")
 _READ = struct.Struct(">cBHQI")
+_HELLO = struct.Struct(">cBBQQQH")
+_LOST = struct.Struct(">cQ")
+_NOTICE = struct.Struct(">cBH")
 _TIME_END_NS = 4_000_000_000 * 1_000_000_000  # in 2096; 32 bits for the seconds (RTAC) end ten years later
+_TEXT_MAX = 0xFFFF  # bytes
 _STRANGER = "the other end of the socket is not a sistap bus or tap"
-_SIZES = {b"S": _SETTINGS.size, b"T": _TIME.size, b"R": _READ.size}  # of a message, or of its beginning
+_SIZES = {  # of a message, or of its beginning
+    kind: form.size for kind, form in zip("VSTRLN", (_HELLO, _SETTINGS, _TIME, _READ, _LOST, _NOTICE), strict=True)
+}
+FROM_SENDER, FROM_LISTENER = "VSTRLN", "ST"  # which messages they may say
+
+
+class Kind(enum.IntEnum):
+    """What sends."""
+
+    BUS = 0
+    TAP = 1
+
+
+class Hello(NamedTuple):
+    """The first message of a sender."""
+
+    kind: Kind
+    time_ns: int  # now, by its clock
+    began_ns: int  # when it began: another time tells another sender
+    place: int  # so many characters it has sent or lost until now
+    name: str
+    adapter: str
+    timing: str
+    notes: tuple[str, ...] = ()
+    version: int = VERSION
+
+
+class Lost(NamedTuple):
+    """So many characters are missing here, because they were not taken in time."""
+
+    characters: int
 
 
 class Time(NamedTuple):
@@ -39,7 +72,7 @@ class Time(NamedTuple):
     time_ns: int
 
 
-Message = LineSettings | Time | Read
+Message = Hello | LineSettings | Time | Read | Lost | Notice
 
 
 def pack_settings(settings: LineSettings) -> bytes:
@@ -61,12 +94,31 @@ def pack_read(read: Read) -> bytes:
     return _READ.pack(b"R", read.line, len(read.data), read.time_ns, read.uncertainty_ns) + pairs
 
 
-class Decoder:
-    """Cuts a byte stream into messages, however the socket packed it."""
+def pack_hello(hello: Hello) -> bytes:
+    """Make the first message."""
+    text = _packed("\n".join([hello.name, hello.adapter, hello.timing, *hello.notes]))
+    head = (hello.version, hello.kind, hello.time_ns, hello.began_ns, hello.place, len(text))
+    return _HELLO.pack(b"V", *head) + text
 
-    def __init__(self) -> None:
-        """Start with nothing received."""
+
+def pack_lost(count: int) -> bytes:
+    """Make the message of missing characters."""
+    return _LOST.pack(b"L", count)
+
+
+def pack_notice(notice: Notice) -> bytes:
+    """Make the message of something that happened."""
+    text = _packed(notice.text)
+    return _NOTICE.pack(b"N", notice.happening, len(text)) + text
+
+
+class Decoder:
+    """Cuts a byte stream into messages, however the socket packed it. It keeps at most one that is not complete."""
+
+    def __init__(self, kinds: str = FROM_SENDER) -> None:
+        """Start with nothing received; others than these `kinds` are refused."""
         self._pending = bytearray()
+        self._kinds = kinds
 
     def feed(self, data: bytes) -> list[Message]:
         """Take what the socket delivered, give the messages that are complete. ValueError if this is no wire."""
@@ -78,32 +130,80 @@ class Decoder:
 
     def _next(self) -> Message | None:
         pending = self._pending
-        kind = bytes(pending[:1])
-        size = _SIZES.get(kind, 0)
-        if kind and not size:
-            raise ValueError(_STRANGER)
-        if not kind or len(pending) < size:
+        kind = pending[:1].decode("latin-1")
+        if not kind:
             return None
-        message: Message | None
-        if kind == b"S":
-            message = _settings(pending)
-        elif kind == b"T":
-            message = Time(_TIME.unpack_from(pending)[1])
-        else:
-            _, line, count, time_ns, uncertainty_ns = _READ.unpack_from(pending)
-            start, size = size, size + 2 * count
-            if len(pending) < size:
-                return None
-            pairs = bytes(pending[start:size])
-            message = Read(line, time_ns, pairs[0::2], pairs[1::2], uncertainty_ns)
-        if not isinstance(message, LineSettings) and message.time_ns >= _TIME_END_NS:
+        if kind not in self._kinds:
+            raise ValueError(_STRANGER)
+        start = _SIZES[kind]
+        if len(pending) < start:
+            return None
+        size = start + _LENGTHS.get(kind, _no_length)(pending)
+        if len(pending) < size:
+            return None
+        message = _MAKE[kind](bytes(pending[:start]), bytes(pending[start:size]))
+        if isinstance(message, Time | Read | Hello) and message.time_ns >= _TIME_END_NS:
             raise ValueError(_STRANGER)
         del pending[:size]
         return message
 
 
-def _settings(message: bytes | bytearray) -> LineSettings:
-    _, baud, data_bits, parity, stop = _SETTINGS.unpack_from(message)
+def _packed(text: str) -> bytes:
+    return text.encode(errors="backslashreplace")[:_TEXT_MAX]
+
+
+def _text(data: bytes) -> str:
+    """Read a text that somebody else has written: nothing in it controls a terminal."""
+    decoded = data.decode(errors="replace")
+    return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in decoded)
+
+
+def _hello(head: bytes, rest: bytes) -> Hello:
+    _, version, kind, time_ns, began_ns, place, _ = _HELLO.unpack(head)
+    if version != VERSION:
+        raise ValueError(
+            f"it speaks version {version} of the wire, and this sistap {VERSION}: use the same at both ends"
+        )
+    if kind not in iter(Kind):
+        raise ValueError(_STRANGER)
+    name, adapter, timing, *notes = map(_text, [*rest.split(b"\n"), b"", b""])
+    return Hello(Kind(kind), time_ns, began_ns, place, name, adapter, timing, tuple(note for note in notes if note))
+
+
+def _read(head: bytes, pairs: bytes) -> Read:
+    _, line, _, time_ns, uncertainty_ns = _READ.unpack(head)
+    return Read(line, time_ns, pairs[0::2], pairs[1::2], uncertainty_ns)
+
+
+def _notice(head: bytes, text: bytes) -> Notice:
+    _, happening, _ = _NOTICE.unpack(head)
+    if happening not in iter(Happening):
+        raise ValueError(_STRANGER)
+    return Notice(Happening(happening), _text(text))
+
+
+def _settings(message: bytes, _: bytes) -> LineSettings:
+    baud, data_bits, parity, stop = _SETTINGS.unpack(message)[1:]
     if parity >= len(PARITIES) or stop not in STOP_HALF_BITS.values() or not 5 <= data_bits <= 8:
         raise ValueError(_STRANGER)
     return LineSettings(baud, data_bits, PARITIES[parity], stop)
+
+
+def _no_length(_: bytearray) -> int:
+    return 0
+
+
+# How much comes behind the beginning of a message, and what it is.
+_LENGTHS: dict[str, Callable[[bytearray], int]] = {
+    "V": lambda pending: int(_HELLO.unpack_from(pending)[-1]),
+    "R": lambda pending: 2 * int(_READ.unpack_from(pending)[2]),
+    "N": lambda pending: int(_NOTICE.unpack_from(pending)[-1]),
+}
+_MAKE: dict[str, Callable[[bytes, bytes], Message]] = {
+    "V": _hello,
+    "S": _settings,
+    "T": lambda head, _: Time(_TIME.unpack(head)[1]),
+    "R": _read,
+    "L": lambda head, _: Lost(_LOST.unpack(head)[1]),
+    "N": _notice,
+}

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.line import registry
+from sistap.line import analyser, registry
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE
 
@@ -167,17 +167,18 @@ def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `sistap ports`: there are none."""
-    parser.description = "List the serial ports with adapter, driver and latency."
+    parser.description = "List the serial ports with adapter, driver and latency, and logic analysers."
 
 
 def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has this shape
     """Print the table of ports; return the exit code."""
-    ports = found()
-    if not ports:
+    ports, analysers = found(), analyser.plugged_in()
+    if not ports and not analysers:
         print(f"no serial port found: plug the adapter in; {advice().no_port}")
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
     rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
+    rows += [(one.port, one.name, analyser.DRIVER, "samples the line") for one in analysers]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

@@ -70,11 +70,29 @@ class LineSettings(NamedTuple):
         return half_bits * 500_000_000 // self.baud
 
 
+class Happening(enum.IntEnum):
+    """What a notice is about; its number on the wire (bus_socket)."""
+
+    MARKER = 0
+    LOST = 1  # characters are missing
+    GONE = 2  # a port, or the connection to another computer
+    ANEW = 3  # another source is there now, perhaps with another clock; what is missing is not known
+
+
+class Notice(NamedTuple):
+    """Something that the source of the characters has to tell."""
+
+    happening: Happening
+    text: str
+
+
 class Read(NamedTuple):
     """Characters that arrived together: what one read of a port delivered.
 
     `time_ns` (wall clock, ns since 1970) is the latest instant at which each of them can have arrived. Of k characters
     the i-th came at least (k-i) character times before it, and none earlier than `uncertainty_ns` before that.
+
+    Without characters it tells the time of a source that has its own: nothing that comes later has an earlier time.
     """
 
     line: int  # 0 shared bus, 1 and 2 the directions of a full-duplex tap
@@ -83,3 +101,4 @@ class Read(NamedTuple):
     flags: bytes  # one Flag byte a character, of FROM_READER
     uncertainty_ns: int = UNCERTAINTY_UNKNOWN
     settings: LineSettings | None = None  # with which they were read; None: as the line began
+    notices: tuple[Notice, ...] = ()  # to be told before them

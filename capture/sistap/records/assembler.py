@@ -19,6 +19,7 @@ class _Line:
 
     framer: Framer
     arrived_ns: int  # when something last came
+    own_time: bool  # reads without characters tell it
     why: str | None = None  # the settings are others than those of the last read
 
 
@@ -32,9 +33,9 @@ class Assembler:
         self._order = Order()
         self.cut = cut
 
-    def add_line(self, number: int, settings: LineSettings, now_ns: int) -> None:
-        """Begin a line, on which nothing has come yet."""
-        self._lines[number] = _Line(self.cut.framer(number, settings), now_ns)
+    def add_line(self, number: int, settings: LineSettings, now_ns: int, *, own_time: bool = False) -> None:
+        """Begin a line, on which nothing has come yet; `own_time`: a network may bring late what came in time."""
+        self._lines[number] = _Line(self.cut.framer(number, settings), now_ns, own_time)
 
     @property
     def lines(self) -> Sequence[int]:
@@ -83,7 +84,7 @@ class Assembler:
         """Look which lines have been silent for long. Return the records that this completed, with their lines."""
         completed = []
         for number, line in self._lines.items():
-            records = line.framer.idle(now_ns - line.arrived_ns)
+            records = [] if line.own_time else line.framer.idle(now_ns - line.arrived_ns)
             self.emit(records, now_ns)
             completed.append((number, records))
         return completed
@@ -92,6 +93,10 @@ class Assembler:
         """Write all that is left of these lines."""
         for number in numbers:
             self.emit(self._lines[number].framer.flush(), now_ns)
+
+    def restart(self, number: int, now_ns: int) -> None:
+        """Go on with another clock."""
+        self.emit(self._lines[number].framer.restart(), now_ns)
 
     def emit(self, records: Sequence[Record], now_ns: int) -> None:
         """Write records, also events from outside, when those of the other line that began earlier are written."""

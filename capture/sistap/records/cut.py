@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings
@@ -52,3 +53,11 @@ class Cut:
 SIS = Cut()
 PROCEDURE_3964R = Cut(Framing.PROCEDURE_3964R)
 _BY_NAME = {"sis": SIS, "3964r": PROCEDURE_3964R}
+
+
+def framing(text: str) -> Cut:
+    """Read the option, as the type of an argument."""
+    try:
+        return Cut.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None

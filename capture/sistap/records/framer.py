@@ -43,12 +43,12 @@ class Framer(ABC):
 
     def feed(self, read: Read) -> list[Record]:
         """Take what was read; give the records that are complete by it."""
-        _, time_ns, data, flags, uncertainty_ns, _ = read
+        _, time_ns, data, flags, uncertainty_ns, _, _ = read
         times = self._times
         count = len(data)
         records: list[Record] = []
         if not count:
-            return records
+            return self.idle(time_ns - times[-1]) if times else records
         if not times:
             times.append(time_ns)
             flags = bytes([flags[0] | Flag.INTERVAL_UNKNOWN]) + flags[1:]
@@ -73,11 +73,21 @@ class Framer(ABC):
         """Tell that nothing was read for so long, by the caller's clock; give the records that this completes."""
         return self.flush() if idle_ns >= self.silence_ns else []
 
+    def settle(self) -> list[Record]:
+        """Return what is certainly no part of a frame, without collecting more of it."""
+        return []
+
     def flush(self) -> list[Record]:
         """Return all that is left: the line is silent, or the capture ends."""
         records: list[Record] = []
         if self._data:
             self._cut(records, final=True)
+        return records
+
+    def restart(self) -> list[Record]:
+        """Return all that is left; what comes next is by another clock, so that the interval before it is not known."""
+        records = self.flush()
+        self._times.clear()
         return records
 
     def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:

@@ -17,8 +17,10 @@ class Advice(NamedTuple):
     libpcap: str
     pyserial: str  # beside `python -m pip install pyserial`
     no_pseudo_terminal: str
+    in_use: str  # another program has the port {port}: what goes behind "by another program"
     held: str  # a file cannot be replaced or removed
     started: str  # how Wireshark is started with the profile
+    path: str  # {folder} is not in PATH
     latency_timer: str  # of an FTDI adapter: {name} is that of Windows
 
 
@@ -30,8 +32,10 @@ _LINUX = Advice(
     libpcap="install the package libpcap0.8 (or libpcap)",
     pyserial="or install the package python3-serial and run sistap with the system's own python3",
     no_pseudo_terminal="close some terminals",
+    in_use="(often ModemManager): `sudo fuser -v {port}` names it",
     held="see who may write to its folder",
     started="start it with `wireshark -C SIS`",
+    path='`export PATH="{folder}:$PATH"`, also as a line of ~/.profile; on Debian and Ubuntu a new login is enough',
     latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
 )
 
@@ -41,7 +45,10 @@ _MACOS = _LINUX._replace(
     tshark="install Wireshark, which brings it",
     wireshark="install Wireshark",
     libpcap="macOS brings it: start sistap with a Python of this system",
+    path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
     pyserial="with the Python that runs sistap",
+    in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
+    latency_timer="the driver of macOS cannot be told: capture with `sistap serve` on a Linux computer",
 )
 
 _WINDOWS = Advice(
@@ -52,8 +59,11 @@ _WINDOWS = Advice(
     libpcap="install Npcap, which Wireshark's installer brings",
     pyserial="with the Python that runs sistap",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
+    in_use=": close that one first",
     held="a program has it open: close Wireshark, then try again",
     started="start it, and choose the profile SIS at the right end of its status bar",
+    path="Settings > System > About > Advanced system settings > Environment Variables > Path > Edit > New adds it, "
+    "for windows that are opened then; py -m sistap works without it",
     latency_timer="in Device Manager > Ports (COM & LPT) > {name} > Properties > Port Settings > Advanced set Latency "
     "Timer (msec) to 1, then start again",
 )

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -43,14 +44,18 @@ def parse(text: str, *, for_all: bool) -> Folders:
 
 
 class Own:
-    """The folders that are Wireshark's own, of this user or for all users: nothing outside of them is removed."""
+    """The folders that are Wireshark's own, of this user or for all users: nothing outside of them is removed.
 
-    def __init__(self, text: str, *, for_all: bool) -> None:
+    But in `others`, which are no folders of Wireshark.
+    """
+
+    def __init__(self, text: str, *, for_all: bool, others: Iterable[Path] = ()) -> None:
         """Take the output of `tshark -G folders`. FoldersError if it does not name them."""
         parse(text, for_all=for_all)
         named = _named(text)
         names = {name for places in (_GLOBAL if for_all else _PERSONAL).values() for name, _ in places}
-        self._folders = [Path(named[name]).resolve() for name in sorted(names) if named.get(name)]
+        own = [Path(named[name]) for name in sorted(names) if named.get(name)]
+        self._folders = [folder.resolve() for folder in (*own, *others)]
 
     def have(self, file: Path) -> bool:
         """Tell whether a file is in one of them, or further down, whatever links lead there."""

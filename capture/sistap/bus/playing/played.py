@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 from sistap.line.settings import LineSettings
 
+TIMING = "times and their uncertainty are those the virtual bus says"
+
 
 class Character(NamedTuple):
     """One character as a receiver with the bus's own settings gets it; `flags` are Flag.FROM_READER."""

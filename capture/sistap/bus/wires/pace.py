@@ -35,6 +35,10 @@ class Pace:
         while monotonic_ns() < instant:
             pass
 
+    def left_s(self, time_ns: int) -> float:
+        """Return how long it is to the instant."""
+        return (self._zero + time_ns - monotonic_ns()) / 1e9
+
     def wall_ns(self, time_ns: int = 0) -> int:
         """Return the instant in ns since 1970."""
         return self._wall_zero + time_ns

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import sistap
 from sistap.bus.playing.hearing import received
-from sistap.bus.playing.played import Played, reads, uncertainty
+from sistap.bus.playing.played import TIMING, Played, reads, uncertainty
 from sistap.files.output import Output
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
@@ -49,10 +49,9 @@ class Recording:
             self._assembler.add_line(line, settings, START_NS)
         self._follow = Follow(settings.baud)
         self._now_ns = START_NS
-        timing = "times and their uncertainty are those the virtual bus says"
-        interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {timing}", settings.baud, "virtual bus")
+        interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {TIMING}", settings.baud, "virtual bus")
         self._writer = PcapngWriter(output, dict.fromkeys(lines, interface), self.counters)
-        said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {timing}{cut.said}"
+        said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {TIMING}{cut.said}"
         self._writer.begin(*(event(START_NS, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
 
     def wait_for_listener(self) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from sistap.line.settings import LineSettings, Read
 
@@ -45,3 +45,19 @@ class Reader(Protocol):
 
     def close(self) -> None:
         """Let the port go."""
+
+
+@runtime_checkable
+class Distant(Reader, Protocol):
+    """A tap on another computer: its times are of the clock there, and its settings are set there."""
+
+    def now_ns(self) -> int:
+        """Return what time it is there, in ns since 1970."""
+
+
+@runtime_checkable
+class Measuring(Protocol):
+    """A reader that sees the line itself, and so its rate."""
+
+    def measured_baud(self) -> float | None:
+        """Return the rate that the line has, in Bd; None: too little was heard."""

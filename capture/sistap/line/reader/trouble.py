@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from sistap.line.settings import LineSettings
+from sistap.terminal.advice import advice
 
 if sys.platform == "win32":
     _NUMBERED: tuple[type[BaseException], ...] = (OSError,)
@@ -37,7 +38,7 @@ def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     elif number in (errno.EACCES, errno.EPERM):
         text = f"no permission to open {port}: {_permission_cure(port)}"
     elif number in (errno.EBUSY, errno.EWOULDBLOCK):
-        text = f"{port} is in use by another program (often ModemManager): `sudo fuser -v {port}` names it"
+        text = f"{port} is in use by another program {advice().in_use.format(port=port)}"
     elif number in (errno.ENXIO, errno.ENODEV, errno.EIO):
         text = f"there is no working hardware behind {port}: `sistap ports` lists the ports there are"
     elif isinstance(error, ValueError | OverflowError) or number == errno.EINVAL:

@@ -3,41 +3,40 @@
 
 from __future__ import annotations
 
-import socket
-import sys
 from collections import deque
 from contextlib import suppress
-from urllib.parse import urlsplit
 
 from sistap.line import bus_socket
+from sistap.line.reader.connection import Connection, connect
 from sistap.line.reader.contract import PortError, PortLost
 from sistap.line.reader.trouble import connection_trouble
 from sistap.line.settings import LineSettings, Read
-
-CONNECT_TIMEOUT_S = 5
 
 
 class WireReader:
     """Reads the socket of a virtual bus (sistap.line.bus_socket): its reads carry their own times, errors and line."""
 
-    def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
-        """Connect and say the line settings. May raise PortError."""
+    def __init__(self, port: str, settings: LineSettings, line: int = 0, connection: Connection | None = None) -> None:
+        """Connect, if that is not done, and say the line settings. May raise PortError."""
+        connection = connection or connect(port)
         self.name = port
-        self.adapter = "virtual bus"
-        self.timing = "times and their uncertainty are those the virtual bus says"
-        self.notes: tuple[str, ...] = ()
+        self.adapter = connection.hello.adapter
+        self.timing = connection.hello.timing
+        self.notes = connection.hello.notes
         self.settings = settings
         self.line = line
+        self._socket = connection.socket
         try:
-            self._socket = _connect(port)
             # First the time (simulated time is to wait for this reader): with the settings the bus begins.
             self._socket.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(settings))
         except OSError as error:
             raise PortError(connection_trouble(port, error)) from error
-        self._decoder = bus_socket.Decoder()
+        self._decoder = connection.decoder
         self._heard_with = settings
         self._reads: deque[Read] = deque()
         self._answer = b""  # to the bus, when everything before was dealt with
+        for message in connection.after_hello:
+            self._take(message)
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived, None if nothing did in that time. May raise PortLost.
@@ -80,27 +79,9 @@ class WireReader:
         if isinstance(message, bus_socket.Time):
             self._answer = bus_socket.pack_time(message.time_ns)
             message = Read(0, message.time_ns, b"", b"", 0)
-        self._reads.append(message._replace(line=self.line or message.line, settings=self._heard_with))
+        if isinstance(message, Read):  # a bus says nothing else
+            self._reads.append(message._replace(line=self.line or message.line, settings=self._heard_with))
 
     def close(self) -> None:
         """Leave the bus."""
         self._socket.close()
-
-
-def _connect(port: str) -> socket.socket:
-    """Connect to bus://HOST:PORT or bus:///SOCKET. OSError, or PortError if it is written otherwise."""
-    try:
-        url = urlsplit(port)
-        host, number, path = url.hostname, url.port, url.path
-        if host and number:
-            return socket.create_connection((host, number), CONNECT_TIMEOUT_S)
-    except ValueError:  # also from a host that cannot be one, "a..b"
-        host, path = None, ""
-    if host or not path:
-        raise PortError(f"{port} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET")
-    if sys.platform == "win32":
-        raise PortError(f"{port}: Windows has no sockets that are files: start the bus with --listen HOST:PORT")
-    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    connection.settimeout(CONNECT_TIMEOUT_S)
-    connection.connect(path)
-    return connection

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is in the bundle for Windows, and how it becomes a zip that has the same bytes each time.
+
+contents.py FOLDER PYTHON PYSERIAL : makes SIS.zip in FOLDER, the folder of the bundle, and the zip of that. PYTHON is
+the folder of a Python for Windows, PYSERIAL that of an unpacked wheel.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import zipfile
+from collections.abc import Iterable, Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+
+CAPTURE = Path(__file__).resolve().parents[1]
+CHECKOUT = CAPTURE.parent
+sys.path.insert(0, str(CAPTURE))
+
+from sistap import __version__  # noqa: E402 - of the checkout
+
+NAME = f"sistap-{__version__}"
+TIME = (1980, 1, 1, 0, 0, 0)  # of every file: the first that a zip can have
+
+# Wireshark imports those files of a profile whose names it has met when it started. It meets plots only when their
+# window opens. 4.0 has never met dmacros; later ones make it of dfilter_macros.
+NOT_IMPORTED = ("dmacros", "plots")
+
+# Where a file comes from, and its place in the bundle.
+FILES = {
+    "LICENSE": "LICENSE.txt",
+    "capture/bundle/README.html": "README.html",
+    "capture/bundle/install.cmd": "install.cmd",
+    "capture/bundle/uninstall.cmd": "uninstall.cmd",
+    "capture/pictures/live.png": "pictures/live.png",
+    "capture/pictures/options.png": "pictures/options.png",
+    "plugin/pictures/wireshark.png": "pictures/wireshark.png",
+    "build/windows/command/sistap.exe": "sistap.exe",
+    "build/windows/sistap.exe": "app/sistap/sistap.exe",
+    "lua-fallback/sis.lua": "app/sistap/sis.lua",
+}
+MODULES = "build/windows/module"  # VERSION/sis.dll in it
+TEXTS = (".cmd", ".txt")  # with the line ends of Windows
+
+# Debian's packages that say how Python and pyserial may be passed on: their binaries do not.
+LICENCES = {"libpython3.*-minimal": "LICENSE-python.txt", "python3-serial": "LICENSE-pyserial.txt"}
+DOCUMENTS = Path("/usr/share/doc")
+
+# What sistap and pyserial use of Python's modules in C, with their libraries: OpenSSL, SQLite and Tcl are large.
+BINARIES = (
+    "vcruntime140*.dll libffi-*.dll _ctypes.pyd _decimal.pyd _queue.pyd _socket.pyd select.pyd unicodedata.pyd"
+).split()
+# What nothing here uses of Python's modules in Python.
+LEFT_OUT = (
+    "test idlelib tkinter turtle* ensurepip pip* venv sqlite3 dbm curses unittest pydoc* doctest.py asyncio "
+    "multiprocessing concurrent wsgiref xmlrpc site-packages _pyrepl __phello__ __pycache__"
+).split()
+
+# Python takes its path from this file alone: no variable and no other Python of this Windows changes what runs.
+PATH = "lib\r\n..\\app\r\n"
+
+
+def profile() -> list[Path]:
+    """List the files of SIS.zip."""
+    return [file for file in sorted((CAPTURE / "sistap/profile/SIS").iterdir()) if file.name not in NOT_IMPORTED]
+
+
+def write_zip(target: Path, files: Iterable[tuple[str, Path]]) -> None:
+    """Write files, each with its name, in the order of the names; folders have no entries of their own."""
+    with zipfile.ZipFile(target, "w") as archive:
+        for name, file in sorted(files):
+            entry = zipfile.ZipInfo(name, TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 0  # Windows
+            archive.writestr(entry, file.read_bytes())
+
+
+def put(target: Path, content: bytes) -> None:
+    """Write a file, and the folders above it."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if target.suffix in TEXTS:
+        content = content.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n")
+    target.write_bytes(content)
+
+
+def put_tree(source: Path, target: Path, files: Iterable[Path]) -> None:
+    """Copy files of one folder into another, each to the place that it had."""
+    for file in files:
+        put(target / file.relative_to(source), file.read_bytes())
+
+
+def modules(folder: Path) -> Iterator[Path]:
+    """Find all files below a folder but what Python has compiled."""
+    return (file for file in folder.rglob("*") if file.is_file() and "__pycache__" not in file.parts)
+
+
+def of_python(folder: Path) -> Iterator[Path]:
+    """Find what the bundle needs of a Python for Windows."""
+    yield folder / "python.exe"
+    yield from folder.glob("python3*.dll")
+    for entry in (folder / "lib").iterdir():
+        if entry.suffix in {".dll", ".pyd"}:
+            if any(fnmatch(entry.name, name) for name in BINARIES):
+                yield entry
+        elif not any(fnmatch(entry.name, name) for name in LEFT_OUT):
+            yield from modules(entry) if entry.is_dir() else [entry]
+
+
+def licences() -> Iterator[tuple[str, Path]]:
+    """Find the texts that have to be passed on, each with its name. FileNotFoundError."""
+    for package, name in LICENCES.items():
+        found = sorted(DOCUMENTS.glob(f"{package}/copyright"))
+        if not found:
+            raise FileNotFoundError(f"the licence in Debian's package {package} is missing: install it")
+        yield name, found[-1]
+
+
+def make_folder(bundle: Path, python: Path, pyserial: Path) -> None:
+    """Put everything where it is in the bundle."""
+    shutil.rmtree(bundle, ignore_errors=True)
+    put_tree(python, bundle / "python", of_python(python))
+    # Python looks for its libraries beside itself and in the folders of its path.
+    for library in (bundle / "python/lib").glob("vcruntime*.dll"):
+        library.rename(bundle / "python" / library.name)
+    (dll,) = (file for file in (bundle / "python").glob("python3*.dll") if file.stem != "python3")
+    put(bundle / f"python/{dll.stem}._pth", PATH.encode())
+    put_tree(CAPTURE / "sistap", bundle / "app/sistap", modules(CAPTURE / "sistap"))
+    put_tree(pyserial / "serial", bundle / "app/serial", modules(pyserial / "serial"))
+    for source, name in FILES.items():
+        put(bundle / name, (CHECKOUT / source).read_bytes())
+    for name, file in licences():
+        put(bundle / name, file.read_bytes())
+    write_zip(bundle / "SIS.zip", ((f"SIS/{file.name}", file) for file in profile()))
+    for file in (CHECKOUT / MODULES).glob("*/sis.dll"):
+        put(bundle / "experimental" / file.parent.name / file.name, file.read_bytes())
+
+
+def main(folder: str, python: str, pyserial: str) -> None:
+    """Make SIS.zip and the bundle."""
+    bundle = Path(folder, NAME)
+    make_folder(bundle, Path(python), Path(pyserial))
+    shutil.copy(bundle / "SIS.zip", folder)
+    inside = (file for file in bundle.rglob("*") if file.is_file())
+    write_zip(
+        Path(folder, f"{NAME}-windows.zip"), ((file.relative_to(bundle.parent).as_posix(), file) for file in inside)
+    )
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

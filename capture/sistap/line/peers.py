@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Who has connected to a socket: let in, heard and sent to, all at once, so that nobody waits for one of them."""
+
+from __future__ import annotations
+
+import contextlib
+import selectors
+import socket
+from collections.abc import Callable, Iterator, Sequence
+from typing import Generic, TypeVar
+
+from sistap.line.clocks import monotonic_ns
+from sistap.line.sockets import Listening, Network, may_come
+
+MOST = 32  # at once; more are turned away
+_AT_ONCE = 4  # let in or turned away, before those who are in have their turn
+_PIECE = 4096  # bytes taken from one, before the others have their turn
+_LEAVE_S = 2.0  # how long they may take to notice the end
+_QUIET_NS = 10_000_000_000  # after a line about somebody who was turned away: whoever knocks all day is no news
+
+
+class Peer:
+    """One of them. What it has to be sent waits here until the system takes it."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        """Begin with nothing said."""
+        self.connection = connection
+        self.came_ns = monotonic_ns()
+        self._waiting = bytearray()
+
+    @property
+    def waiting(self) -> int:
+        """How many bytes wait."""
+        return len(self._waiting)
+
+    def put(self, data: bytes) -> None:
+        """Send this when it is possible."""
+        self._waiting += data
+
+    def take(self, data: bytes) -> None:  # noqa: B027
+        """Take what it says; nobody has to. ValueError says why it has to go."""
+
+    def send(self) -> bool:
+        """Send what the system takes; tell whether it is still there."""
+        try:
+            while self._waiting and (sent := self.connection.send(self._waiting)):
+                del self._waiting[:sent]
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
+        return True
+
+
+P = TypeVar("P", bound=Peer)
+
+
+class Peers(Generic[P]):
+    """All of them."""
+
+    def __init__(
+        self,
+        address: str,
+        welcome: Callable[[socket.socket], P],
+        say: Callable[[str], None],
+        allowed: Sequence[Network] | None = None,
+    ) -> None:
+        """Listen at an address; `welcome` makes a peer of a connection.
+
+        `allowed`: besides this computer only these networks; None: everybody. May raise OSError; ValueError: that is
+        no address.
+        """
+        self._listening = Listening(address)
+        self.name = self._listening.name
+        self._welcome = welcome
+        self._say = say
+        self._allowed = allowed
+        self._turned_away_ns: int | None = None  # when it was last said
+        self._leaving = False
+        self._peers: dict[socket.socket, P] = {}
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._listening.socket, selectors.EVENT_READ)
+
+    def __iter__(self) -> Iterator[P]:
+        """Yield those who are there; some may be dropped meanwhile."""
+        return iter(list(self._peers.values()))
+
+    def attend(self, timeout_s: float | None) -> None:
+        """Let somebody in, hear them, and send what waits; wait at most so long for anything of it."""
+        self.send()
+        for key, events in self._selector.select(timeout_s):
+            peer = self._peers.get(key.fileobj)  # type: ignore[call-overload] # only sockets are registered
+            if key.fileobj is self._listening.socket:
+                self._let_in()
+            elif peer and events & selectors.EVENT_READ:
+                self._hear(peer)
+        self.send()
+
+    def send(self) -> None:
+        """Send what waits, as far as the system takes it."""
+        for peer in self:
+            waited = peer.waiting
+            if waited and not peer.send():
+                self.drop(peer)
+            elif waited:
+                events = selectors.EVENT_READ | (selectors.EVENT_WRITE if peer.waiting else 0)
+                self._selector.modify(peer.connection, events)
+
+    def drop(self, peer: P, why: str = "") -> None:
+        """End a connection, and say why."""
+        if self._peers.pop(peer.connection, None):
+            self._selector.unregister(peer.connection)
+            peer.connection.close()
+            if why:
+                self._say(f"closed a connection: {why}")
+
+    def close(self) -> None:
+        """End all connections so that everybody gets everything: closing with something unread would throw it away."""
+        self._leaving = True
+        self._selector.unregister(self._listening.socket)
+        self._listening.close()
+        end_ns = monotonic_ns() + int(_LEAVE_S * 1e9)
+        self._attend_until(lambda: not any(peer.waiting for peer in self), end_ns)
+        for peer in self:
+            with contextlib.suppress(OSError):
+                peer.connection.shutdown(socket.SHUT_WR)
+        self._attend_until(lambda: not self._peers, end_ns)
+        for peer in self:
+            self.drop(peer)
+        self._selector.close()
+
+    def _attend_until(self, done: Callable[[], bool], end_ns: int) -> None:
+        while not done() and (left_ns := end_ns - monotonic_ns()) > 0:
+            self.attend(left_ns / 1e9)
+
+    def _let_in(self) -> None:
+        for _ in range(_AT_ONCE):
+            accepted = self._listening.accept()
+            if accepted is None:
+                return
+            connection, ip = accepted
+            if self._allowed is not None and not may_come(ip, self._allowed):
+                self._turn_away(connection, f"{ip} may not listen: --allow says who may")
+            elif len(self._peers) >= MOST:
+                self._turn_away(connection, f"{MOST} are there already")
+            else:
+                self._peers[connection] = self._welcome(connection)
+                self._selector.register(connection, selectors.EVENT_READ)
+
+    def _turn_away(self, connection: socket.socket, why: str) -> None:
+        connection.close()
+        now = monotonic_ns()
+        if self._turned_away_ns is None or now - self._turned_away_ns >= _QUIET_NS:
+            self._turned_away_ns = now
+            self._say(f"refused a connection: {why}")
+
+    def _hear(self, peer: P) -> None:
+        try:
+            data = peer.connection.recv(_PIECE)
+            if data and not self._leaving:
+                peer.take(data)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        except ValueError as error:
+            self.drop(peer, str(error))
+            return
+        if not data:
+            self.drop(peer)

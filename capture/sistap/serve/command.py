@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap serve`: what it takes, and how it runs."""
+
+from __future__ import annotations
+
+import argparse
+import ipaddress
+import os
+from collections.abc import Sequence
+from contextlib import closing
+
+from sistap.capture.command import rate_argument
+from sistap.capture.options import CaptureOptions, checked
+from sistap.capture.session import Capture, Conditions
+from sistap.files.output import Output
+from sistap.line import priority
+from sistap.line.bus_socket import Hello, Kind
+from sistap.line.clock import CLOCK
+from sistap.line.reader import PortError, open_reader
+from sistap.line.settings import LineSettings
+from sistap.line.sockets import Network, host_port, plain_ip
+from sistap.records.counters import Counters
+from sistap.serve.listeners import Listeners
+from sistap.serve.published import EventSink, PublishedReader
+from sistap.terminal.console import Console
+from sistap.terminal.exits import USAGE, UsageError
+from sistap.terminal.stop import Stop
+
+LISTEN = "127.0.0.1:5000"
+
+DESCRIPTION = """\
+Listen to a serial line here, and let other computers hear it: `sistap capture -i bus://ADDRESS:PORT` there gets every
+character with its time, its errors and the settings of the line. The port is never written to, and nobody who listens
+can change anything here.
+"""
+
+EPILOG = """\
+Who may listen: programs of this computer, and with --listen at another address those that --allow names. What goes over
+the network is neither encrypted nor signed: put ssh or WireGuard in front, as the README says.
+
+Times are those of this computer's clock. A listener that is too slow, or away for a while, is told how many characters
+it misses. The tap is never held up.
+
+examples:
+  sistap serve -i /dev/ttyUSB0                             for this computer, and through ssh for others
+  ssh -N -L 5000:127.0.0.1:5000 pi                         on the laptop: brings the above to bus://127.0.0.1:5000
+  sistap serve -i /dev/ttyUSB0 --listen 192.168.7.1:5000 --allow 192.168.7.0/24
+                                                           for a network of one's own
+  sistap serve -i /dev/ttyUSB0 --baud auto --follow-baud   whatever rate the bus has
+
+exit status:
+  0  done: stopped by Ctrl-C, SIGTERM, or the end of the terminal
+  1  the port was lost
+  2  wrong usage
+  3  the port cannot be opened, or the address cannot be listened at
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add("-i", dest="port", metavar="PORT", required=True, help="the port to listen to, as capture's -i")
+    add("--listen", metavar="ADDRESS:PORT|PATH", default=LISTEN, help=f"where to wait for listeners ({LISTEN})")
+    add(
+        "--allow",
+        dest="allowed",
+        type=_network,
+        action="append",
+        default=[],
+        metavar="ADDRESS/BITS",
+        help="who may listen besides programs of this computer, such as 192.168.7.0/24; can be given several times",
+    )
+    add("--baud", type=rate_argument, default=9600, metavar="RATE|auto", help="as capture's --baud (9600)")
+    add("--format", metavar="FORMAT", help="as capture's --format (8E1)")
+    add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
+    add("-q", dest="quiet", action="store_true", help="do not show progress")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Serve until a signal comes or the port is lost; return the exit code. May raise PortError."""
+    console = Console()
+    try:
+        options = CaptureOptions(
+            ports=(args.port,), baud=args.baud, format=args.format, follow_baud=args.follow_baud, quiet=args.quiet
+        )
+        settings = checked(options).settings
+        if args.port.startswith("bus://"):
+            raise UsageError(f"{args.port} can be heard by others already: give it to `sistap capture`")
+        _check_address(args.listen, args.allowed)
+        listeners = Listeners(args.listen, args.allowed, console.say)
+    except (UsageError, ValueError) as error:
+        console.alarm(str(error))
+        return USAGE
+    except OSError as error:
+        why = error.strerror or error
+        raise PortError(f"cannot listen at {args.listen}: {why}; choose another address with --listen") from error
+    with closing(listeners):
+        return _serve(options, settings, listeners, console)
+
+
+@priority.real_time()
+def _serve(options: CaptureOptions, settings: LineSettings, listeners: Listeners, console: Console) -> int:
+    with closing(open_reader(options.ports[0], settings)) as reader, closing(Output(os.devnull)) as output:
+        about = (reader.name, reader.adapter, reader.timing, reader.notes)
+        listeners.begin(Hello(Kind.TAP, 0, CLOCK.now_ns(), 0, *about), reader.settings)
+        capture = Capture(
+            [PublishedReader(reader, listeners)],
+            EventSink(listeners),
+            output,
+            Counters(),
+            console,
+            Conditions(formats=options.formats, follow=options.follow_baud),
+            quiet=options.quiet,
+            progress=not options.quiet and console.shows_progress,
+        )
+        print(listeners.name, flush=True)
+        return capture.run(Stop.current())
+
+
+def _network(text: str) -> Network:
+    try:
+        return ipaddress.ip_network(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not ADDRESS/BITS, such as 192.168.7.0/24 for a network or 192.168.7.9/32 for one computer"
+        ) from None
+
+
+def _check_address(address: str, allowed: Sequence[Network]) -> None:
+    """Refuse an address that others can reach if nobody is allowed to. UsageError or ValueError."""
+    if "/" in address:
+        return
+    host, _ = host_port(address)
+    try:
+        reachable = host != "localhost" and not plain_ip(host).is_loopback
+    except ValueError:
+        raise UsageError(f"--listen {address}: give an address of this computer, not a name") from None
+    if reachable and not allowed:
+        raise UsageError(
+            f"--listen {address} can be reached from other computers: say which may listen with --allow ADDRESS/BITS"
+        )
