@@ -34,7 +34,7 @@ def judged(guest: Guest, driver: Driver, usbmon: Program, words: str) -> dict[st
             check(bench)
         except NotJudged:
             result = table.NOT_JUDGED
-        except (AssertionError, OSError, ValueError) as error:
+        except (AssertionError, LookupError, OSError, ValueError) as error:
             result, why = table.FAILED, f": {error}"
         print(f"drivers: {result:6} {driver.name}: {name}, {time.monotonic() - begun:.1f} s{why}", flush=True)
         results[name] = result

@@ -360,6 +360,7 @@ class QemuFtdi(Usb):
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
         guest.monitor("device_del", id="adapter0")
+        _goes(guest, self.lines[0].port)
 
     def plug(self, guest: Guest) -> None:
         """Put it in again."""
@@ -403,6 +404,7 @@ class SoftwareFtdi(Usb):
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
         self.lines[0].program.kill()
+        _goes(guest, self.lines[0].port)
 
     def plug(self, guest: Guest) -> None:
         """Put it in again."""
@@ -431,6 +433,8 @@ class Cdc(Usb):
         for line in self.lines:
             line.program.kill()
         _module(guest, "-r", "g_serial")
+        for line in self.lines:
+            _goes(guest, line.port)
 
     def plug(self, guest: Guest) -> None:
         """Put it in again."""
@@ -471,8 +475,19 @@ def _by_id(guest: Guest, pattern: str) -> str:
 
 def _appears(guest: Guest, pattern: str) -> str:
     """Wait for a file; return its name."""
-    eventually(lambda: bool(guest.find(pattern)), lambda: f"no {pattern}; there are {guest.find('/dev/serial/*/*')}")
-    return guest.find(pattern)[0]
+    found: list[str] = []
+
+    def is_there() -> bool:
+        found[:] = guest.find(pattern)
+        return bool(found)
+
+    eventually(is_there, lambda: f"no {pattern}; there are {guest.find('/dev/serial/*/*')}")
+    return found[0]
+
+
+def _goes(guest: Guest, name: str) -> None:
+    """Wait until a file is gone."""
+    eventually(lambda: not guest.find(name), lambda: f"{name} stays")
 
 
 def _module(guest: Guest, *words: str) -> None:
