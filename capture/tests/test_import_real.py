@@ -78,3 +78,31 @@ def test_line_errors_of_a_ft232r(tmp_path: Path) -> None:
     assert errors(done) == expected
     assert all(expected[place] for place in played.errors if played.errors[place] != overrun)
     assert "latency timer 1 ms, and a USB frame" in done.events[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("usbmon-ftdi-38400-8n1", "38400 Bd 8N1"),
+        ("usbmon-ft232r-115200-8e1", "115200 Bd 8E1"),
+        ("usbmon-cdc-115200-8n1", "115200 Bd 8N1"),
+    ],
+)
+def test_rates_that_a_driver_has_set(tmp_path: Path, name: str, settings: str) -> None:
+    """From before the adapter was plugged in: nothing has to be told."""
+    played = truth(name)
+    done = run(unpacked(f"{name}.pcap", tmp_path))
+    assert done.code == 0
+    assert characters(done, RECEIVED) == played.received
+    assert characters(done, SENT) == played.sent
+    assert f"{settings}, as the adapter was set" in done.events[0]
+    overrun, broken = 0x02, 0x10
+    expected: list[int] = []
+    for size, status in played.packets:
+        flags = [SOMEWHERE if status else 0] * size
+        if size == 1 and status:
+            flags = [BREAK if status & broken else int(Flag.CHARACTER_ERROR)]
+        if status & overrun:
+            flags[0] |= LOST
+        expected += flags
+    assert [flag & ERROR_FLAGS for one in done.records if one.line == RECEIVED for flag in one.flags] == expected

@@ -56,9 +56,9 @@ def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0)
 
 
 def _write(writing: int, written: array[int], end_ns: int, character_ns: int) -> None:
-    """Write a character now and then, at no rhythm that the hardware's could hide."""
+    """Write a character now and then, at no rhythm that the hardware's could hide; one at least, however late."""
     with suppress(OSError), os.fdopen(writing, "wb", buffering=0) as stream:
-        while (now := monotonic_ns()) < end_ns:
+        while (now := monotonic_ns()) < end_ns or not written:
             written.append(now)
             stream.write(_characters(len(written) - 1, 1))
             time.sleep(character_ns / 1e9 + random.uniform(0.0002, 0.0008))
