@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import advice, examples
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.stop import Stop, Stopped
@@ -43,9 +43,9 @@ EPILOG = """\
 `sistap COMMAND --help` describes a command.
 
 examples:
-  sistap ports                                            which ports there are
-  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i - watch a line live in Wireshark
-  sistap bus                                              a bus on the desk: listen to the port that it prints
+  sistap ports                                             which ports there are
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -  watch a line live in Wireshark
+  sistap bus                                               a bus on the desk: listen to the port that it prints
 
 exit status:
   0  done; also when stopped by Ctrl-C or SIGTERM
@@ -110,7 +110,7 @@ def _flushed(arguments: Sequence[str], stop: Stop) -> int:
 
 def _run(arguments: Sequence[str], stop: Stop) -> int:
     parser = argparse.ArgumentParser(
-        "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+        "sistap", description=DESCRIPTION, epilog=examples(EPILOG), formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
@@ -120,6 +120,7 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
         if name == called:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
+            command.epilog = examples(command.epilog or "")
     args = parser.parse_args(arguments)
     try:
         with stop:

@@ -12,7 +12,7 @@ from sistap.records.record import Type
 
 LOG = CAPTURE / "tests/logs.py"  # its text is not what matters, that it is explained the same is
 DAY = ROOT / "test-captures/commands.pcapng"
-LARGE_KB, KEPT, WANTED = 20, 3, 400
+LARGE_KB, KEPT, CYCLES = 5, 3, "4"
 
 
 def version(wine: Wine) -> str:
@@ -43,13 +43,12 @@ def ring(wine: Wine) -> str:
     """Keep the last files of a row; together they are one piece of what was on the bus."""
     folder = emptied(wine.folder / "ring")
     whole = wine.folder / "whole.pcapng"
-    here("bus", "--cycles", "20", "-w", whole)
-    process = wine.start(wine.python, "-m", "sistap", "bus", "--fast", "--cycles", "20")
+    here("bus", "--cycles", CYCLES, "-w", whole)
+    process = wine.start(wine.python, "-m", "sistap", "bus", "--fast", "--cycles", CYCLES)
     assert process.stdout
     url = process.stdout.readline().strip()
-    said = wine.sistap(
-        "capture", "-i", url, "-w", drive(folder / "day.pcapng"), "-b", f"filesize:{LARGE_KB}", "-b", f"files:{KEPT}"
-    , code=1)
+    limits = ["-b", f"filesize:{LARGE_KB}", "-b", f"files:{KEPT}"]
+    said = wine.sistap("capture", "-i", url, "-w", drive(folder / "day.pcapng"), *limits, code=1)  # the bus ends
     process.communicate(timeout=TIMEOUT_S)
     files = sorted(folder.iterdir())
     assert len(files) == KEPT, f"{files}\n{said}"
@@ -80,7 +79,7 @@ def report(wine: Wine) -> str:
 
 def selftest(wine: Wine) -> str:
     """Measure this machine."""
-    said = wine.sistap("selftest", "--duration", "2")
+    said = wine.sistap("selftest", "--duration", "10")
     assert "p99.9" in said, said
     assert "kept in" in said, said
     return ""

@@ -33,7 +33,8 @@ class Proxy(socketserver.ThreadingTCPServer):
         """Take the folder of the Windows, and what is in an environment unless a program says otherwise."""
         super().__init__(("127.0.0.1", 0), _Asked)
         self._drives = prefix / "dosdevices"
-        self._environment = environment
+        inherited = {name: value for name, value in os.environ.items() if not name.startswith("WIRESHARK_")}
+        self._environment = inherited | environment
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
     @property
@@ -43,11 +44,12 @@ class Proxy(socketserver.ThreadingTCPServer):
 
     def start(self, cwd: str, variables: list[str], words: list[str]) -> subprocess.Popen[bytes]:
         """Start what a program of Windows asks for."""
-        own = dict(variable.split("=", 1) for variable in variables if _PASSED_ON.match(variable.partition("=")[0]))
+        named = (variable.partition("=")[::2] for variable in variables if _PASSED_ON.match(variable.partition("=")[0]))
+        own = {name: self._here(value) for name, value in named if value}  # to Windows an empty one is none
         return subprocess.Popen(
             [*_NO_ROOT, PureWindowsPath(words[0]).stem, *map(self._here, words[1:])],
             cwd=self._here(cwd),
-            env=os.environ | self._environment | {name: self._here(value) for name, value in own.items()},
+            env=self._environment | own,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
