@@ -2,8 +2,8 @@
 """Runs under Windows: an extcap as Wireshark runs it, with a pipe for the capture and two for the toolbar.
 
 python wireshark.py FILE FIRST LAUNCHER INTERFACE ... : keeps the capture in FILE, asks for a marker as the toolbar does,
-and when that is in the capture, closes the pipe named FIRST ("data" or "toolbar"), then the other. Prints what the
-toolbar was told; its exit code is that of the extcap.
+and when that is in the capture and the toolbar counts telegrams, closes the pipe named FIRST ("data" or "toolbar"), then the other.
+Prints what the toolbar was told, a line for each message: control, command and text; its exit code is the extcap's.
 """
 
 from __future__ import annotations
@@ -12,13 +12,15 @@ import ctypes
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 
 MARKER = "seen by Wireshark"
 # As Wireshark makes its pipes: both ways, bytes, one instance. (But each is used by one thread: none is overlapped.)
 DUPLEX, BYTES, SIZE = 0x3, 0x0, 65536
 PATIENCE_S = 60
 
-_INITIALIZED, _SET, _MARKER, _ANY = 0, 1, 1, 255  # of the toolbar: commands, and controls
+_INITIALIZED, _SET = 0, 1  # commands of the toolbar
+_MARKER, _COUNTERS, _ANY = 1, 2, 255  # its controls
 
 
 class Pipe:
@@ -57,6 +59,20 @@ def message(control: int, command: int, text: str = "") -> bytes:
     return b"T" + (len(text) + 2).to_bytes(3, "big") + bytes([control, command]) + text.encode()
 
 
+def messages(data: bytes) -> Iterator[tuple[int, int, str]]:
+    """Take messages apart."""
+    while data:
+        end = 4 + int.from_bytes(data[1:4], "big")
+        yield data[4], data[5], data[6:end].decode()
+        data = data[end:]
+
+
+def counts(heard: list[bytes]) -> bool:
+    """Tell whether the toolbar shows how many telegrams came, and some did."""
+    shown = [text for control, _, text in messages(b"".join(heard)) if control == _COUNTERS]
+    return bool(shown) and not shown[-1].startswith("0 ")
+
+
 def main(file: str, first: str, launcher: str, interface: str, *more: str) -> int:
     """Run one capture; return its exit code."""
     data, told, asks = (Pipe(f"{name}_{interface}") for name in ("data", "in", "out"))
@@ -71,7 +87,7 @@ def main(file: str, first: str, launcher: str, interface: str, *more: str) -> in
     data.connect()
     with open(file, "wb") as stream:
         received = b""
-        while MARKER.encode() not in received and (piece := data.read()):
+        while (MARKER.encode() not in received or not counts(heard)) and (piece := data.read()):
             stream.write(piece)
             received += piece
     order = [data, asks]
@@ -81,7 +97,8 @@ def main(file: str, first: str, launcher: str, interface: str, *more: str) -> in
             _drain(data)
     code = process.wait(PATIENCE_S)
     listening.join(PATIENCE_S)
-    sys.stdout.buffer.write(b"".join(heard))
+    for control, command, text in messages(b"".join(heard)):
+        print(control, command, text.strip())
     return code
 
 
