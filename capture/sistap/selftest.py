@@ -30,8 +30,8 @@ The bound is p99.9: of a thousand characters, one is seen later. A capture uses 
 kernel and priority are those of the self-test, and, for a port, its adapter, tuning, rate and format, too. What a port
 was measured to add only ever makes the uncertainty larger: the way out is in it, too.
 
-With -i (not on Windows), characters are SENT (@ to ~, one by one): take the port off the bus first and join its transmit and receive
-lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
+With -i (not on Windows), characters are SENT (@ to ~, one by one): take the port off the bus first and join its
+transmit and receive lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
 
 examples:
   sistap selftest                                       this machine, 5 seconds

@@ -21,7 +21,13 @@ TIMEOUT_S = 120
 if sys.platform != "win32":
     _PROCESSES = multiprocessing.get_context("forkserver")
     _PROCESSES.set_forkserver_preload(
-        ["sistap.cli", "sistap.report.command", "sistap.report.page", "sistap.annotate.annotating", "sistap.annotate.log"]
+        [
+            "sistap.cli",
+            "sistap.report.command",
+            "sistap.report.page",
+            "sistap.annotate.annotating",
+            "sistap.annotate.log",
+        ]
     )
 
 

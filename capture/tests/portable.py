@@ -7,6 +7,7 @@ import ast
 import ctypes
 import importlib
 import os
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -17,7 +18,13 @@ import pytest
 WINDOWS = sys.platform == "win32"
 
 # Those that import nothing special.
-_REASONS = {"test_stop.py": "needs SIGHUP, which Windows has not"}
+_REASONS = {
+    "test_stop.py": "needs SIGHUP, which Windows has not",
+    "test_tshark.py": "a shell plays tshark",
+    "test_extcap_tshark.py": "tshark finds an extcap that is a shell script",
+}
+
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def posix(reason: str) -> pytest.MarkDecorator:

@@ -18,6 +18,7 @@ from portable import WINDOWS, compiled, posix
 import sistap.terminal.state
 from sistap import cli
 from sistap.install import command, sources
+from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import NOBODY, TsharkError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -124,7 +125,7 @@ def test_without_a_build_the_script(root: Path, run: Run) -> None:
     assert files(root / "Personal") == {"plugins/sis.lua", "extcap/sistap"} | PROFILE
     assert files(root) == {f"Personal/{name}" for name in files(root / "Personal")}
     assert out.startswith("Wireshark 4.0.17, for this user\n")
-    assert out.endswith("Wireshark loads sis.lua 0.1.0; start it with `wireshark -C SIS`\n")
+    assert out.endswith(f"Wireshark loads sis.lua 0.1.0; {advice().started}\n")
     assert all(f"put      {root / 'Personal' / name}\n" in out for name in files(root / "Personal"))
 
 
@@ -260,7 +261,10 @@ def test_uninstall_goes_on_after_what_cannot_be_removed(root: Path, run: Run, mo
     with monkeypatch.context() as refusing:
         refusing.setattr(Path, "unlink", refuse)
         code, _, err = run("uninstall")
-    assert (code, err) == (1, f"sistap: [Errno 13] Permission denied: '{launcher}'\n")
+    refusal = (
+        f"{launcher} stays as it is: {advice().held}" if WINDOWS else f"[Errno 13] Permission denied: '{launcher}'"
+    )
+    assert (code, err) == (1, f"sistap: {refusal}\n")
     assert files(root) == {"Personal/extcap/sistap"}
     assert run("uninstall")[0] == 0
     assert not root.exists()
@@ -394,7 +398,7 @@ def test_what_cannot_be_written_is_one_line_and_what_was_put_is_remembered(root:
     (root / "Personal/wireshark").touch()  # a file where a folder has to be
     code, _, err = run("install")
     assert (code, err.count("\n")) == (1, 1)
-    assert str(root / "Personal/wireshark") in err
+    assert str(root / "Personal/wireshark") in err.replace("\\\\", "\\")
     assert run("uninstall")[0] == 0
     assert files(root) == {"Personal/wireshark"}
 

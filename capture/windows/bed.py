@@ -31,12 +31,12 @@ class Row(NamedTuple):
 
     python: str
     part: str
-    count: str
+    amount: str
     good: bool
 
     def __str__(self) -> str:
         """A line of the table."""
-        return f"| {self.python} | {self.part} | {self.count} | {'good' if self.good else 'FAILED'} |"
+        return f"| {self.python} | {self.part} | {self.amount} | {'good' if self.good else 'FAILED'} |"
 
 
 def suite(wine: Wine) -> str:

@@ -15,6 +15,7 @@ from sistap.records.record import Event, Type
 
 FILTER = 'link[5]==0x10&&link[6]==16 %PATH% "a  b" \\'
 PROGRAM = Path(".config/wireshark/extcap/sistap.exe")  # in a home
+OWN_FOLDERS = {"WIRESHARK_PLUGIN_DIR": ""}  # Wireshark looks for plugins in its own
 ORDERS = ("data", "toolbar")
 
 
@@ -35,11 +36,11 @@ def launcher(wine: Wine) -> str:
 def install(wine: Wine) -> str:
     """Put everything where Wireshark looks, and again: nothing changes."""
     emptied(wine.home)
-    said = wine.sistap("install", WIRESHARK_PLUGIN_DIR="")
+    said = wine.sistap("install", more=OWN_FOLDERS)
     assert "Wireshark loads sis.lua" in said, said
     there = _files(wine.home)
     assert PROGRAM in there, said
-    assert "created" not in wine.sistap("install", WIRESHARK_PLUGIN_DIR="")
+    assert "created" not in wine.sistap("install", more=OWN_FOLDERS)
     assert _files(wine.home) == there
     return f"{len(there)} files"
 
@@ -82,7 +83,13 @@ def _captured(wine: Wine, first: str, interface: str, *more: str) -> str:
     """Capture until Wireshark closes its pipes, that named first before the others; a marker comes from the toolbar."""
     file = wine.folder / "piped.pcapng"
     said = wine.run(
-        wine.python, drive(CAPTURE / "windows/wireshark.py"), drive(file), first, drive(wine.home / PROGRAM), interface, *more
+        wine.python,
+        drive(CAPTURE / "windows/wireshark.py"),
+        drive(file),
+        first,
+        drive(wine.home / PROGRAM),
+        interface,
+        *more,
     )
     all_of_it = list(records(file))
     assert any(record.event == Event.MARKER for record in all_of_it), said

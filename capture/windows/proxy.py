@@ -13,6 +13,7 @@ import struct
 import subprocess
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path, PureWindowsPath
 from typing import IO
 
@@ -83,10 +84,11 @@ class _Asked(socketserver.StreamRequestHandler):
             assert process.stdin
             answering = threading.Thread(target=self._answer, args=(process, "-G" in words))
             answering.start()
-            while piece := self._piece():
-                self._feed(process.stdin, piece)
-            self._feed(process.stdin, b"")
-            self.rfile.read(1)  # nothing comes: the other side has ended
+            with suppress(ConnectionError):
+                while piece := self._piece():
+                    self._feed(process.stdin, piece)
+                self._feed(process.stdin, b"")
+                self.rfile.read(1)  # nothing comes: the other side has ended
             process.kill()
             answering.join()
 
@@ -97,14 +99,12 @@ class _Asked(socketserver.StreamRequestHandler):
     @staticmethod
     def _feed(stdin: IO[bytes], piece: bytes) -> None:
         """Write a piece, an empty one closes; a program need not read all of it."""
-        try:
+        with suppress(BrokenPipeError):
             if piece:
                 stdin.write(piece)
                 stdin.flush()
             else:
                 stdin.close()
-        except BrokenPipeError:
-            pass
 
     def _answer(self, process: subprocess.Popen[bytes], lists_files: bool) -> None:
         """Send both streams as they come, then the exit code."""
@@ -121,11 +121,8 @@ class _Asked(socketserver.StreamRequestHandler):
             self._send(kind, piece)
 
     def _send(self, kind: int, data: bytes) -> None:
-        try:
-            with self._lock:
-                self.wfile.write(bytes([kind]) + _LENGTH.pack(len(data)) + data)
-        except OSError:
-            pass  # whoever asked has ended
+        with suppress(OSError), self._lock:  # whoever asked may have ended
+            self.wfile.write(bytes([kind]) + _LENGTH.pack(len(data)) + data)
 
 
 def _pieces(stream: IO[bytes]) -> Iterator[bytes]:

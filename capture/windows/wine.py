@@ -10,15 +10,17 @@ import subprocess
 import sys
 import threading
 import tty
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 
 ROOT = Path(__file__).resolve().parents[2]
 CAPTURE = ROOT / "capture"
 TIMEOUT_S = 180
 GRACE_S = 5  # for the rest of what was said: what wine itself starts on the way may hold the pipe open, and stay
 PORTS = ("COM5", "COM15")  # names above COM9 are another kind to Windows
+NOTHING: Mapping[str, str] = MappingProxyType({})  # beside the variables that all programs see
 
 # COM5 is an adapter of FTDI with a latency timer of 1 ms, as its driver would write that: so its times have a bound.
 _FTDI = r"HKLM\SYSTEM\CurrentControlSet\Enum\FTDIBUS\VID_0403+PID_6001+A50285BIA\0000"
@@ -67,6 +69,8 @@ class Wine:
             self.run("reg", "add", key, "/v", name, "/t", kind, "/d", text, "/f")
         for port in PORTS:
             self._lead(port, "/dev/null")
+        for state in self.prefix.glob("drive_c/users/*/.local/state/sistap"):
+            shutil.rmtree(state)  # of the Python before
         self.shut_down()
 
     def shut_down(self) -> None:
@@ -74,11 +78,11 @@ class Wine:
         for option in ("-k", "-w"):
             subprocess.run(["wineserver", option], env=self.environment, check=False, timeout=TIMEOUT_S)
 
-    def start(self, *command: str | Path, **more: str) -> subprocess.Popen[str]:
+    def start(self, *command: str | Path, more: Mapping[str, str] = NOTHING) -> subprocess.Popen[str]:
         """Start a program of Windows; what it says comes together."""
         return subprocess.Popen(
             ["wine", *map(str, command)],
-            env=self.environment | more,
+            env={**self.environment, **more},
             cwd=ROOT,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -88,9 +92,15 @@ class Wine:
             errors="replace",
         )
 
-    def run(self, *command: str | Path, code: int | None = 0, timeout_s: float = TIMEOUT_S, **more: str) -> str:
+    def run(
+        self,
+        *command: str | Path,
+        code: int | None = 0,
+        timeout_s: float = TIMEOUT_S,
+        more: Mapping[str, str] = NOTHING,
+    ) -> str:
         """Run a program of Windows to its end, which has this exit code (None: any); return what it said."""
-        process = self.start(*command, **more)
+        process = self.start(*command, more=more)
         assert process.stdout
         said: list[str] = []
         reading = threading.Thread(target=said.extend, args=(process.stdout,), daemon=True)
@@ -103,9 +113,9 @@ class Wine:
         assert code in (process.returncode, None), f"exit code {process.returncode}\n{''.join(said)}"
         return "".join(said)
 
-    def sistap(self, *arguments: str | Path, code: int = 0, **more: str) -> str:
+    def sistap(self, *arguments: str | Path, code: int = 0, more: Mapping[str, str] = NOTHING) -> str:
         """Run sistap; return what it said."""
-        return self.run(self.python, "-m", "sistap", *arguments, code=code, **more)
+        return self.run(self.python, "-m", "sistap", *arguments, code=code, more=more)
 
     @contextmanager
     def terminal(self, port: str) -> Iterator[int]:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Runs under Windows: an extcap as Wireshark runs it, with a pipe for the capture and two for the toolbar.
 
-python wireshark.py FILE FIRST LAUNCHER INTERFACE ... : keeps the capture in FILE, asks for a marker as the toolbar does,
-and when that is in the capture and the toolbar counts telegrams, closes the pipe named FIRST ("data" or "toolbar"), then the other.
-Prints what the toolbar was told, a line for each message: control, command and text; its exit code is the extcap's.
+python wireshark.py FILE FIRST LAUNCHER INTERFACE ... keeps the capture in FILE and asks for a marker as the toolbar
+does. When that is in the capture and the toolbar counts telegrams, it closes the pipe named FIRST ("data" or
+"toolbar"), then the other. It prints what the toolbar was told, a line for each message: control, command and text.
+Its exit code is that of the extcap.
 """
 
 from __future__ import annotations
@@ -27,10 +28,13 @@ class Pipe:
     """A named pipe, and this program its server."""
 
     def __init__(self, name: str) -> None:
+        """Make it."""
         self.name = rf"\\.\pipe\wireshark_{name}"
         self._kernel = ctypes.WinDLL("kernel32")  # type: ignore[attr-defined,unused-ignore]
         self._kernel.CreateNamedPipeW.restype = ctypes.c_void_p
-        self._handle = ctypes.c_void_p(self._kernel.CreateNamedPipeW(self.name, DUPLEX, BYTES, 1, SIZE, SIZE, 300, None))
+        self._handle = ctypes.c_void_p(
+            self._kernel.CreateNamedPipeW(self.name, DUPLEX, BYTES, 1, SIZE, SIZE, 300, None)
+        )
         self._count = ctypes.c_uint32()
 
     def connect(self) -> None:
