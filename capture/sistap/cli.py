@@ -12,7 +12,7 @@ from difflib import get_close_matches
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import advice, examples
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
@@ -114,7 +114,7 @@ def _flushed(arguments: Sequence[str], stop: Stop) -> int:
 def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
     """Return the parser of `sistap`. Only the commands in `called` have their options: their modules are imported."""
     whole = argparse.ArgumentParser(
-        "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+        "sistap", description=DESCRIPTION, epilog=examples(EPILOG), formatter_class=argparse.RawDescriptionHelpFormatter
     )
     whole.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", required=True)
@@ -124,6 +124,7 @@ def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
             command.set_defaults(run=module.run, whole_parser=parser)
+            command.epilog = examples(command.epilog or "")
     return whole
 
 

@@ -28,9 +28,9 @@ if TYPE_CHECKING:  # it is loaded only where it is needed
     from sistap.beside.comparing import Comparison
 
 DESCRIPTION = """\
-Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
-lines are joined. The result is kept, and later captures say their times with the bound that it found. With --beside,
-compare a capture with another one of the same traffic whose times are true.
+Measure how late characters are seen: through a pseudo terminal of its own (on Windows, which has none, a socket), or on
+a port whose transmit and receive lines are joined. The result is kept, and later captures say their times with the
+bound that it found. With --beside, compare a capture with another one of the same traffic whose times are true.
 """
 
 EPILOG = """\
@@ -38,8 +38,8 @@ The bound is p99.9: of a thousand characters, one is seen later. A capture uses 
 kernel and priority are those of the self-test, and, for a port, its adapter, tuning, rate and format, too. What a port
 was measured to add only ever makes the uncertainty larger: the way out is in it, too.
 
-With -i, characters are SENT (@ to ~, one by one): take the port off the bus first and join its transmit and receive
-lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
+With -i (not on Windows), characters are SENT (@ to ~, one by one): take the port off the bus first and join its
+transmit and receive lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
 
 With --beside, TRUE is the capture of a logic analyser, OTHER that of an adapter at the same bus at the same time. What
 all characters of OTHER are late by cannot be seen; it changes no interval.
@@ -60,6 +60,7 @@ exit status:
 """
 
 LONGEST_S = 3600
+OWN = "a socket" if sys.platform == "win32" else "a pseudo terminal"
 ENOUGH = 1000  # characters; of fewer, p99.9 is only the longest
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 
@@ -94,21 +95,16 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     if args.beside or args.plot:
         return _beside(args, console)
-    if sys.platform == "win32":
-        console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
-        return FAILED
-    from sistap.line.reader import delay  # here, as Windows has no such module
-
     try:
         settings = _checked(args)
     except ValueError as error:
         console.say(str(error))
         return USAGE
-    where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else "a pseudo terminal"
+    where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else OWN
     print(f"measuring for {args.duration:g} s through {where}, with {priority.words()}", flush=True)
     try:
         place, conditions, measured = _measure(args, settings, console)
-    except (delay.LoopBroken, OSError) as error:
+    except OSError as error:
         console.say(f"no result: {error}{_cure(args.port)}")
         return FAILED
     delays = sorted(measured)
@@ -164,6 +160,8 @@ def _checked(args: argparse.Namespace) -> LineSettings:
     """Check the options; ValueError says what is wrong and what to do."""
     if not 1 <= args.duration <= LONGEST_S:
         raise ValueError(f"--duration {args.duration:g} is not a number of seconds from 1 to {LONGEST_S}")
+    if sys.platform == "win32" and args.port:
+        raise ValueError("on Windows a self-test is of this computer, not of a port: leave out -i and --transmit")
     if args.transmit and not args.port:
         raise ValueError("--transmit needs the port to send on: say it with -i")
     if args.port and not args.transmit:
@@ -183,13 +181,18 @@ def _checked(args: argparse.Namespace) -> LineSettings:
 def _measure(
     args: argparse.Namespace, settings: LineSettings, console: Console
 ) -> tuple[str, measurement.Conditions, Sequence[int]]:
-    """Return what was measured, under which conditions, and the delays in ns. May raise PortError."""
+    """Return what was measured, under which conditions, and the delays in ns. May raise PortError or OSError."""
+    duration_ns = int(args.duration * 1e9)
+    if sys.platform == "win32":
+        from sistap.line.reader import loopback
+
+        with _undisturbed():
+            return measurement.MACHINE, measurement.conditions(), loopback.through_socket(duration_ns)
     from sistap.line.reader import delay  # here, as Windows has no such modules
     from sistap.line.reader.latency import port_conditions
     from sistap.line.reader.opening import open_device
     from sistap.line.reader.tuning import Tuning
 
-    duration_ns = int(args.duration * 1e9)
     if not args.port:
         with _undisturbed():
             return measurement.MACHINE, measurement.conditions(), delay.through_pty(duration_ns)

@@ -25,7 +25,7 @@ PATIENCE_NS = 1_000_000_000  # for a character to come back
 _FIRST, _VALUES = ord("@"), 63  # the characters sent: never FF, which a port would mark, nor a start character of SIS
 
 
-class LoopBroken(Exception):
+class LoopBroken(OSError):
     """What was sent did not come back; the text is one clause."""
 
 
@@ -43,7 +43,7 @@ def through_pty(duration_ns: int) -> array[int]:
 def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0) -> array[int]:
     """Send characters one by one; give for each the time from its end on the line until it was seen, in ns.
 
-    LoopBroken or OSError if they do not come back.
+    OSError if they do not come back.
     """
     written = array("q")
     # A descriptor of its own: after a signal the reader does not wait for this.
