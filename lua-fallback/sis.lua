@@ -684,7 +684,6 @@ N.events = {
   [3] = "Characters lost",
   [4] = "Adapter lost",
   [5] = "Marker",
-  [6] = "Capture ended",
 }
 field("sertap.version", "Version", ftypes.UINT8, base.DEC)
 field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC)

@@ -30,6 +30,7 @@ else:
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
 _WAIT_MS = 100  # so long, at most, does a stop take
 _WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
+_MODE = 0o640  # of a new file; the umask can take more away. What a machine does is nobody else's business
 _PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
 
 
@@ -88,6 +89,7 @@ class Output:
         self._number = 1
         self._begun = time.monotonic()
         self._file = self._open()
+        self._before: _File | None = None  # the one of several files that was closed last
         self._next: _File | None = None
         self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
         self.failed = False  # the next of several files could not be opened: this one is the last
@@ -143,7 +145,7 @@ class Output:
         """Close this file for the one that `open_next` opened; delete the oldest if there are too many."""
         assert self._next
         self._file.close()
-        self._file, self._next = self._next, None
+        self._before, self._file, self._next = self._file, self._next, None
         self._number += 1
         if not self._limits.keep:
             return
@@ -167,12 +169,16 @@ class Output:
 
     @property
     def summary(self) -> str:
-        """Name for people all that was written to."""
-        if self._number == 1:
-            return str(self)
-        kept = len(self._kept) if self._limits.keep else self._number
-        deleted = f", of which the last {kept} were kept" if kept < self._number else ""
-        return f"{self._number} files{deleted}: {self._kept[0]} to {self._file.path}"
+        """Name for people all that was written to. A new file with nothing in it does not count: it does not stay."""
+        empty = self._file.is_new_and_empty
+        number, last = (self._number - 1, self._before) if empty else (self._number, self._file)
+        if not last:
+            return "no file"
+        if number == 1:
+            return last.name
+        kept = len(self._kept) - empty if self._limits.keep else number
+        deleted = f", of which the last {kept} were kept" if kept < number else ""
+        return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
     def _open(self, number: int = 1) -> _File:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
@@ -242,6 +248,11 @@ class _File:
                 os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - count)
 
     @property
+    def is_new_and_empty(self) -> bool:
+        """Whether it was not there before, and nothing could be written to it."""
+        return self._created and not self.size
+
+    @property
     def deserted(self) -> bool:
         """Whether it is a pipe that has no reader any more."""
         if sys.platform == "win32" or self._poll is None:
@@ -251,7 +262,7 @@ class _File:
     def close(self) -> None:
         """Close, and delete it if it is new and empty."""
         os.close(self._descriptor)
-        if self._created and not self.size:
+        if self.is_new_and_empty:
             Path(self.path).unlink(missing_ok=True)
 
 
@@ -269,6 +280,6 @@ def _open(path: str) -> tuple[int, bool]:
     if path.startswith(_WINDOWS_PIPES):
         return os.open(path, flags), False
     try:
-        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666), True
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, _MODE), True
     except FileExistsError:
-        return os.open(path, flags | os.O_CREAT, 0o666), False
+        return os.open(path, flags | os.O_CREAT, _MODE), False
