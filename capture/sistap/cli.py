@@ -8,6 +8,7 @@ import importlib
 import os
 import sys
 from collections.abc import Container, Sequence
+from typing import NoReturn
 
 import sistap
 from sistap.line.reader import PortError, PortLost
@@ -16,6 +17,7 @@ from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.stop import Stop, Stopped
 from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_standard_output
+from sistap.terminal.visible import visible
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {
@@ -109,9 +111,17 @@ def _flushed(arguments: Sequence[str], stop: Stop) -> int:
     return code
 
 
+class _Parser(argparse.ArgumentParser):
+    """Refuses in lines that a file with whatever name cannot change."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say it and end."""
+        super().error(visible(message))
+
+
 def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
     """Return the parser of `sistap`. Only the commands in `called` have their options: their modules are imported."""
-    whole = argparse.ArgumentParser(
+    whole = _Parser(
         "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     whole.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")

@@ -26,6 +26,7 @@ from sistap.records.record import LARGEST_RATE
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Console
 from sistap.terminal.stop import Stopped
+from sistap.terminal.visible import visible
 
 PATIENCE_S = 5  # for Wireshark to open its ends of the pipes
 FAREWELL_S = 0.5  # for it to take the last messages
@@ -108,6 +109,7 @@ class Toolbar:
 
     def say(self, text: str) -> None:
         """Show a line in the log and, for a while, in the status bar."""
+        text = visible(text)
         self._send(_LOG, _ADD, f"{time.strftime('%H:%M:%S')}  {text}\n")
         self._send(_LOG, _STATUS_BAR, f"sistap: {text}")
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from sistap.line import registry
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE
+from sistap.terminal.visible import visible
 
 SYSFS = Path("/sys")
 
@@ -172,7 +173,7 @@ def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has th
         print(f"no serial port found: plug the adapter in; {advice().no_port}")
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
-    rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
+    rows += [(port, visible(behind.name) or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
