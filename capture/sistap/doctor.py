@@ -17,6 +17,7 @@ from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, program, version
 
 DESCRIPTION = """\
@@ -63,7 +64,7 @@ class Point(NamedTuple):
 
     def __str__(self) -> str:
         """One line."""
-        return f"{self.mark:5} {self.subject:10} {self.text}"
+        return f"{self.mark:5} {self.subject:10} {visible(self.text)}"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

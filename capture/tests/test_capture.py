@@ -7,6 +7,7 @@ import errno
 import fcntl
 import os
 import pty
+import re
 import resource
 import select
 import signal
@@ -34,9 +35,10 @@ from sistap.line import ports
 from sistap.line.clock import Clock
 from sistap.line.reader import PortError, PortLost, latency
 from sistap.line.reader.device import PosixReader
-from sistap.line.settings import Flag, LineSettings, Read
+from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Framing, Type
+from sistap.sis.telegram import checksum_good
 from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
 
@@ -200,6 +202,45 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pyte
     characters = sum(len(read.data) for read in what)
     counted = f"18 telegrams, {characters} characters, 4 faulty characters, 1 wrong checksum"
     assert capfd.readouterr().err.endswith(f"sistap: 20 records ({counted}) written to {path}\n")
+
+
+@pytest.mark.parametrize("room", [600, 1500, 3000, 4097])
+@pytest.mark.parametrize("options", [(), ("-f", "link[5] != 0x03"), ("-b", "filesize:1")])
+def test_what_a_full_disk_leaves_is_what_the_summary_counts(
+    run: Run,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    options: tuple[str],
+    room: int,
+) -> None:
+    left = [room]
+
+    def write(descriptor: int, data: memoryview) -> int:
+        if not left[0]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        count = min(len(data), left[0])
+        left[0] -= count
+        return write_really(descriptor, data[:count])
+
+    write_really = os.write
+    monkeypatch.setattr("sistap.files.output._File.write_some", lambda file, data: write(file._descriptor, data))
+    damaged = ALL[0][:-1] + b"\xff"
+    what = [*reads(*ALL, damaged), *reads(b"lost", flag=Flag.LOST_BEFORE), *reads(*ALL * 4)]
+    assert run(FakeReader(what), "-w", str(tmp_path / "x.pcapng"), *options) == 1
+    said = capfd.readouterr().err.splitlines()[-1]
+    there = sorted(tmp_path.iterdir())
+    taken = [record for path in there for record in records(path) if record.type != Type.EVENT]
+    good = sum(checksum_good(record.data) for record in taken if record.type == Type.FRAME)
+    faults = sum(bool(flags & ERROR_FLAGS) for record in taken for flags in record.flags)
+    wrong = sum(record.type == Type.FRAME for record in taken) - good
+    numbers = [int(number) for number in re.findall(r"\d+", said.partition(" written to ")[0])]
+    of_received = [numbers.pop(1)] if " of " in said else []
+    assert numbers == [len(taken), good, sum(len(record.data) for record in taken), faults, wrong]
+    assert all(number > len(taken) for number in of_received)
+    names = [str(path) for path in there]
+    written_to = names[0] if len(names) == 1 else f"{len(names)} files: {names[0]} to {names[-1]}"
+    assert said.endswith(f" written to {written_to}")
 
 
 def test_two_directions_are_two_interfaces(run: Run, tmp_path: Path) -> None:

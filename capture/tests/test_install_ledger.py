@@ -158,7 +158,13 @@ def test_users_and_root_have_lists_of_their_own(place: Path) -> None:
     assert Ledger(for_all=True).files == [place / "sis.so"]
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"files": 1, "folders": []}', '{"files": {}}', DEEP, "\udcff"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "[]", '{"files": 1, "folders": []}', '{"files": {}}', DEEP, "\udcff"),
+        *('{"files": {"/a\\u0000b": ""}, "folders": []}', '{"files": {}, "folders": ["/\\ud800"]}'),
+    ],
+)
 def test_a_list_that_is_something_else(text: str) -> None:
     path = Ledger(for_all=False).path
     path.parent.mkdir()

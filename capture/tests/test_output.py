@@ -200,6 +200,29 @@ def test_only_a_file_that_was_there_stays_empty(tmp_path: Path) -> None:
     assert old.read_bytes() == b""
 
 
+def test_files_that_do_not_stay_are_not_said_to_be_there(tmp_path: Path) -> None:
+    """A full disk at the beginning of the only file, and of the third one."""
+    output = Output(str(tmp_path / "x"))
+    with pytest.raises(OutputError), small_files():
+        output.write(bytes(2000))
+    output.close()
+    assert output.summary == "no file"
+
+    for written, summary in ((1, "{0}"), (2, "2 files: {0} to {1}")):
+        folder = tmp_path / str(written)
+        folder.mkdir()
+        ring = Output(str(folder / "y"), Limits(size=1, several=True))
+        for _ in range(written):
+            ring.begin()
+            ring.write(b"x")
+            assert ring.open_next()
+            ring.go_on()
+        with pytest.raises(OutputError), small_files():
+            ring.write(bytes(2000))
+        ring.close()
+        assert ring.summary == summary.format(*sorted(folder.iterdir()))
+
+
 @pytest.fixture
 def utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("TZ", "UTC")
@@ -209,16 +232,20 @@ def utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     time.tzset()
 
 
-def test_whoever_runs_it_decides_by_his_umask_who_may_read_it(tmp_path: Path) -> None:
-    new, elsewhere, link = (tmp_path / name for name in ("new", "elsewhere", "link"))
+@pytest.mark.parametrize(("umask", "mode"), [(0, 0o640), (0o022, 0o640), (0o077, 0o600)])
+def test_a_new_capture_is_read_by_its_owner_and_its_group_at_most(tmp_path: Path, umask: int, mode: int) -> None:
+    """The umask of whoever runs it can only take more away; a file that was there keeps its mode."""
+    new, elsewhere, link, old = (tmp_path / name for name in ("new", "elsewhere", "link", "old"))
     link.symlink_to(elsewhere)
-    before = os.umask(0)
+    old.touch()
+    old.chmod(0o664)
+    before = os.umask(umask)
     try:
-        for path in (new, link):
+        for path in (new, link, old):
             Output(str(path)).write(b"x")
     finally:
         os.umask(before)
-    assert [stat.S_IMODE(path.stat().st_mode) for path in (new, elsewhere)] == [0o666, 0o666]
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (new, elsewhere, old)] == [mode, mode, 0o664]
 
 
 def descriptors() -> int:

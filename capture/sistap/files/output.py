@@ -31,6 +31,7 @@ else:
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
 _WAIT_MS = 100  # so long, at most, does a stop take
 _WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
+_MODE = 0o640  # of a new file; the umask can take more away. What a machine does is nobody else's business
 _PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
 
 
@@ -89,6 +90,7 @@ class Output:
         self._number = 1
         self._begun = time.monotonic()
         self._file = self._open()
+        self._before: _File | None = None  # the one of several files that was closed last
         self._next: _File | None = None
         self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
         self._lasting: Lasting | None = None
@@ -167,7 +169,7 @@ class Output:
         """Close this file for the one that `open_next` opened; delete the oldest if there are too many."""
         assert self._next
         self._file.close()
-        self._file, self._next = self._next, None
+        self._before, self._file, self._next = self._file, self._next, None
         self._number += 1
         if self._lasting:
             self._lasting.follow(self._file.descriptor, self._file.path)
@@ -193,12 +195,16 @@ class Output:
 
     @property
     def summary(self) -> str:
-        """Name for people all that was written to."""
-        if self._number == 1:
-            return str(self)
-        kept = len(self._kept) if self._limits.keep else self._number
-        deleted = f", of which the last {kept} were kept" if kept < self._number else ""
-        return f"{self._number} files{deleted}: {self._kept[0]} to {self._file.path}"
+        """Name for people all that was written to. A new file with nothing in it does not count: it does not stay."""
+        empty = self._file.is_new_and_empty
+        number, last = (self._number - 1, self._before) if empty else (self._number, self._file)
+        if not last:
+            return "no file"
+        if number == 1:
+            return last.name
+        kept = len(self._kept) - empty if self._limits.keep else number
+        deleted = f", of which the last {kept} were kept" if kept < number else ""
+        return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
     def _tell_trouble(self) -> None:
         """Say, once, that the disk does not take what is written."""
@@ -277,6 +283,11 @@ class _File:
                 os.ftruncate(self.descriptor, os.fstat(self.descriptor).st_size - count)
 
     @property
+    def is_new_and_empty(self) -> bool:
+        """Whether it was not there before, and nothing could be written to it."""
+        return self._created and not self.size
+
+    @property
     def deserted(self) -> bool:
         """Whether it is a pipe that has no reader any more."""
         if sys.platform == "win32" or self._poll is None:
@@ -286,7 +297,7 @@ class _File:
     def close(self) -> None:
         """Close, and delete it if it is new and empty."""
         os.close(self.descriptor)
-        if self._created and not self.size:
+        if self.is_new_and_empty:
             Path(self.path).unlink(missing_ok=True)
 
 
@@ -304,6 +315,6 @@ def _open(path: str) -> tuple[int, bool]:
     if path.startswith(_WINDOWS_PIPES):
         return os.open(path, flags), False
     try:
-        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666), True
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, _MODE), True
     except FileExistsError:
-        return os.open(path, flags | os.O_CREAT, 0o666), False
+        return os.open(path, flags | os.O_CREAT, _MODE), False

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from sistap.line import analyser, registry
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE
+from sistap.terminal.visible import visible
 
 SYSFS = Path("/sys")
 DEVICES = Path("/dev")
@@ -208,8 +209,8 @@ def run(args: argparse.Namespace) -> int:
         print(f"no serial port found: plug the adapter in; {advice().no_port}")
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
-    rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
-    rows += [(one.port, one.name, analyser.DRIVER, "samples the line") for one in analysers]
+    rows += [(port, visible(behind.name) or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
+    rows += [(one.port, visible(one.name), analyser.DRIVER, "samples the line") for one in analysers]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

@@ -19,7 +19,7 @@ def longest_interval_ns(record: Record) -> int:
     return max(record.intervals[1:], default=0)
 
 
-def faulty(read: Read) -> int:
+def faulty(read: Read | Record) -> int:
     """Count the characters with any error, breaks included."""
     return sum(read.flags.translate(_IS_ERROR))
 
@@ -57,8 +57,8 @@ class Counters:
         faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
         return f"{faulty}, {self.damaged} wrong checksum{'' if self.damaged == 1 else 's'}"
 
-    def add_read(self, read: Read) -> None:
-        """Count characters."""
+    def add_read(self, read: Read | Record) -> None:
+        """Count the characters of a read, or of a record."""
         self.characters += len(read.data)
         flags = read.flags
         if flags.count(0) != len(flags):
