@@ -14,6 +14,7 @@ import subprocess
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -66,7 +67,7 @@ class Channel:
             del self._waiting[number]
 
     def _read(self) -> None:
-        with self._socket.makefile("rb") as lines:
+        with suppress(OSError), self._socket.makefile("rb") as lines:  # OSError: the guest was killed
             for line in lines:
                 message = json.loads(line)
                 if "QMP" in message or message.get("id") == 0:

@@ -25,6 +25,7 @@ PROMISED_S = 1.0  # the README: at most the characters of the last second
 OF_SYNC_S = 2.0  # and those that came while that was being written, slow as an emulated machine is
 _SLACK = f"It lacks no more than the last second; to write that, the emulated machine is given {OF_SYNC_S:g} s more."
 CHARACTERS_S = 870  # at 9600 Bd
+PACE_S = 0.1  # between looks at what has come: who looks all the time leaves no time to the capture
 BURST = bytes(range(256)) * 256  # no stretch of 87 characters is twice in a row
 
 DISK_MB = 32
@@ -126,6 +127,7 @@ def _until_pulled(guest: Guest, seconds: float) -> Pull:
         played += part
         pull.times_ns.append(guest.agent(do="clock")["ns"])
         pull.counts.append(received(guest, PORT) - first)
+        time.sleep(PACE_S)
     guest.kill()
     return pull._replace(played=played)
 
