@@ -32,6 +32,10 @@ def posix(reason: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(WINDOWS, reason=f"not on Windows: {reason}")
 
 
+terminals = posix("no pseudo terminals")
+signals = posix("no signals from another process")
+sockets = posix("no sockets that are files")
+fifos = posix("no pipes in folders")
 links = posix("links are for administrators")
 modes = posix("files have no modes")
 libpcap = pytest.mark.skipif(

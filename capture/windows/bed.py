@@ -8,7 +8,6 @@ import re
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from subprocess import SubprocessError
@@ -26,17 +25,16 @@ SUITE_S = 900
 SUITE = "-m pytest -q -rs -c capture/pyproject.toml --rootdir . -p no:cacheprovider --tb=short -n 2 --dist worksteal"
 
 
-class Row(NamedTuple):
-    """What came of a part."""
+class Done(NamedTuple):
+    """What came of a part with one Python."""
 
-    python: str
-    part: str
     amount: str
     good: bool
 
     def __str__(self) -> str:
-        """A line of the table."""
-        return f"| {self.python} | {self.part} | {self.amount} | {'good' if self.good else 'FAILED'} |"
+        """A cell of the table."""
+        result = "good" if self.good else "FAILED"
+        return f"{self.amount}: {result}" if self.amount else result
 
 
 def suite(wine: Wine) -> str:
@@ -51,63 +49,74 @@ def suite(wine: Wine) -> str:
 
 
 PARTS: dict[str, Callable[[Wine], str]] = {
-    "start": on_files.version,
+    "start, --version": on_files.version,
     "ports": on_files.ports,
-    "COM5": partial(on_ports.capture, port="COM5"),
-    "COM15": partial(on_ports.capture, port="COM15"),
-    "--baud auto": on_ports.looked_for,
-    "--follow-baud": on_ports.followed,
-    "bus": on_files.own_bus,
-    "ring": on_files.ring,
+    "capture -i COM5": partial(on_ports.capture, port="COM5"),
+    "capture -i COM15": partial(on_ports.capture, port="COM15"),
+    "capture --baud auto": on_ports.looked_for,
+    "capture --follow-baud": on_ports.followed,
+    "doctor -i COM15": on_files.doctor,
+    "bus, and capture from it": on_files.own_bus,
+    "capture -b, a ring": on_files.ring,
     "annotate": on_files.annotate,
     "report --format text": on_files.report,
     "selftest": on_files.selftest,
-    "launcher": on_wireshark.launcher,
+    "sistap.exe, its arguments": on_wireshark.launcher,
     "install": on_wireshark.install,
-    "extcap, asked": on_wireshark.asked,
+    "extcap: interfaces, dialog": on_wireshark.asked,
     **{
-        f"extcap, {what}, {first} pipe closed first": partial(capture, first=first)
+        f"extcap: {what}, the {first} pipe closed first": partial(capture, first=first)
         for what, capture in (("demo bus", on_wireshark.demo), ("COM5", on_wireshark.port))
         for first in on_wireshark.ORDERS
     },
     "uninstall": on_wireshark.uninstall,
-    "suite": suite,
+    "the tests of sistap": suite,
 }
 
 
-def rows(wine: Wine, name: str, wanted: list[str]) -> Iterator[Row]:
-    """Do all parts, or those wanted."""
+def results(wine: Wine, version: str, wanted: list[str]) -> Iterator[tuple[str, Done]]:
+    """Do all parts, or those wanted, and yield what came of each."""
     for part, do in PARTS.items():
         if wanted and part not in wanted:
             continue
         begun = time.monotonic()
         try:
-            row = Row(name, part, do(wine), True)
+            done = Done(do(wine), True)
         except (AssertionError, OSError, ValueError, SubprocessError) as error:
-            print(f"windows: {name}: {part}: {error}", flush=True)
-            row = Row(name, part, "", False)
-        print(f"windows: {row} {time.monotonic() - begun:.0f} s", flush=True)
-        yield row
+            print(f"windows: {version}: {part}: {error}", flush=True)
+            done = Done("", False)
+        print(f"windows: {version}: {part}: {done} ({time.monotonic() - begun:.0f} s)", flush=True)
+        yield part, done
+
+
+def table(columns: dict[str, dict[str, Done]]) -> Iterator[str]:
+    """Yield the lines of a table: a row for each part, a column for each Python."""
+    yield f"| | {' | '.join(columns)} |"
+    yield f"|---|{'---|' * len(columns)}"
+    for part in PARTS:
+        cells = [str(column[part]) for column in columns.values() if part in column]
+        if cells:
+            yield f"| {part} | {' | '.join(cells)} |"
 
 
 def main(folder: str, versions: str, *wanted: str) -> int:
-    """Run all parts, or those wanted, with each Python; return the exit code."""
-    table: list[Row] = []
+    """Do all parts, or those wanted, with each Python; return the exit code."""
+    columns: dict[str, dict[str, Done]] = {}
     place = Path(folder)
     plugins = {"WIRESHARK_PLUGIN_DIR": os.environ["WIRESHARK_PLUGIN_DIR"]}
     with Proxy(place / "prefix", {"HOME": str(place / "home")}) as proxy:
         for version in versions.split():
             (python,) = Path(folder, version).rglob("windows-x86_64/python.exe")
             wine = Wine(place, python, PROXY_PORT=str(proxy.port), **plugins)
+            name = f"Python {version.partition('-')[0]}"
             try:
                 wine.start_up()
-                table += rows(wine, version.partition("-")[0], list(wanted))
+                columns[name] = dict(results(wine, name, list(wanted)))
             finally:
-                with suppress(SubprocessError):
-                    wine.shut_down()
+                wine.shut_down()
         proxy.shutdown()
-    print("| Python | part | count | result |", "|---|---|---|---|", *table, sep="\n")
-    return 0 if all(row.good for row in table) else 1
+    print(*table(columns), sep="\n")
+    return 0 if all(done.good for column in columns.values() for done in column.values()) else 1
 
 
 if __name__ == "__main__":

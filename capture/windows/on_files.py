@@ -3,27 +3,39 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
-from wine import CAPTURE, ROOT, TIMEOUT_S, Wine, drive, emptied, here
+from wine import ROOT, TIMEOUT_S, Wine, drive, emptied, here
 
 from sistap.files.reading import records
 from sistap.records.record import Type
 
-LOG = CAPTURE / "tests/logs.py"  # its text is not what matters, that it is explained the same is
 DAY = ROOT / "test-captures/commands.pcapng"
 LARGE_KB, KEPT, CYCLES = 5, 3, "4"
 
 
 def version(wine: Wine) -> str:
     """Start."""
-    return wine.sistap("--version").strip()
+    said = wine.sistap("--version")
+    assert said.startswith("sistap "), said
+    return ""
 
 
 def ports(wine: Wine) -> str:
     """List the ports, or say what to do in the words of Windows. (wine tells pyserial of none.)"""
     said = wine.sistap("ports")
     assert "Device Manager" in said, said
+    return ""
+
+
+def doctor(wine: Wine) -> str:
+    """Look at a port, and say what could be better in the words of Windows."""
+    with wine.terminal("COM15"):
+        said = wine.sistap("doctor", "-i", "COM15")
+    assert "good  opens" in said, said
+    assert "good  plugin" in said, said
+    assert not re.search("sudo|apt-get|/dev/|dmesg", said), said
     return ""
 
 
