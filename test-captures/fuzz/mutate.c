@@ -118,7 +118,7 @@ repair(uint8_t road, uint8_t *bytes, uint32_t length)
 static void
 change_bytes(uint8_t **bytes, uint32_t *length)
 {
-    uint32_t room = MIN(*length + 1 + choose(GROWTH), MOST_BYTES);
+    uint32_t more = 1 + choose(GROWTH), room = MIN(*length + more, MOST_BYTES);
 
     *bytes = (uint8_t *)g_realloc(*bytes, room + 1);
     *length = (uint32_t)LLVMFuzzerMutate(*bytes, MIN(*length, room), room);
@@ -177,12 +177,13 @@ change_in_place(packet_t *packet)
     uint32_t count = (packet->length - RECORD_HEAD) / PER_CHARACTER;
     uint32_t from = part == 0 ? 1 : RECORD_HEAD + count + (part == 1 ? 0 : 4 * count);
     uint32_t size = part == 0 ? RECORD_COUNT - 1 : part == 1 ? 4 * count : count;
-    uint32_t changed;
+    uint32_t changed, longest;
 
     if (size == 0)
         return;
     changed = choose(size);
-    size = MIN(size - changed, 1 + choose(8));
+    longest = 1 + choose(8);
+    size = MIN(size - changed, longest);
     LLVMFuzzerMutate(packet->bytes + from + changed, size, size);
 }
 
@@ -305,7 +306,8 @@ LLVMFuzzerCustomCrossOver(const uint8_t *one, size_t one_size, const uint8_t *tw
     seed_with(seed);
     from = choose(other.packets->len + 1);
     at = choose(sequence.packets->len + 1);
-    count = MIN(other.packets->len - from, 1 + choose(12));
+    count = 1 + choose(12);
+    count = MIN(other.packets->len - from, count);
     for (unsigned i = 0; i < count && sequence.packets->len < MOST_PACKETS; i++) {
         packet_t copy = packet_copy(sequence_packet(&other, from + i));
 
