@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Makes inputs of the fuzzer from captures, and captures from inputs.
 
-    python3 corpus.py seeds FOLDER                 one input for each 40 packets of test-captures/
-    python3 corpus.py capture FILE INPUT...        all inputs as one pcapng, a section each
+python3 corpus.py seeds FOLDER                 one input for each 100 packets of test-captures/
+python3 corpus.py capture FILE INPUT...        all inputs as one pcapng, a section each
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ HEAD = struct.Struct("<IIB")
 PACKET = struct.Struct("<BBBqI")
 
 LINK_IP4, LINK_ETHERNET = 228, 1
-PER_SEED = 40
+PER_SEED = 100
 START_NS = 1_700_000_000_000_000_000
 LAST_NS = 2**63 - 1  # of a file that sistap reads
 

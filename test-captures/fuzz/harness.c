@@ -310,8 +310,8 @@ decode_as(void)
     prefs_apply(prefs_find_module("sis"));
 }
 
-/* Started by root, Wireshark would read its own tables of names and not the empty folder that `run` names: that takes
- * a second for each capture. It asks here, once, who has started it. */
+/* Started by root, Wireshark would read its own tables of names and not the empty folder that `run` names:
+ * that takes a second for each capture. It asks here, once, who has started it. */
 static void
 start_as_nobody(void)
 {
