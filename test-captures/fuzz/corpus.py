@@ -67,13 +67,14 @@ def unpack(data: bytes) -> Sequence:
     packets = []
     place = HEAD.size
     while place + PACKET.size <= len(data):
-        *head, length = PACKET.unpack_from(data, place)
+        road, interface, quirks, step, length = PACKET.unpack_from(data, place)
         place += PACKET.size
         if place + length > len(data):
             break
-        packets.append(Packet(head[0] % (TCP + 1), *head[1:], data[place : place + length]))
+        packets.append(Packet(road % (TCP + 1), interface, quirks, step, data[place : place + length]))
         place += length
-    return Sequence(*HEAD.unpack_from(data), packets)
+    preferences, changed, way = HEAD.unpack_from(data)
+    return Sequence(preferences, changed, way, packets)
 
 
 def _named(data: bytes) -> tuple[int, bytes] | None:
@@ -111,7 +112,7 @@ def road(packet: reading.Packet) -> tuple[int, bytes] | None:
 
 def of_capture(path: Path) -> Iterator[Packet]:
     """Yield the packets of a capture that have a road."""
-    last = None
+    last: int | None = None
     for packet in reading.packets(path):
         found = road(packet)
         if found is None or packet.time_ns is None:
