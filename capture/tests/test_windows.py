@@ -11,6 +11,7 @@ import re
 import socket
 import sys
 import threading
+from array import array
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -22,8 +23,8 @@ from sistap import cli
 from sistap.bus.wires import choice, transmitting
 from sistap.capture.filter import FilterError, candidates, opened
 from sistap.files.output import Output, ReaderGone
-from sistap.line import ports
-from sistap.line.reader import PortError, PortLost, open_reader
+from sistap.line import measurement, ports
+from sistap.line.reader import PortError, PortLost, loopback, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal import state
 from sistap.terminal.stop import Stop
@@ -204,3 +205,15 @@ def test_the_libpcap_of_windows_is_that_of_npcap(monkeypatch: pytest.MonkeyPatch
     with pytest.raises(FilterError, match="^a capture filter needs libpcap: install Npcap, which"):
         opened(names, load)
     assert tried == names
+
+
+@pytest.mark.usefixtures("windows")
+def test_a_self_test_is_through_a_socket(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(loopback, "through_socket", lambda duration_ns: array("q", range(1000, 3000)))
+    assert cli.main(["selftest", "--duration", "1"]) == 0
+    (result,) = measurement.load()[0]
+    assert (result.place, result.characters, result.longest_ns) == (measurement.MACHINE, 2000, 2999)
+    capfd.readouterr()
+    assert cli.main(["selftest", "-i", "COM5", "--transmit"]) == 2
+    said = "sistap: on Windows a self-test is of this computer, not of a port: leave out -i and --transmit\n"
+    assert capfd.readouterr() == ("", said)
