@@ -19,7 +19,7 @@ from typing import NamedTuple
 import pytest
 
 from sistap import cli
-from sistap.bus.wires import choice
+from sistap.bus.wires import choice, transmitting
 from sistap.capture.filter import FilterError, candidates, opened
 from sistap.files.output import Output, ReaderGone
 from sistap.line import ports
@@ -60,6 +60,23 @@ def test_a_port_is_no_file_that_could_be_a_link(monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(os.path, "realpath", fail)
     assert ports.identity("COM5", ports.Adapter()) == "unknown adapter at COM5"
+
+
+@pytest.mark.usefixtures("windows")
+@pytest.mark.parametrize(
+    ("why", "said"),
+    [
+        ("FileNotFoundError(2, 'File not found.', None, 2)", "COM7 does not exist: "),
+        ("PermissionError(13, 'Access denied.', None, 5)", "COM7 is in use by another program: "),
+    ],
+)
+def test_a_port_that_cannot_be_written_to(monkeypatch: pytest.MonkeyPatch, why: str, said: str) -> None:
+    def refuse(name: str, settings: LineSettings) -> None:
+        raise OSError(f"could not open port '{name}': {why}")
+
+    monkeypatch.setattr(transmitting, "closed_serial", refuse)
+    with pytest.raises(PortError, match=f"^{said}"):
+        transmitting.TransmittingPort("COM7", LineSettings())
 
 
 NO_SOCKETS = "Windows has no sockets that are files: .* HOST:PORT"

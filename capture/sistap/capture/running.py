@@ -88,7 +88,8 @@ def record(  # noqa: PLR0913 - it puts the parts together
             progress=bool(options.file) and not options.quiet and console.shows_progress,
             remote=remote,
         )
-        code = capture.run(stop)
+        with output.lasting():
+            code = capture.run(stop)
     if options.file:
         console.say(_summary(tally.written, counters.received.total(), output))
     elif not options.quiet:

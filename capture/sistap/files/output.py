@@ -16,10 +16,11 @@ import stat
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from sistap.files.lasting import PROMISED_S, Lasting
 from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
 
 if sys.platform == "win32":
@@ -92,6 +93,8 @@ class Output:
         self._before: _File | None = None  # the one of several files that was closed last
         self._next: _File | None = None
         self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
+        self._lasting: Lasting | None = None
+        self._doubted = False  # it was said that the disk makes trouble
         self.failed = False  # the next of several files could not be opened: this one is the last
 
     @property
@@ -112,6 +115,24 @@ class Output:
         self._file.empty()
         self._begun = time.monotonic()
 
+    @contextlib.contextmanager
+    def lasting(self) -> Iterator[None]:
+        """While the block runs, have what is written to files reach the disk soon: a power cut costs a second.
+
+        Not on Windows, where a file that is held open for that could not be deleted.
+        """
+        if sys.platform == "win32" or not self._file.regular:
+            yield
+            return
+        self._lasting = Lasting()
+        self._lasting.follow(self._file.descriptor, self._file.path)
+        try:
+            yield
+        finally:
+            self._lasting.end()
+            self._tell_trouble()
+            self._lasting = None
+
     def write(self, block: bytes) -> None:
         """Write one block. OutputError if that fails: then a file has been cut back to the block before."""
         file = self._file
@@ -126,6 +147,9 @@ class Output:
             file.cut(len(block) - len(rest))
             raise self._failure(error) from error
         file.size += len(block)
+        if self._lasting:
+            self._lasting.note()
+            self._tell_trouble()
 
     def check(self) -> None:
         """Tell while there is nothing to write whether a pipe still has a reader; ReaderGone if not."""
@@ -147,6 +171,8 @@ class Output:
         self._file.close()
         self._before, self._file, self._next = self._file, self._next, None
         self._number += 1
+        if self._lasting:
+            self._lasting.follow(self._file.descriptor, self._file.path)
         if not self._limits.keep:
             return
         self._kept.append(self._file.path)
@@ -180,6 +206,15 @@ class Output:
         deleted = f", of which the last {kept} were kept" if kept < number else ""
         return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
+    def _tell_trouble(self) -> None:
+        """Say, once, that the disk does not take what is written."""
+        if self._lasting and self._lasting.trouble and not self._doubted:
+            self._doubted = True
+            self._say(
+                f"{self}: {self._lasting.trouble}: a power cut can cost more than the last {PROMISED_S:.0f} s; "
+                "capture to another disk"
+            )
+
     def _open(self, number: int = 1) -> _File:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
 
@@ -198,26 +233,26 @@ class _File:
         self.name = "standard output" if path == STANDARD_OUTPUT else path  # for people
         self.size = 0
         try:
-            self._descriptor, self._created = _open(path)
+            self.descriptor, self._created = _open(path)
         except OSError as error:
             raise OutputRefused(
                 f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
             ) from error
-        self.regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
+        self.regular = stat.S_ISREG(os.fstat(self.descriptor).st_mode)
         self._poll: select.poll | None = None
         if self.regular and path != STANDARD_OUTPUT:
             self._lock()
         elif sys.platform != "win32" and not self.regular:
             self._poll = select.poll()
-            self._poll.register(self._descriptor, select.POLLOUT)
+            self._poll.register(self.descriptor, select.POLLOUT)
 
     def _lock(self) -> None:
         """Keep other captures out. Where locks do not exist there is no protection."""
         if sys.platform != "win32":
             try:
-                fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                os.close(self._descriptor)
+                os.close(self.descriptor)
                 raise OutputRefused(
                     f"{self.path} is being written by another capture; choose another file with -w"
                 ) from None
@@ -227,16 +262,16 @@ class _File:
     def empty(self) -> None:
         """Drop what an older capture left; not what a shell appends to."""
         if self.regular and self.path != STANDARD_OUTPUT:
-            os.ftruncate(self._descriptor, 0)
+            os.ftruncate(self.descriptor, 0)
 
     def write_some(self, data: memoryview) -> int:
         """Write what can be, after waiting a moment if nothing can; give how many bytes. May raise OSError."""
         if not self._poll:
-            return os.write(self._descriptor, data)
+            return os.write(self.descriptor, data)
         if not self._poll.poll(_WAIT_MS):
             return 0
         try:
-            return os.write(self._descriptor, data[:PIECE])
+            return os.write(self.descriptor, data[:PIECE])
         except BlockingIOError:
             time.sleep(_PAUSE_S)
             return 0
@@ -245,7 +280,7 @@ class _File:
         """Take away the last bytes, if that is possible."""
         if self.regular:
             with contextlib.suppress(OSError):
-                os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - count)
+                os.ftruncate(self.descriptor, os.fstat(self.descriptor).st_size - count)
 
     @property
     def is_new_and_empty(self) -> bool:
@@ -261,7 +296,7 @@ class _File:
 
     def close(self) -> None:
         """Close, and delete it if it is new and empty."""
-        os.close(self._descriptor)
+        os.close(self.descriptor)
         if self.is_new_and_empty:
             Path(self.path).unlink(missing_ok=True)
 

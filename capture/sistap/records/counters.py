@@ -10,6 +10,7 @@ from sistap.records.record import Record, Type
 
 _IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
 _IS_BREAK = bytes(bool(flag & Flag.BREAK) for flag in range(256))
+_IS_SOMEWHERE = bytes(bool(flag & Flag.UNLOCATED_ERROR) for flag in range(256))
 _IS_GAP = bytes(bool(flag & Flag.LOST_BEFORE) for flag in range(256))
 
 
@@ -21,6 +22,12 @@ def longest_interval_ns(record: Record) -> int:
 def faulty(read: Read | Record) -> int:
     """Count the characters with any error, breaks included."""
     return sum(read.flags.translate(_IS_ERROR))
+
+
+def surely_faulty(read: Read) -> int:
+    """Count the characters with an error, of an error with unknown place only one."""
+    somewhere = sum(read.flags.translate(_IS_SOMEWHERE))
+    return faulty(read) - somewhere + bool(somewhere)
 
 
 class Counters:
