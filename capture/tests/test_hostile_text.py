@@ -35,6 +35,12 @@ ODD = "\x1b]0;x\x07\r\n\t\x7f\x85\x9b\xad\u061c\u200b\u2028\u202e\u2066\ufeff"
 HOSTILE = f"<b>&\"'${ODD}$ %s {{0}}"
 
 
+of_others = pytest.mark.attack(
+    "control characters, marks of direction, no UTF-8 in markers, comments, logs, names of adapters and interfaces",
+    "visible escapes; a page stays a page, JSON JSON",
+)
+
+
 def odd_ones(text: str, keep: str = "\n") -> set[str]:
     """Find the characters that a person would not see."""
     return {character for character in text if not character.isprintable() and character not in keep}
@@ -67,6 +73,7 @@ def capture(tmp_path: Path) -> Path:
     return path
 
 
+@of_others
 @pytest.mark.parametrize("kind", ["text", "html", "json"])
 def test_a_report(capture: Path, tmp_path: Path, kind: str) -> None:
     done = run(tmp_path, "report", capture, "--format", kind, "-o", "-")
@@ -77,6 +84,7 @@ def test_a_report(capture: Path, tmp_path: Path, kind: str) -> None:
         json.loads(done.stdout, parse_constant=pytest.fail)
 
 
+@of_others
 def test_a_capture_as_a_log(capture: Path, tmp_path: Path) -> None:
     done = run(tmp_path, "log", capture)
     assert done.returncode == 0, done.stderr
@@ -84,6 +92,7 @@ def test_a_capture_as_a_log(capture: Path, tmp_path: Path) -> None:
     assert not odd_ones(done.stdout + done.stderr)
 
 
+@of_others
 def test_an_explained_log(tmp_path: Path) -> None:
     """As text it is what it was, with lines between that are calm; as a page all of it is."""
     log = tmp_path / os.fsdecode(f"{ODD}.txt".encode() + b"\xff")
@@ -119,6 +128,7 @@ NAMED = {
 }
 
 
+@pytest.mark.attack("the same in names of files", "visible escapes, in one line")
 @pytest.mark.parametrize("there", [False, True])
 @pytest.mark.parametrize("command", NAMED.values(), ids=NAMED)
 def test_names_of_files_in_what_is_refused(tmp_path: Path, command: list[str], there: bool) -> None:
@@ -131,6 +141,7 @@ def test_names_of_files_in_what_is_refused(tmp_path: Path, command: list[str], t
     assert not odd_ones(done.stdout + done.stderr)
 
 
+@of_others
 def test_an_adapter_that_somebody_has_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -148,6 +159,7 @@ def test_an_adapter_that_somebody_has_named(
     assert plain("{\n}") == "( )"
 
 
+@of_others
 def test_what_a_capture_says(capfd: pytest.CaptureFixture[str]) -> None:
     tells: list[Callable[[str], None]] = [Console().say, Console().alarm, Console().progress]
     for tell in tells:
