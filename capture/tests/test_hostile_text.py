@@ -148,7 +148,7 @@ def test_an_adapter_that_somebody_has_named(
     """A USB device says its own name."""
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", Adapter(name=HOSTILE))])
     shown: list[Callable[[], object]] = [
-        lambda: ports.run(Namespace()),
+        lambda: ports.run(Namespace(json=False)),
         lambda: print(*interfaces.found()),
         lambda: print(*doctor._pyserial()),
     ]

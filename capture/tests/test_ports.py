@@ -180,22 +180,22 @@ def test_a_port_without_its_folder(given: str, meant: str, tmp_path: Path, monke
     ],
 )
 def test_a_capture_without_a_port(
-    found: list[str], words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    found: list[str], words: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(ports, "found", lambda: [(port, ports.Adapter()) for port in found])
     assert cli.main(["capture"]) == 2
-    assert words in capsys.readouterr().err
+    assert words in capfd.readouterr().err
 
 
 def test_a_capture_of_the_only_port(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """It is the one that cannot be opened here."""
     monkeypatch.setattr(ports, "found", lambda: [(str(tmp_path / "gone"), ports.Adapter())])
     assert cli.main(["capture"]) == 3
-    assert f"{tmp_path}/gone" in capsys.readouterr().err
+    assert f"{tmp_path}/gone" in capfd.readouterr().err
 
 
-def test_a_command_that_is_misspelt(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_command_that_is_misspelt(capfd: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["captrue"]) == 2
-    assert capsys.readouterr().err == "sistap: there is no command 'captrue': did you mean `sistap capture`?\n"
+    assert capfd.readouterr().err == "sistap: there is no command 'captrue': did you mean `sistap capture`?\n"

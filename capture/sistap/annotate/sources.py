@@ -14,6 +14,7 @@ from sistap.annotate.textlog import UTF_16, LineCutter, LogLine
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
+_NULS = 10  # of so many bytes one may be 0: some programs write what they received
 # How captures begin: pcapng, and pcap in both byte orders with us and with ns.
 _CAPTURES = tuple(map(bytes.fromhex, ("0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d")))
 
@@ -39,7 +40,7 @@ def _check_text(log: str, beginning: bytes) -> None:
     """Raise SourceError for what no editor would show: a capture, or a file of bytes."""
     if beginning.startswith(_CAPTURES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
-    if b"\0" in beginning and not beginning.startswith(UTF_16):
+    if beginning.count(0) > len(beginning) / _NULS and not beginning.startswith(UTF_16):
         raise SourceError(f"{log} is no text: name a log that an editor can show")
 
 
