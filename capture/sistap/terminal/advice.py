@@ -16,6 +16,7 @@ class Advice(NamedTuple):
     tshark: str
     wireshark: str  # tshark is there, Wireshark is not
     libpcap: str
+    matplotlib: str  # beside `pip install`
     pyserial: str  # beside `python -m pip install pyserial`
     no_pseudo_terminal: str
     held: str  # a file cannot be replaced or removed
@@ -29,6 +30,7 @@ _LINUX = Advice(
     tshark="Debian and Ubuntu: `apt-get install tshark`",
     wireshark="`apt-get install wireshark`",
     libpcap="install the package libpcap0.8 (or libpcap)",
+    matplotlib="or install the package python3-matplotlib",
     pyserial="or install the package python3-serial and run sistap with the system's own python3",
     no_pseudo_terminal="close some terminals",
     held="see who may write to its folder",
@@ -42,6 +44,7 @@ _MACOS = _LINUX._replace(
     tshark="install Wireshark, which brings it",
     wireshark="install Wireshark",
     libpcap="macOS brings it: start sistap with a Python of this system",
+    matplotlib="with the Python that runs sistap",
     pyserial="with the Python that runs sistap",
 )
 
@@ -51,6 +54,7 @@ _WINDOWS = Advice(
     tshark="run Wireshark's installer again and tick TShark",
     wireshark="run Wireshark's installer again and tick Wireshark",
     libpcap="install Npcap, which Wireshark's installer brings",
+    matplotlib="with the Python that runs sistap",
     pyserial="with the Python that runs sistap",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
     held="a program has it open: close Wireshark, then try again",
