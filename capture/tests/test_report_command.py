@@ -164,8 +164,13 @@ def test_without_matplotlib_text_still_works(tmp_path: Path, capture: Path) -> N
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, capture: Path) -> None:
-    refused(report(tmp_path, capture, PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark)
+    refused(
+        report(tmp_path, capture, "--format", "text", PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark
+    )
     (tmp_path / "plugins").mkdir()
     refused(
-        report(tmp_path, capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS", "WIRESHARK_PLUGIN_DIR"
+        report(tmp_path, capture, "--format", "text", WIRESHARK_PLUGIN_DIR="plugins"),
+        1,
+        "no dissector for SIS",
+        "WIRESHARK_PLUGIN_DIR",
     )
