@@ -33,9 +33,7 @@ if sys.platform != "win32":
 
 def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run `sistap` in a folder, with nothing to read; never a traceback."""
-    done = run_with(folder, b"", *arguments, **environment)
-    out, errors = (stream.decode().replace(os.linesep, "\n") for stream in (done.stdout, done.stderr))
-    return subprocess.CompletedProcess(done.args, done.returncode, out, errors)
+    return _as_text(run_with(folder, b"", *arguments, **environment))
 
 
 def run_with(
@@ -63,8 +61,12 @@ def run_with(
 
 def run_anew(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run `sistap` in a new interpreter, for what matters while modules are loaded."""
-    done = _run_new(folder, b"", list(map(str, arguments)), environment)
-    return subprocess.CompletedProcess(done.args, done.returncode, done.stdout.decode(), done.stderr.decode())
+    return _as_text(_run_new(folder, b"", list(map(str, arguments)), environment))
+
+
+def _as_text(done: subprocess.CompletedProcess[bytes]) -> subprocess.CompletedProcess[str]:
+    out, errors = (stream.decode().replace(os.linesep, "\n") for stream in (done.stdout, done.stderr))
+    return subprocess.CompletedProcess(done.args, done.returncode, out, errors)
 
 
 def _run_new(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ast
 import ctypes
-import importlib
+import importlib.util
 import os
 import signal
 import sys
@@ -41,6 +41,7 @@ modes = posix("files have no modes")
 libpcap = pytest.mark.skipif(
     WINDOWS and not Path(os.environ.get("SYSTEMROOT", ""), "System32/Npcap/wpcap.dll").exists(), reason="no Npcap"
 )
+drawing = pytest.mark.skipif(WINDOWS and not importlib.util.find_spec("matplotlib"), reason="no matplotlib")
 compiled = posix("no gcc that makes modules of Linux")
 
 

@@ -15,7 +15,7 @@ from sistap.cli import COMMANDS
 from sistap.terminal.advice import advice, examples
 
 PACKAGE = Path(sistap.__file__).parent
-WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-serial|libpcap0")
+WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
 
 # Where else such words may stand: in modules that Windows never loads, and where the programs of Linux are named.
 LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}

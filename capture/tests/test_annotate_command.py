@@ -335,9 +335,9 @@ def test_an_empty_log(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
-    refused(run(tmp_path, "nothing"), 2, "cannot read nothing: No such file", "name a log")
+    refused(run(tmp_path, "nothing"), 2, "cannot read nothing: ", "name a log")
     refused(run(tmp_path, "."), 2, "cannot read .: Permission denied" if WINDOWS else "cannot read .: Is a directory")
-    refused(run(tmp_path, log, "-o", "no/folder.txt"), 2, f"cannot write {Path('no/folder.txt')}", "-o")
+    refused(run(tmp_path, log, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
     refused(run(tmp_path, log, "-w", "no/folder.pcapng"), 2, "no/folder.pcapng cannot be written", "-w")
     before = log.read_bytes()
     for option in ("-o", "-w"):

@@ -100,7 +100,7 @@ class StampingReader(WireReader):
 
 @pytest.mark.parametrize("hours", [2, pytest.param(24, marks=pytest.mark.thorough)])
 def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    command = [sys.executable, __file__, str(tmp_path / "bus"), str(hours)]
+    command = [sys.executable, __file__, "127.0.0.1:0", str(hours)]
     bus = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         assert bus.stdout

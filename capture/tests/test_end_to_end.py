@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from independent import Packet, packets
+from portable import signals
 from test_bus import MANY_FAULTS_TEXT, TIMEOUT_S, expected_of, finish, logged, running
 
 from sistap.line.settings import Flag
@@ -64,6 +65,7 @@ def test_every_telegram_goes_through_a_pty_into_the_file_once_in_order(tmp_path:
     assert tshark_counts(file) == len(captured)
 
 
+@signals
 def test_a_capture_may_end_while_the_bus_goes_on(tmp_path: Path) -> None:
     log, file = tmp_path / "log", tmp_path / "file.pcapng"
     with running("--baud", "115200", "--log", str(log)) as (bus, port):

@@ -458,7 +458,7 @@ def test_a_terminal_that_promises_too_much_is_tried_again(pipe: Pipe, monkeypatc
 
 
 def test_names_are_those_of_dumpcap(utc: None) -> None:
-    assert file_name("/a.b/day.pcapng", 1, 1_700_000_000) == "/a.b/day_00001_20231114221320.pcapng"
+    assert file_name("/a.b/day.pcapng", 1, 1_700_000_000) == str(Path("/a.b/day_00001_20231114221320.pcapng"))
     assert file_name("day", 23, 1_700_000_000) == "day_00023_20231114221320"
     assert file_name("day", 99_999, 1_700_000_000) == "day_99999_20231114221320"
     assert file_name("day", 100_000, 1_700_000_000) == "day_00000_20231114221320"

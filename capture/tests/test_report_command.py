@@ -13,11 +13,12 @@ from pathlib import Path
 
 import pytest
 from commands import refused, run, run_anew
-from portable import SIGNALS
+from portable import SIGNALS, WINDOWS, drawing
 from report_capture import BUS, write
 
 from sistap import cli
 from sistap.report import command
+from sistap.terminal.advice import advice
 
 
 def report(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -29,12 +30,14 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("command") / "bus.pcapng", BUS)
 
 
+@drawing
 def test_the_page_is_written_into_this_folder(tmp_path: Path, capture: Path) -> None:
     done = report(tmp_path, capture)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "sistap: report.html written\n")
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
 
 
+@drawing
 @pytest.mark.parametrize(
     ("name", "beginning"), [("x.png", b"\x89PNG"), ("x.svg", b"<?xml"), ("x.JSON", b"{"), ("x.txt", b"Found: ")]
 )
@@ -77,6 +80,7 @@ def test_a_capture_that_is_damaged_is_reported_up_to_there(tmp_path: Path, captu
     assert "before the damage" in done.stderr
 
 
+@drawing
 @pytest.mark.parametrize("data", [b"", None])
 def test_a_capture_without_packets_is_an_honest_page(tmp_path: Path, data: bytes | None) -> None:
     empty = tmp_path / "empty.pcapng"
@@ -89,11 +93,14 @@ def test_a_capture_without_packets_is_an_honest_page(tmp_path: Path, data: bytes
     assert "The capture has no packets." in (tmp_path / "x").read_text()
 
 
+@drawing
 def test_what_is_no_capture(tmp_path: Path) -> None:
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
     refused(report(tmp_path, "junk"), 2, "junk is not a capture")
     refused(report(tmp_path, "nothing"), 2, "cannot read nothing")
     refused(report(tmp_path, "."), 2, "is not a file")
+    if WINDOWS:
+        return
     os.mkfifo(tmp_path / "pipe")
     refused(report(tmp_path, "pipe"), 2, "pipe is not a file", "save the capture first")
 
@@ -150,15 +157,20 @@ def test_a_window_that_is_none(tmp_path: Path, capture: Path) -> None:
 
 def test_without_matplotlib_text_still_works(tmp_path: Path, capture: Path) -> None:
     (tmp_path / "matplotlib.py").write_text("raise ImportError('not here')")
-    path = f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"
+    path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     done = run_anew(tmp_path, "report", capture, PYTHONPATH=path)
-    refused(done, 1, "matplotlib is missing", "pip install", "python3-matplotlib")
+    refused(done, 1, "matplotlib is missing", "pip install", advice().matplotlib)
     assert run_anew(tmp_path, "report", capture, "--format", "text", PYTHONPATH=path).returncode == 0
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, capture: Path) -> None:
-    refused(report(tmp_path, capture, PATH=str(tmp_path)), 1, "tshark is not on PATH", "apt-get install")
+    refused(
+        report(tmp_path, capture, "--format", "text", PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark
+    )
     (tmp_path / "plugins").mkdir()
     refused(
-        report(tmp_path, capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS", "WIRESHARK_PLUGIN_DIR"
+        report(tmp_path, capture, "--format", "text", WIRESHARK_PLUGIN_DIR="plugins"),
+        1,
+        "no dissector for SIS",
+        "WIRESHARK_PLUGIN_DIR",
     )

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from portable import terminals
 from test_bus import BUS, TIMEOUT_S, octets, running
 
 from sistap.bus.playing.conducting import conduct
@@ -195,6 +196,7 @@ def slave(react: Callable[[bytes], bytes]) -> Iterator[str]:
             os.close(descriptor)
 
 
+@terminals
 def test_over_a_pseudo_terminal(tmp_path: Path) -> None:
     scenario = tmp_path / "x.toml"
     scenario.write_text(
@@ -215,6 +217,7 @@ def test_over_a_pseudo_terminal(tmp_path: Path) -> None:
     assert said == [COMMAND, REACTION, to_4, to_4, COMMAND, REACTION]
 
 
+@terminals
 def test_a_line_whose_other_end_goes_away(tmp_path: Path) -> None:
     with running("drives") as (bus, port):
         command = [*BUS, "master", "--port", port, "--transmit", "--log", str(tmp_path / "log")]

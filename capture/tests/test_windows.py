@@ -27,6 +27,7 @@ from sistap.line import measurement, ports
 from sistap.line.reader import PortError, PortLost, loopback, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal import state
+from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
 from sistap.terminal.streams import is_reader_gone
 
@@ -217,3 +218,16 @@ def test_a_self_test_is_through_a_socket(monkeypatch: pytest.MonkeyPatch, capfd:
     assert cli.main(["selftest", "-i", "COM5", "--transmit"]) == 2
     said = "sistap: on Windows a self-test is of this computer, not of a port: leave out -i and --transmit\n"
     assert capfd.readouterr() == ("", said)
+
+
+def test_progress_is_cut_to_a_terminal_that_windows_knows_by_its_number_alone(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def size(descriptor: int) -> os.terminal_size:
+        if descriptor > 2:
+            raise ValueError("bad file descriptor")
+        return os.terminal_size((10, 24))
+
+    monkeypatch.setattr(os, "get_terminal_size", size)
+    Console().progress("0123456789abc")
+    assert capfd.readouterr().err == "\r\x1b[K012345678"

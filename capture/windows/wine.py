@@ -42,6 +42,7 @@ class Wine:
         """Take the folder of everything, the Python, and variables that its programs see."""
         self.folder = folder
         self.python = python
+        self.version = python.relative_to(folder).parts[0].partition("-")[0]
         self.prefix = folder / "prefix"
         self.home = folder / "home"  # of Wireshark
         self._ports = folder / "ports"

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from sistap.report import plain, windows
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
+from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
@@ -164,8 +165,8 @@ def _check_matplotlib() -> None:
             import matplotlib  # noqa: F401, PLC0415
     except ImportError:
         raise _NoMatplotlib(
-            f"matplotlib is missing for {sys.executable}: `pip install 'sistap[report]'`, or install the package "
-            "python3-matplotlib; --format text and json do without"
+            f"matplotlib is missing for {sys.executable}: `{sys.executable} -m pip install matplotlib`, "
+            f"{advice().matplotlib}; --format text and json do without"
         ) from None
 
 

@@ -16,6 +16,7 @@ class Advice(NamedTuple):
     tshark: str
     wireshark: str  # tshark is there, Wireshark is not
     libpcap: str
+    matplotlib: str  # beside `pip install`
     pyserial: str  # beside `python -m pip install pyserial`
     no_pseudo_terminal: str
     in_use: str  # another program has the port {port}: what goes behind "by another program"
@@ -31,6 +32,7 @@ _LINUX = Advice(
     tshark="Debian and Ubuntu: `apt-get install tshark`",
     wireshark="`apt-get install wireshark`",
     libpcap="install the package libpcap0.8 (or libpcap)",
+    matplotlib="or install the package python3-matplotlib",
     pyserial="or install the package python3-serial and run sistap with the system's own python3",
     no_pseudo_terminal="close some terminals",
     in_use="(often ModemManager): `sudo fuser -v {port}` names it",
@@ -47,6 +49,7 @@ _MACOS = _LINUX._replace(
     wireshark="install Wireshark",
     libpcap="macOS brings it: start sistap with a Python of this system",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
+    matplotlib="with the Python that runs sistap",
     pyserial="with the Python that runs sistap",
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
     latency_timer="the driver of macOS cannot be told: capture with `sistap serve` on a Linux computer",
@@ -58,6 +61,7 @@ _WINDOWS = Advice(
     tshark="run Wireshark's installer again and tick TShark",
     wireshark="run Wireshark's installer again and tick Wireshark",
     libpcap="install Npcap, which Wireshark's installer brings",
+    matplotlib="with the Python that runs sistap",
     pyserial="with the Python that runs sistap",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
     in_use=": close that one first",

@@ -41,6 +41,7 @@ class Console:
         """Start with no progress line shown; `stream` is the descriptor of standard error."""
         self._progress = False
         # Not through sys.stderr: what is left in its buffer would be tried again when Python ends.
+        self._stream = stream
         self._descriptor = never_waiting(stream)
         weakref.finalize(self, os.close, self._descriptor)
         self._poll: select.poll | None = None
@@ -66,7 +67,7 @@ class Console:
         """Show a line in place of the one before, cut to the width of the terminal."""
         text = visible(text)
         with contextlib.suppress(OSError):
-            columns = os.get_terminal_size(self._descriptor).columns
+            columns = os.get_terminal_size(self._stream).columns  # Windows tells it of the standard streams alone
             text = text[: columns - 1] if columns else text
         self._print(_ERASE + text, 0)
         self._progress = True
