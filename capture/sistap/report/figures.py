@@ -7,9 +7,9 @@ import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
-from sistap.report.dissection import Judged, Packet, Telegram
-from sistap.report.distribution import Distribution, Slices
-from sistap.report.moments import LOST, Moments
+from sistap.packets.dissection import Judged, Packet, Telegram
+from sistap.packets.distribution import Distribution, Slices
+from sistap.packets.moments import LOST, Moments
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20

@@ -16,10 +16,10 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from sistap.report.dissection import EXCEEDED, Packet, Telegram
-from sistap.report.distribution import Distribution, Slices
+from sistap.packets.dissection import EXCEEDED, Packet, Telegram
+from sistap.packets.distribution import Distribution, Slices
+from sistap.packets.moments import KINDS
 from sistap.report.gather import Report
-from sistap.report.moments import KINDS
 from sistap.report.tables import ms
 from sistap.report.windows import Window
 from sistap.sis.names import service_name
