@@ -24,6 +24,7 @@ It has a room for each job. A room may use those named beside it, and what these
     annotate                all above                  `sistap annotate` and `log`
     parameters              all above                  `sistap parameters`
     compare                 all above                  `sistap compare`
+    tables                  all above                  `sistap tables`
     cli, __main__           everything                 the command `sistap`
 
 The rooms with "all above" are products: no product uses another. A character flows from a reader through framer and
