@@ -116,9 +116,7 @@ def _day(folder: Path, capture: Path | None) -> Path:
     after = os.times()
     seconds = sum(after[2:4]) - sum(before[2:4])
     count = sum(pq.read_metadata(file).num_rows for file in (folder / "day" / "telegrams").rglob("*.parquet"))
-    print(
-        f"a day has {count} telegrams; putting it into tables took {seconds:.1f} s of cores, {count / seconds:.0f} a second"
-    )
+    print(f"a day has {count} telegrams; making its tables: {count / seconds:.0f} of them in a second of a core")
     return folder / "day"
 
 
@@ -202,7 +200,8 @@ def _answer_with_spark(tables: Path, question: str) -> None:
     for name in NAMES:
         spark.read.parquet(str(tables / name)).createOrReplaceTempView(f"all_{name}")
     spark.sql(question).toArrow()
-    java = spark.sparkContext._gateway.proc.pid
+    assert spark._jvm
+    java = int(spark._jvm.java.lang.ProcessHandle.current().pid())
     [peak] = re.findall(r"VmHWM:\s+(\d+)", Path(f"/proc/{java}/status").read_text())
     ticks = Path(f"/proc/{java}/stat").read_text().rpartition(")")[2].split()[11:13]
     print(sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK"), int(peak) / 1024)

@@ -69,14 +69,12 @@ def _times_over(count: int) -> str:
 
 
 def _parameters(comparison: Comparison) -> list[str]:
-    found = [parameter for parameter in comparison.parameters if not parameter.moves]
+    found = [parameter for parameter in comparison.parameters if parameter.bad and not parameter.moves]
     return [_changed(parameter) for parameter in sorted(found, key=lambda parameter: not _who(parameter.bad))]
 
 
 def _changed(parameter: Parameter) -> str:
     value, before = _value(parameter.bad), _value(parameter.good)
-    if not parameter.bad:
-        return f"{name(parameter.listed)} was {before}, and is not read now"
     who = _who(parameter.bad)
     return f"{name(parameter.listed)} {value}, was {before}{f', written by {who}' if who else ''}"
 

@@ -44,7 +44,8 @@ def rows(packet: Packet, file: str) -> Iterator[Row]:
     for number, access in enumerate(packet.accesses):
         _, station, device, ident = access.parameter
         values = {name: None if value == "" else value for name, value in access._asdict().items()}
-        values |= {"station": station, "device": device, "parameter": ident}
+        number_of = None if access.number is None else float(access.number)
+        values |= {"station": station, "device": device, "parameter": ident, "number": number_of}
         yield Row("values", place | {"place": number} | values)
     if packet.type == EVENT:
         yield Row("events", place | {"place": 0, "code": packet.event, "text": packet.text} | _event(packet.event))

@@ -44,7 +44,7 @@ TABLES = {
                 ("value", pa.string()),
                 ("number", pa.float64()),
                 ("status", pa.int16()),
-                ("error", pa.int32()),
+                ("error", pa.int64()),
                 ("is_good", pa.bool_()),
                 ("is_repeat", pa.bool_()),
                 ("is_unanswered", pa.bool_()),
@@ -62,7 +62,7 @@ TABLES = {
                 ("has_character_error", pa.bool_()),
                 ("has_break", pa.bool_()),
                 ("has_loss", pa.bool_()),
-                ("baud", pa.int32()),
+                ("baud", pa.int64()),
             ]
         ),
         ("epoch_ns", "line", "place", "sender", "receiver", "service", "is_reaction"),
