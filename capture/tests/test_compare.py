@@ -150,6 +150,17 @@ def test_who_left_and_who_is_new(tmp_path: Path) -> None:
     assert "may be chance" not in line
 
 
+def test_who_is_asked_and_never_answers(tmp_path: Path) -> None:
+    good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER)] * 30)
+    bad = write(tmp_path / "bad.pcapng", [Sent(READ), Sent(ANSWER), Sent(READ_4)] * 30)
+    told = as_json(tmp_path, good, bad)
+    assert told["stations"] == []
+    # The last command is not known to be unanswered: its master says no more.
+    assert [(one["what"], one["good"], one["bad"]) for one in told["services"]] == [
+        ("Read parameter (0x10) of station 4", 0, 29)
+    ]
+
+
 def test_limits_and_faults(tmp_path: Path) -> None:
     """BUS has limits, a line error and lost characters; the other side has one good exchange."""
     good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER)])

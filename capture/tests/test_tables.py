@@ -25,6 +25,8 @@ pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install py
 HOUSE = Path(__file__).parent.parent.parent
 README = HOUSE / "capture" / "sistap" / "tables" / "README.md"
 QUESTIONS = dict(re.findall(r"### (.+?)\n.*?```sql\n(.*?)```", README.read_text("utf-8"), re.DOTALL))
+DAY_S = 86_400
+BEFORE_MIDNIGHT_S = 6398  # after the first capture: 2 s
 NAMES = ("telegrams", "values", "events")
 SLOWER, MINUTE, CHANGED, LINE, RANGE = QUESTIONS
 
@@ -67,17 +69,17 @@ DAY_2 = [
 FIRST = datetime.fromtimestamp(report_capture.START_NS // 10**9, UTC)  # 2023-11-14 22:13:20
 
 
-def write_at(path: Path, sent: Iterable[Sent], days: int) -> Path:
-    """Write a capture that begins so many days later."""
+def write_at(path: Path, sent: Iterable[Sent], later_s: int) -> Path:
+    """Write a capture that begins so much later."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report_capture, "START_NS", report_capture.START_NS + days * 86_400 * 10**9)
+        patch.setattr(report_capture, "START_NS", report_capture.START_NS + later_s * 10**9)
         return write(path, sent)
 
 
 @pytest.fixture(scope="module")
 def days(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     folder = tmp_path_factory.mktemp("days")
-    return [write_at(folder / "one.pcapng", DAY_1, 0), write_at(folder / "two.pcapng", DAY_2, 1)]
+    return [write_at(folder / "one.pcapng", DAY_1, 0), write_at(folder / "two.pcapng", DAY_2, DAY_S)]
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +118,7 @@ def test_the_columns(made: Path) -> None:
     rows = asked(made, "SELECT * FROM all_telegrams WHERE tap = 'press' ORDER BY epoch_ns")
     assert len(rows) == len(DAY_1) + len(DAY_2)
     late = rows[len(DAY_1) + 5]
-    start_ns = report_capture.START_NS + 86_400 * 10**9
+    start_ns = report_capture.START_NS + DAY_S * 10**9
     assert late["epoch_ns"] == report_capture.records(DAY_2)[6].time_ns - report_capture.START_NS + start_ns
     assert late["time"] == datetime.fromtimestamp(late["epoch_ns"] // 1000 / 1e6, UTC)
     expected = {"file": "two.pcapng", "packet": 7, "port": "test port", "line": 0, "day": date(2023, 11, 15)}
@@ -235,11 +237,20 @@ def test_a_capture_that_has_grown_brings_what_is_new(tmp_path: Path) -> None:
         write(tmp_path / "growing.pcapng", sent)
         assert run(tmp_path, "tables", "growing.pcapng", "-o", "t").returncode == 0
     assert count(tmp_path / "t") == [len(DAY_2), 2, 1]
+    assert len(list((tmp_path / "t" / "telegrams").rglob("*.parquet"))) == 1
+
+
+def test_a_capture_that_is_another_now_replaces_what_it_had(tmp_path: Path) -> None:
+    """Two days that become one, of the same name and beginning."""
+    for sent in ([*DAY_1, command(0x10, READ)._replace(silence_ms=4000.0)], DAY_1):
+        write_at(tmp_path / "again.pcapng", sent, BEFORE_MIDNIGHT_S)
+        assert run(tmp_path, "tables", "again.pcapng", "-o", "t").returncode == 0
+    assert count(tmp_path / "t") == [len(DAY_1), 2, 1]
 
 
 def test_a_telegram_in_two_captures_is_one(tmp_path: Path, days: list[Path]) -> None:
     """A copy of another name, and a capture that has the beginning of it."""
-    write_at(tmp_path / "beginning.pcapng", DAY_2[:8], 1)
+    write_at(tmp_path / "beginning.pcapng", DAY_2[:8], DAY_S)
     shutil.copy(days[1], tmp_path / "copy.pcapng")
     with (tmp_path / "copy.pcapng").open("ab") as file:  # so its bytes are others: an empty section behind it
         file.write(write(tmp_path / "empty.pcapng", [], dissector="sis").read_bytes())
