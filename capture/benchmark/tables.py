@@ -47,6 +47,9 @@ address = 16
 script = [
     { set = "TrS", ms = 50, station = 3 },
     { set = "accept", station = 255, device = 0 },
+    { read = "S-0-0051", element = "attribute", station = 3 },
+    { read = "S-0-0051", element = "attribute", station = 4 },
+    { read = "S-0-0051", element = "attribute", station = 5 },
     { loop = [
         { repeat = [
             { read = "S-0-0051", station = 3 },
@@ -195,6 +198,7 @@ def _answer_with_spark(tables: Path, question: str) -> None:
     from pyspark.sql import SparkSession  # noqa: PLC0415
 
     builder = SparkSession.builder.master("local[*]").config("spark.ui.enabled", "false")
+    builder = builder.config("spark.ui.showConsoleProgress", "false")
     builder = builder.config("spark.driver.memory", "8g").config("spark.driver.host", "127.0.0.1")
     spark = builder.config("spark.sql.session.timeZone", "UTC").getOrCreate()
     for name in NAMES:
