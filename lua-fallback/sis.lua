@@ -684,7 +684,6 @@ N.events = {
   [3] = "Characters lost",
   [4] = "Adapter lost",
   [5] = "Marker",
-  [6] = "Capture ended",
 }
 field("sertap.version", "Version", ftypes.UINT8, base.DEC)
 field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC)
@@ -1734,13 +1733,60 @@ do
   local escapes = {["\a"] = "\\a", ["\b"] = "\\b", ["\f"] = "\\f", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t",
     ["\v"] = "\\v"}
 
-  -- What follows the byte `lead`, which begins no ASCII character, as far as it is UTF-8.
-  local function format_beyond_ascii(lead, rest)
-    local length = lead < "\192" and 0 or lead < "\224" and 1 or lead < "\240" and 2 or lead < "\248" and 3 or 0
-    local taken = sub(rest, 1, length)
+  -- Characters that nobody sees, first and last: controls, marks that turn the direction of what follows, and what
+  -- never is a character, as the last two of each plane.
+  local invisible = {{0x00, 0x1F}, {0x7F, 0x9F}, {0xAD, 0xAD}, {0x600, 0x605}, {0x61C, 0x61C}, {0x6DD, 0x6DD},
+    {0x70F, 0x70F}, {0x8E2, 0x8E2}, {0x180E, 0x180E}, {0x200B, 0x200F}, {0x202A, 0x202E}, {0x2060, 0x206F},
+    {0xFDD0, 0xFDEF}, {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0x110BD, 0x110BD}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A},
+    {0xE0001, 0xE0001}, {0xE0020, 0xE007F}}
 
-    return (length > 0 and #taken == length and lead .. taken or "\239\191\189")
-      .. rep("\239\191\189", #rest - #taken)
+  local function is_visible(code)
+    if code % 0x10000 >= 0xFFFE then return false end
+    for _, range in ipairs(invisible) do
+      if code <= range[2] then return code < range[1] end
+    end
+    return true
+  end
+
+  local function utf8_of(code)
+    if code < 0x80 then return char(code) end
+    local rest = char(0x80 + code % 0x40)
+    code = floor(code / 0x40)
+    if code < 0x20 then return char(0xC0 + code) .. rest end
+    rest = char(0x80 + code % 0x40) .. rest
+    code = floor(code / 0x40)
+    if code < 0x10 then return char(0xE0 + code) .. rest end
+    return char(0xF0 + floor(code / 0x40), 0x80 + code % 0x40) .. rest
+  end
+
+  local REPLACEMENT = "\239\191\189" -- U+FFFD, in place of what is no UTF-8
+  -- How many bytes follow the first one of a character, and what of the first one belongs to its code.
+  local leads = {{192, 223, 1}, {224, 239, 2}, {240, 247, 3}, {248, 251, 4}, {252, 253, 5}}
+
+  -- The character that begins with the byte `lead`, which is not ASCII, and what of `rest` does not belong to it.
+  local function beyond_ascii(lead, rest)
+    local code = byte(lead)
+
+    for _, known in ipairs(leads) do
+      if code >= known[1] and code <= known[2] then
+        if #rest < known[3] then return REPLACEMENT, "" end
+        code = code - known[1]
+        for at = 1, known[3] do
+          code = code * 0x40 + byte(rest, at) - 0x80
+        end
+        rest = sub(rest, known[3] + 1)
+        if code > 0x10FFFF or (code >= 0xD800 and code < 0xE000) then return REPLACEMENT, rest end
+        if is_visible(code) then return utf8_of(code), rest end
+        return strformat(code > 0xFFFF and "\\U%08X" or "\\u%04X", code), rest
+      end
+    end
+    return REPLACEMENT, rest
+  end
+
+  local function format_beyond_ascii(lead, rest)
+    local shown, others = beyond_ascii(lead, rest)
+
+    return shown .. rep(REPLACEMENT, #others)
   end
 
   -- As tvb_format_text() does it: in quotes, it would read like a string of C.
@@ -6435,13 +6481,49 @@ do
 
   at_init(print_what_is_asked_for)
 
+  local WINDOW = 76 -- characters that fit into a line of a window
+
+  -- A table that is too wide, a few columns at a time, each time behind its first column.
+  local function in_narrow_tables(text)
+    local rows, lines, from = {}, {}, 2
+
+    for line in string.gmatch(text, "[^\n]+") do
+      local cells = {}
+
+      for cell in string.gmatch(line, "[^|]*|") do
+        cells[#cells + 1] = cell
+      end
+      rows[#rows + 1] = cells
+    end
+    local heads = rows[1]
+
+    while from <= #heads do
+      local width, to = #heads[1] + #heads[from], from
+
+      while to < #heads and width + #heads[to + 1] <= WINDOW do
+        to = to + 1
+        width = width + #heads[to]
+      end
+      for _, cells in ipairs(rows) do
+        lines[#lines + 1] = (cells[1] or "") .. concat(cells, "", from, min(to, #cells))
+      end
+      lines[#lines + 1] = ""
+      from = to + 1
+    end
+    return concat(lines, "\n")
+  end
+
+  local function window_text(text)
+    return string.find(text, "|", 1, true) and in_narrow_tables(text) or text
+  end
+
   local function open_window(kind)
     return function()
       local window = TextWindow.new(kind.title)
       local tap
 
       S.is_counting = true
-      tap = start(kind, function(text) window:set(text) end)
+      tap = start(kind, function(text) window:set(window_text(text)) end)
       window:set_atclose(function() tap:remove() end)
       retap_packets()
     end

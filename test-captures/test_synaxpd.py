@@ -13,7 +13,7 @@ from sistap.files import pcapng
 from sistap.wireshark.tshark import Tshark
 from tables import Table, check
 
-FIELDS = "direction word value value.number raw"
+FIELDS = "synaxpd.direction synaxpd.word synaxpd.value sis.value.number synaxpd.raw"
 TO, FROM = "direction=1", "direction=2"
 
 WORDS: Table = {
@@ -43,11 +43,20 @@ SWAPPED: Table = {
 }
 
 
+def whole(table: Table) -> Table:
+    """Give the fields of a table their whole names: a number is one of SIS."""
+    rows = {frame: row.split("; ") for frame, row in table.items()}
+    return {
+        frame: "; ".join(("sis." if entry.startswith("value.number") else "synaxpd.") + entry for entry in entries)
+        for frame, entries in rows.items()
+    }
+
+
 @pytest.mark.parametrize(
     ("name", "table"), [("synaxpd", WORDS), ("synaxpd-table", VALUES), ("synaxpd-swapped", SWAPPED)]
 )
 def test_values(name: str, table: Table, tshark: Tshark) -> None:
-    check(tshark, name, FIELDS, "", table, *Scenario(HERE / f"{name}.txt").options, prefix="synaxpd.")
+    check(tshark, name, FIELDS, "", whole(table), *Scenario(HERE / f"{name}.txt").options, prefix="")
 
 
 def test_no_port_is_known_by_itself(tshark: Tshark) -> None:

@@ -15,7 +15,8 @@ It has a room for each job. A room may use those named beside it, and what these
     capture                 files, records, line       `sistap capture`
     serve                   capture                    `sistap serve`: a line of this computer, heard at others
     bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
-    selftest                line                       `sistap selftest`
+    beside                  files, wireshark           two captures of the same traffic compared
+    selftest                line, beside               `sistap selftest`
     doctor                  capture, wireshark         `sistap doctor`
     extcap                  all above                  Wireshark's interfaces
     install                 all above                  `sistap install` and `uninstall`

@@ -4,19 +4,22 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 from pathlib import Path
 
 import pytest
 
 import sistap
-from sistap.terminal.advice import advice
+from sistap.cli import COMMANDS
+from sistap.terminal.advice import advice, examples
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-serial|libpcap0")
 
 # Where else such words may stand: in modules that Windows never loads, and where the programs of Linux are named.
 LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}
+LINUX_FILES = {"analyser.py"}  # of what is found in sysfs, and of a program that other systems get elsewhere
 
 
 def test_windows_is_told_nothing_of_linux() -> None:
@@ -35,6 +38,19 @@ def texts(file: Path) -> list[str]:
 
 @pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda file: str(file.relative_to(PACKAGE)))
 def test_such_words_stand_in_the_table_alone(file: Path) -> None:
-    if file.name != "advice.py":
+    if file.name != "advice.py" and file.name not in LINUX_FILES:
         allowed = LINUX_ALONE.get(file.name, "\0")
         assert not [text for text in texts(file) if WORDS.search(text) and allowed not in text]
+
+
+@pytest.mark.parametrize("module", ["sistap.cli", *(module for module, _ in COMMANDS.values())])
+def test_examples_have_the_ports_of_windows(module: str) -> None:
+    text: str = getattr(importlib.import_module(module), "EPILOG", "")
+    translated = examples(text, "win32")
+    assert "/dev/tty" not in translated
+    assert "'" not in "".join(line for line in translated.splitlines() if line.startswith("  sistap"))
+    assert examples(text, "linux") == text
+    for line, other in zip(text.splitlines(), translated.splitlines(), strict=True):
+        if "/dev/tty" in line and re.search(r"\S  ", line):
+            assert len(line) == len(other)
+            assert line.rpartition("  ")[2] == other.rpartition("  ")[2]

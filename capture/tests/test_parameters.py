@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import shutil
 from pathlib import Path
 
@@ -128,6 +129,8 @@ def test_what_cannot_be_read_or_written(tmp_path: Path, full: Path) -> None:
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
     refused(run(tmp_path, "parameters", "junk"), 2, "junk is not a capture")
     refused(run(tmp_path, "parameters", CAPTURE, "nothing"), 2, "cannot read nothing")
+    os.mkfifo(tmp_path / "pipe")
+    refused(run(tmp_path, "parameters", "pipe"), 2, "pipe is not a file")
     shutil.copy(CAPTURE, tmp_path / "x.pcapng")
     refused(run(tmp_path, "parameters", "x.pcapng", "-o", "x.pcapng"), 2, "is the capture itself")
     refused(run(tmp_path, "parameters", CAPTURE, "-o", full), 1, "/dev/full", "No space left")
@@ -141,12 +144,30 @@ def test_nothing_in_it(tmp_path: Path) -> None:
     assert done.stderr == "sistap: no parameter was read or written\n"
 
 
+PLACE = Place("file", 1, 0.0)
+WRITTEN = Access(Parameter("", "3", 5, "S-0-0030"), True, 16, "", "01", None, "01", "", "", "", "")
+
+
+def test_after_a_part_was_written_the_value_is_unknown() -> None:
+    listing = Listing()
+    part = WRITTEN._replace(value="", data=None)
+    changes = [listing.add(PLACE, access) for access in (WRITTEN, WRITTEN, part, WRITTEN)]
+    assert [change and change.before for change in changes] == [None, None, "01", None]
+    assert changes[1] is None
+    assert changes[3]
+
+
+def test_a_change_that_the_text_does_not_show() -> None:
+    """A long list is cut in the text; its bytes are compared."""
+    listing = Listing()
+    assert listing.add(PLACE, WRITTEN)
+    assert listing.add(PLACE, WRITTEN._replace(data="02"))
+
+
 def test_memory_is_bounded() -> None:
     listing = Listing()
-    place = Place("file", 1, 0.0)
-    access = Access(Parameter("", "3", 5, ""), True, 16, "", "01", None, "01", "", "", "", "")
     for number in range(MOST + 2):
-        listing.add(place, access._replace(parameter=access.parameter._replace(ident=f"S-0-{number}")))
+        listing.add(PLACE, WRITTEN._replace(parameter=WRITTEN.parameter._replace(ident=f"S-0-{number}")))
     assert len(listing) == MOST
     assert listing.left_out == 2
 

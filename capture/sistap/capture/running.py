@@ -46,6 +46,24 @@ class TextSink:
         """Print nothing."""
 
 
+class Tally:
+    """Hands records on to a sink, and counts those that it has written."""
+
+    def __init__(self, sink: Sink) -> None:
+        """Begin at zero."""
+        self._sink = sink
+        self.written = Counters()
+        self.begin, self.look, self.end = sink.begin, sink.look, sink.end
+
+    def write(self, record: Record) -> bool:
+        """Hand it on; count it if it was written and is no event."""
+        written = self._sink.write(record)
+        if written and record.type != Type.EVENT:
+            self.written.add_read(record)
+            self.written.add_record(record)
+        return written
+
+
 @priority.real_time()
 def record(  # noqa: PLR0913 - it puts the parts together
     options: CaptureOptions, plan: Plan, output: Output, stop: Stop, console: Audience, remote: Remote | None = None
@@ -58,9 +76,10 @@ def record(  # noqa: PLR0913 - it puts the parts together
             opened.callback(readers[-1].close)
             _check_steering(options, readers[-1])
         counters = Counters()
+        tally = Tally(_sink(options, readers, output, counters))
         capture = Capture(
             readers,
-            _sink(options, readers, output, counters),
+            tally,
             output,
             counters,
             console,
@@ -69,9 +88,10 @@ def record(  # noqa: PLR0913 - it puts the parts together
             progress=bool(options.file) and not options.quiet and console.shows_progress,
             remote=remote,
         )
-        code = capture.run(stop)
+        with output.lasting():
+            code = capture.run(stop)
     if options.file:
-        console.say(_summary(counters, output))
+        console.say(_summary(tally.written, counters.received.total(), output))
     elif not options.quiet:
         console.say(str(counters))
     return code
@@ -106,10 +126,11 @@ def _interface(options: CaptureOptions, reader: Reader) -> Interface:
     )
 
 
-def _summary(counters: Counters, output: Output) -> str:
-    received = counters.received.total()
-    of_received = f" of {received}" if counters.written != received else ""
+def _summary(written: Counters, received: int, output: Output) -> str:
+    """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
+    records = written.received.total()
+    of_received = f" of {received}" if records != received else ""
     return (
-        f"{counters.written}{of_received} records ({counters.telegrams} telegrams, {counters.characters} characters, "
-        f"{counters.errors}) written to {output.summary}"
+        f"{records}{of_received} records ({written.telegrams} telegrams, {written.characters} characters, "
+        f"{written.errors}) written to {output.summary}"
     )

@@ -12,9 +12,8 @@ from sistap.accesses.listing import Listed
 from sistap.compare import chance
 from sistap.compare.chance import CERTAIN
 from sistap.compare.samples import Samples
-from sistap.compare.side import LIMITS, SENT_AGAIN, Failure, Service, Side
+from sistap.compare.side import FAULTS, LIMITS, SENT_AGAIN, Failure, Service, Side
 from sistap.packets.distribution import Distribution
-from sistap.packets.moments import KINDS
 from sistap.sis.names import service_name
 
 SMALL = 0.05  # a time that differs by less than this part is the same
@@ -165,7 +164,7 @@ def _one_sided(good: Counter[Any], bad: Counter[Any], share: float, text: Callab
 
 
 def _faults(good: Side, bad: Side) -> Iterator[Count]:
-    kinds = [(kind.name, kind.title, kind.filter) for kind in KINDS if kind.is_fault]
+    kinds = [(kind.name, kind.title, kind.filter) for kind in FAULTS]
     for name, title, display_filter in [*kinds, (SENT_AGAIN, "Command sent again", "sis.repeat_of")]:
         likely = chance.of_share(good.records, bad.records, [name])
         yield Count(title, good.faults[name], bad.faults[name], likely, display_filter)

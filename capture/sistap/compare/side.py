@@ -21,6 +21,8 @@ from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
 SENT_AGAIN = "sent_again"
+# Reactions with an error are counted by parameter and error.
+FAULTS = tuple(kind for kind in KINDS if kind.is_fault and kind.name != "error_reaction")
 LIMITS = {"tza": "TzA", "trs": "TrS", "tmas": "Tmas"}
 
 
@@ -114,12 +116,9 @@ def _faults(packet: Packet) -> list[str]:
     """Return the kinds of fault in a packet."""
     faults = [
         kind.name
-        for kind in KINDS
-        if kind.is_fault
-        and (
-            (kind.of_packet and kind.of_packet(packet))
-            or (kind.of_telegram and any(kind.of_telegram(telegram) for telegram in packet.telegrams))
-        )
+        for kind in FAULTS
+        if (kind.of_packet and kind.of_packet(packet))
+        or (kind.of_telegram and any(kind.of_telegram(telegram) for telegram in packet.telegrams))
     ]
     return [*faults, SENT_AGAIN] if any(telegram.is_repeat for telegram in packet.telegrams) else faults
 

@@ -72,6 +72,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> None:
     for capture in args.captures:
+        if capture.exists() and not capture.is_file():
+            raise NotACapture(f"{capture} is not a file: save the capture first")
         try:
             capture.open("rb").close()
         except OSError as error:
