@@ -204,6 +204,7 @@ def test_what_cannot_be_compared(tmp_path: Path, bus: dict[str, Path]) -> None:
     for wrong in ([evening], [evening] * 3, ["--good", evening], ["--good", evening, "--bad", evening, "--", evening]):
         refused(run(tmp_path, "compare", *wrong), 2, "two captures", "--good")
     refused(run(tmp_path, "compare", evening, "none.pcapng"), 2, "cannot read none.pcapng")
+    refused(run(tmp_path, "compare", evening, "."), 2, ". is not a file")
     (tmp_path / "junk").write_text("this is no capture\n" * 9)
     refused(run(tmp_path, "compare", evening, "junk"), 2, "junk is not a capture")
     refused(run(tmp_path, "compare", evening, evening, "-o", evening), 2, "is one of the captures")

@@ -296,6 +296,25 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, days: list[Path
     assert not list((tmp_path / "t").rglob("*.new"))
 
 
+def test_a_file_that_is_none_of_the_tables(tmp_path: Path, days: list[Path]) -> None:
+    run(tmp_path, "tables", *days, "-o", "t")
+    copy = shutil.copy(days[0], tmp_path / "copy.pcapng")
+    with Path(copy).open("ab") as file:
+        file.write(write(tmp_path / "empty.pcapng", [], dissector="sis").read_bytes())
+    [folder] = (tmp_path / "t" / "telegrams").glob("*/day=2023-11-14")
+    (folder / "half.parquet").write_bytes(b"PAR1 and then nothing")
+    refused(run(tmp_path, "tables", "copy.pcapng", "-o", "t"), 1, "half.parquet", "move it away")
+    (folder / "half.parquet").unlink()
+    assert count(tmp_path / "t") == [len(DAY_1) + len(DAY_2), 4, 2]
+
+
+def test_a_long_name_of_a_tap(tmp_path: Path) -> None:
+    write_at(tmp_path / "old.pcapng", DAY_1, 0)
+    run(tmp_path, "tables", "--tap", "../" + "x" * 300, "old.pcapng", "-o", "t")
+    [folder] = (tmp_path / "t" / "telegrams").iterdir()
+    assert folder.name == f"tap={'x' * 100}"
+
+
 def test_without_pyarrow(tmp_path: Path, days: list[Path]) -> None:
     (tmp_path / "nothing").mkdir()
     (tmp_path / "nothing" / "pyarrow.py").write_text("raise ImportError('not here')")

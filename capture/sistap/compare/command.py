@@ -89,6 +89,8 @@ def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
     else:
         raise UsageError("name two captures, good and bad; for several files of a side use --good and --bad")
     for capture in (*sides[0], *sides[1]):
+        if capture.exists() and not capture.is_file():
+            raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
         try:
             capture.open("rb").close()
         except OSError as error:

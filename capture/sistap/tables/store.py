@@ -14,7 +14,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,6 +29,8 @@ _TOGETHER = 1 << 17  # rows of all tables that wait for being written
 _OPEN = 32  # files at a time
 _NOTES = "_captures"  # nobody takes what begins with _ for a table
 _NS_PER_US = 1000
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)  # Windows knows no time before it
+_LONGEST = 100  # characters of a name that others give
 
 
 class Part(NamedTuple):
@@ -68,9 +70,10 @@ class Store:
             self._forget(incoming.id, set(files))
             self._write_note(digest, incoming.id, files)
         except OSError as error:
-            raise Incomplete(
-                f"{self._root} is incomplete: {error.strerror or error}; make room and run it again"
-            ) from None
+            reason = error.strerror or error
+            raise Incomplete(f"{self._root} is incomplete: {reason}; make room, and run it again") from None
+        except _Strange as strange:
+            raise Incomplete(f"{strange} is none of the tables: move it away, and run it again") from None
         finally:
             incoming.clear()
         return incoming.count
@@ -94,6 +97,10 @@ class Store:
                 file.unlink()
 
 
+class _Strange(Exception):
+    """A file in the folder cannot be read as a table of ours; the text is its name."""
+
+
 class _Incoming:
     """A capture on its way into the folder."""
 
@@ -115,8 +122,8 @@ class _Incoming:
         if not self.id:
             first = f"{self._capture}\0{tap}\0{values['epoch_ns']}"
             self.id = hashlib.blake2b(first.encode(), digest_size=8).hexdigest()
-        time = datetime.fromtimestamp(values["epoch_ns"] // 10**9, UTC)
         values["time"] = values["epoch_ns"] // _NS_PER_US
+        time = _EPOCH + timedelta(microseconds=values["time"])
         self._waiting[Part(row.table, tap, time.date().isoformat())].append(values)
         self._waiting_rows += 1
         if self._waiting_rows == _TOGETHER:
@@ -159,7 +166,10 @@ class _Incoming:
         there: set[tuple[Any, ...]] = set()
         for file in part.folder(self._root).glob("*.parquet"):
             if own not in file.name:
-                there.update(_keys(file, same, min(times), max(times)))
+                try:
+                    there.update(_keys(file, same, min(times), max(times)))
+                except (pa.ArrowException, KeyError, TypeError):
+                    raise _Strange(str(file)) from None
         return (row for row in values if tuple(row.get(name) for name in same) not in there)
 
     def _writer(self, part: Part) -> pq.ParquetWriter:
@@ -183,7 +193,7 @@ class _Incoming:
 
 def slug(name: str) -> str:
     """Make a name that is a folder's on every system, and that no SQL has to quote."""
-    return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_.") or "unnamed"
+    return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_.")[:_LONGEST] or "unnamed"
 
 
 def _keys(file: Path, same: tuple[str, ...], first_ns: int, last_ns: int) -> Iterator[tuple[Any, ...]]:
