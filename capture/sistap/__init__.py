@@ -11,6 +11,7 @@ It has a room for each job. A room may use those named beside it, and what these
     files                   records                    pcapng files and rings of them, written and read
     wireshark               terminal                   tshark: run, its rows, its folders
     accesses                wireshark                  what was read and written of parameters, and the list of them
+    packets                 accesses, records          packets and telegrams as the dissector says them, and their times
     capture                 files, records, line       `sistap capture`
     serve                   capture                    `sistap serve`: a line of this computer, heard at others
     bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
@@ -23,6 +24,8 @@ It has a room for each job. A room may use those named beside it, and what these
     report                  all above                  `sistap report`
     annotate                all above                  `sistap annotate` and `log`
     parameters              all above                  `sistap parameters`
+    compare                 all above                  `sistap compare`
+    tables                  all above                  `sistap tables`
     cli, __main__           everything                 the command `sistap`
 
 The rooms with "all above" are products: no product uses another. A character flows from a reader through framer and

@@ -27,6 +27,8 @@ COMMANDS = {
     "serve": ("sistap.serve.command", "let other computers hear a line of this one"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
     "parameters": ("sistap.parameters.command", "list what was read and written of parameters, and what has changed"),
+    "compare": ("sistap.compare.command", "say what has changed between a good time and a bad one"),
+    "tables": ("sistap.tables.command", "put captures into tables, for questions about months and many machines"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
     "log": ("sistap.annotate.log", "write a capture as such a log, explained"),
     "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),

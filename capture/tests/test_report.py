@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from report_capture import ACCEPT, ANSWER, BUS, LINE, READ, STARTED, Sent, write
 from sharkd import Sharkd
 
+from sistap.packets.dissection import FIELDS, Dissection, Packet
+from sistap.packets.kept import Span
 from sistap.records.record import Framing, Type
 from sistap.report import page, plain, tables
-from sistap.report.dissection import FIELDS, Dissection, Packet
 from sistap.report.figures import Figures
 from sistap.report.gather import Report, gather
-from sistap.report.kept import Span
 from sistap.report.windows import PACKETS_KEPT, Window, parse
 from sistap.sis.telegram import build
 from sistap.terminal.writing import Incomplete
@@ -242,7 +242,7 @@ def test_what_is_read_again_is_what_was_asked_for(
 
     spans = [Span(start_s, start_s + 3) for start_s in starts_s]
     with pytest.MonkeyPatch.context() as patch, Dissection(cast(Tshark, TimedTshark()), Path("x")) as dissection:
-        patch.setattr("sistap.report.kept._TOGETHER", 7)
+        patch.setattr("sistap.packets.kept._TOGETHER", 7)
         read = list(dissection.packets())
         again = list(dissection.again(numbers, spans))
     assert [packet.time_s for packet in read] == times_s

@@ -8,10 +8,10 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
 from sistap.accesses.listing import Listing, Place
+from sistap.packets.dissection import Judged, Packet, Telegram
+from sistap.packets.distribution import Distribution, Slices
+from sistap.packets.moments import LOST, Moments
 from sistap.report.curves import Curves
-from sistap.report.dissection import Judged, Packet, Telegram
-from sistap.report.distribution import Distribution, Slices
-from sistap.report.moments import LOST, Moments
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20

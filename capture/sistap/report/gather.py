@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sistap.packets.dissection import Dissection
+from sistap.packets.moments import Moment
 from sistap.report import windows
-from sistap.report.dissection import Dissection
 from sistap.report.figures import Figures
-from sistap.report.moments import Moment
 from sistap.report.windows import Window
 from sistap.terminal.garbage import uncollected
 from sistap.terminal.visible import visible

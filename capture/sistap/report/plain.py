@@ -7,12 +7,12 @@ import json
 from typing import Any
 
 from sistap.accesses.listing import Listed
+from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Packet
+from sistap.packets.distribution import Distribution
+from sistap.packets.moments import Moment
 from sistap.report import tables
-from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Packet
-from sistap.report.distribution import Distribution
 from sistap.report.figures import Figures, Limit, Station
 from sistap.report.gather import Report
-from sistap.report.moments import Moment
 from sistap.report.windows import Window
 from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER

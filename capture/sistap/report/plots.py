@@ -17,11 +17,11 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from sistap.accesses.listing import Listed
+from sistap.packets.dissection import EXCEEDED, Packet, Telegram
+from sistap.packets.distribution import Distribution, Slices
+from sistap.packets.moments import KINDS
 from sistap.report.curves import Curve, Point
-from sistap.report.dissection import EXCEEDED, Packet, Telegram
-from sistap.report.distribution import Distribution, Slices
 from sistap.report.gather import Report
-from sistap.report.moments import KINDS
 from sistap.report.tables import ms, of_device
 from sistap.report.windows import Window
 from sistap.sis.names import service_name

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 from sistap.accesses.access import Parameter
 from sistap.accesses.listing import Listed
+from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged
+from sistap.packets.distribution import Distribution
+from sistap.packets.moments import KINDS, Moment
 from sistap.records.record import Event, Framing
-from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Judged
-from sistap.report.distribution import Distribution
 from sistap.report.figures import Figures, Limit
 from sistap.report.gather import Report
-from sistap.report.moments import KINDS, Moment
 from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 

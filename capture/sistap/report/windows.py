@@ -7,9 +7,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from sistap.report.dissection import Dissection, Packet
-from sistap.report.kept import Span
-from sistap.report.moments import Moment
+from sistap.packets.dissection import Dissection, Packet
+from sistap.packets.kept import Span
+from sistap.packets.moments import Moment
 from sistap.wireshark.rows import FRAME, OTHER
 
 WORST_SHOWN = 3  # windows around the worst moments

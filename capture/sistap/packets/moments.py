@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from sistap.line.settings import Flag
+from sistap.packets.dissection import EXCEEDED, Judged, Packet, Telegram
 from sistap.records.record import Event
-from sistap.report.dissection import EXCEEDED, Judged, Packet, Telegram
 from sistap.wireshark.rows import FRAME, OTHER
 
 WORST = 10  # moments, in all

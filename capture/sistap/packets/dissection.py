@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the dissector says of each packet, streamed from tshark: the only place where a report gets its figures from."""
+"""What the dissector says of each packet, streamed from tshark: the only place where products get figures from."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import NamedTuple
 from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
 from sistap.line.settings import Flag
-from sistap.report.kept import Kept, Span
+from sistap.packets.kept import Kept, Span
 from sistap.wireshark import rows
 from sistap.wireshark.rows import INFO_FIELDS, JOINT, NECESSARY, NO_DISSECTOR, damage, first, info, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -100,6 +100,7 @@ class Telegram:
     pause: Judged | None  # TzA; the longest inside the telegram
     cycle: Judged | None  # Tmas
     pause_position: int | None  # of the character after it, from 1
+    columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
 
 
 @dataclass(slots=True)
@@ -123,6 +124,7 @@ class Packet:
     accesses: list[Access] = field(default_factory=list)  # to parameters
     info: str = ""
     framing: int | None = None  # of a frame; 0: SIS
+    columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
 
     @property
     def end_s(self) -> float:
@@ -136,10 +138,12 @@ class Dissection:
     Use it in a `with`.
     """
 
-    def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Nothing is read yet."""
+    def __init__(self, tshark: Tshark, capture: Path, more: Sequence[str] = (), *, keeps: bool = True) -> None:
+        """Read these fields, too. Nothing is read yet; what is not kept cannot be read again()."""
         self._tshark = tshark
         self._capture = capture
+        self._fields = (*FIELDS, *more, *(INFO_FIELDS if keeps else ()))
+        self._keeps = keeps
         self._unknown: set[str] = set()
         self._names: list[str] = []  # of the columns
         self._kept = Kept()
@@ -156,7 +160,7 @@ class Dissection:
     @property
     def missing(self) -> list[str]:
         """Fields that the installed dissector does not know; right after the first packets."""
-        return [name for name in FIELDS if name in self._unknown]
+        return [name for name in self._fields if name in self._unknown and name not in INFO_FIELDS]
 
     def packets(self) -> Iterator[Packet]:
         """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
@@ -176,14 +180,15 @@ class Dissection:
                 yield packet
 
     def _packets(self) -> Iterator[Packet]:
-        self._names = [name for name in (*FIELDS, *INFO_FIELDS) if name not in self._unknown]
+        self._names = [name for name in self._fields if name not in self._unknown]
         arguments = ["-r", str(self._capture), "-2", *rows.printing(self._names)]
         came = False
         try:
             for line in self._tshark.lines(arguments):
                 came = True
                 packet = _packet(rows.columns(self._names, line))
-                self._kept.put(packet.number, packet.time_s, line)
+                if self._keeps:
+                    self._kept.put(packet.number, packet.time_s, line)
                 yield packet
         except TsharkError as error:
             self._judge(error, came)
@@ -222,6 +227,7 @@ def _packet(columns: dict[str, str]) -> Packet:
         accesses=list(accesses(columns)),
         info=info(columns),
         framing=_known_integer(columns.get("sertap.framing")),
+        columns=columns,
     )
 
 
@@ -281,6 +287,7 @@ def _telegram(columns: dict[str, str]) -> Telegram:
         ),
         cycle=_judged(get("sis.tmas.cycle"), get("sis.tmas.limit"), get("sis.tmas.verdict")),
         pause_position=_known_integer(get("sis.tza.position")),
+        columns=columns,
     )
 
 

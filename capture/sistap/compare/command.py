@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap compare`: the command line."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+from sistap.compare import plain
+from sistap.compare.differences import Comparison, compare
+from sistap.compare.page import page
+from sistap.compare.side import read
+from sistap.terminal.console import Console
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.wireshark.rows import NotACapture
+from sistap.wireshark.tshark import Tshark, TsharkError
+
+DESCRIPTION = """\
+Say what has changed between a time when all was well and one when it was not: stations that appeared or left,
+parameters that differ and who wrote them, services and errors that are new, reaction times and intervals, faults of the
+line, rates and limits. The first five lines say it, tables below have all of it. Each difference says how likely chance
+alone makes it. All figures come from Wireshark's dissector, through tshark, which has to be installed with the plugin
+or sis.lua.
+"""
+
+EPILOG = """\
+A side may be several files, such as those of a ring: then --good and --bad name them, in the order of their time. A
+shell's * does that.
+
+Chance: neighbours on a bus are alike, so the captures are cut into pieces of some length, and these are compared:
+medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Who compares a hundred
+things finds some by chance, which is taken into account. Certain is what chance makes less than once in 100 times.
+
+examples:
+  sistap compare evening.pcapng night.pcapng                     good first, then bad
+  sistap compare --good monday-*.pcapng --bad friday-*.pcapng    several files
+  sistap compare evening.pcapng night.pcapng --format html -o changed.html
+
+exit status:
+  0  done, whatever has changed; also of a capture that is cut, which is said on standard error
+  1  failed while running: tshark or the plugin is missing, disk full
+  2  wrong usage, a capture that cannot be read, a FILE that cannot be written
+"""
+
+FORMATS: dict[str, Callable[[Comparison], str]] = {"text": plain.as_text, "html": page, "json": plain.as_json}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.add_argument("captures", metavar="GOOD BAD", type=Path, nargs="*", help="one capture of each side")
+    for side, time in (("good", "all was well"), ("bad", "it was not")):
+        parser.add_argument(
+            f"--{side}", metavar="CAPTURE", type=Path, nargs="+", help=f"captures of the time when {time}"
+        )
+    parser.add_argument("--format", choices=FORMATS, default="text", help="what to write (default: text)")
+    parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the comparison; return the exit code."""
+    console = Console()
+    try:
+        good, bad = _sides(args)
+        progress = console.progress if console.shows_progress else _silent
+        with Tshark() as tshark:
+            comparison = compare(*(read(tshark, side, console.say, progress) for side in (good, bad)))
+        if console.shows_progress:
+            console.progress("")
+        with opened(args.output) as file:
+            file.write(FORMATS[args.format](comparison).encode())
+    except (UsageError, NotACapture, NotOpened) as error:
+        console.say(str(error))
+        return USAGE
+    except (Incomplete, TsharkError) as error:
+        console.say(str(error))
+        return FAILED
+    return DONE
+
+
+def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
+    if len(args.captures) == 2 and not args.good and not args.bad:
+        sides = args.captures[:1], args.captures[1:]
+    elif args.good and args.bad and not args.captures:
+        sides = args.good, args.bad
+    else:
+        raise UsageError("name two captures, good and bad; for several files of a side use --good and --bad")
+    for capture in (*sides[0], *sides[1]):
+        if capture.exists() and not capture.is_file():
+            raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
+        try:
+            capture.open("rb").close()
+        except OSError as error:
+            raise UsageError(f"cannot read {capture}: {error.strerror}; name a capture file") from None
+        if args.output and Path(args.output).exists() and capture.samefile(args.output):
+            raise UsageError(f"{args.output} is one of the captures; name another file with -o")
+    return sides
+
+
+def _silent(text: str) -> None:
+    """Show no progress."""

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A comparison as one HTML page that needs nothing else: no script, no network, light and dark."""
+
+from __future__ import annotations
+
+from html import escape
+
+import sistap
+from sistap.compare import findings
+from sistap.compare.differences import Comparison
+from sistap.compare.findings import Table
+
+_STYLE = """\
+:root { color-scheme: light dark; }
+body { margin: 0 auto; padding: 1rem; max-width: 74rem; font: 15px/1.45 system-ui, sans-serif; }
+h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; border-top: 1px solid #8884; }
+.lines { font-size: 1.05rem; }
+.lines th { padding-left: .6rem; white-space: nowrap; border-left: .3rem solid #c2410c; }
+.lines tr.same th { border-left-color: #8884; }
+"""
+
+
+def page(comparison: Comparison) -> str:
+    """Make the page."""
+    lines = "\n".join(
+        f'<tr{"" if line.is_finding else " class=same"}><th scope="row">{escape(line.subject)}</th>'
+        f"<td>{escape(line.text)}</td></tr>"
+        for line in findings.lines(comparison)
+    )
+    tables = "\n".join(map(_table, findings.tables(comparison)))
+    return f"""\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>What has changed</title>
+<style>
+{_STYLE}</style>
+</head>
+<body>
+<h1>What has changed</h1>
+<p>Good: {escape(findings.side(comparison.good))}<br>Bad: {escape(findings.side(comparison.bad))}</p>
+<table class="lines"><tbody>
+{lines}
+</tbody></table>
+{tables}
+<footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>
+</body>
+</html>
+"""
+
+
+def _table(table: Table) -> str:
+    heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
+    rows = "\n".join(f"<tr>{''.join(f'<td>{escape(text)}</td>' for text in row)}</tr>" for row in table.rows)
+    note = f"<p>{escape(table.note)}</p>" if table.note else ""
+    return (
+        f"<h2>{escape(table.title)}</h2>{note}"
+        f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>\n{rows}\n</tbody></table></div>'
+    )

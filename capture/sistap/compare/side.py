@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is counted of one side, good or bad: one capture or several, in bounded memory."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.accesses.listing import Listing, Place
+from sistap.compare.samples import Pieces, Samples
+from sistap.packets.dissection import Dissection, Packet, Telegram
+from sistap.packets.distribution import Distribution
+from sistap.packets.moments import KINDS, LOST
+from sistap.sis.names import service_name
+from sistap.terminal.garbage import uncollected
+from sistap.wireshark.rows import FRAME, OTHER
+from sistap.wireshark.tshark import Tshark
+
+_PROGRESS_EVERY = 5000  # packets
+SENT_AGAIN = "sent_again"
+# Reactions with an error are counted by parameter and error.
+FAULTS = tuple(kind for kind in KINDS if kind.is_fault and kind.name != "error_reaction")
+LIMITS = {"tza": "TzA", "trs": "TrS", "tmas": "Tmas"}
+
+
+class Service(NamedTuple):
+    """A service that a station was asked for."""
+
+    station: int
+    number: int
+
+
+class Failure(NamedTuple):
+    """A reaction with an error."""
+
+    station: int
+    what: str  # a parameter, or the service
+    text: str
+
+
+@dataclass
+class Side:
+    """All that is compared; times in s."""
+
+    names: list[str] = field(default_factory=list)  # of its captures
+    seconds: float = 0.0
+    telegrams: int = 0
+    records: Pieces = field(default_factory=Pieces)  # with their faults
+    faults: Counter[str] = field(default_factory=Counter)
+    settings: Counter[str] = field(default_factory=Counter)  # rate and format
+    limits: dict[str, Counter[float]] = field(default_factory=lambda: {name: Counter() for name in LIMITS})
+    uncertainty: Distribution = field(default_factory=Distribution)
+    stations: Counter[int] = field(default_factory=Counter)  # telegrams that each has sent
+    services: Counter[Service] = field(default_factory=Counter)  # reactions, and commands that none followed
+    failures: Counter[Failure] = field(default_factory=Counter)
+    reactions: defaultdict[Service, Samples] = field(default_factory=lambda: defaultdict(Samples))
+    intervals: defaultdict[int, Samples] = field(default_factory=lambda: defaultdict(Samples))  # by talker
+    parameters: Listing = field(default_factory=Listing)
+
+    @property
+    def uncertainty_s(self) -> float:
+        """How exact half of its times are, at least."""
+        return self.uncertainty.within_s(0.5)
+
+    def add(self, packet: Packet, file: str) -> None:
+        """Count a packet."""
+        if packet.type in (FRAME, OTHER) or packet.telegrams:
+            faults = _faults(packet)
+            self.records.add(faults, 1)
+            self.faults.update(faults)
+        if packet.type in (FRAME, OTHER):
+            if packet.baud:
+                self.settings[f"{packet.baud} Bd {packet.format}".rstrip()] += 1
+            if packet.uncertainty_s is not None:
+                self.uncertainty.add([packet.uncertainty_s])
+        for telegram in packet.telegrams:
+            self._add_telegram(packet, telegram)
+        for access in packet.accesses:
+            self.parameters.add(Place(file, packet.number, packet.epoch_s), access)
+            if access.error:
+                self.failures[
+                    Failure(_first_station(access.parameter.station), access.parameter.ident, access.error)
+                ] += 1
+
+    def _add_telegram(self, packet: Packet, telegram: Telegram) -> None:
+        self.telegrams += 1
+        for name, judged in (("tza", telegram.pause), ("trs", telegram.reaction), ("tmas", telegram.cycle)):
+            if judged and judged.limit_s is not None:
+                self.limits[name][judged.limit_s] += 1
+        if not telegram.good or telegram.talker is None:
+            return
+        self.stations[telegram.talker] += 1
+        if len(packet.telegrams) == 1 and not packet.errors & LOST:
+            self.intervals[telegram.talker].add(packet.intervals_s)
+        if telegram.service is None:
+            return
+        if telegram.is_reaction:
+            self._add_reaction(packet, telegram, Service(telegram.talker, telegram.service))
+        elif telegram.unanswered and telegram.listener is not None:
+            self.services[Service(telegram.listener, telegram.service)] += 1
+
+    def _add_reaction(self, packet: Packet, telegram: Telegram, service: Service) -> None:
+        self.services[service] += 1
+        if telegram.reaction:
+            self.reactions[service].add([telegram.reaction.time_s])
+        # What parameters were refused for is known from the accesses.
+        if telegram.status and not any(access.error for access in packet.accesses):
+            text = f"status 0x{telegram.status:02x}"
+            self.failures[Failure(service.station, service_name(service.number), text)] += 1
+
+
+def _faults(packet: Packet) -> list[str]:
+    """Return the kinds of fault in a packet."""
+    faults = [
+        kind.name
+        for kind in FAULTS
+        if (kind.of_packet and kind.of_packet(packet))
+        or (kind.of_telegram and any(kind.of_telegram(telegram) for telegram in packet.telegrams))
+    ]
+    return [*faults, SENT_AGAIN] if any(telegram.is_repeat for telegram in packet.telegrams) else faults
+
+
+def _first_station(path: str) -> int:
+    """Return the station that the master speaks to; behind it may be others: `3/2/8`."""
+    return int(path.partition("/")[0])
+
+
+def read(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None], progress: Callable[[str], None]) -> Side:
+    """Read the captures of a side. NotACapture, TsharkError; what is damaged is said."""
+    side = Side()
+    for capture in captures:
+        last_s = 0.0
+        side.names.append(capture.name)
+        progress(f"reading {capture}")
+        with Dissection(tshark, capture, keeps=False) as dissection, uncollected():
+            for count, packet in enumerate(dissection.packets(), 1):
+                side.add(packet, capture.name)
+                last_s = max(last_s, packet.end_s)
+                if count % _PROGRESS_EVERY == 0:
+                    progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
+        side.seconds += last_s
+        if dissection.warning:
+            say(f"{capture}: only what comes before the damage: {dissection.warning}")
+        if dissection.missing:
+            say(f"left out, as the installed dissector does not know it: {', '.join(dissection.missing)}")
+    return side

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Puts a capture into a folder of tables."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import sistap
+from sistap.packets.dissection import Dissection
+from sistap.tables.rows import FIELDS, Row, rows
+from sistap.tables.store import Store
+from sistap.terminal.console import Console
+from sistap.terminal.garbage import uncollected
+from sistap.wireshark.tshark import Tshark
+
+_PROGRESS_EVERY = 5000  # packets
+
+
+def put(tshark: Tshark, capture: Path, store: Store, tap: str, console: Console) -> None:
+    """Put a capture into the tables, and say what came of it. NotACapture, TsharkError, Incomplete, NoSuchTime."""
+    digest = _digest(capture, tap)
+    if store.has(digest):
+        console.say(f"{capture}: is in the tables")
+        return
+    with Dissection(tshark, capture, FIELDS, keeps=False) as dissection, uncollected():
+        count = store.put(digest, capture.name, tap, _rows(dissection, capture, console))
+    if dissection.warning:
+        console.say(f"{capture}: only what comes before the damage: {dissection.warning}")
+    if dissection.missing:
+        console.say(f"left empty, as the installed dissector does not know it: {', '.join(dissection.missing)}")
+    console.say(f"{capture}: {count} rows")
+
+
+def _rows(dissection: Dissection, capture: Path, console: Console) -> Iterator[Row]:
+    for count, packet in enumerate(dissection.packets(), 1):
+        yield from rows(packet, capture.name)
+        if count % _PROGRESS_EVERY == 0 and console.shows_progress:
+            console.progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
+
+
+def _digest(capture: Path, tap: str) -> str:
+    """Return what names these bytes, as this version puts them into tables."""
+    with capture.open("rb") as file:
+        whole = hashlib.file_digest(file, "blake2b")
+    whole.update(f"{tap}\0{sistap.__version__}".encode())
+    return whole.hexdigest()[:32]

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The rows that a packet makes: of its telegrams, of the values that were read and written, or of an event."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from sistap.line.settings import Flag
+from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged, Packet, Telegram
+from sistap.records.record import Event
+from sistap.sis.names import service_name
+from sistap.wireshark.rows import EVENT, JOINT
+
+# Beside those that a Packet is made of.
+FIELDS = ("sertap.line", "sis.parameter", "sis.value", "sis.value.number", "sis.error")
+_VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
+_LARGEST = 1 << 63
+
+
+class NoSuchTime(Exception):
+    """A packet has a time that no table can hold; the text is the one line to show."""
+
+
+class Row(NamedTuple):
+    """A row, and the table that it belongs to."""
+
+    table: str
+    values: dict[str, Any]
+
+
+def rows(packet: Packet, file: str) -> Iterator[Row]:
+    """Yield the rows of a packet. NoSuchTime."""
+    said = packet.columns
+    place = {
+        "epoch_ns": _epoch_ns(packet),
+        "port": packet.interface,
+        "line": _integer(said.get("sertap.line")),
+        "file": file,
+        "packet": packet.number,
+    }
+    for number, telegram in enumerate(packet.telegrams):
+        yield Row("telegrams", place | {"place": number} | _telegram(packet, telegram))
+    for number, access in enumerate(packet.accesses):
+        _, station, device, ident = access.parameter
+        values = {name: None if value == "" else value for name, value in access._asdict().items()}
+        number_of = None if access.number is None else float(access.number)
+        values |= {"station": station, "device": device, "parameter": ident, "number": number_of}
+        yield Row("values", place | {"place": number} | values)
+    if packet.type == EVENT:
+        yield Row("events", place | {"place": 0, "code": packet.event, "text": packet.text} | _event(packet.event))
+
+
+def _epoch_ns(packet: Packet) -> int:
+    """Return the time exactly: a float has no room for nanoseconds."""
+    seconds, _, decimals = packet.columns["frame.time_epoch"].partition(".")
+    time_ns = int(seconds or 0) * 10**9 + int(f"{decimals:0<9.9}") * (-1 if seconds.startswith("-") else 1)
+    if not -_LARGEST <= time_ns < _LARGEST:
+        raise NoSuchTime(f"packet {packet.number} has a time that no table holds: correct it with editcap -t")
+    return time_ns
+
+
+def _event(code: int | None) -> dict[str, str | None]:
+    known = {int(event): event.name.lower() for event in Event}
+    return {"event": known.get(code or 0)}
+
+
+def _telegram(packet: Packet, telegram: Telegram) -> dict[str, Any]:
+    said = telegram.columns
+    numbers = said.get("sis.value.number", "").split(JOINT)
+    return {
+        "sender": telegram.talker,
+        "receiver": telegram.listener,
+        "is_reaction": telegram.is_reaction,
+        "service": telegram.service,
+        "service_name": None if telegram.service is None else service_name(telegram.service),
+        "parameter": _one(said.get("sis.parameter")),
+        "value": _one(said.get("sis.value")),
+        "number": float(numbers[0]) if len(numbers) == 1 and numbers[0] else None,
+        "status": telegram.status if telegram.is_reaction else None,
+        "error": _integer(_one(said.get("sis.error"))),
+        "is_good": telegram.good,
+        "is_repeat": telegram.is_repeat,
+        "is_unanswered": telegram.unanswered,
+        "command_packet": telegram.command_in,
+        **_judged("trs", "reaction_s", telegram.reaction),
+        **_judged("tza", "longest_interval_s", telegram.pause),
+        **_judged("tmas", "cycle_s", telegram.cycle),
+        "uncertainty_s": packet.uncertainty_s,
+        "has_character_error": bool(packet.errors & (Flag.CHARACTER_ERROR | Flag.UNLOCATED_ERROR)),
+        "has_break": bool(packet.errors & Flag.BREAK),
+        "has_loss": bool(packet.errors & Flag.LOST_BEFORE),
+        "baud": packet.baud,
+    }
+
+
+def _judged(limit: str, time: str, judged: Judged | None) -> dict[str, Any]:
+    if not judged:
+        return {}
+    verdict = _VERDICTS.get(judged.verdict) if judged.verdict is not None else None
+    return {time: judged.time_s, f"{limit}_limit_s": judged.limit_s, f"{limit}_verdict": verdict}
+
+
+def _one(text: str | None) -> str | None:
+    """Return the first of several values; that of a list of services is its first service's."""
+    return text.partition(JOINT)[0] if text else None
+
+
+def _integer(text: str | None) -> int | None:
+    return int(text.partition(JOINT)[0], 0) if text else None

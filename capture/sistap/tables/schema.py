@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The tables: their columns, in the order in which they are written, and what makes two rows the same.
+
+Integers have a sign and times whole microseconds, as Spark reads neither unsigned integers nor nanoseconds as such.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import pyarrow as pa
+
+
+class Table(NamedTuple):
+    """A table."""
+
+    schema: pa.Schema
+    same: tuple[str, ...]  # columns: rows that are alike in these are one telegram, seen in two captures
+
+
+_TIME = pa.timestamp("us", tz="UTC")
+_TEXT = pa.dictionary(pa.int32(), pa.string())  # the same few come again and again
+_PLACE = [
+    ("time", _TIME),
+    ("epoch_ns", pa.int64()),
+    ("port", _TEXT),
+    ("line", pa.int16()),
+    ("file", _TEXT),
+    ("packet", pa.int64()),
+    ("place", pa.int16()),
+]
+
+TABLES = {
+    "telegrams": Table(
+        pa.schema(
+            [
+                *_PLACE,
+                ("sender", pa.int16()),
+                ("receiver", pa.int16()),
+                ("is_reaction", pa.bool_()),
+                ("service", pa.int16()),
+                ("service_name", _TEXT),
+                ("parameter", _TEXT),
+                ("value", pa.string()),
+                ("number", pa.float64()),
+                ("status", pa.int16()),
+                ("error", pa.int64()),
+                ("is_good", pa.bool_()),
+                ("is_repeat", pa.bool_()),
+                ("is_unanswered", pa.bool_()),
+                ("command_packet", pa.int64()),
+                ("reaction_s", pa.float64()),
+                ("trs_limit_s", pa.float64()),
+                ("trs_verdict", _TEXT),
+                ("longest_interval_s", pa.float64()),
+                ("tza_limit_s", pa.float64()),
+                ("tza_verdict", _TEXT),
+                ("cycle_s", pa.float64()),
+                ("tmas_limit_s", pa.float64()),
+                ("tmas_verdict", _TEXT),
+                ("uncertainty_s", pa.float64()),
+                ("has_character_error", pa.bool_()),
+                ("has_break", pa.bool_()),
+                ("has_loss", pa.bool_()),
+                ("baud", pa.int64()),
+            ]
+        ),
+        ("epoch_ns", "line", "place", "sender", "receiver", "service", "is_reaction"),
+    ),
+    "values": Table(
+        pa.schema(
+            [
+                *_PLACE,
+                ("station", _TEXT),
+                ("device", pa.int16()),
+                ("parameter", _TEXT),
+                ("name", _TEXT),
+                ("unit", _TEXT),
+                ("is_write", pa.bool_()),
+                ("master", pa.int16()),
+                ("value", pa.string()),
+                ("number", pa.float64()),
+                ("error", _TEXT),
+            ]
+        ),
+        ("epoch_ns", "line", "place", "station", "device", "parameter", "is_write"),
+    ),
+    "events": Table(
+        pa.schema([*_PLACE, ("code", pa.int32()), ("event", _TEXT), ("text", pa.string())]),
+        ("epoch_ns", "line", "place", "code", "text"),
+    ),
+}

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The folder of tables: `TABLE/tap=TAP/day=DAY/CAPTURE-ID-NUMBER.parquet`, as DuckDB, Spark and others partition.
+
+A capture's files appear when all are complete, and replace those that it had before. A telegram that another capture
+has brought already is left out.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from sistap.tables.rows import Row
+from sistap.tables.schema import TABLES
+from sistap.terminal.writing import Incomplete
+
+_TOGETHER = 1 << 17  # rows of all tables that wait for being written
+_OPEN = 32  # files at a time
+_NOTES = "_captures"  # nobody takes what begins with _ for a table
+_NS_PER_US = 1000
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)  # Windows knows no time before it
+_LONGEST = 100  # characters of a name that others give
+
+
+class Part(NamedTuple):
+    """A partition of a table."""
+
+    table: str
+    tap: str
+    day: str
+
+    def folder(self, root: Path) -> Path:
+        """Return where it is."""
+        return root / self.table / f"tap={self.tap}" / f"day={self.day}"
+
+
+class Store:
+    """A folder of tables."""
+
+    def __init__(self, root: Path) -> None:
+        """Nothing is read or made yet."""
+        self._root = root
+
+    def has(self, digest: str) -> bool:
+        """Tell whether a capture with these bytes is there, with all files that it made."""
+        try:
+            files = json.loads(self._note(digest).read_text("utf-8"))["files"]
+        except (OSError, ValueError, KeyError):
+            return False
+        return all((self._root / file).is_file() for file in files)
+
+    def put(self, digest: str, capture: str, tap: str, rows: Iterable[Row]) -> int:
+        """Put a capture's rows; return how many were not there yet. Incomplete if there is no room."""
+        incoming = _Incoming(self._root, capture, tap)
+        try:
+            for row in rows:
+                incoming.add(row)
+            files = incoming.finish()
+            self._forget(incoming.id, set(files))
+            self._write_note(digest, incoming.id, files)
+        except OSError as error:
+            reason = error.strerror or error
+            raise Incomplete(f"{self._root} is incomplete: {reason}; make room, and run it again") from None
+        except _Strange as strange:
+            raise Incomplete(f"{strange} is none of the tables: move it away, and run it again") from None
+        finally:
+            incoming.clear()
+        return incoming.count
+
+    def _note(self, digest: str) -> Path:
+        return self._root / _NOTES / f"{digest}.json"
+
+    def _write_note(self, digest: str, capture_id: str, files: list[str]) -> None:
+        note = self._note(digest)
+        note.parent.mkdir(parents=True, exist_ok=True)
+        new = note.with_suffix(f".{os.getpid()}.new")
+        new.write_text(json.dumps({"id": capture_id, "files": files}), "utf-8")
+        new.replace(note)
+
+    def _forget(self, capture_id: str, files: set[str]) -> None:
+        """Remove files that the capture had before and has no more."""
+        if not capture_id:
+            return
+        for file in self._root.glob(f"*/tap=*/day=*/*-{capture_id}-*.parquet"):
+            if file.relative_to(self._root).as_posix() not in files:
+                file.unlink()
+
+
+class _Strange(Exception):
+    """A file in the folder cannot be read as a table of ours; the text is its name."""
+
+
+class _Incoming:
+    """A capture on its way into the folder."""
+
+    def __init__(self, root: Path, capture: str, tap: str) -> None:
+        self._root = root
+        self._capture = capture
+        self._tap = tap
+        self._waiting: defaultdict[Part, list[dict[str, Any]]] = defaultdict(list)
+        self._waiting_rows = 0
+        self._writers: dict[Part, pq.ParquetWriter] = {}
+        self._numbers: defaultdict[Part, int] = defaultdict(int)  # files of each partition
+        self._files: list[tuple[Path, Path]] = []  # as they are while written, and after that
+        self.id = ""  # the same if the capture has grown, or is dissected anew
+        self.count = 0
+
+    def add(self, row: Row) -> None:
+        values = row.values
+        tap = self._tap or slug(values["port"])
+        if not self.id:
+            first = f"{self._capture}\0{tap}\0{values['epoch_ns']}"
+            self.id = hashlib.blake2b(first.encode(), digest_size=8).hexdigest()
+        values["time"] = values["epoch_ns"] // _NS_PER_US
+        time = _EPOCH + timedelta(microseconds=values["time"])
+        self._waiting[Part(row.table, tap, time.date().isoformat())].append(values)
+        self._waiting_rows += 1
+        if self._waiting_rows == _TOGETHER:
+            self._write()
+
+    def finish(self) -> list[str]:
+        """Let all files appear; return their names below the folder."""
+        self._write()
+        for part in list(self._writers):
+            self._close(part)
+        for new, file in self._files:
+            new.replace(file)
+        return [file.relative_to(self._root).as_posix() for _, file in self._files]
+
+    def clear(self) -> None:
+        """Remove what did not become complete."""
+        for part in list(self._writers):
+            with suppress(OSError):
+                self._close(part)
+        for new, _ in self._files:
+            with suppress(OSError):
+                new.unlink()
+
+    def _write(self) -> None:
+        for part, values in self._waiting.items():
+            table = TABLES[part.table]
+            new = list(self._unknown(part, values))
+            if new:
+                columns = {name: [row.get(name) for row in new] for name in table.schema.names}
+                self._writer(part).write_table(pa.table(columns, schema=table.schema))
+                self.count += len(new)
+        self._waiting.clear()
+        self._waiting_rows = 0
+
+    def _unknown(self, part: Part, values: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+        """Yield the rows that no other capture has brought into this partition."""
+        same = TABLES[part.table].same
+        times = [row["epoch_ns"] for row in values]
+        own = f"-{self.id}-"
+        there: set[tuple[Any, ...]] = set()
+        for file in part.folder(self._root).glob("*.parquet"):
+            if own not in file.name:
+                try:
+                    there.update(_keys(file, same, min(times), max(times)))
+                except (pa.ArrowException, KeyError, TypeError):
+                    raise _Strange(str(file)) from None
+        return (row for row in values if tuple(row.get(name) for name in same) not in there)
+
+    def _writer(self, part: Part) -> pq.ParquetWriter:
+        if part not in self._writers:
+            if len(self._writers) == _OPEN:
+                self._close(next(iter(self._writers)))
+            self._writers[part] = pq.ParquetWriter(self._file(part), TABLES[part.table].schema, compression="zstd")
+        return self._writers[part]
+
+    def _file(self, part: Part) -> Path:
+        folder = part.folder(self._root)
+        folder.mkdir(parents=True, exist_ok=True)
+        name = f"{slug(Path(self._capture).stem)}-{self.id}-{self._numbers[part]}.parquet"
+        self._numbers[part] += 1
+        self._files.append((folder / f"_{name}.{os.getpid()}.new", folder / name))
+        return self._files[-1][0]
+
+    def _close(self, part: Part) -> None:
+        self._writers.pop(part).close()
+
+
+def slug(name: str) -> str:
+    """Make a name that is a folder's on every system, and that no SQL has to quote."""
+    return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_.")[:_LONGEST] or "unnamed"
+
+
+def _keys(file: Path, same: tuple[str, ...], first_ns: int, last_ns: int) -> Iterator[tuple[Any, ...]]:
+    """Yield what tells rows apart, of those in this time. Only what overlaps it is read."""
+    with pq.ParquetFile(file) as parquet:
+        column = parquet.schema_arrow.get_field_index("epoch_ns")
+        for number in range(parquet.num_row_groups):
+            times = parquet.metadata.row_group(number).column(column).statistics
+            if times and (times.max < first_ns or times.min > last_ns):
+                continue
+            columns = parquet.read_row_group(number, columns=list(same)).to_pydict()
+            yield from zip(*(columns[name] for name in same), strict=True)
