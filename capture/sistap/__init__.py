@@ -10,7 +10,9 @@ It has a room for each job. A room may use those named beside it, and what these
     records                 line, sis                  characters are cut into records, put in order, counted, shown
     files                   records                    pcapng files and rings of them, written and read
     wireshark               terminal                   tshark: run, its rows, its folders
-    capture                 files, records, line       `sistap capture`
+    explain                 files, wireshark           what tshark says of records, also while they come
+    recorder                explain                    `sistap capture --keep`: what matters, in files of its own
+    capture                 recorder                   `sistap capture`
     serve                   capture                    `sistap serve`: a line of this computer, heard at others
     bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
     selftest                line                       `sistap selftest`

@@ -6,20 +6,23 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 from sistap.capture.filter import FilterError
-from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
+from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.files.output import Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
+from sistap.recorder.reasons import PRESETS
 from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal.console import Console
-from sistap.terminal.exits import USAGE, UsageError
+from sistap.terminal.exits import FAILED, USAGE, UsageError
 from sistap.terminal.stop import Stop
-from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.wireshark.tshark import TsharkError
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
+LARGEST_S = 86_400  # before and after
 
 DESCRIPTION = """\
 Listen to a serial line and record every character with its time: telegrams of the SIS protocol, and whatever else is on
@@ -108,6 +111,15 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
+def _seconds(text: str) -> float:
+    try:
+        if 0 <= (seconds := float(text)) <= LARGEST_S:
+            return seconds
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds from 0 to {LARGEST_S}")
+
+
 def rate_argument(text: str) -> int | None:
     """Read a rate, or auto, as an argument."""
     try:
@@ -192,6 +204,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="CONDITION",
         help="begin a new file after duration:SECONDS or filesize:KB; files:NUMBER: keep only the newest",
     )
+    add(
+        "--keep",
+        action="append",
+        default=[],
+        metavar="FILTER",
+        help="record for months, and keep what matters: a file in the folder FILE around each packet that this display "
+        f"filter finds. {' or '.join(PRESETS)} is one of ours. May be given several times",
+    )
+    add("--before", dest="before_s", type=_seconds, metavar="SECONDS", help=f"with --keep: so much before ({AROUND_S})")
+    add("--after", dest="after_s", type=_seconds, metavar="SECONDS", help=f"with --keep: so much after ({AROUND_S})")
+    add("--at-most", type=_number, metavar="N", help=f"with --keep: so many files ({AT_MOST}); then the oldest go")
+    add(
+        "--on-keep",
+        action=_Once,
+        metavar="COMMAND",
+        help="with --keep: start this, with the name of the file behind it, when one is complete",
+    )
+    add(
+        "--wait-for-port",
+        action="store_true",
+        help="wait until the port is there, and when it is lost, until it is back",
+    )
     add("-f", dest="filter", metavar="FILTER", help="write only telegrams that pass this capture filter")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
@@ -203,12 +237,24 @@ def run(args: argparse.Namespace) -> int:
     try:
         options = _options(args)
         plan = checked(options)
-        output = Output(options.file or STANDARD_OUTPUT, options.limits, lambda: stop.asked, console.say)
+        limits = options.limits
+        if options.keep:
+            _make_folder(options.file)
+        with closing(Output(options.output, limits, lambda: stop.asked, console.say)) as output:
+            return record(options, plan, output, stop, console)
     except (UsageError, FilterError, OutputRefused) as error:
         console.alarm(str(error))
         return USAGE
-    with closing(output):
-        return record(options, plan, output, stop, console)
+    except TsharkError as error:
+        console.alarm(str(error))
+        return FAILED
+
+
+def _make_folder(path: str | None) -> None:
+    try:
+        Path(path or "").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{path} cannot be made: {error.strerror}; name another folder with -w") from None
 
 
 def _options(args: argparse.Namespace) -> CaptureOptions:
@@ -224,5 +270,11 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         autostop=dict(args.autostop),
         ring=dict(args.ring),
         filter=args.filter,
+        keep=tuple(args.keep),
+        before_s=args.before_s,
+        after_s=args.after_s,
+        at_most=args.at_most,
+        on_keep=args.on_keep,
+        wait_for_port=args.wait_for_port,
         quiet=args.quiet,
     )

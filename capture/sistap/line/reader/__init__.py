@@ -11,10 +11,10 @@ import sys
 
 from sistap.line.bus_socket import Kind
 from sistap.line.reader.contract import Distant, PortError, PortLost, Reader
-from sistap.line.reader.several import Source, together
+from sistap.line.reader.several import Several, Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = ["Distant", "PortError", "PortLost", "Reader", "Source", "open_reader", "together"]
+__all__ = ["Distant", "PortError", "PortLost", "Reader", "Several", "Source", "open_reader", "together"]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
