@@ -16,8 +16,8 @@ from sistap.files.pcapng import Interface
 from sistap.files.writer import LINK_TYPES
 from sistap.line import priority
 from sistap.line.reader import Reader
-from sistap.records.counters import Counters
 from sistap.recorder.recorder import Recorder
+from sistap.records.counters import Counters
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
 

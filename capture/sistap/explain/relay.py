@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What tshark says of records for months: one tshark after the other, before its memory grows.
 
-tshark keeps what it has found out of every telegram. So after a while another one takes over. It is told what the
-telegrams before have taught (memory), and it listens beside the old one for a while. So it knows what is under way:
+tshark keeps what it has found out of every telegram. So after a while another one takes over. It is told first what the
+telegrams before have taught (memory), and what was said in the last two minutes. So it knows what is under way:
 commands without their reactions, transfers. Each record is judged by one of the two only: up to the seam by the old
 one, from there on by the new one. One that has ended by itself is replaced, and the next gets what it had not judged.
 One that falls too far behind is replaced, too, and what it had not judged stays unjudged.
@@ -14,7 +14,7 @@ import queue
 import secrets
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -33,8 +33,8 @@ class Seams(NamedTuple):
     """When another tshark takes over; each has about 250 bytes a packet."""
 
     packets: int = 300_000  # that one gets, beside what it is told at first
-    overlap_packets: int = 200  # for which two of them listen, at least
-    overlap_ns: int = 120_000_000_000
+    context_ns: int = 120_000_000_000  # which it is told at first: a long transfer takes a minute
+    context: int = 8_000_000  # bytes, at most
     behind: int = 32_000_000  # bytes of records that one may still have to judge
 
 
@@ -63,7 +63,6 @@ class _Post:
     running: Running
     first: int  # number of the first record that came to it as it came
     foreign: int  # packets that are no such records: at first what is to be known, then marks
-    begun_ns: int  # time of that record
     until: int | None = None  # number of the first that it is no more told of
     packets: int = 0
 
@@ -97,6 +96,8 @@ class Relay:
         self._posts: deque[_Post] = deque()  # the first one judges now
         self._pending: deque[Entry] = deque()
         self._pending_bytes = 0
+        self._recent: deque[Entry] = deque()  # judged, and still of interest for what comes
+        self._recent_bytes = 0
         self._judged = 0  # number of the first record that is pending
         self._number = 0  # of the next record
         self._marked_s = 0.0
@@ -109,7 +110,7 @@ class Relay:
     def begin(self, heading: bytes, started: list[bytes]) -> None:
         """Begin with a section and its interfaces, and the packets that a capture begins with. May raise OSError."""
         self._heading, self._started = heading, started
-        self._appoint()
+        self._appoint(0, ())
 
     def put(self, entry: Entry) -> None:
         """Take the next block."""
@@ -123,7 +124,7 @@ class Relay:
         self._number += entry.is_packet
         if entry.telegram:
             self._memory.take(entry.telegram, entry.block)
-        self._succeed(entry)
+        self._succeed()
 
     def look(self) -> Iterator[Judged]:
         """Yield what is judged by now. Call it again and again, also while nothing comes."""
@@ -152,13 +153,17 @@ class Relay:
                 line = post.running.lines.get(timeout=left_s)
             except queue.Empty:
                 break
-            if line is None and not post.running.ended_well:
-                break
-            if line is None:
+            if line is not None:
+                yield from self._told(post, line)
+            elif post.running.ended_well:
                 yield from self._up_to(post.until if post.until is not None else self._number)
                 self._posts.popleft()
             else:
-                yield from self._told(post, line)
+                self._lose(post)
+                if self._failures == 1:
+                    self._replace()
+                    for post in self._posts:
+                        post.running.end()
         if self._number > self._judged:
             yield from self._give_up("tshark has not finished")
         yield from self._up_to(self._number)
@@ -173,32 +178,26 @@ class Relay:
 
     # -- One after the other
 
-    def _appoint(self) -> _Post:
-        """Start a tshark, and tell it what it has to know. May raise OSError."""
+    def _appoint(self, first: int, context: Iterable[Entry]) -> _Post:
+        """Start a tshark that judges from a record on, and tell it what it has to know. May raise OSError."""
         running = self._start(self._token)
-        known = [*self._started, *self._memory.blocks()]
+        known = [*self._started, *self._memory.blocks(), *(entry.block for entry in context if entry.is_packet)]
         running.put(self._heading + b"".join(known))
-        post = _Post(running, self._number, len(known), self._pending[-1].time_ns if self._pending else 0)
-        self._posts.append(post)
-        return post
+        self._posts.append(_Post(running, first, len(known)))
+        return self._posts[-1]
 
-    def _succeed(self, entry: Entry) -> None:
-        """Start another one when it is time, and let it take over when it has listened for long enough."""
-        posts = list(self._on_duty())
-        if len(posts) == 1 and posts[0].packets >= self._seams.packets:
-            try:
-                self._appoint()
-            except OSError:  # the old one goes on, and the next record tries again
-                return
-            self._posts[-1].begun_ns = entry.time_ns
-        elif len(posts) == 2:
-            old, new = posts
-            listened_ns = abs(entry.time_ns - new.begun_ns)  # a clock can be set back
-            if new.packets >= self._seams.overlap_packets and listened_ns >= self._seams.overlap_ns:
-                old.until = self._number
-                old.running.end()
-                new.packets = 0
-                self.successions += 1
+    def _succeed(self) -> None:
+        """Let another one take over when it is time."""
+        post = self._posts[-1] if self._posts else None
+        if not post or post.packets < self._seams.packets:
+            return
+        try:
+            self._appoint(self._number, [*self._recent, *self._pending])
+        except OSError:  # the old one goes on, and the next record tries again
+            return
+        post.until = self._number
+        post.running.end()
+        self.successions += 1
 
     def _lose(self, post: _Post) -> None:
         """Go on without one that has ended by itself."""
@@ -213,16 +212,13 @@ class Relay:
 
     def _replace(self) -> None:
         """Give all that is not judged to another tshark."""
-        number, self._number = self._number, self._judged
         try:
-            post = self._appoint()
+            post = self._appoint(self._judged, self._recent)
         except OSError as error:
             self._failures += 1
             self._say(f"tshark cannot be started: {error.strerror}")
             self._dismiss()
             return
-        finally:
-            self._number = number
         post.running.put(b"".join(entry.block for entry in self._pending if entry.is_packet))
         post.packets = self._number - self._judged
         self._marked = self._judged
@@ -286,4 +282,11 @@ class Relay:
         entry = self._pending.popleft()
         self._pending_bytes -= len(entry.block)
         self._judged += entry.is_packet
+        self._recent.append(entry)
+        self._recent_bytes += len(entry.block)
+        while self._recent and (
+            self._recent_bytes > self._seams.context
+            or abs(entry.time_ns - self._recent[0].time_ns) > self._seams.context_ns  # a clock can be set back
+        ):
+            self._recent_bytes -= len(self._recent.popleft().block)
         return Judged(entry, columns, is_unjudged)
