@@ -188,9 +188,9 @@ class Relay:
 
     def _succeed(self) -> None:
         """Let another one take over when it is time."""
-        post = self._posts[-1] if self._posts else None
-        if not post or post.packets < self._seams.packets:
+        if len(self._posts) != 1 or self._posts[0].packets < self._seams.packets:
             return
+        post = self._posts[0]
         try:
             self._appoint(self._number, [*self._recent, *self._pending])
         except OSError:  # the old one goes on, and the next record tries again

@@ -27,7 +27,7 @@ from sistap.recorder.telling import Telling
 from sistap.records.record import Framing, Record
 from sistap.wireshark.tshark import Tshark
 
-PATIENCE_S = 10.0  # at the end, for tshark
+PATIENCE_S = 30.0  # at the end, for tshark
 MOST_WAITING = 200_000  # records; more come only while the disk does not answer
 _TURN_S = 0.2  # while nothing comes
 _TIDY_S = 60.0  # between looks at the files of the full ring
