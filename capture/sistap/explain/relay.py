@@ -94,6 +94,7 @@ class Relay:
         self._heading = b""  # section and interfaces
         self._started: list[bytes] = []  # the events that begin the capture
         self._posts: deque[_Post] = deque()  # the first one judges now
+        self._unsent: list[bytes] = []  # it goes to tshark in one piece, when somebody looks
         self._pending: deque[Entry] = deque()
         self._pending_bytes = 0
         self._recent: deque[Entry] = deque()  # judged, and still of interest for what comes
@@ -118,8 +119,8 @@ class Relay:
             self._heading += entry.block
         self._pending.append(entry)
         self._pending_bytes += len(entry.block)
+        self._unsent.append(entry.block)
         for post in self._on_duty():
-            post.running.put(entry.block)
             post.packets += entry.is_packet
         self._number += entry.is_packet
         if entry.telegram:
@@ -129,6 +130,7 @@ class Relay:
     def look(self) -> Iterator[Judged]:
         """Yield what is judged by now. Call it again and again, also while nothing comes."""
         self._mark()
+        self._send()
         yield from self._judged_by_now()
         if self._failures > 1 and self._number > self._judged:  # what is pending may be why
             yield from self._give_up("tshark ends again and again")
@@ -144,6 +146,7 @@ class Relay:
 
     def finish(self, patience_s: float) -> Iterator[Judged]:
         """Yield the rest, when tshark has judged it; after so long without it."""
+        self._send()
         for post in self._on_duty():
             post.running.end()
         end_s = self._clock_s() + patience_s
@@ -173,6 +176,13 @@ class Relay:
         while self._posts:
             self._posts.popleft().running.kill()
 
+    def _send(self) -> None:
+        if self._unsent:
+            data = b"".join(self._unsent)
+            self._unsent = []
+            for post in self._on_duty():
+                post.running.put(data)
+
     def _on_duty(self) -> Iterator[_Post]:
         return (post for post in self._posts if post.until is None)
 
@@ -191,6 +201,7 @@ class Relay:
         if len(self._posts) != 1 or self._posts[0].packets < self._seams.packets:
             return
         post = self._posts[0]
+        self._send()
         try:
             self._appoint(self._number, [*self._recent, *self._pending])
         except OSError:  # the old one goes on, and the next record tries again
@@ -212,6 +223,7 @@ class Relay:
 
     def _replace(self) -> None:
         """Give all that is not judged to another tshark."""
+        self._unsent = []
         try:
             post = self._appoint(self._judged, self._recent)
         except OSError as error:
@@ -244,8 +256,7 @@ class Relay:
         self._marked_s, self._marked = now_s, self._number
         # At the time of the packet before it: so nothing seems to take longer or less long.
         mark = pcapng.enhanced_packet(0, self._pending[-1].time_ns, pcapng.upper_pdu("data", self._token))
-        for post in self._on_duty():
-            post.running.put(mark)
+        self._unsent.append(mark)
 
     def _judged_by_now(self) -> Iterator[Judged]:
         while self._posts:

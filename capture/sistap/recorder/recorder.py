@@ -29,7 +29,8 @@ from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
 MOST_WAITING = 200_000  # records; more come only while the disk does not answer
-_TURN_S = 0.2  # while nothing comes
+_TURN_S = 0.05  # so long, the thread lets records gather
+_TURN = 20  # records at a time; then a reader can have its turn
 _TIDY_S = 60.0  # between looks at the files of the full ring
 
 
@@ -177,21 +178,25 @@ class Recorder:
             self.relay.close()
 
     def _turn(self) -> bool:
-        """Deal with what comes; tell whether to go on."""
-        try:
-            item = self._queue.get(timeout=_TURN_S)
-        except queue.Empty:
-            item = 0
-        if item is None:
-            return False
-        if isinstance(item, Entry):
-            self.relay.put(item)
+        """Deal with what has come; tell whether to go on."""
+        silent_ns = 0
+        for _ in range(_TURN):
+            try:
+                item = self._queue.get_nowait()
+            except queue.Empty:
+                break
+            if item is None:
+                return False
+            if isinstance(item, Entry):
+                self.relay.put(item)
+            else:
+                silent_ns = item
         for judged in self.relay.look():
             self._keep(judged)
-        if isinstance(item, int):
-            self._telling.look()
-            if item and self.relay.empty:
-                self._keeper.look(item)
+        self._telling.look()
+        if silent_ns and self.relay.empty:
+            self._keeper.look(silent_ns)
+        time.sleep(_TURN_S if self._queue.empty() else 0)
         return True
 
     def _keep(self, judged: Judged) -> None:
