@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import os
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -319,3 +319,31 @@ def test_small_seams_change_nothing(tshark: Tshark, traffic: list[Record], tmp_p
         contents.append({file.name: file.read_bytes() for file in kept(folder)})
         assert (recorder.relay.successions > 0) == (name == "many")
     assert contents[0] == contents[1]
+
+
+UNIT = Path(recorder_module.__file__).with_name("sistap-recorder.service")
+
+
+def test_the_unit_calls_a_capture_as_it_is() -> None:
+    """Its command line is one that the command takes."""
+    lines = [line for line in UNIT.read_text().splitlines() if line and not line.startswith("#")]
+    environment = dict(
+        line.partition("=")[2].strip('"').split("=", 1) for line in lines if line.startswith("Environment=")
+    )
+    (start,) = (line.partition("=")[2] for line in lines if line.startswith("ExecStart="))
+    words: list[str] = []
+    for word_ in start.replace("%S", "/var/lib").split():
+        variable = word_.strip("${}")
+        words += environment[variable].split() if word_.startswith("$") else [word_]
+    assert words[:2] == ["/usr/bin/env", "sistap"]
+    args = cli.parser().parse_args(words[2:])
+    assert (args.keep, args.wait_for_port, args.file) == (["faults"], True, "/var/lib/sistap-recorder")
+
+
+@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd-analyze is not installed")
+def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
+    verified = subprocess.run(["systemd-analyze", "verify", UNIT], capture_output=True, text=True, check=False)
+    assert (verified.returncode, verified.stderr) == (0, "")
+    command = ["systemd-analyze", "security", "--offline=yes", "--threshold=20", UNIT]  # 2.0 of 10
+    judged = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert judged.returncode == 0, judged.stdout[-200:]

@@ -49,8 +49,16 @@ address, link[7] the receiver address. Other characters and events always pass.
 With --framing 3964r the tap records what two partners of procedure 3964R say: handshake characters (STX, DLE, NAK), one
 a record, and blocks with their BCC. A filter then sees the block. A rate cannot be searched for or followed there.
 
+Without -w, each record is shown as `sistap log` shows it: time, bytes, and what they are. Wireshark's dissector says
+that, through tshark; without tshark, a line for each telegram. A terminal shows it in colour, unless NO_COLOR is set.
+
+With --keep, a recorder runs for months. tshark is asked of each packet whether FILTER finds it. Then the folder gets a
+file kept_TIME_REASON.pcapng with what was before and after; what overlaps is one file. It is complete, and COMMAND is
+started, when nothing that matters can belong to it any more: as long after its end as is kept before. FILTER sees what
+a live capture tells: a command without a reaction is found at the next command (sis.unanswered_before).
+
 examples:
-  sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
+  sistap capture -i /dev/ttyUSB0                               each telegram with what it is
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
   sistap capture -i bus://pi:5000 -w x.pcapng                  what `sistap serve` hears on another computer
   sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
@@ -61,6 +69,8 @@ examples:
                                                                the last 24 hours, a file for each
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
+  sistap capture -i /dev/ttyUSB0 --wait-for-port --keep faults -w kept/
+                                                               for months: half a minute around each fault
 
 exit status:
   0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
