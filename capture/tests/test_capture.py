@@ -26,8 +26,8 @@ from pcapng.blocks import EnhancedPacket, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap import cli
+from sistap.capture import live, session
 from sistap.capture import ports as capture_ports
-from sistap.capture import session
 from sistap.capture.sinks import PlainText
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
@@ -398,7 +398,10 @@ def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capfd: pytest.Cap
     assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in capfd.readouterr().err
 
 
-def test_without_w_a_line_per_telegram(run: Run, capfd: pytest.CaptureFixture[str]) -> None:
+def test_without_w_each_telegram_and_what_it_is(
+    run: Run, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "PATIENCE_S", DEADLINE_S)  # of a busy machine
     assert run(FakeReader(reads(*ALL)), "-q") == 0
     out, err = capfd.readouterr()
     assert out.count("\n") == 2 * len(ALL) and out.count("  ^-- ") == len(ALL)

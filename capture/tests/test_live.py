@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
+from sistap.capture import live
 from sistap.capture.live import IN_COLOUR, PLAIN, LiveText, colours
 from sistap.explain.running import Running
 from sistap.files.output import Output
@@ -23,6 +24,11 @@ from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 60
 LINE = {0: Interface(252, "a line of a test")}
+
+
+@pytest.fixture(autouse=True)
+def _busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "PATIENCE_S", PATIENCE_S)
 
 
 @pytest.fixture(scope="module")

@@ -54,6 +54,11 @@ def traffic(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     return list(reading.records(path))
 
 
+@pytest.fixture(autouse=True)
+def _busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorder_module, "PATIENCE_S", PATIENCE_S)
+
+
 Keep = Callable[..., Recorder]
 
 
@@ -265,6 +270,8 @@ def test_a_filter_becomes_a_word(filter_: str, expected: str) -> None:
 def test_a_wrong_filter_is_refused(tshark: Tshark) -> None:
     with pytest.raises(UsageError, match=r"--keep 'sis.foo == 1': .*sis.foo"):
         Reasons(["faults", "sis.foo == 1"]).check(tshark)
+    with pytest.raises(UsageError, match="needs a filter"):
+        Reasons(["faults", " "])
     with pytest.raises(UsageError, match="join them with 'or'"):
         Reasons(["sis", "sertap"])
 
@@ -347,3 +354,64 @@ def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
     command = ["systemd-analyze", "security", "--offline=yes", "--threshold=20", UNIT]  # 2.0 of 10
     judged = subprocess.run(command, capture_output=True, text=True, check=False)
     assert judged.returncode == 0, judged.stdout[-200:]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["--keep", "sis.foo", "-w", "k"], 2, "--keep 'sis.foo': "),
+        (["--keep", "faults"], 2, "--keep needs a folder for its files: say it with -w"),
+        (["--keep", "faults", "-w", "-"], 2, "--keep needs a folder"),
+        (["--keep", "faults", "-w", "file"], 2, "file is no folder"),
+        (["--keep", "faults", "-w", "k", "--link-type", "rtac"], 2, "leave out --link-type rtac"),
+        (["--keep", "faults", "-w", "k", "-a", "filesize:5"], 2, "-a filesize: is for the full ring"),
+        (["--before", "3", "-w", "x"], 2, "--before is for --keep"),
+        (["--on-keep", "mail", "-w", "x"], 2, "--on-keep is for --keep"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused_at_once(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    arguments: list[str],
+    code: int,
+    said: str,
+) -> None:
+    """Also where the port is waited for."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    assert cli.main(["capture", "-i", str(tmp_path / "no-port"), "--wait-for-port", *arguments]) == code
+    err = capfd.readouterr().err
+    assert said in err and err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From end to end: a bus, two lines of which come up while it runs, and the full ring beside the kept files."""
+    command = [sys.executable, "-m", "sistap"]
+    address = f"{tmp_path}/bus"
+    bus = subprocess.Popen(
+        [*command, "bus", "s5-faults", "--listen", address, "--fast"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    assert bus.stdout
+    bus.stdout.readline()
+    options = ["--framing", "3964r", "--keep", "sertap.type == 1", "--before", "1", "--after", "1", "-w", "kept"]
+    options += ["-b", "filesize:1000", "-c", "2000", "-q"]
+    done = subprocess.run(
+        [*command, "capture", "-i", f"bus://{address}", *options],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    bus.kill()
+    bus.communicate()
+    assert done.returncode in (0, 1), done.stderr  # 1: the bus has ended before
+    ring = [record for file in (tmp_path / "kept").glob("ring_*") for record in reading.records(file)]
+    assert kept(tmp_path / "kept") and ring
+    assert {record.line for record in ring} >= {1, 2}
+    known = set(map(identity, ring))
+    for file in kept(tmp_path / "kept"):
+        started, *content = reading.records(file)
+        assert started.event == Event.CAPTURE_STARTED and content
+        assert set(map(identity, content)) <= known

@@ -9,6 +9,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from sistap.capture import sinks
 from sistap.capture.filter import FilterError
 from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
@@ -248,6 +249,7 @@ def run(args: argparse.Namespace) -> int:
         options = _options(args)
         plan = checked(options)
         limits = options.limits
+        sinks.check(options)
         if options.keep:
             _make_folder(options.file)
         with closing(Output(options.output, limits, lambda: stop.asked, console.say)) as output:

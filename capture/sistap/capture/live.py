@@ -18,7 +18,7 @@ from sistap.files.pcapng import Interface
 from sistap.records.record import Framing, Record, Type
 from sistap.wireshark.tshark import Tshark
 
-PATIENCE_S = 30.0  # at the end, for tshark
+PATIENCE_S = 5.0  # at the end, for tshark: a person may be waiting
 _NS = 1  # resolution of the times
 _NEEDED = ("frame.number", "sis.control.reaction")
 

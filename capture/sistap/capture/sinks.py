@@ -45,6 +45,13 @@ class PlainText:
         """Print nothing."""
 
 
+def check(options: CaptureOptions) -> None:
+    """Refuse what is not to be kept, before a port is opened or waited for. May raise UsageError or TsharkError."""
+    if options.keep:
+        with Tshark() as tshark:
+            options.wanted.reasons.check(tshark)
+
+
 @contextmanager
 def opened(
     options: CaptureOptions,
@@ -53,12 +60,10 @@ def opened(
     counters: Counters,
     console: Audience,
 ) -> Iterator[Sink]:
-    """Make the sink that is wanted. May raise UsageError or TsharkError, of a recorder."""
+    """Make the sink that is wanted. May raise TsharkError, of a recorder."""
     with ExitStack() as stack:
         if options.keep:
-            with priority.ordinary_children():
-                tshark = stack.enter_context(Tshark())
-                options.wanted.reasons.check(tshark)
+            tshark = stack.enter_context(Tshark())
             ring = PcapngWriter(output, interfaces, counters) if options.ring else None
             recorder = Recorder(options.wanted, tshark, interfaces, console.say, ring=ring)
             stack.callback(recorder.close)

@@ -27,6 +27,8 @@ class Reasons:
         """Take them apart. UsageError if there are several filters: which of them found a packet is not to be seen."""
         self._signs = [sign for preset in keep for sign in PRESETS.get(preset, ())]
         own = [filter_ for filter_ in keep if filter_ not in PRESETS]
+        if not all(filter_.strip() for filter_ in own):
+            raise UsageError(f"--keep needs a filter, or {' or '.join(PRESETS)}")
         if len(own) > 1:
             raise UsageError(f"--keep takes one filter beside {' and '.join(PRESETS)}: join them with 'or'")
         self._own = own[0] if own else ""
