@@ -63,7 +63,7 @@ def _measure(args: argparse.Namespace, folder: Path) -> tuple[str, list[Row], in
     return said.read_text(), rows, capture.returncode
 
 
-def _start(*arguments: str, stderr: object = subprocess.DEVNULL) -> subprocess.Popen[str]:
+def _start(*arguments: str, stderr: object = None) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "sistap", *arguments]
     folder = Path(__file__).parent.parent
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True, cwd=folder)  # type: ignore[call-overload, no-any-return]

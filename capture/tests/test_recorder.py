@@ -312,6 +312,7 @@ def _may_be_real_time() -> bool:
         return priority.is_real_time()
 
 
+@pytest.mark.thorough
 def test_small_seams_change_nothing(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
     contents = []
     for name, seams in (("one", Seams()), ("many", Seams(packets=301))):
@@ -351,7 +352,7 @@ def test_the_unit_calls_a_capture_as_it_is() -> None:
 def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
     verified = subprocess.run(["systemd-analyze", "verify", UNIT], capture_output=True, text=True, check=False)
     assert (verified.returncode, verified.stderr) == (0, "")
-    command = ["systemd-analyze", "security", "--offline=yes", "--threshold=20", UNIT]  # 2.0 of 10
+    command = ["systemd-analyze", "security", "--offline=yes", "--threshold=20", str(UNIT)]  # 2.0 of 10
     judged = subprocess.run(command, capture_output=True, text=True, check=False)
     assert judged.returncode == 0, judged.stdout[-200:]
 

@@ -49,7 +49,7 @@ def ordinary_children() -> Iterator[None]:
 
     What a thread of real-time priority starts inherits that: a program that is busy would starve all others.
     """
-    if not is_real_time():
+    if sys.platform != "linux" or not is_real_time():
         yield
         return
     before = os.sched_getscheduler(0), os.sched_getparam(0)

@@ -84,6 +84,7 @@ class PolledReaders:
 
     def add(self, reader: Reader) -> None:
         """Read this one, too. It has to be one that can be waited for."""
+        assert sys.platform != "win32"  # which never gets here
         assert isinstance(reader, Pollable)
         self._readers[reader.fileno()] = reader
         self._poll.register(reader.fileno(), select.POLLIN)
