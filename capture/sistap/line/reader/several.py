@@ -21,6 +21,9 @@ from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 
 
+_TO_READ = 0 if sys.platform == "win32" else select.POLLIN  # Windows has no poll, and never needs it
+
+
 class Source(Protocol):
     """Where characters come from: a reader, or several as one."""
 
@@ -74,20 +77,18 @@ class PolledReaders:
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
         """Wait for these."""
-        self._readers = {reader.fileno(): reader for reader in readers}
+        self._readers: dict[int, Pollable] = {}
         self._poll = select.poll()
-        if sys.platform != "win32":  # which never gets here
-            for descriptor in self._readers:
-                self._poll.register(descriptor, select.POLLIN)
+        for reader in readers:
+            self.add(reader)
         self._reads: deque[Read] = deque()
         self._lost: deque[PortLost] = deque()
 
     def add(self, reader: Reader) -> None:
         """Read this one, too. It has to be one that can be waited for."""
-        assert sys.platform != "win32"  # which never gets here
         assert isinstance(reader, Pollable)
         self._readers[reader.fileno()] = reader
-        self._poll.register(reader.fileno(), select.POLLIN)
+        self._poll.register(reader.fileno(), _TO_READ)
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
