@@ -20,8 +20,10 @@ from sistap.line.clocks import monotonic_ns
 from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 
-
-_TO_READ = 0 if sys.platform == "win32" else select.POLLIN  # Windows has no poll, and never needs it
+if sys.platform == "win32":  # which has no poll, and never needs it
+    _TO_READ = 0
+else:
+    _TO_READ = select.POLLIN
 
 
 class Source(Protocol):
