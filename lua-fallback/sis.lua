@@ -684,7 +684,6 @@ N.events = {
   [3] = "Characters lost",
   [4] = "Adapter lost",
   [5] = "Marker",
-  [6] = "Capture ended",
 }
 field("sertap.version", "Version", ftypes.UINT8, base.DEC)
 field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC)
@@ -725,6 +724,10 @@ expert_field("sertap.error.lost.expert", "SEQUENCE", "WARN", "Characters were lo
 expert_field("sertap.error.unlocated.expert", "CHECKSUM", "WARN",
   "A line error, the adapter does not say at which character")
 expert_field("sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
+
+-- sis/access.c
+field("sis.access", "Access", ftypes.STRING, base.NONE, nil, 0,
+  "What was read or written of a parameter, as JSON: for programs")
 
 -- sis/dispatch.c
 field("sis.text", "Text", ftypes.STRING, base.NONE, nil, 0, "Useful data of a product group that are plain ASCII")
@@ -1730,13 +1733,60 @@ do
   local escapes = {["\a"] = "\\a", ["\b"] = "\\b", ["\f"] = "\\f", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t",
     ["\v"] = "\\v"}
 
-  -- What follows the byte `lead`, which begins no ASCII character, as far as it is UTF-8.
-  local function format_beyond_ascii(lead, rest)
-    local length = lead < "\192" and 0 or lead < "\224" and 1 or lead < "\240" and 2 or lead < "\248" and 3 or 0
-    local taken = sub(rest, 1, length)
+  -- Characters that nobody sees, first and last: controls, marks that turn the direction of what follows, and what
+  -- never is a character, as the last two of each plane.
+  local invisible = {{0x00, 0x1F}, {0x7F, 0x9F}, {0xAD, 0xAD}, {0x600, 0x605}, {0x61C, 0x61C}, {0x6DD, 0x6DD},
+    {0x70F, 0x70F}, {0x8E2, 0x8E2}, {0x180E, 0x180E}, {0x200B, 0x200F}, {0x202A, 0x202E}, {0x2060, 0x206F},
+    {0xFDD0, 0xFDEF}, {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0x110BD, 0x110BD}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A},
+    {0xE0001, 0xE0001}, {0xE0020, 0xE007F}}
 
-    return (length > 0 and #taken == length and lead .. taken or "\239\191\189")
-      .. rep("\239\191\189", #rest - #taken)
+  local function is_visible(code)
+    if code % 0x10000 >= 0xFFFE then return false end
+    for _, range in ipairs(invisible) do
+      if code <= range[2] then return code < range[1] end
+    end
+    return true
+  end
+
+  local function utf8_of(code)
+    if code < 0x80 then return char(code) end
+    local rest = char(0x80 + code % 0x40)
+    code = floor(code / 0x40)
+    if code < 0x20 then return char(0xC0 + code) .. rest end
+    rest = char(0x80 + code % 0x40) .. rest
+    code = floor(code / 0x40)
+    if code < 0x10 then return char(0xE0 + code) .. rest end
+    return char(0xF0 + floor(code / 0x40), 0x80 + code % 0x40) .. rest
+  end
+
+  local REPLACEMENT = "\239\191\189" -- U+FFFD, in place of what is no UTF-8
+  -- How many bytes follow the first one of a character, and what of the first one belongs to its code.
+  local leads = {{192, 223, 1}, {224, 239, 2}, {240, 247, 3}, {248, 251, 4}, {252, 253, 5}}
+
+  -- The character that begins with the byte `lead`, which is not ASCII, and what of `rest` does not belong to it.
+  local function beyond_ascii(lead, rest)
+    local code = byte(lead)
+
+    for _, known in ipairs(leads) do
+      if code >= known[1] and code <= known[2] then
+        if #rest < known[3] then return REPLACEMENT, "" end
+        code = code - known[1]
+        for at = 1, known[3] do
+          code = code * 0x40 + byte(rest, at) - 0x80
+        end
+        rest = sub(rest, known[3] + 1)
+        if code > 0x10FFFF or (code >= 0xD800 and code < 0xE000) then return REPLACEMENT, rest end
+        if is_visible(code) then return utf8_of(code), rest end
+        return strformat(code > 0xFFFF and "\\U%08X" or "\\u%04X", code), rest
+      end
+    end
+    return REPLACEMENT, rest
+  end
+
+  local function format_beyond_ascii(lead, rest)
+    local shown, others = beyond_ascii(lead, rest)
+
+    return shown .. rep(REPLACEMENT, #others)
   end
 
   -- As tvb_format_text() does it: in quotes, it would read like a string of C.
@@ -2198,6 +2248,7 @@ do
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
     body.asked = exchange and exchange.request
     body.record = telegram.is_good and record or nil
+    body.accesses = S.is_counting and {} or nil
   end
 
   -- What a telegram gives without a tree: {words: for the packet list, request: in a command, what it asks for}. A bus
@@ -2355,14 +2406,15 @@ do
 
   local HEAD_LENGTH = 160 -- characters: Wireshark cuts a line of the tree soon after
 
-  local function shortened(words)
+  -- So many characters of a text at most, and "..." behind them where there are more.
+  function S.shortened(words, most)
     local begins = {} -- of the characters of UTF-8
 
-    if #words <= HEAD_LENGTH then return words end
+    if #words <= most then return words end
     for at in string.gmatch(words, "()[^\128-\191]") do
       begins[#begins + 1] = at
     end
-    return #begins <= HEAD_LENGTH and words or sub(words, 1, begins[HEAD_LENGTH + 1] - 1) .. "..."
+    return #begins <= most and words or sub(words, 1, begins[most + 1] - 1) .. "..."
   end
 
   -- The header's items and what is wrong with it. Of most telegrams there is nothing to say without a tree; a header of
@@ -2396,7 +2448,7 @@ do
     dissect_trailer(body)
     if S.is_counting then S.note_telegram(body, record) end
 
-    if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, shortened(words))) end
+    if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, S.shortened(words, HEAD_LENGTH))) end
     return ends.heading .. words .. body.marks
   end
 
@@ -3193,6 +3245,8 @@ do
       summary = S.service_name(service),
       marks = "",
       asked = asked and asked.service == service and asked or nil,
+      ends = list.ends,
+      accesses = list.accesses,
     }
 
     if not list.is_reaction then
@@ -3322,7 +3376,10 @@ do
     access.device = S.take(body, F.device, 1)
     if not access.device then return false end
     check_device(body, access.device)
-    if body.request then body.request.element = access.element end
+    if body.request then
+      body.request.element = access.element
+      body.request.is_last = access.is_last or is_single(access)
+    end
     S.request_device(body, access.device)
     return true
   end
@@ -3461,6 +3518,7 @@ do
     else
       S.say(body, ", %d byte%s%s", data.length, plural(data.length), bytes_text(data.bytes))
     end
+    access.data = is_whole and data or nil
     local misfit = not body.is_cut and S.element_misfit(data, access.element, access.known, is_whole)
 
     if misfit then
@@ -3549,6 +3607,9 @@ do
     end
     if S.left(body) == 0 and access.element ~= K.ELEMENT_IDENT then S.needs(body, F.data, 1) end
     take_data(access)
+    if access.data and access.element == K.ELEMENT_DATA and body.request then
+      body.request.written = access.data.bytes
+    end
   end
 
   local function dissect_parameter_reaction(access)
@@ -3570,7 +3631,16 @@ do
   local function dissect_parameter(body)
     local access = {body = body, general = S.general_service(body.service)}
 
-    if body.is_reaction then dissect_parameter_reaction(access) else dissect_parameter_command(access) end
+    if not body.is_reaction then
+      dissect_parameter_command(access)
+      return
+    end
+    dissect_parameter_reaction(access)
+    if is_write(access) or body.status ~= 0 then
+      S.note_answer(body, is_write(access))
+    elseif access.is_last or is_single(access) then
+      S.note_read(body, access.data)
+    end
   end
 
   local HIGHEST_PHASE = 4
@@ -3670,14 +3740,16 @@ do
 
   local records -- by place in the packet, then by frame number
   local lines, connections -- by key of the line, and of TCP
-  local stream_count
+  local stream_count, bus_count
 
   at_init(function()
-    records, lines, connections, stream_count = {}, {}, {}, 0
+    records, lines, connections, stream_count, bus_count = {}, {}, {}, 0, 0
   end)
 
   local function new_bus(is_connection)
+    bus_count = bus_count + 1
     return {
+      number = bus_count, -- of all, from 1
       is_connection = is_connection,
       damaged_count = 0, -- damaged telegrams, and what may have been one
       damaged_in = 0, -- the last of them
@@ -3765,6 +3837,7 @@ do
       return
     end
     exchange.repeat_of = before.repeat_of or before.command_in
+    exchange.first = before.first or before
     exchange.transfer = before.transfer
   end
 
@@ -4956,15 +5029,21 @@ do
   local SHOWN_IN_LIST = 4
   local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark gives up at ten times that
 
+  local NUMBER = "^[%d.e+-]+" -- up to the unit
+
+  local function is_number(layout)
+    local format = layout.format
+
+    return format == UNSIGNED or format == SIGNED or (format == FLOATING and layout.size >= 4)
+  end
+
   -- A value as a text, and the number that this text shows: what a person reads is what a filter compares. Bits, idents
   -- and infinity have no number.
   local function add_value_item(tree, data, at, layout, value, words)
     local item = add(tree, F.value, data.tvb, data.offset + at, layout.size, value, words)
-    local format = layout.format
-    local is_number = format == UNSIGNED or format == SIGNED or (format == FLOATING and layout.size >= 4)
 
-    if not is_number or not tree or not tree:referenced(F.value_number) then return end
-    local digits = match(value, "^[%d.e+-]+") -- up to the unit
+    if not is_number(layout) or not tree or not tree:referenced(F.value_number) then return end
+    local digits = match(value, NUMBER)
     local number = tonumber(digits)
 
     if number then
@@ -5048,6 +5127,15 @@ do
     return rest > 0 and strformat("%d byte%s of an incomplete element", rest, plural(rest)) or nil
   end
 
+  -- The number that the text of such data shows, as it is written; nil where it shows none: bits, idents, lists,
+  -- infinity.
+  function S.element_number(data, known, text)
+    local layout = read_layout(known)
+
+    if not layout or layout.is_list or data.length ~= layout.size or not is_number(layout) then return nil end
+    return match(text, NUMBER)
+  end
+
   -- Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short text for
   -- the packet list ("12.5000 rpm", "\"Velocity command value\""), nil where there is nothing better than bytes.
   -- `is_whole` is false for a segment of a list; `ident` nil where the command is not known. `data.is_big`: in the byte
@@ -5060,6 +5148,118 @@ do
     if element == K.ELEMENT_ATTRIBUTE then return add_attribute(tree, data) end
     if element == K.ELEMENT_UNIT then return add_text(tree, F.element_unit, data, is_whole) end
     if element >= K.ELEMENT_MINIMUM then return add_value_of(tree, data, element, known, is_whole) end
+  end
+end
+
+--- sis/access: what was read and written: an access to the operating data of a parameter, told by the reaction to it.
+-- Nothing is made unless statistics are counted, or somebody asks for the field.
+
+do
+  local SHOWN_BYTES, SHOWN_CHARACTERS = 16, 80
+
+  local function is_wanted(body)
+    return body.accesses or (body.tree and body.tree:referenced(F.access))
+  end
+
+  -- A reaction that comes twice is counted once.
+  local function is_known(body)
+    local record, asked = body.record, body.asked
+
+    return record and not record.reaction_before and asked and asked.has_ident and asked.element == K.ELEMENT_DATA
+      and not body.is_short
+  end
+
+  -- "3" or, behind routers, "3/2/8".
+  local function place_text(path)
+    return concat({byte(path, 1, -1)}, "/")
+  end
+
+  local function bytes_text(bytes)
+    if #bytes <= SHOWN_BYTES then return hex(bytes) end
+    return strformat("%s... (%d bytes)", hex(sub(bytes, 1, SHOWN_BYTES)), #bytes)
+  end
+
+  local function set_value(access, bytes)
+    local data = {bytes = bytes, length = #bytes, offset = 0}
+    local text = S.add_element(nil, nil, data, K.ELEMENT_DATA, access.ident, access.known, true)
+
+    access.bytes = bytes
+    access.number = text and S.element_number(data, access.known, text)
+    access.value = text and S.shortened(text, SHOWN_CHARACTERS) or bytes_text(bytes)
+  end
+
+  local function quoted(text)
+    return '"' .. gsub(text, '["\\]', "\\%0") .. '"'
+  end
+
+  -- An object of JSON; what is not known is not in it.
+  local function json_text(access)
+    local known = access.known
+    local parts = {strformat('{"access":"%s","master":%d,"station":"%s","device":%d',
+      access.is_write and "write" or "read", access.master, access.station, access.device)}
+
+    local function append(name, text)
+      if text then parts[#parts + 1] = strformat('"%s":', name) .. text end
+    end
+
+    append("parameter", quoted(access.ident.text))
+    append("error", access.error and quoted(access.error))
+    append("value", access.value and quoted(access.value))
+    append("number", access.number)
+    append("data", access.bytes and quoted(gsub(hex(access.bytes), " ", "")))
+    append("name", known.name and quoted(known.name))
+    append("unit", known.unit and quoted(known.unit))
+    append("minimum", known.minimum and quoted(known.minimum))
+    append("maximum", known.maximum and quoted(known.maximum))
+    return concat(parts, ",") .. "}"
+  end
+
+  local function note(body, is_write, error_text, bytes)
+    local from, asked = body.record.exchange.from, body.asked
+    local access = {
+      is_write = is_write,
+      error = error_text, -- of a refused one
+      line = from.stream.bus.number,
+      master = body.ends.listener,
+      station = place_text(from.path),
+      device = asked.device,
+      ident = asked.ident,
+      known = S.learned_known(body, asked.ident, asked.device), -- when the command was sent
+    }
+
+    if bytes and #bytes > 0 then set_value(access, bytes) end
+    if body.accesses then table.insert(body.accesses, access) end
+    if body.tree and body.tree:referenced(F.access) then
+      add(body.tree, F.access, body.tvb, 0, 0, json_text(access)):set_hidden()
+    end
+  end
+
+  -- A reaction has brought the last data of a reading; `data` is nil where not all of them are known.
+  function S.note_read(body, data)
+    if is_wanted(body) and is_known(body) then note(body, false, nil, data and data.bytes) end
+  end
+
+  -- What the command wrote, or the first of the same commands: a piece that comes again brings nothing.
+  local function written_data(body)
+    local first = body.record.exchange.first
+
+    if body.asked.written or not first or not first.request or body.is_nested then return body.asked.written end
+    return first.request.written
+  end
+
+  local function error_text(body)
+    if not body.error_text then return body.status_text end
+    return strformat("0x%04x %s", body.error, body.error_text)
+  end
+
+  -- A reaction has accepted a writing, or refused either.
+  function S.note_answer(body, is_write)
+    if not is_wanted(body) or not is_known(body) then return end
+    if body.status ~= 0 then
+      note(body, is_write, error_text(body), nil)
+    elseif body.asked.is_last then
+      note(body, true, nil, written_data(body))
+    end
   end
 end
 
@@ -5784,7 +5984,7 @@ do
   end
 end
 
---- sis/statistics, sis/tables: the figures of the plugin's `-z sis,tree`, `sis,tza`, `sis,bus` and `sis,srt`. They are
+--- sis/statistics, sis/tables: the figures of the plugin's `-z sis,tree`, `sis,tza` and so on. They are
 -- printed where the preference sis.statistics names them: tshark -q -o sis.statistics:tree,bus. In Wireshark they are
 -- windows of the menu Statistics.
 
@@ -5797,7 +5997,7 @@ do
   local NOT_MEASURED = K.INTERVAL_UNKNOWN + K.LOST_BEFORE
 
   preference("statistics", Pref.string("Statistics that tshark prints", "",
-    "Of tree, tza, bus and srt, with commas between them: tshark -q -o sis.statistics:tree,bus"))
+    "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus"))
 
   -- Of the packet that is dissected, until it is counted: {record, telegrams}. A telegram: {is_good, is_reaction,
   -- service, talker, length, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
@@ -5831,6 +6031,7 @@ do
       timing = body.timing,
       exchange = record.exchange,
       reaction_time = telegram.is_good and telegram.is_reaction and record.reaction_time or nil,
+      accesses = body.accesses,
     })
   end
 
@@ -6167,6 +6368,84 @@ do
     end,
   }
 
+  local MOST_ROWS = 10000 -- below the first: what has no row is still counted in the first
+
+  local function new_parameter(...)
+    local line, station, device, parameter = ...
+
+    return {line = line, station = station or "", device = device or "", parameter = parameter or "", name = "",
+      unit = "", reads = 0, writes = 0, errors = 0, first = "", last = "", least = "", greatest = "", by = "",
+      packet = ""}
+  end
+
+  -- nil: there is no more room.
+  local function find_parameter(rows, access)
+    local key = strformat("%d %s %d %s", access.line, access.station, access.device, access.ident.text)
+
+    if not rows.by_key[key] and #rows.all < MOST_ROWS then
+      local row = new_parameter(strformat("%d", access.line), access.station, strformat("%d", access.device),
+        access.ident.text)
+
+      rows.by_key[key] = row
+      rows.all[#rows.all + 1] = row
+    end
+    return rows.by_key[key]
+  end
+
+  local function count_value(row, access)
+    local number = tonumber(access.number)
+
+    if not access.value then return end
+    if row.first == "" then row.first = access.value end
+    row.last = access.value
+    if not number then return end
+    if not row.least_number or number < row.least_number then row.least_number, row.least = number, access.value end
+    if not row.greatest_number or number > row.greatest_number then
+      row.greatest_number, row.greatest = number, access.value
+    end
+  end
+
+  local function count_access(rows, access)
+    local row, what = find_parameter(rows, access), access.error and "errors" or access.is_write and "writes" or "reads"
+
+    add_to(rows.sum, what, 1)
+    if not row then
+      rows.sum.name = "more parameters than rows"
+      return
+    end
+    add_to(row, what, 1)
+    row.name, row.unit = access.known.name or row.name, access.known.unit or row.unit
+    count_value(row, access)
+    if what == "writes" then row.by, row.packet = strformat("%d", access.master), strformat("%d", packet.number) end
+  end
+
+  local function parameter_row(row)
+    return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%10s |%9s |", row.line,
+      row.station, row.device, row.parameter, row.name, row.unit, row.reads, row.writes, row.errors, row.first,
+      row.last, row.least, row.greatest, row.by, row.packet)
+  end
+
+  kinds.parameters = {
+    title = "SIS parameters",
+    new = function() return {sum = new_parameter(ALL), all = {}, by_key = {}} end,
+    count = function(rows, of_packet)
+      for _, telegram in ipairs(of_packet.telegrams) do
+        for _, access in ipairs(telegram.accesses or {}) do
+          count_access(rows, access)
+        end
+      end
+    end,
+    text = function(rows)
+      local lines = {"Line |Station |Device |Parameter |Name |Unit |Reads |Writes |Errors |First |Last |Least "
+        .. "|Greatest |Written by |In packet |", parameter_row(rows.sum)}
+
+      for _, row in ipairs(rows.all) do
+        lines[#lines + 1] = parameter_row(row)
+      end
+      return concat(lines, "\n")
+    end,
+  }
+
   -- A tap of Wireshark that counts one kind; `show` gets the text whenever Wireshark draws.
   local function start(kind, show)
     local tap = Listener.new("frame")
@@ -6182,7 +6461,7 @@ do
     return tap
   end
 
-  local ORDER = {"tree", "tza", "bus", "srt"}
+  local ORDER = {"tree", "tza", "bus", "srt", "parameters"}
   local is_printing = false
 
   local function print_what_is_asked_for()
@@ -6195,12 +6474,48 @@ do
       if kind then
         start(kind, function(text) print(strformat("\n%s:\n%s", kind.title, text)) end)
       else
-        print("sis.statistics: '" .. name .. "' is none of tree, tza, bus, srt")
+        print("sis.statistics: '" .. name .. "' is none of " .. concat(ORDER, ", "))
       end
     end
   end
 
   at_init(print_what_is_asked_for)
+
+  local WINDOW = 76 -- characters that fit into a line of a window
+
+  -- A table that is too wide, a few columns at a time, each time behind its first column.
+  local function in_narrow_tables(text)
+    local rows, lines, from = {}, {}, 2
+
+    for line in string.gmatch(text, "[^\n]+") do
+      local cells = {}
+
+      for cell in string.gmatch(line, "[^|]*|") do
+        cells[#cells + 1] = cell
+      end
+      rows[#rows + 1] = cells
+    end
+    local heads = rows[1]
+
+    while from <= #heads do
+      local width, to = #heads[1] + #heads[from], from
+
+      while to < #heads and width + #heads[to + 1] <= WINDOW do
+        to = to + 1
+        width = width + #heads[to]
+      end
+      for _, cells in ipairs(rows) do
+        lines[#lines + 1] = (cells[1] or "") .. concat(cells, "", from, min(to, #cells))
+      end
+      lines[#lines + 1] = ""
+      from = to + 1
+    end
+    return concat(lines, "\n")
+  end
+
+  local function window_text(text)
+    return string.find(text, "|", 1, true) and in_narrow_tables(text) or text
+  end
 
   local function open_window(kind)
     return function()
@@ -6208,7 +6523,7 @@ do
       local tap
 
       S.is_counting = true
-      tap = start(kind, function(text) window:set(text) end)
+      tap = start(kind, function(text) window:set(window_text(text)) end)
       window:set_atclose(function() tap:remove() end)
       retap_packets()
     end

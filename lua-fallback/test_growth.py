@@ -14,6 +14,7 @@ from test_exchange import check_many_routes
 from test_sequence import OPEN, endless
 
 
+@pytest.mark.attack("commands through thousands of routers, in sis.lua", "each costs the same")
 @pytest.mark.thorough
 @pytest.mark.timeout(120)
 def test_many_commands_wait_for_their_routers(script: Tshark, tmp_path: Path) -> None:

@@ -15,12 +15,13 @@ from test_parity import options
 
 ROW = re.compile(r"^ *(All|\d+) +(\|.*\|)$", re.MULTILINE)
 COUNT = re.compile(r"^( *)(\S.*?) {2,}(\d+)(?: |$)", re.MULTILINE)
+PARAMETER = re.compile(r"^(?:All|\d+) +\|.*\|$", re.MULTILINE)
 TIMES = re.compile(r"^ +(\d+) +(\S.*?) +(\d+) +([\d.]+) +([\d.]+) +([\d.]+)", re.MULTILINE)
 
 CAPTURE = Path(__file__).parent.parent / "test-captures" / "statistics.pcapng"
 
 # How each of the statistics is read from what is printed.
-READERS = {"tree": COUNT, "tza": ROW, "bus": ROW, "srt": TIMES}
+READERS = {"tree": COUNT, "tza": ROW, "bus": ROW, "srt": TIMES, "parameters": PARAMETER}
 
 
 def figures(kind: str, text: str) -> list[tuple[str, ...]]:
@@ -44,6 +45,14 @@ def test_a_capture(plugin: Tshark, script: Tshark) -> None:
     assert all(counted.values()), "there is nothing to compare"
 
 
+def test_accesses_to_parameters(plugin: Tshark, script: Tshark) -> None:
+    """In the list of parameters, and as JSON."""
+    capture = CAPTURE.with_name("accesses.pcapng")
+    assert len(check(plugin, script, capture)["parameters"]) == 7
+    asked = ("-r", str(capture), "-T", "fields", "-e", "frame.number", "-e", "sis.access", "-Y", "sis.access")
+    assert plugin.output(*asked) == script.output(*asked) != ""
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 def test_each_capture(path: Path, plugin: Tshark, script: Tshark) -> None:
@@ -61,4 +70,4 @@ def test_all_captures_together(passes: tuple[str, ...], plugin: Tshark, script: 
 
 def test_an_unknown_name_is_told(script: Tshark) -> None:
     said = script.output("-q", "-o", "sis.statistics:tre", "-r", str(CAPTURE))
-    assert "'tre' is none of tree, tza, bus, srt" in said
+    assert "'tre' is none of tree, tza, bus, srt, parameters" in said

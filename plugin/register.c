@@ -9,6 +9,8 @@
 #include "sertap/line.h"
 #include "sertap/packet-sertap.h"
 #include "sertap/statistics.h"
+#include "sis/access-table.h"
+#include "sis/access.h"
 #include "sis/address.h"
 #include "sis/dispatch.h"
 #include "sis/export.h"
@@ -91,9 +93,11 @@ proto_register_sis(void)
     sis_routes_register();
     sis_exchange_register();
     sis_sequence_register();
+    sis_access_register();
     sis_export_register();
     sis_statistics_register();
     sis_tables_register();
+    sis_access_table_register();
     sis_follow_register();
 }
 

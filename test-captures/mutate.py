@@ -168,6 +168,7 @@ for name in (
     "sis,tree",
     "sis,tza",
     "sis,bus",
+    "sis,parameters",
     "sis,srt",
     "rk512i,srt",
     "conv,sis",

@@ -304,6 +304,7 @@ def check_many_routes(tshark: Tshark, count: int, capture: Path) -> None:
     assert found == {count + 1: "1", count + 2: str(count)}
 
 
+@pytest.mark.attack("commands through thousands of routers, in the plugin", "each costs the same")
 @pytest.mark.thorough
 @pytest.mark.timeout(120)
 def test_many_commands_wait_for_their_routers(tshark: Tshark, tmp_path: Path) -> None:

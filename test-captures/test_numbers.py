@@ -18,7 +18,7 @@ from sistap.wireshark.tshark import Tshark
 
 # Seconds, milliseconds, percent, scaled values, intervals of characters.
 FIRST, *REST = ("timing-reads", "values", "phases", "timing-pauses", "timing-cycle", "records")
-TABLES = ("-q", "-z", "sis,tza", "-z", "sis,bus")
+TABLES = ("-q", "-z", "sis,tza", "-z", "sis,bus", "-z", "sis,parameters")
 
 
 @pytest.fixture(scope="module")

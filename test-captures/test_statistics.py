@@ -146,3 +146,52 @@ def test_services_have_the_names_of_the_edition(tshark: Tshark, tmp_path: Path) 
     command = ("-q", "-z", "sis,tree", "-r", str(tmp_path / "disc.pcapng"))
     assert ("  DISC service 0xe3", 1) in tree(tshark.output(*command))
     assert ("  Reserved service 0xe3", 1) in tree(tshark.output(*command, "-o", "sis.edition:ECODRIVE03"))
+
+
+# line, station, device, parameter, name, unit; reads, writes, errors; first, last, least, greatest; written by, where
+ACCESSES = """
+1 |3   |5 |P-0-0012 |Limit |Nm |2 |3 |2 |5.00 Nm     |-3.00 Nm    |-3.00 Nm |7.50 Nm |17 |18
+1 |3   |5 |S-0-0047 |      |   |1 |1 |0 |01 02 03 04 |05 02 03 04 |         |        |16 |28
+1 |3   |6 |S-0-0047 |      |   |0 |1 |0 |11 22 33 44 |11 22 33 44 |         |        |16 |32
+1 |3   |5 |S-0-0048 |      |   |1 |1 |0 |            |            |         |        |16 |34
+1 |4/8 |0 |P-0-0012 |C300 Command set absolute measuring | |0 |1 |0 |01 00 |01 00 | | |16 |38
+1 |4/8 |0 |S-0-0047 |      |   |0 |0 |1 |            |            |         |        |   |
+"""
+
+
+def cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.split("|")]
+
+
+def parameters(text: str) -> list[list[str]]:
+    """Read the list of parameters, without its first row."""
+    return [cells(line.rstrip("|")) for line in text.splitlines() if re.match(r"\d+ +\|", line)]
+
+
+@pytest.mark.parametrize("passes", [[], ["-2"]], ids=["one_pass", "two_passes"])
+def test_parameters(passes: list[str], tshark: Tshark) -> None:
+    text = tshark.output("-q", *passes, "-z", "sis,parameters", "-r", str(CAPTURE.with_name("accesses.pcapng")))
+    assert parameters(text) == [cells(line) for line in ACCESSES.strip().splitlines()]
+    assert re.search(r"^All +(\| +){6}4 \| +7 \| +3 \|", text, re.MULTILINE)
+
+
+def test_parameters_with_a_filter(tshark: Tshark) -> None:
+    """What was written is known, though its command does not pass the filter."""
+    asked = "sis,parameters,frame.number == 18"
+    text = tshark.output("-q", "-z", asked, "-r", str(CAPTURE.with_name("accesses.pcapng")))
+    assert parameters(text) == [cells("1|3|5|P-0-0012|Limit|Nm|0|1|0" + "|-3.00 Nm" * 4 + "|17|18")]
+
+
+def test_more_parameters_than_rows(tshark: Tshark, tmp_path: Path) -> None:
+    """10000 rows: idents beyond them are counted in the first row only."""
+    idents = [number.to_bytes(2, "little") for number in range(10_002)]
+    telegrams = [
+        build(0x10, 16, 3, (b"\0" if reaction else b"") + b"\x3c\x05" + (b"\x01\x00" if reaction else b"\0" + ident),
+              reaction=reaction)
+        for ident in idents
+        for reaction in (False, True)
+    ]  # fmt: skip
+    bad_input.write(tmp_path / "many.pcapng", telegrams)
+    text = tshark.output("-q", "-z", "sis,parameters", "-r", str(tmp_path / "many.pcapng"))
+    assert len(parameters(text)) == 10_000
+    assert re.search(r"^All +(\| +){3}\|more parameters than rows \| +\|10002 \| +0 \| +0 \|", text, re.MULTILINE)

@@ -58,6 +58,8 @@ def _measure(args: argparse.Namespace, folder: Path) -> tuple[str, list[Row], in
         recorder = ("--keep", args.keep, "-w", str(kept), "-b", "filesize:20000", "-b", "files:3")
         capture = _start("capture", "-q", "-i", port, "-c", str(int(args.telegrams)), *recorder, stderr=errors)
         rows = list(_rows(capture, kept, args.rows))
+    if bus.poll() is not None:
+        print(f"the bus has ended by itself, with exit code {bus.returncode}")
     bus.send_signal(signal.SIGTERM)
     bus.wait()
     return said.read_text(), rows, capture.returncode

@@ -23,9 +23,9 @@ from sistap import __version__  # noqa: E402 - of the checkout
 NAME = f"sistap-{__version__}"
 TIME = (1980, 1, 1, 0, 0, 0)  # of every file: the first that a zip can have
 
-# Wireshark imports those files of a profile whose names it has met when it started. 4.0 has never met dmacros; later
-# ones make it of dfilter_macros.
-NOT_IMPORTED = ("dmacros",)
+# Wireshark imports those files of a profile whose names it has met when it started. It meets plots only when their
+# window opens. 4.0 has never met dmacros; later ones make it of dfilter_macros.
+NOT_IMPORTED = ("dmacros", "plots")
 
 # Where a file comes from, and its place in the bundle.
 FILES = {

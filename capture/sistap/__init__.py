@@ -10,18 +10,21 @@ It has a room for each job. A room may use those named beside it, and what these
     records                 line, sis                  characters are cut into records, put in order, counted, shown
     files                   records                    pcapng files and rings of them, written and read
     wireshark               terminal                   tshark: run, its rows, its folders
+    accesses                wireshark                  what was read and written of parameters, and the list of them
     explain                 files, wireshark           what tshark says of records, also while they come
     recorder                explain                    `sistap capture --keep`: what matters, in files of its own
     capture                 recorder                   `sistap capture`
     serve                   capture                    `sistap serve`: a line of this computer, heard at others
     bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
-    selftest                line                       `sistap selftest`
+    beside                  files, wireshark           two captures of the same traffic compared
+    selftest                line, beside               `sistap selftest`
     doctor                  capture, wireshark         `sistap doctor`
     extcap                  all above                  Wireshark's interfaces
     install                 all above                  `sistap install` and `uninstall`
     imports                 all above                  `sistap import`
     report                  all above                  `sistap report`
     annotate                all above                  `sistap annotate` and `log`
+    parameters              all above                  `sistap parameters`
     cli, __main__           everything                 the command `sistap`
 
 The rooms with "all above" are products: no product uses another. A character flows from a reader through framer and

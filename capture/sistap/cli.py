@@ -8,14 +8,17 @@ import importlib
 import os
 import sys
 from collections.abc import Container, Sequence
+from difflib import get_close_matches
+from typing import NoReturn
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import advice, examples
 from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
 from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_standard_output
+from sistap.terminal.visible import visible
 
 # The module of each command, imported only when it is called, and its line in the list.
 COMMANDS = {
@@ -23,6 +26,7 @@ COMMANDS = {
     "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
     "serve": ("sistap.serve.command", "let other computers hear a line of this one"),
     "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
+    "parameters": ("sistap.parameters.command", "list what was read and written of parameters, and what has changed"),
     "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
     "log": ("sistap.annotate.log", "write a capture as such a log, explained"),
     "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),
@@ -109,10 +113,18 @@ def _flushed(arguments: Sequence[str], stop: Stop) -> int:
     return code
 
 
+class _Parser(argparse.ArgumentParser):
+    """Refuses in lines that a file with whatever name cannot change."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say it and end."""
+        super().error(visible(message))
+
+
 def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
     """Return the parser of `sistap`. Only the commands in `called` have their options: their modules are imported."""
-    whole = argparse.ArgumentParser(
-        "sistap", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    whole = _Parser(
+        "sistap", description=DESCRIPTION, epilog=examples(EPILOG), formatter_class=argparse.RawDescriptionHelpFormatter
     )
     whole.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", required=True)
@@ -122,11 +134,15 @@ def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
             command.set_defaults(run=module.run, whole_parser=parser)
+            command.epilog = examples(command.epilog or "")
     return whole
 
 
 def _run(arguments: Sequence[str], stop: Stop) -> int:
     called = next((argument for argument in arguments if not argument.startswith("-")), "")
+    if called and called not in COMMANDS and (close := get_close_matches(called, COMMANDS, 1)):
+        Console().say(f"there is no command '{visible(called)}': did you mean `sistap {close[0]}`?")
+        return USAGE
     args = parser({called}).parse_args(arguments)
     try:
         with stop:

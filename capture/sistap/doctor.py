@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.capture.filter import Filter, FilterError
-from sistap.line import measurement, ports, priority
+from sistap.line import analyser, measurement, ports, priority
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, program, version
 
 DESCRIPTION = """\
@@ -35,6 +36,7 @@ what was tuned is put back.
 examples:
   sistap doctor                                         this machine
   sistap doctor -i /dev/ttyUSB0                         and this port
+  sistap doctor -i 'sigrok:fx2lafw?rx=D0'               and this logic analyser
 
 exit status:
   0  a capture would work and be readable
@@ -65,14 +67,16 @@ class Point(NamedTuple):
 
     def __str__(self) -> str:
         """One line."""
-        return f"{self.mark:5} {self.subject:10} {self.text}"
+        return f"{self.mark:5} {self.subject:10} {visible(self.text)}"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("-i", dest="port", metavar="PORT", help="look at this port, too (as capture's -i)")
+    parser.add_argument(
+        "-i", dest="port", metavar="PORT", type=ports.short, help="look at this port, too (as capture's -i)"
+    )
 
 
 @priority.real_time()
@@ -84,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
             print(point, flush=True)
             if point.mark == "bad":
                 code = FAILED
-    if args.port and _has_pyserial():
+    if args.port and (analyser.is_analyser(args.port) or _has_pyserial()):
         for point in port_points(args.port):
             print(point, flush=True)
             if point.mark == "bad":
@@ -97,7 +101,9 @@ def port_points(port: str) -> Iterator[Point]:
     if ports.is_own_terminal(port):
         yield Point("bad", "port", f"{port} is the terminal that sistap itself reads or writes: choose another port")
         return
-    device = "://" not in port
+    if analyser.is_analyser(port):
+        yield from _before_samples(port)
+    device = "://" not in port and not analyser.is_analyser(port)
     try:
         reader = open_reader(port, LineSettings())
     except PortError as error:
@@ -132,6 +138,21 @@ def _up_to_the_trouble(port: str, trouble: str) -> Iterator[Point]:
             yield Point("bad", subject, trouble)
             return
         yield Point("good", subject, text)
+
+
+def _before_samples(port: str) -> Iterator[Point]:
+    """Say what an analyser needs before it can be opened."""
+    path = analyser.program()
+    yield Point("good", "sigrok-cli", path) if path else Point("bad", "sigrok-cli", analyser.MISSING)
+    if port.removeprefix(analyser.PREFIX).startswith(analyser.DRIVER) and not any(_analysers()):
+        yield Point("bad", "analyser", f"none on USB that the driver {analyser.DRIVER} knows: plug it in")
+
+
+def _analysers() -> Iterator[Point]:
+    for found in analyser.plugged_in():
+        trouble = found.missing
+        text = f"{found.name} ({found.port})"
+        yield Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text)
 
 
 def _has_pyserial() -> bool:
@@ -252,4 +273,4 @@ def _plugin(listed: str, complaints: str) -> Point:
     return Point("bad", "plugin", text + as_root)
 
 
-_LOOKS = (_pyserial, _grabbers, _clock, _libpcap, _wireshark, _dumpcap, _recorder)
+_LOOKS = (_pyserial, _analysers, _grabbers, _clock, _libpcap, _wireshark, _dumpcap, _recorder)

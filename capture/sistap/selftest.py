@@ -8,20 +8,29 @@ import gc
 import math
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from sistap.beside.lateness import quantile
 from sistap.line import measurement, ports, priority
+from sistap.line.analyser import is_analyser
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.sis.rates import RATES
 from sistap.terminal import state
 from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.terminal.stop import held
+from sistap.terminal.writing import Incomplete, NotOpened, opened
+
+if TYPE_CHECKING:  # it is loaded only where it is needed
+    from sistap.beside.comparing import Comparison
 
 DESCRIPTION = """\
-Measure how late characters are seen: through a pseudo terminal of its own, or on a port whose transmit and receive
-lines are joined. The result is kept, and later captures say their times with the bound that it found.
+Measure how late characters are seen: through a pseudo terminal of its own (on Windows, which has none, a socket), or on
+a port whose transmit and receive lines are joined. The result is kept, and later captures say their times with the
+bound that it found. With --beside, compare a capture with another one of the same traffic whose times are true.
 """
 
 EPILOG = """\
@@ -29,23 +38,29 @@ The bound is p99.9: of a thousand characters, one is seen later. A capture uses 
 kernel and priority are those of the self-test, and, for a port, its adapter, tuning, rate and format, too. What a port
 was measured to add only ever makes the uncertainty larger: the way out is in it, too.
 
-With -i, characters are SENT (@ to ~, one by one): take the port off the bus first and join its transmit and receive
-lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
+With -i (not on Windows), characters are SENT (@ to ~, one by one): take the port off the bus first and join its
+transmit and receive lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
+
+With --beside, TRUE is the capture of a logic analyser, OTHER that of an adapter at the same bus at the same time. What
+all characters of OTHER are late by cannot be seen; it changes no interval.
 
 examples:
   sistap selftest                                       this machine, 5 seconds
   sistap selftest --duration 60                         a minute: the rare long delays, too
   sistap selftest -i /dev/ttyUSB0 --transmit --baud 115200
                                                         an adapter whose lines are joined
+  sistap selftest --beside analyser.pcapng adapter.pcapng --plot late.png
+                                                        how honest the times of an adapter are
 
 exit status:
   0  measured and kept; also when stopped by Ctrl-C or SIGTERM, then nothing is kept
   1  what was sent did not come back, or the result cannot be kept
-  2  wrong usage, also -i without --transmit
+  2  wrong usage, also -i without --transmit, or captures that have nothing in common
   3  the port cannot be opened
 """
 
 LONGEST_S = 3600
+OWN = "a socket" if sys.platform == "win32" else "a pseudo terminal"
 ENOUGH = 1000  # characters; of fewer, p99.9 is only the longest
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 
@@ -59,10 +74,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add("-i", dest="port", metavar="PORT", help="measure this port, its transmit and receive lines joined")
+    add(
+        "-i",
+        dest="port",
+        metavar="PORT",
+        type=ports.short,
+        help="measure this port, its transmit and receive lines joined",
+    )
     add("--transmit", action="store_true", help="allow sending characters on PORT; without it nothing is ever sent")
     add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")
     add("--format", default="8E1", metavar="FORMAT", help="data bits, parity and stop bits of PORT (8E1)")
+    add("--beside", nargs=2, type=Path, metavar=("TRUE", "OTHER"), help="compare two captures; nothing is measured")
+    add("--plot", type=Path, metavar="FILE", help="with --beside: draw the times into FILE (.png or .svg)")
     add("--duration", type=float, default=5, metavar="SECONDS", help="how long to measure (5)")
 
 
@@ -70,21 +93,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure, print and keep the result; return the exit code. May raise PortError."""
     console = Console()
-    if sys.platform == "win32":
-        console.say("a self-test needs a pseudo terminal, which Windows does not have: run it on Linux")
-        return FAILED
-    from sistap.line.reader import delay  # here, as Windows has no such module
-
+    if args.beside or args.plot:
+        return _beside(args, console)
     try:
         settings = _checked(args)
     except ValueError as error:
         console.say(str(error))
         return USAGE
-    where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else "a pseudo terminal"
+    where = f"{args.port}, {settings.baud} Bd {settings.format}" if args.port else OWN
     print(f"measuring for {args.duration:g} s through {where}, with {priority.words()}", flush=True)
     try:
         place, conditions, measured = _measure(args, settings, console)
-    except (delay.LoopBroken, OSError) as error:
+    except OSError as error:
         console.say(f"no result: {error}{_cure(args.port)}")
         return FAILED
     delays = sorted(measured)
@@ -92,10 +112,56 @@ def run(args: argparse.Namespace) -> int:
     return _keep(place, conditions, delays, console)
 
 
+def _beside(args: argparse.Namespace, console: Console) -> int:
+    """Compare two captures; return the exit code."""
+    from sistap.beside.comparing import Comparison  # here, as only this needs what it needs
+
+    try:
+        if args.port or args.transmit or not args.beside:
+            raise UsageError("--beside compares two captures, and --plot draws that: leave out -i and --transmit")
+        draw = _drawing(args.plot) if args.plot else None
+        comparison = Comparison(*args.beside)
+    except (UsageError, ValueError) as error:
+        console.say(str(error))
+        return USAGE
+    except ImportError:
+        console.say(
+            f"matplotlib is missing for {sys.executable}: `pip install 'sistap[report]'`, or install the package "
+            "python3-matplotlib; without --plot it is not needed"
+        )
+        return FAILED
+    for line in comparison.lines():
+        print(line)
+    if draw:
+        try:
+            draw(comparison)
+        except (NotOpened, Incomplete) as error:
+            console.say(str(error))
+            return USAGE if isinstance(error, NotOpened) else FAILED
+        console.say(f"{args.plot} written")
+    return DONE
+
+
+def _drawing(path: Path) -> Callable[[Comparison], None]:
+    """Return what draws into a file. ImportError without matplotlib; ValueError: no such kind of picture."""
+    with held():
+        from sistap.beside.plot import kind_of, picture
+    kind = kind_of(path)
+
+    def draw(comparison: Comparison) -> None:
+        written = picture(comparison.lateness, "How late the times are", kind)
+        with opened(str(path), "name another file with --plot") as file:
+            file.write(written)
+
+    return draw
+
+
 def _checked(args: argparse.Namespace) -> LineSettings:
     """Check the options; ValueError says what is wrong and what to do."""
     if not 1 <= args.duration <= LONGEST_S:
         raise ValueError(f"--duration {args.duration:g} is not a number of seconds from 1 to {LONGEST_S}")
+    if sys.platform == "win32" and args.port:
+        raise ValueError("on Windows a self-test is of this computer, not of a port: leave out -i and --transmit")
     if args.transmit and not args.port:
         raise ValueError("--transmit needs the port to send on: say it with -i")
     if args.port and not args.transmit:
@@ -103,7 +169,7 @@ def _checked(args: argparse.Namespace) -> LineSettings:
             f"a self-test of {args.port} sends characters, which on a bus would disturb it: take it off the bus, "
             "join its transmit and receive lines, and add --transmit"
         )
-    if args.port and "://" in args.port:
+    if args.port and ("://" in args.port or is_analyser(args.port)):
         raise ValueError(f"{args.port} is no device: a self-test needs one, such as /dev/ttyUSB0")
     if args.port and ports.is_own_terminal(args.port):
         raise ValueError(f"{args.port} is the terminal that sistap itself reads or writes: choose another port with -i")
@@ -115,13 +181,18 @@ def _checked(args: argparse.Namespace) -> LineSettings:
 def _measure(
     args: argparse.Namespace, settings: LineSettings, console: Console
 ) -> tuple[str, measurement.Conditions, Sequence[int]]:
-    """Return what was measured, under which conditions, and the delays in ns. May raise PortError."""
+    """Return what was measured, under which conditions, and the delays in ns. May raise PortError or OSError."""
+    duration_ns = int(args.duration * 1e9)
+    if sys.platform == "win32":
+        from sistap.line.reader import loopback
+
+        with _undisturbed():
+            return measurement.MACHINE, measurement.conditions(), loopback.through_socket(duration_ns)
     from sistap.line.reader import delay  # here, as Windows has no such modules
     from sistap.line.reader.latency import port_conditions
     from sistap.line.reader.opening import open_device
     from sistap.line.reader.tuning import Tuning
 
-    duration_ns = int(args.duration * 1e9)
     if not args.port:
         with _undisturbed():
             return measurement.MACHINE, measurement.conditions(), delay.through_pty(duration_ns)
@@ -161,7 +232,7 @@ def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int],
     if delays[-1] >= UNCERTAINTY_UNKNOWN:
         console.say(f"not kept: for {delays[-1] / 1e9:.0f} s sistap was stopped: measure again")
         return FAILED
-    bound_ns, longest_ns = (max(1, quantile(delays, QUANTILES[name])) for name in ("p99.9", "longest"))
+    bound_ns, longest_ns = (max(1, int(quantile(delays, QUANTILES[name]))) for name in ("p99.9", "longest"))
     result = measurement.Result(place, time.strftime("%Y-%m-%d"), len(delays), bound_ns, longest_ns, conditions)
     try:
         path = measurement.store(result)
@@ -178,11 +249,6 @@ def _short(path: Path) -> str:
         return f"~/{path.relative_to(Path.home())}"
     except (ValueError, RuntimeError):
         return str(path)
-
-
-def quantile(ordered: Sequence[int], share: float) -> int:
-    """Return the smallest of the sorted values that `share` of them do not exceed."""
-    return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
 
 
 def report(delays: Sequence[int]) -> list[str]:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A command of sistap as a process of its own, and how it refuses.
 
-The process is a fork of one that has sistap and matplotlib loaded: to load them takes longer than most commands.
+The process is a fork of one that has sistap and matplotlib loaded: to load them takes longer than most commands. On
+Windows, which has no fork, it is a new one.
 """
 
 from __future__ import annotations
@@ -17,19 +18,24 @@ from pathlib import Path
 
 TIMEOUT_S = 120
 
-if sys.platform == "win32":
-    raise ImportError("Windows has no fork")
-
-_PROCESSES = multiprocessing.get_context("forkserver")
-_PROCESSES.set_forkserver_preload(
-    ["sistap.cli", "sistap.report.command", "sistap.report.page", "sistap.annotate.annotating", "sistap.annotate.log"]
-)
+if sys.platform != "win32":
+    _PROCESSES = multiprocessing.get_context("forkserver")
+    _PROCESSES.set_forkserver_preload(
+        [
+            "sistap.cli",
+            "sistap.report.command",
+            "sistap.report.page",
+            "sistap.annotate.annotating",
+            "sistap.annotate.log",
+        ]
+    )
 
 
 def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run `sistap` in a folder, with nothing to read; never a traceback."""
     done = run_with(folder, b"", *arguments, **environment)
-    return subprocess.CompletedProcess(done.args, done.returncode, done.stdout.decode(), done.stderr.decode())
+    out, errors = (stream.decode().replace(os.linesep, "\n") for stream in (done.stdout, done.stderr))
+    return subprocess.CompletedProcess(done.args, done.returncode, out, errors)
 
 
 def run_with(
@@ -37,6 +43,8 @@ def run_with(
 ) -> subprocess.CompletedProcess[bytes]:
     """Run `sistap` in a folder, with this on standard input; never a traceback."""
     words = list(map(str, arguments))
+    if sys.platform == "win32":
+        return _run_new(folder, stdin, words, environment)
     with tempfile.TemporaryDirectory() as place:
         files = [Path(place, name) for name in ("in", "out", "errors")]
         files[0].write_bytes(stdin)
@@ -55,22 +63,29 @@ def run_with(
 
 def run_anew(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run `sistap` in a new interpreter, for what matters while modules are loaded."""
-    command = [sys.executable, "-m", "sistap", *map(str, arguments)]
+    done = _run_new(folder, b"", list(map(str, arguments)), environment)
+    return subprocess.CompletedProcess(done.args, done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def _run_new(
+    folder: Path, stdin: bytes, words: list[str], environment: dict[str, str]
+) -> subprocess.CompletedProcess[bytes]:
     done = subprocess.run(
-        command,
+        [sys.executable, "-m", "sistap", *words],
         cwd=folder,
         env=os.environ | environment,
+        input=stdin,
         capture_output=True,
-        text=True,
         check=False,
         timeout=TIMEOUT_S,
     )
-    assert "Traceback" not in done.stderr
+    assert b"Traceback" not in done.stderr
     return done
 
 
 def _main(folder: Path, arguments: list[str], environment: dict[str, str], files: list[Path]) -> None:
     """Be sistap: what a new interpreter would have made of its surroundings, made again."""
+    assert sys.platform != "win32"
     for descriptor, file in enumerate(files):
         with file.open("wb" if descriptor else "rb") as stream:
             os.dup2(stream.fileno(), descriptor)

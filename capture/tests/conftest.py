@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from portable import lacking
+from portable import SIGNALS, WINDOWS, lacking
 from sharkd import Sharkd
 
 import sistap.terminal.state
@@ -23,8 +23,6 @@ import sistap.terminal.state
 settings.register_profile("quick", max_examples=25, deadline=None)
 settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile("quick")
-
-SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 # What nohup ignores, children ignore: they would not end when their terminal goes.
 if sys.platform != "win32":
@@ -45,6 +43,8 @@ def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> 
 @pytest.fixture(scope="session")
 def sharkd() -> Iterator[Sharkd]:
     """Run sharkd, which has to have the plugin."""
+    if WINDOWS:
+        pytest.skip("the sharkd here knows no paths of Windows")
     with Sharkd() as program:
         assert program.has_field("sis.start"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
         yield program
@@ -67,7 +67,7 @@ def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
 def full() -> Path:
     """The device that is always full. A file of that name would take everything, and a test that fills it never end."""
     path = Path("/dev/full")
-    if not path.is_char_device():
+    if WINDOWS or not path.is_char_device():
         pytest.skip("/dev/full is no character device here")
     return path
 

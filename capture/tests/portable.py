@@ -1,16 +1,55 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which files of tests cannot run on this system, and why: a module that they import is not for it."""
+"""What tests need of this system, where Windows has not got it: why a test, or a whole file, cannot run there."""
 
 from __future__ import annotations
 
 import ast
+import ctypes
 import importlib
+import os
+import signal
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
+WINDOWS = sys.platform == "win32"
+
 # Those that import nothing special.
-_REASONS = {"test_stop.py": "needs SIGHUP, which Windows has not"}
+_REASONS = {
+    "test_stop.py": "needs SIGHUP, which Windows has not",
+    "test_tshark.py": "a shell plays tshark",
+    "test_extcap_tshark.py": "tshark finds an extcap that is a shell script",
+}
+
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+def posix(reason: str) -> pytest.MarkDecorator:
+    """Mark what Windows cannot run; `reason` says what it has not."""
+    return pytest.mark.skipif(WINDOWS, reason=f"not on Windows: {reason}")
+
+
+terminals = posix("no pseudo terminals")
+signals = posix("no signals from another process")
+sockets = posix("no sockets that are files")
+fifos = posix("no pipes in folders")
+links = posix("links are for administrators")
+modes = posix("files have no modes")
+libpcap = pytest.mark.skipif(
+    WINDOWS and not Path(os.environ.get("SYSTEMROOT", ""), "System32/Npcap/wpcap.dll").exists(), reason="no Npcap"
+)
+compiled = posix("no gcc that makes modules of Linux")
+
+
+def take_over_zone() -> None:
+    """Let this process take over the time zone in TZ. Windows knows summer time of its own zone alone."""
+    if sys.platform == "win32":
+        ctypes.CDLL("ucrtbase")._tzset()
+    else:
+        time.tzset()
 
 
 def lacking(file: Path, system: str = sys.platform) -> str:

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 from pathlib import Path
 
 import pytest
 
 import sistap
-from sistap.terminal.advice import advice
+from sistap.cli import COMMANDS
+from sistap.terminal.advice import advice, examples
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-serial|libpcap0")
@@ -38,3 +40,16 @@ def test_such_words_stand_in_the_table_alone(file: Path) -> None:
     if file.name != "advice.py":
         allowed = LINUX_ALONE.get(file.name, "\0")
         assert not [text for text in texts(file) if WORDS.search(text) and allowed not in text]
+
+
+@pytest.mark.parametrize("module", ["sistap.cli", *(module for module, _ in COMMANDS.values())])
+def test_examples_have_the_ports_of_windows(module: str) -> None:
+    text: str = getattr(importlib.import_module(module), "EPILOG", "")
+    translated = examples(text, "win32")
+    assert "/dev/tty" not in translated
+    assert "'" not in "".join(line for line in translated.splitlines() if line.startswith("  sistap"))
+    assert examples(text, "linux") == text
+    for line, other in zip(text.splitlines(), translated.splitlines(), strict=True):
+        if "/dev/tty" in line and re.search(r"\S  ", line):
+            assert len(line) == len(other)
+            assert line.rpartition("  ")[2] == other.rpartition("  ")[2]

@@ -20,12 +20,14 @@ import pytest
 from commands import run_with
 from independent import packets
 from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
+from portable import WINDOWS, posix
 
 from sistap import cli
 from sistap.annotate import command
 from sistap.annotate.annotating import LONGEST_LINE
 from sistap.annotate.explaining import WholeCapture
 from sistap.records.record import Record, Type
+from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import Tshark
 
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
@@ -143,6 +145,7 @@ def test_each_explanation_comes_before_the_next_line_is_written() -> None:
         assert process.wait() == 0
 
 
+@posix("no signals")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it(number: signal.Signals) -> None:
     with running("-") as process:
@@ -155,6 +158,7 @@ def test_a_signal_ends_it(number: signal.Signals) -> None:
         assert process.wait() == 0
 
 
+@posix("no signals")
 def test_a_reader_who_does_not_read_does_not_hold_up_a_stop(log: Path) -> None:
     """annotate LOG | less, and then Ctrl-C."""
     log.write_bytes(f"{PHASE.hex(' ')}\n".encode() * 1500)
@@ -171,6 +175,7 @@ def test_a_reader_who_does_not_read_does_not_hold_up_a_stop(log: Path) -> None:
     os.close(theirs)
 
 
+@posix("no pipes in folders")
 def test_a_named_pipe_is_read_once(tmp_path: Path, log: Path) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -268,7 +273,7 @@ def test_what_cannot_be_read_is_named_and_the_rest_counted(tmp_path: Path) -> No
 
 
 def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
-    (tmp_path / "x").write_text("nothing to see here\n")
+    (tmp_path / "x").write_bytes(b"nothing to see here\n")
     done = run(tmp_path, "x")
     assert done.stdout == b"nothing to see here\n"
     refused(done, 2, "x has no bytes in hexadecimal", "--regex")
@@ -278,6 +283,19 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     assert done.stdout.decode().splitlines()[1].startswith("^-- 8 other characters")
 
 
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (bytes.fromhex("0a0d0d0a1c000000"), "x is a capture, not a log: `sistap log x` explains it"),
+        (b"MZ\x90\0\x03\0\0\0", "x is no text: name a log that an editor can show"),
+    ],
+)
+def test_a_file_of_bytes_is_no_log(tmp_path: Path, content: bytes, words: str) -> None:
+    (tmp_path / "x").write_bytes(content)
+    refused(run(tmp_path, "x"), 2, words)
+
+
+@pytest.mark.attack("a log with an endless line", "the first million characters are explained")
 def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     """Its beginning is explained; all of it comes through."""
     telegram = "02 56 02 02 10 92 00 00 00 02 "
@@ -289,6 +307,7 @@ def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     assert len(telegrams) == (LONGEST_LINE - 3) // len(telegram) + 1
 
 
+@pytest.mark.attack("dates that no capture can have", "left out")
 @pytest.mark.parametrize("year", [1400, 2260, 2999, 9999])
 def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, year: int) -> None:
     line = f"{year}-12-31 23:59:59.{{}} RX 02 56 02 02 10 92 00 00 00 02\n"
@@ -299,6 +318,7 @@ def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, ye
     assert second.time_ns - first.time_ns == 300_000_000
 
 
+@pytest.mark.attack("an expression that never ends", "given up after two seconds")
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a timer of POSIX")
 def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("02 " * 40 + "!\n")
@@ -316,8 +336,8 @@ def test_an_empty_log(tmp_path: Path) -> None:
 
 def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
     refused(run(tmp_path, "nothing"), 2, "cannot read nothing: No such file", "name a log")
-    refused(run(tmp_path, "."), 2, "cannot read .: Is a directory")
-    refused(run(tmp_path, log, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
+    refused(run(tmp_path, "."), 2, "cannot read .: Permission denied" if WINDOWS else "cannot read .: Is a directory")
+    refused(run(tmp_path, log, "-o", "no/folder.txt"), 2, f"cannot write {Path('no/folder.txt')}", "-o")
     refused(run(tmp_path, log, "-w", "no/folder.pcapng"), 2, "no/folder.pcapng cannot be written", "-w")
     before = log.read_bytes()
     for option in ("-o", "-w"):
@@ -341,7 +361,7 @@ def test_a_full_disk(tmp_path: Path, log: Path, full: Path) -> None:
 def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
     (tmp_path / "plugins").mkdir()
     for name, stdin in ((log, b""), ("-", log.read_bytes())):
-        refused(run(tmp_path, name, stdin=stdin, PATH=str(tmp_path)), 1, "tshark is not on PATH", "apt-get install")
+        refused(run(tmp_path, name, stdin=stdin, PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark)
         refused(run(tmp_path, name, stdin=stdin, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")
     # A capture needs neither.
     assert run(tmp_path, log, "-w", "x.pcapng", PATH=str(tmp_path)).returncode == 0

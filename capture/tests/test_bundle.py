@@ -178,7 +178,7 @@ class Image:
 
 
 @pytest.mark.skipif(not MODULES, reason="sis.dll is not built: capture/bundle/build")
-@pytest.mark.parametrize("file", MODULES, ids=lambda file: file.parent.name)
+@pytest.mark.parametrize("file", MODULES, ids=[file.parent.name for file in MODULES])
 def test_a_module_has_what_its_wireshark_looks_for(file: Path) -> None:
     image = Image(file)
     exported = image.exported()
@@ -190,7 +190,7 @@ def test_a_module_has_what_its_wireshark_looks_for(file: Path) -> None:
 
 
 @pytest.mark.skipif(not MODULES, reason="sis.dll is not built: capture/bundle/build")
-@pytest.mark.parametrize("file", MODULES, ids=lambda file: file.parent.name)
+@pytest.mark.parametrize("file", MODULES, ids=[file.parent.name for file in MODULES])
 def test_a_module_imports_from_wireshark_and_windows_alone(file: Path) -> None:
     imported = Image(file).imported()
     assert imported.keys() <= OWN | SYSTEM

@@ -4,17 +4,13 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import os
-import pty
-import resource
+import re
 import select
 import signal
 import subprocess
 import sys
-import termios
 import time
-import tty
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -23,6 +19,7 @@ from typing import Any
 import pytest
 from independent import blocks, records
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
+from portable import SIGNALS, WINDOWS, libpcap, posix, terminals
 from specification import TELEGRAMS
 
 from sistap import cli
@@ -35,12 +32,21 @@ from sistap.files.writer import PcapngWriter
 from sistap.line import ports
 from sistap.line.clock import Clock
 from sistap.line.reader import PortError, PortLost, latency
-from sistap.line.reader.device import PosixReader
-from sistap.line.settings import Flag, LineSettings, Read
+from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Framing, Type
+from sistap.sis.telegram import checksum_good
 from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
+
+if sys.platform != "win32":
+    import fcntl
+    import pty
+    import resource
+    import termios
+    import tty
+
+    from sistap.line.reader.device import PosixReader
 
 START_NS = 1_700_000_000_000_000_000
 ALL = list(TELEGRAMS.values())
@@ -68,7 +74,7 @@ class FakeReader:
         if read is None:
             if self._lost:
                 raise PortLost(self._lost)
-            os.kill(os.getpid(), signal.SIGTERM)
+            signal.raise_signal(signal.SIGTERM)
         return read
 
     def change(self, settings: LineSettings) -> None:
@@ -130,6 +136,7 @@ def test_what_makes_the_times_worse_is_said_once_each(
     assert notes == [f"sistap: {note}" for note in reader.notes]
 
 
+@posix("no real-time priority")
 def test_a_capture_runs_with_real_time_priority_and_leaves_it(
     run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -151,6 +158,7 @@ def test_a_capture_runs_with_real_time_priority_and_leaves_it(
     assert asked == [(0, os.SCHED_FIFO, 1), (0, os.SCHED_OTHER, 0)]  # sched(7): 1 is the smallest
 
 
+@posix("no real-time priority")
 def test_a_capture_runs_without_real_time_priority_too(
     run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -163,7 +171,8 @@ def test_a_capture_runs_without_real_time_priority_too(
     assert len(capfd.readouterr().err.splitlines()) == 1  # the summary
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@terminals
+@pytest.mark.parametrize("number", SIGNALS)
 def test_a_port_is_put_back_when_a_signal_ends_a_capture(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
 ) -> None:
@@ -177,7 +186,7 @@ def test_a_port_is_put_back_when_a_signal_ends_a_capture(
 
     def read(reader: PosixReader, timeout_s: float) -> None:
         assert timer.read_text() == "1"
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
 
     monkeypatch.setattr(PosixReader, "read", read)
     assert cli.main(["capture", "-i", os.ttyname(slave), "-q"]) == 0
@@ -202,6 +211,46 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pyte
     characters = sum(len(read.data) for read in what)
     counted = f"18 telegrams, {characters} characters, 4 faulty characters, 1 wrong checksum"
     assert capfd.readouterr().err.endswith(f"sistap: 20 records ({counted}) written to {path}\n")
+
+
+@pytest.mark.attack("the disk is full, at several places", "whole packets are saved; the last line counts them")
+@pytest.mark.parametrize("room", [600, 1500, 3000, 4097])
+@pytest.mark.parametrize("options", [(), ("-f", "link[5] != 0x03"), ("-b", "filesize:1")])
+def test_what_a_full_disk_leaves_is_what_the_summary_counts(
+    run: Run,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    options: tuple[str],
+    room: int,
+) -> None:
+    left = [room]
+
+    def write(descriptor: int, data: memoryview) -> int:
+        if not left[0]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        count = min(len(data), left[0])
+        left[0] -= count
+        return write_really(descriptor, data[:count])
+
+    write_really = os.write
+    monkeypatch.setattr("sistap.files.output._File.write_some", lambda file, data: write(file.descriptor, data))
+    damaged = ALL[0][:-1] + b"\xff"
+    what = [*reads(*ALL, damaged), *reads(b"lost", flag=Flag.LOST_BEFORE), *reads(*ALL * 4)]
+    assert run(FakeReader(what), "-w", str(tmp_path / "x.pcapng"), *options) == 1
+    said = capfd.readouterr().err.splitlines()[-1]
+    there = sorted(tmp_path.iterdir())
+    taken = [record for path in there for record in records(path) if record.type != Type.EVENT]
+    good = sum(checksum_good(record.data) for record in taken if record.type == Type.FRAME)
+    faults = sum(bool(flags & ERROR_FLAGS) for record in taken for flags in record.flags)
+    wrong = sum(record.type == Type.FRAME for record in taken) - good
+    numbers = [int(number) for number in re.findall(r"\d+", said.partition(" written to ")[0])]
+    of_received = [numbers.pop(1)] if " of " in said else []
+    assert numbers == [len(taken), good, sum(len(record.data) for record in taken), faults, wrong]
+    assert all(number > len(taken) for number in of_received)
+    names = [str(path) for path in there]
+    written_to = names[0] if len(names) == 1 else f"{len(names)} files: {names[0]} to {names[-1]}"
+    assert said.endswith(f" written to {written_to}")
 
 
 def test_two_directions_are_two_interfaces(run: Run, tmp_path: Path) -> None:
@@ -229,6 +278,7 @@ def test_c_counts_records_that_were_written(run: Run, tmp_path: Path) -> None:
     assert frames(path) == [TELEGRAMS["8-23"], TELEGRAMS["8-24"]]
 
 
+@libpcap
 def test_a_filter_lets_other_characters_and_events_pass(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "x.pcapng"
     assert run(FakeReader(reads(b"text", *ALL)), "-w", str(path), "-f", "link[5] == 0x04") == 0
@@ -363,7 +413,7 @@ def test_what_had_arrived_before_a_stop_is_saved(run: Run, tmp_path: Path) -> No
     class Stopped(FakeReader):
         def read(self, timeout_s: float) -> Read | None:
             if timeout_s:
-                os.kill(os.getpid(), signal.SIGTERM)
+                signal.raise_signal(signal.SIGTERM)
                 return None
             if waiting := next(self._reads, None):
                 return waiting
@@ -658,6 +708,8 @@ class Tap:
 
 @pytest.fixture
 def tap() -> Iterator[Tap]:
+    if WINDOWS:
+        pytest.skip("not on Windows: no pseudo terminals")
     tap = Tap()
     yield tap
     tap.close()
@@ -878,7 +930,7 @@ def launch(tap: Tap, *arguments: str, **popen: Any) -> subprocess.Popen[bytes]:
     return tap.process
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", SIGNALS[1:])
 @pytest.mark.parametrize("arguments", [[], ["-q"]])
 def test_a_stuck_terminal_does_not_hold_up_a_capture(
     tap: Tap, tmp_path: Path, stuck: Stuck, arguments: list[str], number: signal.Signals
@@ -903,7 +955,7 @@ def test_text_on_a_stuck_terminal_does_not_hold_up_a_stop(tap: Tap, stuck: Stuck
     assert "standard output is not being read; the last records are missing in it\n" in err
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("arguments", [[], ["-w", "-"]])
 def test_a_pipe_that_is_not_read_does_not_hold_up_a_stop(
     tap: Tap, arguments: list[str], number: signal.Signals

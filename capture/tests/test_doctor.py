@@ -16,10 +16,12 @@ from pathlib import Path
 
 import pytest
 import serial
+from real_driver import Driver
 
 from sistap import cli, doctor
 from sistap.doctor import Point
-from sistap.line import measurement, ports, priority
+from sistap.line import analyser, measurement, ports, priority
+from sistap.line.analyser import Analyser
 from sistap.line.reader import latency
 from sistap.wireshark.tshark import TsharkError
 
@@ -227,7 +229,7 @@ def test_a_port(capsys: pytest.CaptureFixture[str], port: str) -> None:
 def test_times_whose_bound_is_not_known_are_poor(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, port: str
 ) -> None:
-    monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("CP2102", "cp210x"))
+    Driver(monkeypatch)  # of a CP2102
     assert cli.main(["doctor", "-i", port]) == 0
     times = [line for line in capsys.readouterr().out.splitlines() if line[6:].startswith("times")]
     assert [line[:4] for line in times] == ["poor", "poor"]
@@ -281,7 +283,7 @@ def test_a_port_is_let_go_and_its_lines_are_not_raised(
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
     open_before = len(list(Path("/proc/self/fd").iterdir()))
     assert examined(capsys, "-i", port)[0] == 0
-    assert lines == [termios.TIOCMBIC] * 2  # DTR and RTS down
+    assert set(lines) == {termios.TIOCMBIC}  # DTR and RTS down
     assert len(list(Path("/proc/self/fd").iterdir())) == open_before
     serial.Serial(port, exclusive=True).close()
 
@@ -356,3 +358,32 @@ def test_the_service_of_a_recorder(
     (healthy / "sistap-recorder.service").touch()
     assert cli.main(["doctor"]) == 0
     assert f"{mark}  recorder   sistap-recorder.service " in capsys.readouterr().out
+def plug(monkeypatch: pytest.MonkeyPatch, device: Path) -> None:
+    monkeypatch.setattr(analyser, "plugged_in", lambda: [Analyser("Logic", "1.2", device)])
+
+
+def test_analyser(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    device = tmp_path / "002"
+    plug(monkeypatch, device)
+    monkeypatch.setattr(analyser, "FIRMWARE", tmp_path)
+
+    def point() -> tuple[str, str]:
+        return examined(capsys)[1]["analyser"]
+
+    assert "no permission" in point()[1]
+    assert "plugdev" in point()[1]
+    device.touch()
+    assert "sigrok-firmware-fx2lafw" in point()[1]
+    (tmp_path / "fx2lafw-saleae-logic.fw").touch()
+    assert point() == ("good", "Logic (sigrok:fx2lafw:conn=1.2?rx=D0)")
+    monkeypatch.setattr(analyser, "program", lambda: None)
+    assert point()[0] == "poor"
+    assert "apt-get install sigrok-cli" in point()[1]
+
+
+def test_analyser_that_is_not_there(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "plugged_in", list)
+    monkeypatch.setattr(analyser, "program", lambda: None)
+    code, points = examined(capsys, "-i", "sigrok:fx2lafw?rx=D0")
+    assert code == 3
+    assert points["sigrok-cli"][0] == points["analyser"][0] == points["port"][0] == "bad"

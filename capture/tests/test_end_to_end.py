@@ -79,7 +79,7 @@ def test_a_capture_may_end_while_the_bus_goes_on(tmp_path: Path) -> None:
 def test_faults_are_flagged_at_their_characters(tmp_path: Path, most: int) -> None:
     log, file = tmp_path / "log", tmp_path / "file.pcapng"
     options = ["--fast", "--cycles", "5", "--reads", str(most), "--faults", MANY_FAULTS_TEXT, "--log", str(log)]
-    with running("--listen", str(tmp_path / "bus"), *options) as (bus, port):
+    with running("--listen", "127.0.0.1:0", *options) as (bus, port):
         assert capture("-i", port, "-w", str(file)) == 1
         assert finish(bus) == (0, "")
     captured = packets(file)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import subprocess
@@ -10,11 +11,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from portable import WINDOWS, libpcap, posix
 
 from sistap import cli
-from sistap.extcap import interfaces
+from sistap.extcap import command, interfaces, started
 from sistap.install.launching import launcher
-from sistap.line import ports
+from sistap.line import analyser, ports
 from sistap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
@@ -38,11 +40,17 @@ def parsed(text: str) -> list[Sentence]:
     return sentences
 
 
+@pytest.fixture(autouse=True)
+def _without_analyser(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "program", lambda: None)
+
+
 @pytest.fixture
 def plugged(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Plug two adapters in, one with a name of its own; give the folder of names."""
     monkeypatch.setattr(interfaces, "BY_ID", tmp_path)
-    (tmp_path / "usb-FTDI_FT232R_A1-if00-port0").symlink_to("/dev/ttyUSB0")
+    if not WINDOWS:
+        (tmp_path / "usb-FTDI_FT232R_A1-if00-port0").symlink_to("/dev/ttyUSB0")
     found = [("/dev/ttyS0", Adapter("16550A UART")), ("/dev/ttyUSB0", Adapter("FT{232}R"))]
     monkeypatch.setattr(ports, "found", lambda: found)
     return tmp_path
@@ -66,6 +74,7 @@ def choices(sentences: list[Sentence], number: str) -> list[str]:
     return [values["value"] for values in of_kind("value", sentences) if values.get("arg") == number]
 
 
+@posix("no names by /dev/serial/by-id")
 @pytest.mark.usefixtures("plugged")
 def test_ports_and_the_demo_bus_are_interfaces(capsys: pytest.CaptureFixture[str]) -> None:
     sentences = asked(capsys, "--extcap-interfaces", "--extcap-version=4.0")
@@ -79,6 +88,7 @@ def test_ports_and_the_demo_bus_are_interfaces(capsys: pytest.CaptureFixture[str
     assert [set(values) for values in of_kind("extcap", sentences)] == [{"version", "display"}]
 
 
+@posix("no names by /dev/serial/by-id")
 def test_an_adapter_keeps_its_name_where_it_is_plugged_in_again(plugged: Path) -> None:
     name = interfaces.found()[1].name
     assert interfaces.port_of(name) == "/dev/ttyUSB0"
@@ -181,6 +191,7 @@ def test_ports_and_the_demo_bus_have_fields_of_their_own(capsys: pytest.CaptureF
     assert demo - port == {"--scenario", "--faults"}
 
 
+@posix("no names by /dev/serial/by-id")
 @pytest.mark.usefixtures("plugged")
 @pytest.mark.parametrize("option", ["second-port", "--second-port"])
 def test_ports_of_the_other_direction_are_listed_again(
@@ -197,6 +208,7 @@ def test_ports_of_the_other_direction_are_listed_again(
     assert choices(sentences, field["number"]) == ["", "sistap-usb-FTDI_FT232R_A1-if00-port0", "sistap-ttyACM0"]
 
 
+@libpcap
 def test_a_filter_is_checked_without_a_capture(capsys: pytest.CaptureFixture[str]) -> None:
     about = ["--extcap-interface", "sistap-demo", "--extcap-capture-filter"]
     assert cli.main(["extcap", *about, "link[5] == 0x1f"]) == 0
@@ -214,6 +226,7 @@ def test_what_wireshark_would_not_ask_is_refused_in_one_line(
     assert re.fullmatch("sistap: .+\n", capfd.readouterr().err)
 
 
+@posix("its launcher is another one")
 def test_the_launcher_needs_nothing_of_where_it_is_started(tmp_path: Path) -> None:
     package = tmp_path / "it's here"
     package.symlink_to(CAPTURE)
@@ -235,5 +248,26 @@ def test_the_launcher_needs_nothing_of_where_it_is_started(tmp_path: Path) -> No
 def test_the_launcher_of_windows_is_a_batch_file() -> None:
     lines = launcher(r"C:\Program Files\Python\python.exe", Path("D:/100% SIS"), windows=True).split("\r\n")
     assert lines[0] == "@echo off"
-    assert 'set "PYTHONPATH=D:/100%% SIS"' in lines
+    assert f'set "PYTHONPATH={Path("D:/100%% SIS")}"' in lines
     assert lines[-2:] == [r'"C:\Program Files\Python\python.exe" -P -m sistap extcap %*', ""]
+
+
+def test_an_analyser_is_an_interface(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(analyser, "program", lambda: "/usr/bin/sigrok-cli")
+    found = analyser.Analyser("Logic {8}", "1.2", Path("/dev/bus/usb/001/002"))
+    monkeypatch.setattr(analyser, "plugged_in", lambda: [found])
+    listed = of_kind("interface", asked(capsys, "--extcap-interfaces"))
+    assert {"value": "sistap-sigrok", "display": "SIS tap: logic analyser (Logic (8))"} in listed
+    shown = fields(capsys, "sistap-sigrok")
+    assert {"--driver", "--channel", "--second-channel", "--samplerate", "--invert", "--baud"} <= shown.keys()
+    assert not {"--second-port", "--uncertainty", "--scenario"} & shown.keys()
+
+
+def test_the_dialog_of_an_analyser_is_its_address() -> None:
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    chosen = ["--driver", "fx2lafw:conn=1.2", "--second-channel", "D1", "--samplerate", "8m", "--invert", "tx"]
+    args = parser.parse_args(["--extcap-interface", "sistap-sigrok", "--fifo", "pipe", *chosen])
+    (port,) = started._options(args).ports
+    assert port == "sigrok:fx2lafw:conn=1.2?rx=D0&tx=D1&samplerate=8m&invert=tx"
+    assert analyser.Probe.parse(port).inverted == (False, True)

@@ -96,6 +96,11 @@ class Wireshark:
         assert self._control
         self._control.write(struct.pack(">cBHBB", b"T", 0, len(text.encode()) + 2, control, command) + text.encode())
 
+    def write(self, data: bytes) -> None:
+        """Say something that may be no message."""
+        assert self._control
+        self._control.write(data)
+
     def hide_toolbar(self) -> None:
         assert self._control
         self._control.close()
@@ -174,6 +179,40 @@ def test_a_marker_comes_into_the_capture_and_out_of_its_field(demo: Wireshark) -
     demo.say(SET, MARKER, "Motor läuft")
     assert demo.event(Event.MARKER).data.decode() == "Motor läuft"
     assert next(demo.told(MARKER, SET)) == ""
+
+
+def message(control: int, command: int, text: bytes) -> bytes:
+    return b"T" + (len(text) + 2).to_bytes(3, "big") + bytes([control, command]) + text
+
+
+NO_MESSAGES = {
+    "shorter than a control and a command": b"T\0\0\0" b"T\0\0\1\0",
+    "does not begin with T": b"\0\xff{}" * 1000,
+    "another control, another command": message(200, SET, b"x") + message(MARKER, 99, b"x"),
+    "a rate of 5000 digits": message(RATE, SET, b"9" * 5000),
+    "a rate that no record can hold": message(RATE, SET, b"4294967296"),
+    "no rate": b"".join(message(RATE, SET, text) for text in (b"0", b"-1", b"1e4", b"\xb2", b"\xff")),
+    "digits of another script": message(RATE, SET, "١٢".encode()),
+    "a marker of no characters": message(MARKER, SET, b" \n"),
+    "counters, before there are any": message(COUNTERS, SET, b""),
+}
+
+
+@pytest.mark.attack("the pipe of the toolbar brings what is no message", "passed over; the next message is done")
+def test_messages_that_no_wireshark_sends_end_nothing(demo: Wireshark) -> None:
+    demo.say(INITIALIZED)
+    for text, sent in NO_MESSAGES.items():
+        demo.write(sent)
+        demo.say(SET, MARKER, text)
+        assert demo.event(Event.MARKER).data.decode() == text
+    demo.write(message(MARKER, SET, b"invalid: \xff\xe2\x80"))
+    assert demo.event(Event.MARKER).data == rb"invalid: \xff\xe2\x80"
+    demo.write(message(MARKER, SET, b"x" * 0xFFFFF0))
+    assert set(demo.event(Event.MARKER).data) == {ord("x")}
+    demo.write(message(MARKER, SET, b"cut off")[:-1])
+    demo.hide_toolbar()
+    assert [kind for kind, _ in demo.blocks()][-1] == STATISTICS
+    assert demo.ended() == (0, "")
 
 
 def test_what_was_set_for_the_last_capture_does_not_count(demo: Wireshark) -> None:

@@ -183,7 +183,7 @@ LOST, BAD, BREAK, SOMEWHERE = Flag.LOST_BEFORE, Flag.CHARACTER_ERROR, Flag.BREAK
 @pytest.mark.parametrize(
     ("status", "sent", "flags"),
     [
-        (0x02, b"AB", [LOST, 0]),  # overrun
+        (0x02, b"AB", [LOST | SOMEWHERE, SOMEWHERE]),  # overrun: before one of them
         (0x04, b"A", [BAD]),  # parity
         (0x08, b"A", [BAD]),  # framing
         (0x18, b"\0", [BREAK]),
@@ -226,6 +226,19 @@ def test_without_a_latency_timer_in_the_capture_it_is_16_ms(tmp_path: Path) -> N
     done = run(host.save(tmp_path / "usb.pcap"))
     assert uncertainty_ms(done.records[0]) == 17
     assert "latency timer 16 ms, as by default" in done.events[0]
+
+
+def test_the_latency_timer_of_the_time_when_characters_came(tmp_path: Path) -> None:
+    """Before them another program had it at 16 ms, and who closes the port sets it back."""
+    host = ftdi()
+    host.request(4, VENDOR_REQUEST, SET_LATENCY_TIMER, 1)
+    host.receive(5, 6, STATUS + b"A")
+    host.request(40, VENDOR_REQUEST, SET_LATENCY_TIMER, 16)
+    done = run(host.save(tmp_path / "usb.pcap"))
+    assert "latency timer 1 ms, and a USB frame" in done.events[0]
+    host.receive(50, 60, STATUS + b"B")
+    done = run(host.save(tmp_path / "usb.pcap"))
+    assert "latency timer 1 and 16 ms, and a USB frame" in done.events[0]
 
 
 def test_a_host_that_does_not_ask_leaves_characters_waiting(tmp_path: Path) -> None:

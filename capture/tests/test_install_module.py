@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from portable import compiled
 
 from sistap.install.module import ModuleError, wanted_version
 
@@ -21,11 +22,13 @@ def built(folder: Path, source: str, *options: str) -> Path:
     return folder / "plugin.so"
 
 
+@compiled
 @pytest.mark.parametrize("bits", ["-m64", "-m32"] if platform.machine() == "x86_64" else [""])
 def test_version_of_a_plugin(tmp_path: Path, bits: str) -> None:
     assert wanted_version(built(tmp_path, SOURCE, *filter(None, [bits]))) == (4, 9)
 
 
+@compiled
 def test_stripped_of_what_is_not_needed_to_load_it(tmp_path: Path) -> None:
     assert wanted_version(built(tmp_path, SOURCE, "-s")) == (4, 9)
 
@@ -41,11 +44,13 @@ def test_what_is_no_plugin(tmp_path: Path, content: bytes, why: str) -> None:
         wanted_version(file)
 
 
+@compiled
 def test_a_module_of_something_else(tmp_path: Path) -> None:
     with pytest.raises(ModuleError, match="no plugin of Wireshark"):
         wanted_version(built(tmp_path, "int other = 1;\n"))
 
 
+@compiled
 def test_damaged_ones_give_a_line_or_a_number(tmp_path: Path) -> None:
     good = built(tmp_path, SOURCE).read_bytes()
     file = tmp_path / "damaged.so"

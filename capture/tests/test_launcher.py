@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from portable import compiled
+
+pytestmark = compiled
 
 LAUNCHER = Path(__file__).resolve().parents[1] / "launcher"
 FILTER = 'link[5]==0x10&&link[6]==16 || "a b" \\" %PATH%  ^x\\'

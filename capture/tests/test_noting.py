@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from portable import terminals
 from test_answering import LINE, MS, READ_PHASE, Over, Script
 from test_bus import BUS, TIMEOUT_S, logged, octets, running
 
@@ -84,6 +85,7 @@ def test_what_is_unfinished_when_a_rate_changes_is_noted(tmp_path: Path) -> None
     assert [data for _, data, _ in lines][2:] == [READ_PHASE[:5], READ_PHASE, PHASE_4]
 
 
+@terminals
 def test_it_is_the_log_of_the_master_from_the_other_side(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours", tmp_path / "theirs"
     with running("drives", "--baud", "115200", "--log", str(ours)) as (process, port):

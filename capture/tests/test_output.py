@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 import os
-import pty
 import re
-import resource
 import select
 import stat
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -16,9 +15,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from portable import WINDOWS, fifos, modes, posix, take_over_zone, terminals
 
 from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
 from sistap.terminal.streams import leave_standard_output, never_waiting
+
+if sys.platform != "win32":
+    import pty
+    import resource
 
 
 def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
@@ -44,6 +48,7 @@ def small_files() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@posix("no limit of the size of a file")
 def test_a_full_disk_leaves_whole_blocks(tmp_path: Path) -> None:
     path = tmp_path / "x"
     output = Output(str(path))
@@ -88,6 +93,7 @@ def test_a_path_that_cannot_be_written_is_refused(tmp_path: Path, name: str, lim
         Output(name.format(tmp_path), limits)
 
 
+@fifos
 def test_the_reader_of_a_pipe_is_gone(tmp_path: Path) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -110,6 +116,7 @@ def test_a_file_has_no_reader_who_could_go(tmp_path: Path) -> None:
     output.close()
 
 
+@fifos
 def test_a_pipe_that_nobody_reads_does_not_hold_up_a_stop(tmp_path: Path) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -135,6 +142,7 @@ def test_a_pipe_that_nobody_reads_does_not_hold_up_a_stop(tmp_path: Path) -> Non
     os.close(reader)
 
 
+@fifos
 def test_a_block_larger_than_the_pipe_does_not_hold_up_a_stop(tmp_path: Path) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -155,6 +163,7 @@ def test_a_block_larger_than_the_pipe_does_not_hold_up_a_stop(tmp_path: Path) ->
     os.close(reader)
 
 
+@fifos
 def test_a_large_block_comes_whole_through_a_pipe(tmp_path: Path) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -174,6 +183,7 @@ def test_a_large_block_comes_whole_through_a_pipe(tmp_path: Path) -> None:
     thread.join()
 
 
+@posix("no locks")
 def test_two_captures_do_not_write_one_file(tmp_path: Path) -> None:
     path = tmp_path / "x"
     first = Output(str(path))
@@ -186,6 +196,7 @@ def test_two_captures_do_not_write_one_file(tmp_path: Path) -> None:
     assert path.read_bytes() == b"abc"
 
 
+@posix("no limit of the size of a file")
 def test_only_a_file_that_was_there_stays_empty(tmp_path: Path) -> None:
     """A full disk at the very beginning."""
     new, old = tmp_path / "new", tmp_path / "old"
@@ -200,32 +211,61 @@ def test_only_a_file_that_was_there_stays_empty(tmp_path: Path) -> None:
     assert old.read_bytes() == b""
 
 
+def test_files_that_do_not_stay_are_not_said_to_be_there(tmp_path: Path) -> None:
+    """A full disk at the beginning of the only file, and of the third one."""
+    output = Output(str(tmp_path / "x"))
+    with pytest.raises(OutputError), small_files():
+        output.write(bytes(2000))
+    output.close()
+    assert output.summary == "no file"
+
+    for written, summary in ((1, "{0}"), (2, "2 files: {0} to {1}")):
+        folder = tmp_path / str(written)
+        folder.mkdir()
+        ring = Output(str(folder / "y"), Limits(size=1, several=True))
+        for _ in range(written):
+            ring.begin()
+            ring.write(b"x")
+            assert ring.open_next()
+            ring.go_on()
+        with pytest.raises(OutputError), small_files():
+            ring.write(bytes(2000))
+        ring.close()
+        assert ring.summary == summary.format(*sorted(folder.iterdir()))
+
+
 @pytest.fixture
 def utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("TZ", "UTC")
-    time.tzset()
+    take_over_zone()
     yield
     monkeypatch.undo()
-    time.tzset()
+    take_over_zone()
 
 
-def test_whoever_runs_it_decides_by_his_umask_who_may_read_it(tmp_path: Path) -> None:
-    new, elsewhere, link = (tmp_path / name for name in ("new", "elsewhere", "link"))
+@modes
+@pytest.mark.parametrize(("umask", "mode"), [(0, 0o640), (0o022, 0o640), (0o077, 0o600)])
+def test_a_new_capture_is_read_by_its_owner_and_its_group_at_most(tmp_path: Path, umask: int, mode: int) -> None:
+    """The umask of whoever runs it can only take more away; a file that was there keeps its mode."""
+    new, elsewhere, link, old = (tmp_path / name for name in ("new", "elsewhere", "link", "old"))
     link.symlink_to(elsewhere)
-    before = os.umask(0)
+    old.touch()
+    old.chmod(0o664)
+    before = os.umask(umask)
     try:
-        for path in (new, link):
+        for path in (new, link, old):
             Output(str(path)).write(b"x")
     finally:
         os.umask(before)
-    assert [stat.S_IMODE(path.stat().st_mode) for path in (new, elsewhere)] == [0o666, 0o666]
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (new, elsewhere, old)] == [mode, mode, 0o664]
 
 
 def descriptors() -> int:
     """How many are open."""
-    return len(list(Path("/proc/self/fd").iterdir()))
+    return 0 if WINDOWS else len(list(Path("/proc/self/fd").iterdir()))
 
 
+@posix("no locks")
 def test_a_file_that_another_capture_writes_leaves_nothing_open(tmp_path: Path) -> None:
     first = Output(str(tmp_path / "x"))
     before = descriptors()
@@ -275,6 +315,7 @@ def test_a_shell_may_append_a_capture_to_a_file(tmp_path: Path, monkeypatch: pyt
     assert minus.exists()
 
 
+@posix("writing nothing fails nowhere")
 def test_a_standard_output_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     (tmp_path / "x").touch()
     refused = pytest.raises(OutputRefused, match="standard output cannot be written: Bad file descriptor")
@@ -291,6 +332,7 @@ def test_a_standard_output_that_was_left_takes_nothing_more() -> None:
     os.close(reader)
 
 
+@posix("a pipe always waits")
 def test_a_pipe_is_written_as_it_is() -> None:
     reader, writer = os.pipe()
     copy = never_waiting(writer)
@@ -300,6 +342,7 @@ def test_a_pipe_is_written_as_it_is() -> None:
         os.close(descriptor)
 
 
+@terminals
 def test_a_terminal_is_written_without_waiting_and_keeps_its_mode() -> None:
     master, slave = pty.openpty()
     own = never_waiting(slave)
@@ -353,6 +396,7 @@ def pipe(tmp_path: Path) -> Iterator[Pipe]:
     os.close(reader)
 
 
+@fifos
 def test_it_waits_for_a_reader_a_tenth_of_a_second_at_a_time(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     path, reader = pipe
     announced = Announced(False, False, True)
@@ -363,6 +407,7 @@ def test_it_waits_for_a_reader_a_tenth_of_a_second_at_a_time(pipe: Pipe, monkeyp
     assert announced.waited_ms == [100] * 3
 
 
+@fifos
 def test_looking_for_the_reader_does_not_wait(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     announced = Announced(False)
     monkeypatch.setattr(select, "poll", lambda: announced)
@@ -370,6 +415,7 @@ def test_looking_for_the_reader_does_not_wait(pipe: Pipe, monkeypatch: pytest.Mo
     assert announced.waited_ms == [0]
 
 
+@fifos
 def test_a_stop_cuts_off_no_block_that_is_being_read(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     path, reader = pipe
     monkeypatch.setattr(select, "poll", Announced)
@@ -389,6 +435,7 @@ def test_a_stop_cuts_off_no_block_that_is_being_read(pipe: Pipe, monkeypatch: py
     assert received == block
 
 
+@fifos
 def test_a_terminal_that_promises_too_much_is_tried_again(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     path, reader = pipe
     output = Output(str(path))
@@ -468,6 +515,7 @@ def go_on(output: Output) -> None:
     output.write(b"x")
 
 
+@posix("a file that is open cannot be deleted")
 def test_an_oldest_file_that_cannot_be_deleted_is_said_and_stays(tmp_path: Path) -> None:
     said: list[str] = []
     output = ring(tmp_path, said)
@@ -484,11 +532,12 @@ def test_an_oldest_file_that_cannot_be_deleted_is_said_and_stays(tmp_path: Path)
 def test_the_summary_names_all_files_that_are_there(tmp_path: Path) -> None:
     output = ring(tmp_path, [])
     before = descriptors()
-    assert re.fullmatch(rf"{tmp_path}/x_00001_\d+", output.summary)
+    base = re.escape(str(tmp_path / "x"))
+    assert re.fullmatch(rf"{base}_00001_\d+", output.summary)
     go_on(output)
-    assert re.fullmatch(rf"2 files: {tmp_path}/x_00001_\d+ to {tmp_path}/x_00002_\d+", output.summary)
+    assert re.fullmatch(rf"2 files: {base}_00001_\d+ to {base}_00002_\d+", output.summary)
     go_on(output)
-    kept = rf"3 files, of which the last 2 were kept: {tmp_path}/x_00002_\d+ to {tmp_path}/x_00003_\d+"
+    kept = rf"3 files, of which the last 2 were kept: {base}_00002_\d+ to {base}_00003_\d+"
     assert re.fullmatch(kept, output.summary)
     assert descriptors() == before  # those of the files before are closed
     output.close()
@@ -514,6 +563,7 @@ def test_if_the_next_file_cannot_be_opened_this_one_is_the_last(
     assert output.summary == str(file)
 
 
+@posix("it plays Windows, with a file for a pipe")
 def test_a_pipe_of_windows_is_opened_but_never_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(OutputRefused, match="No such file"):

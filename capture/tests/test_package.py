@@ -47,7 +47,7 @@ def test_a_package_has_everything(checkout: Path) -> None:
 
 def test_a_source_distribution_has_everything(checkout: Path) -> None:
     setup(checkout / "capture", "sdist", "--dist-dir", "../dist")
-    subprocess.run(["tar", "-xf", next((checkout / "dist").iterdir())], cwd=checkout / "dist", check=True)
+    shutil.unpack_archive(next((checkout / "dist").iterdir()), checkout / "dist")
     unpacked = next(folder for folder in (checkout / "dist").iterdir() if folder.is_dir())
     setup(unpacked, "build_py", "--build-lib", "../../package")
     assert files(checkout / "package/sistap") == files(checkout / "capture/sistap") | {"sis.lua"}

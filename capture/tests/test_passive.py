@@ -14,6 +14,7 @@ import sys
 import termios
 import time
 import tty
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -41,7 +42,7 @@ def traced(command: list[str], trace: Path) -> list[str]:
     master, slave = pty.openpty()
     tty.setraw(slave)
     port = os.ttyname(slave)
-    calls = "trace=write,writev,pwrite64,ioctl,openat"
+    calls = "trace=write,writev,pwrite64,ioctl,openat,fdatasync"
     child = subprocess.Popen(
         ["strace", "-f", "-y", "-e", calls, "-o", trace, sys.executable, *[word.format(port=port) for word in command]],
         cwd=CAPTURE,
@@ -102,6 +103,7 @@ def test_capture_only_listens(tmp_path: Path, options: list[str]) -> None:
     calls = traced(command, tmp_path / "trace")
     assert_only_listens(calls)
     assert TELEGRAM in file.read_bytes()
+    assert re.search(rf"fdatasync\(\d+<{file}>\) += 0", (tmp_path / "trace").read_text())
     assert any("B57600" in call for call in calls) is bool(options)
 
 
@@ -143,6 +145,10 @@ def test_modem_lines_of_a_real_port_only_go_down(monkeypatch: pytest.MonkeyPatch
     real = fcntl.ioctl
     modem = (termios.TIOCMGET, termios.TIOCMSET, termios.TIOCMBIS, termios.TIOCMBIC)
 
+    def configure(fd: int, when: int, attributes: list[int], real: Callable[..., None] = termios.tcsetattr) -> None:
+        assert asked, "configuring takes some adapters 40 ms: until then the lines would be up"
+        real(fd, when, attributes)
+
     def ioctl(fd: int, request: int, *rest: object) -> object:
         if request in modem:  # a pty has no modem lines, a real port does
             assert isinstance(rest[0], bytes)
@@ -151,11 +157,13 @@ def test_modem_lines_of_a_real_port_only_go_down(monkeypatch: pytest.MonkeyPatch
         return real(fd, request, *rest)  # type: ignore[call-overload]
 
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
+    monkeypatch.setattr(termios, "tcsetattr", configure)
     monkeypatch.setattr(latency, "measured_latency_ns", lambda: 0)
     source = open_reader(os.ttyname(slave), LineSettings())
     os.write(master, TELEGRAM)
     assert source.read(10)
     source.close()
-    assert sorted(asked) == [(termios.TIOCMBIC, termios.TIOCM_DTR), (termios.TIOCMBIC, termios.TIOCM_RTS)]
+    assert asked[0] == (termios.TIOCMBIC, termios.TIOCM_DTR | termios.TIOCM_RTS)
+    assert {request for request, _ in asked} == {termios.TIOCMBIC}
     for descriptor in (master, slave):
         os.close(descriptor)

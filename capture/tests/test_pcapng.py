@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics, SectionHeader
+from portable import libpcap
 from specification import TELEGRAMS
 
 from sistap.files import pcapng, writer
@@ -125,6 +126,7 @@ def test_capinfos_names_adapter_speed_and_filter(file: Path) -> None:
     assert "Number of interfaces in file: 3" in out
 
 
+@libpcap
 def test_libpcap_reads_times_and_bytes(file: Path) -> None:
     link_type, packets = libpcap_packets(file)
     assert link_type == 252
@@ -151,6 +153,7 @@ def test_python_pcapng_reads_everything(file: Path) -> None:
     ]
 
 
+@libpcap
 @pytest.mark.parametrize(("name", "number"), [("user0", 147), ("user15", 162)])
 def test_user_link_types_have_only_telegrams(tmp_path: Path, name: str, number: int) -> None:
     link_type, packets = libpcap_packets(write(tmp_path / "x.pcapng", name))
@@ -158,6 +161,7 @@ def test_user_link_types_have_only_telegrams(tmp_path: Path, name: str, number: 
     assert packets == [(record.time_ns, TELEGRAM) for record, _ in RECORDS]
 
 
+@libpcap
 def test_rtac_has_its_header_and_hands_the_telegram_on(tmp_path: Path) -> None:
     file = write(tmp_path / "x.pcapng", "rtac")
     assert libpcap_packets(file)[0] == 250
@@ -173,6 +177,7 @@ def test_without_parity_an_error_is_one_of_framing() -> None:
     assert writer.rtac_event(record._replace(settings=LineSettings(9600, 8, "N"))) == 7
 
 
+@libpcap
 def test_rtac_leaves_control_lines_and_footer_zero(tmp_path: Path) -> None:
     _, packets = libpcap_packets(write(tmp_path / "x.pcapng", "rtac"))
     # Seconds, microseconds, event, control lines, footer.

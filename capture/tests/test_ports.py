@@ -2,6 +2,7 @@
 """What is behind a port, read from a sysfs that the test builds, and the table of ports."""
 
 import argparse
+import json
 import os
 import pty
 from pathlib import Path
@@ -11,7 +12,8 @@ import pytest
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from sistap.line import ports
+from sistap import cli
+from sistap.line import analyser, ports
 
 
 def put(file: Path, text: str) -> None:
@@ -123,3 +125,77 @@ def test_where_there_is_no_sysfs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     info = SimpleNamespace(device="COM3", description=described)
     monkeypatch.setattr(list_ports, "comports", lambda: [info])
     assert ports.found(tmp_path) == [("COM3", ports.Adapter(name))]
+
+
+def test_analysers_are_listed(
+    monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(analyser, "plugged_in", lambda: [analyser.Analyser("Logic", "1.2", tmp_path)])
+    assert show(monkeypatch, sysfs, []) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "port                           adapter  driver   latency",
+        "sigrok:fx2lafw:conn=1.2?rx=D0  Logic    fx2lafw  samples the line",
+    ]
+
+
+def test_ports_for_programs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    adapter = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=16, serial="A1")
+    monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", adapter), ("/dev/ttyS0", ports.Adapter())])
+    monkeypatch.setattr(analyser, "plugged_in", list)
+    assert cli.main(["ports", "--json"]) == 0
+    first, second = json.loads(capsys.readouterr().out)
+    assert first == {
+        "port": "/dev/ttyUSB0",
+        "adapter": "FT232R USB UART",
+        "driver": "ftdi_sio",
+        "latency_timer_ms": 16,
+        "fifo_trigger": None,
+        "serial": "A1",
+    }
+    assert second["port"] == "/dev/ttyS0"
+    assert second["adapter"] is None
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("ttyUSB0", "{}/ttyUSB0"),
+        ("/dev/ttyUSB0", "/dev/ttyUSB0"),
+        ("ttyUSB9", "ttyUSB9"),
+        ("socket://ttyUSB0", "socket://ttyUSB0"),
+        ("", ""),
+    ],
+)
+def test_a_port_without_its_folder(given: str, meant: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "ttyUSB0").touch()
+    monkeypatch.setattr(ports, "DEVICES", tmp_path)
+    assert ports.short(given) == meant.format(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        ([], "no serial port found: plug the adapter in, or name a PORT with -i"),
+        (["/dev/ttyUSB0", "/dev/ttyUSB1"], "there are 2 ports: name one with -i (/dev/ttyUSB0, /dev/ttyUSB1)"),
+    ],
+)
+def test_a_capture_without_a_port(
+    found: list[str], words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ports, "found", lambda: [(port, ports.Adapter()) for port in found])
+    assert cli.main(["capture"]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_capture_of_the_only_port(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is the one that cannot be opened here."""
+    monkeypatch.setattr(ports, "found", lambda: [(str(tmp_path / "gone"), ports.Adapter())])
+    assert cli.main(["capture"]) == 3
+    assert f"{tmp_path}/gone" in capsys.readouterr().err
+
+
+def test_a_command_that_is_misspelt(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["captrue"]) == 2
+    assert capsys.readouterr().err == "sistap: there is no command 'captrue': did you mean `sistap capture`?\n"

@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import os
-import pty
 import re
 import signal
 import subprocess
-import tty
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import independent
 import pytest
+from portable import SIGNALS, terminals
 from specification import TELEGRAMS
 from test_bus import TIMEOUT_S, finish, logged, running
 from test_end_to_end import CAPTURE
@@ -22,6 +22,10 @@ from sistap import cli
 from sistap.line.reader import PortError, PortLost
 from sistap.line.settings import LineSettings, Read
 from sistap.records.record import Event, Record, Type
+
+if sys.platform != "win32":
+    import pty
+    import tty
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
@@ -74,7 +78,7 @@ def assert_events_tell_the_settings(records: list[Record]) -> None:
 def test_the_settings_of_a_bus_are_found_and_nothing_is_lost_on_the_way(tmp_path: Path, baud: int, text: str) -> None:
     log, file = tmp_path / "log", tmp_path / "x.pcapng"
     options = ["--baud", str(baud), "--format", text, "--fast", "--cycles", "3", "--log", str(log)]
-    with running("--listen", str(tmp_path / "bus"), *options) as (bus, port):
+    with running("--listen", "127.0.0.1:0", *options) as (bus, port):
         code, said, records = captured(port, file, "--baud", "auto")
         assert finish(bus) == (0, "")
     assert code == 1  # the bus has ended
@@ -91,11 +95,12 @@ def test_the_settings_of_a_bus_are_found_and_nothing_is_lost_on_the_way(tmp_path
 
 
 def test_only_the_rate_is_looked_for_if_the_format_is_said(tmp_path: Path) -> None:
-    with running("--listen", str(tmp_path / "bus"), "--baud", "19200", "--fast", "--cycles", "1") as (_, port):
+    with running("--listen", "127.0.0.1:0", "--baud", "19200", "--fast", "--cycles", "1") as (_, port):
         _, _, records = captured(port, tmp_path / "x", "--baud", "auto", "--format", "8E1")
     assert changes(records) == ["19200 Bd 8E1: looking for the rate", "19200 Bd 8E1: found, by a valid telegram"]
 
 
+@terminals
 def test_through_a_pseudo_terminal(tmp_path: Path) -> None:
     """It has no parity: 8E1 and 8N1 are the same to it."""
     log = tmp_path / "log"
@@ -126,7 +131,7 @@ class FakeReader:
     def read(self, timeout_s: float) -> Read | None:
         self._now += int(timeout_s * 1e9)
         if not self._pieces:
-            os.kill(os.getpid(), signal.SIGTERM)
+            signal.raise_signal(signal.SIGTERM)
             return None
         if timeout_s == 0 and self._pieces[0] is None:
             return None
@@ -147,10 +152,10 @@ class FakeReader:
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     """Run the command on a reader of our own."""
-    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
 
     def run(reader: FakeReader, *arguments: str) -> int:
-        monkeypatch.setattr("sistap.capture.running.open_reader", lambda port, settings, line: reader)
+        monkeypatch.setattr("sistap.capture.ports.open_reader", lambda port, settings, line: reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     yield run
@@ -208,7 +213,7 @@ def test_settings_that_the_port_cannot_do_are_passed_over(  # type: ignore[no-un
 def test_every_telegram_is_read_at_the_rate_that_the_bus_was_told(tmp_path: Path) -> None:
     log, file = tmp_path / "log", tmp_path / "x.pcapng"
     options = ["--fast", "--rates", "38400,115200,9600", "--cycles", "4", "--log", str(log)]
-    with running("--listen", str(tmp_path / "bus"), *options) as (bus, port):
+    with running("--listen", "127.0.0.1:0", *options) as (bus, port):
         _, said, records = captured(port, file, "--follow-baud")
         assert finish(bus) == (0, "")
     assert_events_tell_the_settings(records)
@@ -233,7 +238,7 @@ def test_every_telegram_is_read_at_the_rate_that_the_bus_was_told(tmp_path: Path
 
 
 def test_without_it_the_tap_stays(tmp_path: Path) -> None:
-    with running("--listen", str(tmp_path / "bus"), "--fast", "--rates", "115200", "--cycles", "2") as (_, port):
+    with running("--listen", "127.0.0.1:0", "--fast", "--rates", "115200", "--cycles", "2") as (_, port):
         _, _, records = captured(port, tmp_path / "x")
     assert changes(records) == []
     assert {record.settings.baud for record in records} == {9600}
@@ -242,13 +247,14 @@ def test_without_it_the_tap_stays(tmp_path: Path) -> None:
 
 def test_the_rate_is_found_and_then_followed(tmp_path: Path) -> None:
     options = ["--baud", "19200", "--fast", "--rates", "57600", "--cycles", "3"]
-    with running("--listen", str(tmp_path / "bus"), *options) as (_, port):
+    with running("--listen", "127.0.0.1:0", *options) as (_, port):
         _, _, records = captured(port, tmp_path / "x", "--baud", "auto", "--follow-baud")
     assert "57600 Bd 8E1: 16 let all accept 57600 Bd" in changes(records)
     last = [record for record in records if record.type == Type.FRAME][-10:]
     assert all(record.settings.baud == 57600 and not record.errors for record in last)
 
 
+@terminals
 def test_in_real_time_through_a_pseudo_terminal(tmp_path: Path) -> None:
     """A late tap may hear the first telegram after a change wrongly; it must not stay behind."""
     with running("--baud", "38400", "--rates", "115200", "--cycles", "2") as (bus, port):
@@ -262,6 +268,7 @@ def test_in_real_time_through_a_pseudo_terminal(tmp_path: Path) -> None:
 # -- The options ----------------------------------------------------------------------------------------------------
 
 
+@terminals
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [

@@ -12,13 +12,14 @@ import termios
 import threading
 import time
 import tty
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import serial
 from hypothesis import given
 from hypothesis import strategies as st
+from real_driver import Driver
 
 from sistap.line import bus_socket, ports
 from sistap.line.clocks import STEADY
@@ -30,6 +31,7 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
+TCGETS2 = 0x802C542A  # Linux: <asm-generic/ioctls.h>
 START_NS = 1_700_000_000_000_000_000
 PATIENCE_S = 10  # never waited for unless something is broken
 
@@ -193,15 +195,7 @@ def test_a_pty_that_was_set_up_with_parity_before(bus: Pty) -> None:
 
 
 def test_format_of_a_real_port(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("CP2102", "cp210x"))
-    asked: list[list[int]] = []
-    real = termios.tcsetattr
-
-    def tcsetattr(fd: int, when: int, attributes: list[int]) -> None:
-        asked.append(attributes)
-        real(fd, when, attributes)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(termios, "tcsetattr", tcsetattr)
+    asked = Driver(monkeypatch).asked
     open_reader(bus.port, LineSettings(9600, 7, "O", 4)).close()
     control = asked[0][2]
     assert control & termios.CSIZE == termios.CS7
@@ -211,6 +205,62 @@ def test_format_of_a_real_port(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> Non
     assert not control & termios.CRTSCTS
     assert not asked[-1][0] & (termios.IXON | termios.IXOFF | termios.IGNPAR | termios.IGNBRK | termios.BRKINT)
     assert asked[-1][0] & termios.INPCK
+
+
+@pytest.mark.parametrize(("text", "size"), [("8M1", None), ("8S1", None), ("5N1.5", None), ("6E1", termios.CS6)])
+def test_formats_that_a_driver_takes(bus: Pty, monkeypatch: pytest.MonkeyPatch, text: str, size: int | None) -> None:
+    Driver(monkeypatch, size)
+    source = open_reader(bus.port, LineSettings.parse(9600, text))
+    assert source.settings.format == text
+    source.close()
+
+
+def test_a_format_that_a_driver_quietly_does_not_take(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As ftdi_sio: asked for six data bits it keeps what it had, and says so only to the kernel's log."""
+    Driver(monkeypatch, termios.CS8)
+    cannot = f"{bus.port} cannot do 9600 Bd 6E1 (its driver sets 9600 Bd 8E1): choose another --baud or --format"
+    assert refused(bus.port, LineSettings.parse(9600, "6E1")) == cannot
+    source = open_reader(bus.port, LineSettings.parse(9600, "8N1"))
+    with pytest.raises(PortError) as caught:
+        source.change(LineSettings.parse(9600, "6E1"))
+    assert str(caught.value) == cannot
+    assert source.settings.format == "8N1"
+    source.close()
+
+
+@pytest.fixture
+def uart(bus: Pty, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The bus's port as a 16550A with its usual clock; its driver reports the wish as the rate."""
+    kind = tmp_path / "class/tty" / Path(bus.port).name / "type"
+    kind.parent.mkdir(parents=True)
+    kind.write_text("4\n")
+    monkeypatch.setattr(ports, "SYSFS", tmp_path)
+    real = fcntl.ioctl
+
+    def ioctl(fd: int, request: int, *rest: object) -> object:
+        if request == termios.TIOCGSERIAL:  # <linux/serial.h>: type first, baud_base the eighth
+            return struct.pack("8i", 4, 0, 0, 0, 0, 16, 0, 115_200) + bytes(96)
+        return real(fd, request, *rest)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(fcntl, "ioctl", ioctl)
+
+
+@pytest.mark.parametrize(("baud", "true"), [(76_800, 57_600), (12_000, 11_520), (187_500, 115_200)])
+def test_a_rate_that_a_16550_really_has_not(bus: Pty, uart: None, baud: int, true: int) -> None:
+    assert refused(bus.port, LineSettings(baud)) == (
+        f"{bus.port} cannot do {baud} Bd 8E1 (its driver sets {true} Bd 8E1): choose another --baud or --format"
+    )
+
+
+@pytest.mark.parametrize(
+    ("baud", "said"), [(10_400, "; the port really runs at 10473 Bd; "), (38_400, ""), (300, ""), (115_200, "")]
+)
+def test_the_true_rate_of_a_16550_is_told(bus: Pty, uart: None, baud: int, said: str) -> None:
+    source = open_reader(bus.port, LineSettings(baud))
+    assert ("the port really runs at" in source.timing) is bool(said)
+    assert said in source.timing
+    assert source.settings.baud == baud
+    source.close()
 
 
 def test_characters_that_another_program_took_are_no_loss_of_the_port(
@@ -467,18 +517,15 @@ def test_a_change_drops_nothing_and_keeps_marking_errors(bus: Pty) -> None:
 def test_a_change_of_format_at_a_real_port(
     bus: Pty, monkeypatch: pytest.MonkeyPatch, settings: LineSettings, expected: int
 ) -> None:
+    driver = Driver(monkeypatch)
     monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("16550A UART", "serial", fifo_trigger=8))
-    before = LineSettings(9600, 5, "O", 4)
-    source = open_reader(bus.port, before)
-    asked: list[tuple[int, list[int]]] = []
-    monkeypatch.setattr(termios, "tcsetattr", lambda fd, when, attributes: asked.append((when, attributes)))
-    monkeypatch.setattr("sistap.line.reader.opening._check_speed", lambda fd, baud: None)
+    source = open_reader(bus.port, LineSettings(9600, 5, "O", 4))
+    driver.asked.clear()
     source.change(settings)
-    ((when, attributes),) = asked
+    (attributes,) = driver.asked
     mask = termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB
     assert attributes[2] & mask == expected
     assert attributes[4] == attributes[5] == termios.B19200
-    assert when == termios.TCSANOW  # the others wait for output or drop input
     bus.write(b"A")
     (read,) = collect(source, 1)
     # With a trigger level of 8 the FIFO holds a character for ten character times, those of the new rate.
@@ -489,18 +536,35 @@ def test_a_change_of_format_at_a_real_port(
     source.close()
 
 
-def test_a_rate_that_the_port_cannot_do_changes_nothing(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+def speed(port: str) -> int:
+    """Return the rate of a port, also one that has no constant: c_ospeed, the last word of struct termios2."""
+    descriptor = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        return int(struct.unpack("11I", fcntl.ioctl(descriptor, TCGETS2, bytes(44)))[10])
+    finally:
+        os.close(descriptor)
+
+
+def test_a_change_to_any_rate(bus: Pty) -> None:
     source = open_reader(bus.port, LineSettings(9600))
+    for baud in (187_500, 12_345, 19_200, 375_000):
+        source.change(LineSettings(baud))
+        assert speed(bus.port) == baud
+        assert termios.tcgetattr(bus.master)[0] & termios.PARMRK
+        assert source.settings == LineSettings(baud)
+    source.close()
 
-    def slower(fd: int, baud: int) -> None:
-        raise ValueError("the driver set 9600 Bd")
 
-    monkeypatch.setattr("sistap.line.reader.opening._check_speed", slower)
-    for settings in (LineSettings(115200), LineSettings(12345)):
-        with pytest.raises(PortError, match=f"cannot do {settings.baud} Bd 8E1"):
-            source.change(settings)
-        assert termios.tcgetattr(bus.master)[4] == termios.B9600
-        assert source.settings == LineSettings(9600)
+@pytest.mark.parametrize("before", [9600, 187_500])
+def test_a_rate_that_the_port_cannot_do_changes_nothing(bus: Pty, monkeypatch: pytest.MonkeyPatch, before: int) -> None:
+    source = open_reader(bus.port, LineSettings(before))
+    with monkeypatch.context() as patched:
+        patched.setattr("sistap.line.reader.opening._speed", lambda fd: before)  # whatever it is told
+        for settings in (LineSettings(115200), LineSettings(12345), LineSettings(3_000_000_000)):
+            with pytest.raises(PortError, match=f"cannot do {settings.baud} Bd 8E1"):
+                source.change(settings)
+            assert speed(bus.port) == before
+            assert source.settings == LineSettings(before)
     source.close()
 
 
@@ -566,14 +630,55 @@ def test_errors_that_the_driver_only_counts(
     driver.words[counter] = 41  # what happened before the capture does not count
     source = open_reader(bus.port, SETTINGS)
     driver.words[counter] += 1
-    bus.write(b"X")
-    monkeypatch.setattr(os, "read", lambda fd, size: data)
-    read = source.read(PATIENCE_S)
-    assert read is not None
+    bus.write(data)  # the marks as well: nobody doubles an FF here
+    monkeypatch.setattr(os, "read", unmarked(data))
+    (read,) = collect(source, len(flags))
     assert list(read.flags) == flags
-    read = source.read(PATIENCE_S)  # X is still there; nothing was counted since
-    assert read is not None
+    bus.write(data)
+    (read,) = collect(source, len(flags))  # nothing was counted since
     assert list(read.flags) == [flag & BAD for flag in flags]
+    source.close()
+
+
+def unmarked(data: bytes) -> Callable[[int, int], bytes]:
+    """Read from a pseudo terminal, but give `data`: what a port with errors delivers."""
+    real = os.read
+
+    def read(fd: int, size: int) -> bytes:
+        real(fd, size)
+        return data
+
+    return read
+
+
+def test_what_is_held_back_is_delivered_when_asked_for_what_is_there(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    driver = Counters(monkeypatch)
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    driver.words[PARITY] += 1
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    read = source.read(0)
+    assert read is not None
+    assert (read.data, list(read.flags)) == (b"A", [SOMEWHERE])
+    assert clock.now  # it stood still: nothing was waited for
+    source.close()
+
+
+def test_a_port_that_is_lost_delivers_first_what_was_held_back(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    driver = Counters(monkeypatch)
+    SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    driver.words[PARITY] += 1
+    bus.write(b"A")
+    wait_until_readable(bus.port)
+    assert isinstance(source, PosixReader)
+    assert source.take(in_time=True) == []
+    bus.hang_up()
+    (read,) = source.take(in_time=True)
+    assert (read.data, list(read.flags)) == (b"A", [SOMEWHERE])
+    with pytest.raises(PortLost):
+        source.read(PATIENCE_S)
     source.close()
 
 
@@ -608,6 +713,7 @@ def test_errors_that_the_driver_only_counts(
 def test_latency_of_adapters(
     bus: Pty, monkeypatch: pytest.MonkeyPatch, behind: ports.Adapter, ns: int, phrase: str
 ) -> None:
+    Driver(monkeypatch)
     monkeypatch.setattr(ports, "adapter", lambda port: behind._replace(pseudo_terminal=False))
     source = open_reader(bus.port, LineSettings(9600))
     assert source.timing == f"{phrase}; ordinary priority"
@@ -626,6 +732,7 @@ def tuned(bus: Pty, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     timer = tmp_path / "bus/usb-serial/devices" / Path(bus.port).name / "latency_timer"
     timer.parent.mkdir(parents=True)
     timer.write_text("16\n")
+    Driver(monkeypatch)
     monkeypatch.setattr(ports, "SYSFS", tmp_path)
     monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("FT232R", latency_ms=ports.number(timer)))
     return timer
@@ -795,19 +902,20 @@ def test_no_hardware(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_unsupported_rates(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
-    cannot = "cannot do {} Bd 8E1: choose another --baud or --format"
-    assert refused(bus.port, LineSettings(3_000_000_000)).endswith(cannot.format(3_000_000_000))
+    cannot = "cannot do {} Bd 8E1{}: choose another --baud or --format"
+    assert refused(bus.port, LineSettings(3_000_000_000)).endswith(cannot.format(3_000_000_000, ""))
     assert "needs a rate" in refused(bus.port, LineSettings(0))
 
     real = fcntl.ioctl
 
     def quietly_9600(fd: int, request: int, *rest: object) -> object:
-        if request == 0x802C542A:  # TCGETS2; c_ospeed is the last of its eleven words
+        if request == TCGETS2:  # c_ospeed is the last of its eleven words
             return struct.pack("11I", *[0] * 10, 9600)
         return real(fd, request, *rest)  # type: ignore[call-overload]
 
     monkeypatch.setattr(fcntl, "ioctl", quietly_9600)
-    assert refused(bus.port, LineSettings(187_500)).endswith(cannot.format(187_500))
+    quietly = cannot.format(187_500, " (its driver sets 9600 Bd 8E1)")
+    assert refused(bus.port, LineSettings(187_500)).endswith(quietly)
     open_reader(bus.port, LineSettings(9600)).close()  # and the refused one let the port go
 
 
@@ -823,10 +931,8 @@ def test_format_the_driver_refuses(bus: Pty, monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_rate_of_its_own_survives_the_marking_of_errors(bus: Pty) -> None:
     source = open_reader(bus.port, LineSettings(187_500))
-    descriptor = os.open(bus.port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
-    assert struct.unpack("11I", fcntl.ioctl(descriptor, 0x802C542A, bytes(44)))[10] == 187_500
-    assert termios.tcgetattr(descriptor)[0] & termios.PARMRK
-    os.close(descriptor)
+    assert speed(bus.port) == 187_500
+    assert termios.tcgetattr(bus.master)[0] & termios.PARMRK
     source.close()
 
 

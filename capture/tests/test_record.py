@@ -69,7 +69,6 @@ CODES = {
         "CHARACTERS_LOST": 3,
         "ADAPTER_LOST": 4,
         "MARKER": 5,
-        "CAPTURE_ENDED": 6,
     },
 }
 WIRESHARKS_LARGEST_PACKET = 262_144

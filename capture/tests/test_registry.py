@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 
 import pytest
@@ -63,5 +64,6 @@ def test_what_the_registry_does_not_say() -> None:
     assert ports.of_windows("COM5", Values({})) == ports.Adapter()
 
 
-def test_a_system_without_a_registry() -> None:
+def test_a_system_without_a_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "winreg", None)
     assert registry.ftdi("COM5", None) is None

@@ -86,7 +86,7 @@ def test_captured_again_it_is_the_same(tmp_path: Path, options: list[str]) -> No
     first = with_characters(file)
     capture = tmp_path / "again.pcapng"
     tap = ["--baud", str(first[0].settings.baud), "--format", first[0].settings.format]
-    with running(str(file), "--listen", str(tmp_path / "bus"), "--fast") as (process, name):
+    with running(str(file), "--listen", "127.0.0.1:0", "--fast") as (process, name):
         subprocess.run([*CAPTURE, "-i", name, "-w", str(capture), *tap], check=False, capture_output=True)
         code, said = finish(process)
     assert (code, said.count("\n")) == (0, 1)

@@ -97,6 +97,7 @@ def test_faults(figures: dict[str, Any]) -> None:
         "trs_exceeded": 1,
         "tmas_exceeded": 0,
         "unanswered": 2,
+        "error_reaction": 2,
         "damaged": 1,
         "line_error": 1,
         "lost": 1,
@@ -141,18 +142,18 @@ def test_stations(figures: dict[str, Any]) -> None:
 
 def test_the_worst_of_each_kind_come_first(figures: dict[str, Any]) -> None:
     worst = [(moment["kind"], moment["packet"]) for moment in figures["worst"]]
-    assert worst[:8] == [
+    assert worst == [
         ("tza_exceeded", 7),
         ("trs_exceeded", 10),
         ("unanswered", 11),
+        ("error_reaction", 10),
         ("damaged", 15),
         ("line_error", 14),
         ("lost", 17),
         ("longest_pause", 13),
         ("slowest_reaction", 6),
+        ("unanswered", 14),
     ]
-    assert worst[8] == ("unanswered", 14)
-    assert len(worst) == 10
     assert figures["worst"][0]["measured_s"] == 0.0075
     assert figures["worst"][0]["limit_s"] == 0.005
 

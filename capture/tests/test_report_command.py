@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from commands import refused, run, run_anew
+from portable import SIGNALS
 from report_capture import BUS, write
 
 from sistap import cli
@@ -111,19 +112,19 @@ def test_a_full_disk(tmp_path: Path, capture: Path, full: Path) -> None:
 
 @pytest.fixture
 def handlers() -> Iterator[None]:
-    before = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    before = [(number, signal.getsignal(number)) for number in SIGNALS]
     yield
     for number, handler in before:
         signal.signal(number, handler)
 
 
 @pytest.mark.usefixtures("handlers")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_ends_it_and_no_file_stays(
     tmp_path: Path, capture: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
 ) -> None:
     def reading(*_: object) -> None:
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
         pytest.fail("the signal did not end it")
 
     monkeypatch.setattr(command, "gather", reading)

@@ -61,6 +61,24 @@ def test_errors_are_left_at_once(bus: Bus) -> None:
     assert name(bus.wait(0)) == (9600, "8N1")
 
 
+def test_one_error_in_a_packet_of_many_characters_is_no_reason_to_leave_nor_to_stay(bus: Bus) -> None:
+    somewhere = int(Flag.UNLOCATED_ERROR)
+    settings = bus.scan.settings
+
+    def packet(data: bytes, flag: int) -> None:
+        bus.now += 1_000_000
+        read = Read(0, bus.now, data, bytes([flag]) * len(data), 0, settings)
+        bus.scan.take(read, SisFramer(0, settings).feed(read))
+
+    packet(SHORT * 2, somewhere)
+    assert bus.wait(0) is None
+    packet(SHORT, 0)
+    assert not bus.scan.found  # of the 16 before, all may be wrong
+    for _ in range(7):
+        packet(b"xyz", somewhere)
+    assert bus.wait(0)
+
+
 def test_half_of_the_characters_wrong_is_the_wrong_parity_although_a_telegram_is_without_error(bus: Bus) -> None:
     bus.say(b"x" * 20, bytes([WRONG, 0]) * 10)
     bus.say(SHORT)
@@ -168,3 +186,19 @@ def test_a_telegram_that_silence_completes_counts_for_its_own_settings(bus: Bus)
 def test_one_format(bus: Bus) -> None:
     bus.scan = Scan(["7O2"])
     assert {name(bus.wait(100)) for _ in range(10)} == {(rate, "7O2") for rate, text in EVERYTHING} | {None}
+
+
+def test_a_rate_that_is_seen_on_the_line_is_tried_next() -> None:
+    bus = Bus(Scan(measure=lambda: 56_900.0))
+    bus.say(b"x" * 8, bytes([WRONG]) * 8)
+    assert name(bus.wait(0)) in ((57600, "8E1"), (57600, "8N1"))
+    first = name(bus.scan.settings)
+    bus.say(b"x" * 8, bytes([WRONG]) * 8)
+    assert {first, name(bus.wait(0))} == {(57600, "8E1"), (57600, "8N1")}
+
+
+@pytest.mark.parametrize("measured", [None, 0.0, 25_000.0, 1e6])
+def test_what_is_no_rate_of_the_bus_changes_nothing(measured: float | None) -> None:
+    bus = Bus(Scan(measure=lambda: measured))
+    bus.say(b"x" * 8, bytes([WRONG]) * 8)
+    assert name(bus.wait(0)) == (9600, "8N1")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from commands import run
+from portable import WINDOWS, signals, terminals
 from sharkd import Sharkd
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
@@ -293,7 +294,7 @@ def test_a_file_may_begin_with_the_mark_of_windows_editors(tmp_path: Path) -> No
 
 
 def test_a_file_without_end_is_refused() -> None:
-    if not Path("/dev/zero").exists():
+    if WINDOWS or not Path("/dev/zero").exists():
         pytest.skip("this system has no /dev/zero")
     with pytest.raises(ValueError, match="/dev/zero is longer than .* name another FILE.toml"):
         load("/dev/zero")
@@ -533,6 +534,7 @@ def test_of_two_that_collided_neither_was_answered(tmp_path: Path) -> None:
 # -- At ports -------------------------------------------------------------------------------------------------------
 
 
+@terminals
 def test_our_master_talks_to_our_drives_over_a_pseudo_terminal(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with running("drives", "--baud", "115200") as (_, port):
@@ -547,6 +549,7 @@ def test_our_master_talks_to_our_drives_over_a_pseudo_terminal(tmp_path: Path) -
         assert reaction[5:8] == command[5:8]
 
 
+@terminals
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_drives_that_wait(number: signal.Signals) -> None:
     with running("drives") as (process, _):
@@ -554,6 +557,7 @@ def test_a_signal_ends_drives_that_wait(number: signal.Signals) -> None:
         assert finish(process) == (0, "")
 
 
+@terminals
 def test_a_signal_ends_a_master_that_talks(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with (
@@ -586,6 +590,7 @@ def recording_into_a_pipe() -> Iterator[tuple[subprocess.Popen[str], int, int]]:
         os.close(theirs)
 
 
+@signals
 def test_signals_end_a_recording_after_a_whole_block() -> None:
     with recording_into_a_pipe() as (process, ours, _):
         data = os.read(ours, 1)
@@ -601,6 +606,7 @@ def test_signals_end_a_recording_after_a_whole_block() -> None:
         data = data[length:]
 
 
+@signals
 def test_a_signal_ends_a_recording_that_nobody_reads() -> None:
     with recording_into_a_pipe() as (process, ours, theirs):
         assert os.read(ours, 1)

@@ -19,6 +19,7 @@ from pathlib import Path
 import pytest
 
 from sistap import cli, selftest
+from sistap.beside.lateness import quantile
 from sistap.line import measurement
 from sistap.line.reader import delay
 
@@ -121,11 +122,15 @@ def test_through_a_pseudo_terminal(no_pauses: None) -> None:
     assert min(delays) > 0
 
 
+def test_a_machine_that_is_late_sends_a_character_all_the_same() -> None:
+    assert len(delay.through_pty(0)) == 1
+
+
 def test_quantiles() -> None:
     for count, expected in ((1000, [500, 900, 990, 999, 1000]), (1001, [501, 901, 991, 1000, 1001])):
         values = range(1, count + 1)
-        assert [selftest.quantile(values, share) for share in selftest.QUANTILES.values()] == expected
-    assert [selftest.quantile([7], share) for share in selftest.QUANTILES.values()] == [7] * 5
+        assert [quantile(values, share) for share in selftest.QUANTILES.values()] == expected
+    assert [quantile([7], share) for share in selftest.QUANTILES.values()] == [7] * 5
 
 
 def test_report() -> None:

@@ -199,6 +199,7 @@ def test_who_never_answers_makes_room(served: Listeners, told: list[str], monkey
                 pass
 
 
+@pytest.mark.attack("more connections than a line serves", "the next is sent away")
 def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "MOST", 2)
     with ExitStack() as opened:
@@ -564,6 +565,7 @@ def say(master: int, telegrams: int) -> None:
         time.sleep(0.005)
 
 
+@pytest.mark.attack("a stalled and a hostile listener beside two captures", "both captures have everything")
 def test_two_captures_of_one_tap_with_a_stalled_and_a_hostile_one_beside_them(tmp_path: Path) -> None:
     files = [tmp_path / "one", tmp_path / "two"]
     with serving("127.0.0.1:0") as (process, name, master):

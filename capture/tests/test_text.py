@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 
 import pytest
+from portable import take_over_zone
 from specification import TELEGRAMS
 
 from sistap.line.settings import Flag, LineSettings
@@ -20,10 +20,10 @@ NOON_NS = 1_700_049_600_000_000_000  # 2023-11-15 12:00:00 UTC
 @pytest.fixture(autouse=True)
 def _utc_plus_one(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("TZ", "XXX-1")
-    time.tzset()
+    take_over_zone()
     yield
     monkeypatch.undo()
-    time.tzset()
+    take_over_zone()
 
 
 def record(data: bytes, kind: Type = Type.FRAME, *, flags: bytes = b"", checksum_bad: bool = False) -> Record:

@@ -11,6 +11,7 @@ import re
 import socket
 import sys
 import threading
+from array import array
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -19,11 +20,11 @@ from typing import NamedTuple
 import pytest
 
 from sistap import cli
-from sistap.bus.wires import choice
+from sistap.bus.wires import choice, transmitting
 from sistap.capture.filter import FilterError, candidates, opened
 from sistap.files.output import Output, ReaderGone
-from sistap.line import ports
-from sistap.line.reader import PortError, PortLost, open_reader
+from sistap.line import measurement, ports
+from sistap.line.reader import PortError, PortLost, loopback, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal import state
 from sistap.terminal.stop import Stop
@@ -60,6 +61,23 @@ def test_a_port_is_no_file_that_could_be_a_link(monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(os.path, "realpath", fail)
     assert ports.identity("COM5", ports.Adapter()) == "unknown adapter at COM5"
+
+
+@pytest.mark.usefixtures("windows")
+@pytest.mark.parametrize(
+    ("why", "said"),
+    [
+        ("FileNotFoundError(2, 'File not found.', None, 2)", "COM7 does not exist: "),
+        ("PermissionError(13, 'Access denied.', None, 5)", "COM7 is in use by another program: "),
+    ],
+)
+def test_a_port_that_cannot_be_written_to(monkeypatch: pytest.MonkeyPatch, why: str, said: str) -> None:
+    def refuse(name: str, settings: LineSettings) -> None:
+        raise OSError(f"could not open port '{name}': {why}")
+
+    monkeypatch.setattr(transmitting, "closed_serial", refuse)
+    with pytest.raises(PortError, match=f"^{said}"):
+        transmitting.TransmittingPort("COM7", LineSettings())
 
 
 NO_SOCKETS = "Windows has no sockets that are files: .* HOST:PORT"
@@ -187,3 +205,15 @@ def test_the_libpcap_of_windows_is_that_of_npcap(monkeypatch: pytest.MonkeyPatch
     with pytest.raises(FilterError, match="^a capture filter needs libpcap: install Npcap, which"):
         opened(names, load)
     assert tried == names
+
+
+@pytest.mark.usefixtures("windows")
+def test_a_self_test_is_through_a_socket(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(loopback, "through_socket", lambda duration_ns: array("q", range(1000, 3000)))
+    assert cli.main(["selftest", "--duration", "1"]) == 0
+    (result,) = measurement.load()[0]
+    assert (result.place, result.characters, result.longest_ns) == (measurement.MACHINE, 2000, 2999)
+    capfd.readouterr()
+    assert cli.main(["selftest", "-i", "COM5", "--transmit"]) == 2
+    said = "sistap: on Windows a self-test is of this computer, not of a port: leave out -i and --transmit\n"
+    assert capfd.readouterr() == ("", said)

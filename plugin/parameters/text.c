@@ -24,3 +24,11 @@ sis_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, unsigned lengt
         append(text, compat_get_uint8(tvb, offset + i));
     return wmem_strbuf_get_str(text);
 }
+
+const char *
+sis_text_shortened(wmem_allocator_t *scope, const char *text, unsigned most)
+{
+    if (g_utf8_strlen(text, -1) <= (glong)most)
+        return text;
+    return wmem_strdup_printf(scope, "%.*s...", (int)(g_utf8_offset_to_pointer(text, most) - text), text);
+}

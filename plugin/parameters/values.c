@@ -201,8 +201,17 @@ is_number(const layout_t *layout)
            (layout->format == FLOATING && layout->size >= 4);
 }
 
-/* A value as a text, and the number that this text shows: what a person reads is what a filter compares.
- * Bits, idents and infinity have no number. */
+/* The number that the text of a value shows, up to `unit`. Bits, idents and infinity have no number. */
+static bool
+read_number(const layout_t *layout, const char *value, double *number, char **unit)
+{
+    if (!is_number(layout))
+        return false;
+    *number = g_ascii_strtod(value, unit);
+    return isfinite(*number);
+}
+
+/* A value as a text, and the number that this text shows: what a person reads is what a filter compares. */
 static void
 add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t *layout, const char *value,
                const char *label)
@@ -213,10 +222,7 @@ add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t 
 
     if (label != NULL)
         proto_item_set_text(item, "%s", label);
-    if (!is_number(layout) || !proto_field_is_referenced(tree, hf_sis_number))
-        return;
-    number = g_ascii_strtod(value, &unit);
-    if (!isfinite(number))
+    if (!proto_field_is_referenced(tree, hf_sis_number) || !read_number(layout, value, &number, &unit))
         return;
     /* With the digits of the value: Wireshark 4.0 itself writes a comma in some locales. */
     item =
@@ -345,6 +351,16 @@ add_value(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, 
     text = value_text(pinfo->pool, data->tvb, 0, &layout);
     add_value_item(tree, data->tvb, 0, &layout, text, NULL);
     return text;
+}
+
+bool
+sis_element_number(const sis_element_data_t *data, const sis_known_t *known, const char *text, double *number)
+{
+    layout_t layout;
+    char *unit;
+
+    return read_layout(known, data->encoding, &layout) && !layout.is_list &&
+           tvb_captured_length(data->tvb) == layout.size && read_number(&layout, text, number, &unit);
 }
 
 /* The number word alone does not tell the kind of a control parameter. */

@@ -19,6 +19,10 @@ typedef struct {
 const char *sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data,
                             sis_element_t element, const sis_ident_t *ident, const sis_known_t *known);
 
+/* The number that the text of such data shows; false where it shows none: bits, idents, lists, infinity. */
+bool sis_element_number(const sis_element_data_t *data, const sis_known_t *known, const char *text,
+                        double *number);
+
 /* What does not fit between the data of an element and its attribute, in words; NULL: nothing. */
 const char *sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_element_t element,
                                const sis_known_t *known);

@@ -100,7 +100,6 @@ static const value_string events[] = {
     {SERTAP_CHARACTERS_LOST, "Characters lost"},
     {SERTAP_ADAPTER_LOST, "Adapter lost"},
     {5, "Marker"},
-    {6, "Capture ended"},
     {0, NULL},
 };
 

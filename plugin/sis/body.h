@@ -33,6 +33,7 @@ typedef struct {
     sis_request_t *request;     /* of a command: to be filled in */
     const sis_request_t *asked; /* as the exchange has kept it; NULL where that is not known */
     sis_record_t *record;       /* of the whole telegram; NULL for a damaged one */
+    wmem_list_t *accesses;      /* of the whole telegram, to be filled in; NULL: nobody asks */
 } sis_body_t;
 
 /* Whether so many bytes are left for a field; says so once per body if not. */

@@ -174,6 +174,7 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
                           .is_reaction = list->is_reaction,
                           .service = service,
                           .record = list->record,
+                          .accesses = list->accesses,
                           .summary = wmem_strbuf_new(pool, sis_service_name(pool, service)),
                           .marks = wmem_strbuf_new(pool, ""),
                           .asked = asked != NULL && asked->service == service ? asked : NULL};

@@ -56,6 +56,7 @@ sis_exchange_bus(packet_info *pinfo)
     if (bus == NULL) {
         bus = wmem_new0(wmem_file_scope(), sis_bus_t);
         bus->key = key;
+        bus->number = wmem_map_size(buses) + 1;
         bus->is_connection = is_connection(pinfo);
         wmem_map_insert(buses, &bus->key, bus);
     }

@@ -21,6 +21,7 @@ typedef struct sis_request {
     bool has_ident;
     bool has_address;
     bool has_setting; /* of 0x03: all that subservice needs */
+    bool is_last;     /* of a parameter: no more pieces follow */
     uint16_t test_ms;
     sis_ident_t ident;
     uint32_t address; /* of the memory */
@@ -28,6 +29,8 @@ typedef struct sis_request {
     uint32_t segment; /* of a list: offset and length as asked for; 0: all of it */
     /* Of the parameter, when the command was sent; NULL where nothing was learned. */
     const sis_known_t *known;
+    const uint8_t *written; /* all data of a parameter, in file scope; NULL: not written, or not known */
+    unsigned written_length;
     struct sis_request *next; /* of the following element of service 0x04 */
     struct sis_request *list; /* of the first element of service 0x04, or the next subservice of 0x03 */
 } sis_request_t;
@@ -42,6 +45,7 @@ typedef struct {
 /* One line, or one TCP connection. */
 typedef struct sis_bus {
     uint64_t key;
+    uint32_t number; /* of all, from 1 */
     bool is_connection;
     uint32_t damaged_in; /* the last damaged telegram, or what may have been one; 0: none */
     uint32_t damaged_count;

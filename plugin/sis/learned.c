@@ -4,8 +4,6 @@
 
 #include "sis/learned.h"
 
-#include "parameters/learned.h"
-
 static sis_learned_t *
 learned_of(const sis_exchange_t *exchange)
 {
@@ -16,8 +14,8 @@ learned_of(const sis_exchange_t *exchange)
     return bus->learned;
 }
 
-static sis_place_t
-place_of(const sis_exchange_t *exchange, uint8_t device)
+sis_place_t
+sis_station_place(const sis_exchange_t *exchange, uint8_t device)
 {
     sis_place_t place = {.path_length = exchange->path_length, .device = device};
 
@@ -39,7 +37,7 @@ find(const sis_body_t *body, sis_ident_t ident, uint8_t device)
 
     if (exchange == NULL)
         return NULL;
-    place = place_of(exchange, device);
+    place = sis_station_place(exchange, device);
     return sis_learned_find(learned_of(exchange), &place, ident);
 }
 
@@ -62,6 +60,6 @@ sis_station_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_eleme
 
     if (body->pinfo->fd->visited || exchange == NULL)
         return;
-    place = place_of(exchange, device);
+    place = sis_station_place(exchange, device);
     sis_learned_add(learned_of(exchange), body->pinfo->pool, &place, ident, element, tvb, shown);
 }

@@ -4,7 +4,11 @@
 #ifndef SIS_LEARNED_H
 #define SIS_LEARNED_H
 
+#include "parameters/learned.h"
 #include "sis/body.h"
+
+/* The device that a command is for. */
+sis_place_t sis_station_place(const sis_exchange_t *exchange, uint8_t device);
 
 /* What is known of a parameter of that station: when its command was sent. */
 sis_known_t sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device);

@@ -6,6 +6,7 @@
 
 #include <epan/tap.h>
 
+#include "parameters/text.h"
 #include "sis/address.h"
 #include "sis/dispatch.h"
 #include "sis/timing.h"
@@ -316,7 +317,8 @@ dissect_useful_data(const dissection_t *d)
                        .marks = d->marks,
                        .request = telegram->is_reaction ? NULL : &request,
                        .asked = exchange != NULL ? exchange->request : NULL,
-                       .record = telegram->is_good ? record : NULL};
+                       .record = telegram->is_good ? record : NULL,
+                       .accesses = have_tap_listener(sis_tap) ? wmem_list_new(pool) : NULL};
 
     sis_timing_note(record, telegram, d->pinfo);
     if (telegram->is_good)
@@ -329,6 +331,7 @@ dissect_useful_data(const dissection_t *d)
     d->telegram->error_text = body.error_text;
     d->telegram->error = body.error;
     d->telegram->errors = body.errors;
+    d->telegram->accesses = body.accesses;
     return wmem_strbuf_get_str(body.summary);
 }
 
@@ -399,15 +402,6 @@ dissect_start(const dissection_t *d)
 
 #define HEAD_LENGTH 160 /* characters: Wireshark cuts a line of the tree soon after */
 
-static const char *
-shortened(wmem_allocator_t *scope, const char *words)
-{
-    if (g_utf8_strlen(words, -1) <= HEAD_LENGTH)
-        return words;
-    return wmem_strdup_printf(scope, "%.*s...", (int)(g_utf8_offset_to_pointer(words, HEAD_LENGTH) - words),
-                              words);
-}
-
 /* Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044". */
 static void
 dissect_whole_telegram(dissection_t *d)
@@ -433,7 +427,8 @@ dissect_whole_telegram(dissection_t *d)
     col_append_lstr(d->pinfo->cinfo, COL_INFO, stations, "  ", kind, "  ", words,
                     wmem_strbuf_get_str(d->marks), COL_ADD_LSTR_TERMINATOR);
     if (d->tree)
-        proto_item_append_text(d->root, ", %s, %s, %s", stations, kind, shortened(d->pinfo->pool, words));
+        proto_item_append_text(d->root, ", %s, %s, %s", stations, kind,
+                               sis_text_shortened(d->pinfo->pool, words, HEAD_LENGTH));
     d->telegram->before = packet->last;
     packet->last = d->telegram;
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);

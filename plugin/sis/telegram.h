@@ -61,6 +61,7 @@ typedef struct sis_telegram {
     const char *error_text;  /* NULL: there is no error code */
     uint32_t error;
     const sis_error_t *errors; /* of its elements, the last first */
+    wmem_list_t *accesses;     /* to parameters, sis_access_t; NULL: nobody has asked */
 } sis_telegram_t;
 
 /* Several telegrams may be in one packet; kept while it is dissected. */

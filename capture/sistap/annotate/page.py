@@ -15,6 +15,7 @@ from sistap.annotate.meanings import Meaning, Meanings
 from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, place
 from sistap.explain.fields import Said
+from sistap.terminal.visible import visible
 
 # Colours that eyes without one kind of cone tell apart (Okabe and Ito); the stroke under the bytes tells them apart
 # without any colour. Text is the same ink on all of them.
@@ -92,19 +93,29 @@ class PageWeaver:
         self._write(f"</pre>\n<footer>{footer}</footer>\n</body>\n</html>\n".encode())
 
     def _line(self, waiting: Waiting) -> str:
-        text = waiting.line.text.translate(_CONTROLS)
+        text = waiting.line.text
         parts = []
         at = 0
         for meaning, spans in groupby(sorted(self._marked.pop(waiting.line.number, [])), key=lambda mark: mark[2]):
             places = list(spans)
             start, stop = places[0][0], places[-1][1]
-            parts += [escape(text[at:start]), _mark(meaning, escape(text[start:stop]))]
+            parts += [_shown(text[at:start]), _mark(meaning, _shown(text[start:stop]))]
             at = stop
-        lines = ["".join(parts) + escape(text[at:])]
+        lines = ["".join(parts) + _shown(text[at:])]
         for column, said in sorted(waiting.explanations):
             kind = ' class="bad"' if "[" in said else ""
-            lines.append(f"{indent(text, column)}<i{kind}>{escape(said)}</i>")
+            before = _plain(text[:column])
+            lines.append(f"{indent(before, len(before))}<i{kind}>{escape(said)}</i>")
         return "\n".join(lines) + "\n"
+
+
+def _plain(text: str) -> str:
+    """Show what is in a log so that none of it changes how the page shows the rest."""
+    return visible(text.translate(_CONTROLS), keep="\t")
+
+
+def _shown(text: str) -> str:
+    return escape(_plain(text))
 
 
 def _mark(meaning: Meaning, shown: str) -> str:
@@ -125,12 +136,12 @@ def _head(name: str) -> str:
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
-<title>{escape(name)}, explained</title>
+<title>{_shown(name)}, explained</title>
 <style>
 {_STYLE}{styles}</style>
 </head>
 <body>
-<h1>{escape(name)}</h1>
+<h1>{_shown(name)}</h1>
 <div class="key">{key}<b class="{_OTHER}">no telegram</b></div>
 <pre>
 """

@@ -10,10 +10,12 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from sistap.annotate.textlog import LineCutter, LogLine
+from sistap.annotate.textlog import UTF_16, LineCutter, LogLine
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
+# How captures begin: pcapng, and pcap in both byte orders with us and with ns.
+_CAPTURES = tuple(map(bytes.fromhex, ("0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d")))
 
 
 class SourceError(Exception):
@@ -26,10 +28,19 @@ def is_file(log: str) -> bool:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
             return False  # to open it would wait for somebody who writes it
-        open(log, "rb").close()
+        with open(log, "rb") as file:
+            _check_text(log, file.read(_PIECE))
         return True
     except OSError as error:
         raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
+
+
+def _check_text(log: str, beginning: bytes) -> None:
+    """Raise SourceError for what no editor would show: a capture, or a file of bytes."""
+    if beginning.startswith(_CAPTURES):
+        raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
+    if b"\0" in beginning and not beginning.startswith(UTF_16):
+        raise SourceError(f"{log} is no text: name a log that an editor can show")
 
 
 def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 # UTF-16 only with a mark: Windows programs write it so. Longer marks would come first.
 _MARKS = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be", codecs.BOM_UTF8: "utf-8"}
 _LONGEST_MARK = 3
+UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _UTF_8, _LATIN_1 = "utf-8", "latin-1"
 
 

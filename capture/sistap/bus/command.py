@@ -27,6 +27,7 @@ from sistap.sis.rates import RATES
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop
 from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.terminal.visible import visible
 
 DESCRIPTION = """\
 Play a SIS bus: masters that ask, stations that answer, and what goes wrong between them, as a scenario says. It begins
@@ -103,7 +104,7 @@ def run(args: argparse.Namespace) -> int:
         with _log(args.log) as log:
             _play(args, played, settings, how, log, Stop.current())
     except Refusal as refusal:
-        print(f"sistap bus: {refusal}", file=sys.stderr)
+        print(f"sistap bus: {visible(str(refusal))}", file=sys.stderr)
         return refusal.code
     return DONE
 

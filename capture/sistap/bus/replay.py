@@ -19,6 +19,7 @@ from sistap.files.reading import NotCaptured, records
 from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings
 from sistap.records.record import Record, Type
 from sistap.terminal.exits import DONE, USAGE
+from sistap.terminal.visible import visible
 
 DESCRIPTION = """\
 Play a capture that sistap wrote: every character at its time, at a pseudo terminal, at a socket, or, if --transmit
@@ -70,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         _play(args)
     except Refusal as refusal:
-        print(f"sistap replay: {refusal}", file=sys.stderr)
+        print(f"sistap replay: {visible(str(refusal))}", file=sys.stderr)
         return refusal.code
     return DONE
 

@@ -15,8 +15,10 @@ from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions
 from sistap.capture.running import record
 from sistap.files.output import Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
+from sistap.line import ports
 from sistap.recorder.reasons import PRESETS
 from sistap.records.cut import HELP, SIS, WORDS, framing
+from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import FAILED, USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -34,6 +36,10 @@ EPILOG = """\
 A PORT is a device (/dev/ttyUSB0, /dev/cu.usbserial-1420 on macOS, COM5 on Windows; `sistap ports` lists them), a tap on
 another computer or a virtual bus (bus://HOST:PORT, as `sistap serve` and `sistap bus` print it), or a URL of pyserial
 (socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
+
+Or it is a logic analyser that sigrok-cli can read, and knows them to a microsecond: sigrok:fx2lafw?rx=D0 is a line at
+channel D0. &tx=D1 adds the other direction, as line 2; &samplerate=8m, more samples than 4 million a second;
+&invert=rx, tx or both, lines that are low while nothing is sent. Several of a kind: fx2lafw:conn=BUS.ADDRESS.
 
 With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
 telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
@@ -68,6 +74,7 @@ examples:
                                                                an S5 and a PPC over 3964R, both directions
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
                                                                the last 24 hours, a file for each
+  sistap capture -i 'sigrok:fx2lafw?rx=D0' -w x.pcapng         a logic analyser
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
   sistap capture -i /dev/ttyUSB0 --wait-for-port --keep faults -w kept/
@@ -102,10 +109,10 @@ class _Ports(argparse.Action):
     ) -> None:
         if not value:
             parser.error(f"{option} needs a {self.metavar}")
-        ports = [*(namespace.ports or []), value]
-        if len(ports) > len(BOTH_LINES):
+        named = [*(namespace.ports or []), ports.short(value)]
+        if len(named) > len(BOTH_LINES):
             parser.error(f"{option} can be given once, or twice for the two directions of a line")
-        namespace.ports = ports
+        namespace.ports = named
 
 
 def _positive(kind: Callable[[str], float], text: str) -> float:
@@ -157,8 +164,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="ports",
         action=_Ports,
         metavar="PORT",
-        required=True,
-        help="the port to listen to; given twice, the two directions of an RS422 or RS232 line, line 1 and line 2",
+        help="the port to listen to; given twice, the two directions of an RS422 or RS232 line, line 1 and line 2; "
+        "where there is only one port, it can be left out",
     )
     add(
         "-w",
@@ -269,9 +276,19 @@ def _make_folder(path: str | None) -> None:
         raise UsageError(f"{path} cannot be made: {error.strerror}; name another folder with -w") from None
 
 
+def _only_port() -> list[str]:
+    """Return the only port there is. UsageError where somebody has to choose."""
+    found = [port for port, _ in ports.found()]
+    if len(found) == 1:
+        return found
+    if found:
+        raise UsageError(f"there are {len(found)} ports: name one with -i ({', '.join(found)})")
+    raise UsageError(f"no serial port found: plug the adapter in, or name a PORT with -i; {advice().no_port}")
+
+
 def _options(args: argparse.Namespace) -> CaptureOptions:
     return CaptureOptions(
-        ports=tuple(args.ports),
+        ports=tuple(args.ports or _only_port()),
         file=args.file,
         baud=args.baud,
         format=args.format,

@@ -11,6 +11,7 @@ from sistap.capture.options import CaptureOptions, Plan
 from sistap.capture.ports import Ports
 from sistap.capture.remote import Remote
 from sistap.capture.session import Capture, Conditions
+from sistap.capture.tap import Sink
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import LINK_TYPES
@@ -18,8 +19,27 @@ from sistap.line import priority
 from sistap.line.reader import Reader
 from sistap.recorder.recorder import Recorder
 from sistap.records.counters import Counters
+from sistap.records.record import Record, Type
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
+
+
+class Tally:
+    """Hands records on to a sink, and counts those that it has written."""
+
+    def __init__(self, sink: Sink) -> None:
+        """Begin at zero."""
+        self._sink = sink
+        self.written = Counters()
+        self.begin, self.look, self.end = sink.begin, sink.look, sink.end
+
+    def write(self, record: Record) -> bool:
+        """Hand it on; count it if it was written and is no event."""
+        written = self._sink.write(record)
+        if written and record.type != Type.EVENT:
+            self.written.add_read(record)
+            self.written.add_record(record)
+        return written
 
 
 @priority.real_time()
@@ -33,9 +53,10 @@ def record(  # noqa: PLR0913 - it puts the parts together
         counters = Counters()
         interfaces = {reader.line: _interface(options, reader) for reader in readers}
         sink = opened.enter_context(sinks.opened(options, interfaces, output, counters, console))
+        tally = Tally(sink)
         capture = Capture(
             readers,
-            sink,
+            tally,
             output,
             counters,
             console,
@@ -45,11 +66,12 @@ def record(  # noqa: PLR0913 - it puts the parts together
             remote=remote,
             reopen=ports.reopen if options.wait_for_port else None,
         )
-        code = capture.run(stop)
+        with output.lasting():
+            code = capture.run(stop)
     if isinstance(sink, Recorder):
         console.say(f"{counters}; {sink.summary}")
     elif options.file:
-        console.say(_summary(counters, output))
+        console.say(_summary(tally.written, counters.received.total(), output))
     elif not options.quiet:
         console.say(str(counters))
     return code
@@ -72,10 +94,11 @@ def _interface(options: CaptureOptions, reader: Reader) -> Interface:
     )
 
 
-def _summary(counters: Counters, output: Output) -> str:
-    received = counters.received.total()
-    of_received = f" of {received}" if counters.written != received else ""
+def _summary(written: Counters, received: int, output: Output) -> str:
+    """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
+    records = written.received.total()
+    of_received = f" of {received}" if records != received else ""
     return (
-        f"{counters.written}{of_received} records ({counters.telegrams} telegrams, {counters.characters} characters, "
-        f"{counters.errors}) written to {output.summary}"
+        f"{records}{of_received} records ({written.telegrams} telegrams, {written.characters} characters, "
+        f"{written.errors}) written to {output.summary}"
     )

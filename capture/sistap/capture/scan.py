@@ -6,11 +6,11 @@ It stays where a whole telegram comes without an error, and goes on where errors
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings, Read
-from sistap.records.counters import faulty
+from sistap.records.counters import faulty, surely_faulty
 from sistap.records.record import Record
 from sistap.sis.rates import RATES
 from sistap.sis.telegram import MAX_LENGTH
@@ -30,6 +30,9 @@ SILENCE_NS = 3_000_000_000
 LONGEST_SILENCE_NS = 60_000_000_000
 
 
+ALIKE = 0.05  # so much, as a share, may a rate be off that was measured
+
+
 @dataclass
 class _Try:
     """What some settings have brought."""
@@ -38,11 +41,12 @@ class _Try:
     since_ns: int | None  # None: it is not known yet what time it is on the line
     last_ns: int | None = None  # when the last character came
     characters: int = 0
-    faulty: int = 0
+    faulty: int = 0  # all that can be: these settings are not right
+    surely_faulty: int = 0  # those that are: these settings are wrong
 
     def in_vain(self, now_ns: int, silence_ns: int) -> bool:
         """Tell whether to go on; a line without a character gets `silence_ns`."""
-        errors = self.faulty >= ENOUGH_ERRORS and self.faulty * ACCIDENT > self.characters
+        errors = self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters
         garbage = self.characters >= ENOUGH_CHARACTERS
         patience_ns = PAUSE_NS if self.characters else silence_ns
         silence = now_ns - (self.last_ns or self.since_ns or now_ns) >= patience_ns
@@ -52,8 +56,12 @@ class _Try:
 class Scan:
     """A bus, be it of one line or two. All times are those of its characters, in ns."""
 
-    def __init__(self, formats: Sequence[str] = FORMATS) -> None:
-        """Begin with 9600 Bd: all stations have it after power-on (chapter 2.5)."""
+    def __init__(self, formats: Sequence[str] = FORMATS, measure: Callable[[], float | None] = lambda: None) -> None:
+        """Begin with 9600 Bd: all stations have it after power-on (chapter 2.5). `measure` tells the rate, if it can.
+
+        Where it does, only the format is left to look for.
+        """
+        self._measure = measure
         self._all = [LineSettings.parse(baud, text) for baud in RATES for text in formats]
         self._tries = 1
         self._silence_ns = SILENCE_NS
@@ -75,6 +83,7 @@ class Scan:
         if read.data:
             now.characters += len(read.data)
             now.faulty += faulty(read)
+            now.surely_faulty += surely_faulty(read)
             now.last_ns = read.time_ns
         good = any(record.settings == now.settings and record.is_good_frame and not record.errors for record in records)
         self.found = good and now.faulty * ACCIDENT <= now.characters
@@ -88,8 +97,15 @@ class Scan:
             return None
         self._brought = self._brought + 1 if now.characters else 0
         self.in_vain = self.in_vain or self._brought >= len(self._all)
-        self._try = _Try(self._all[self._tries % len(self._all)], now_ns)
+        baud = self._measured()
+        candidates = [one for one in self._all if baud in (None, one.baud)]
+        self._try = _Try(candidates[self._tries % len(candidates)], now_ns)
         self._tries += 1
         if self._tries % len(self._all) == 1:
             self._silence_ns = min(2 * self._silence_ns, LONGEST_SILENCE_NS)
         return self.settings
+
+    def _measured(self) -> int | None:
+        """Return the rate nearest to what is measured; None: it is not known."""
+        measured = self._measure()
+        return next((baud for baud in RATES if measured and abs(measured - baud) <= baud * ALIKE), None)

@@ -16,7 +16,7 @@ from sistap.capture.steering import Steering, Step
 from sistap.capture.tap import Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
 from sistap.line.clocks import monotonic_ns
-from sistap.line.reader import Distant, PortError, PortLost, Reader, Several, together
+from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, Several, together
 from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
@@ -210,7 +210,12 @@ class Capture:
 
     def _steering_of(self, settings: LineSettings) -> Steering | None:
         formats, follow = self._conditions.formats, self._conditions.follow
-        return Steering(settings, formats, follow=follow) if formats or follow else None
+        return Steering(settings, formats, follow=follow, measure=self._measured) if formats or follow else None
+
+    def _measured(self) -> float | None:
+        """Return the rate of the line, where a port sees it."""
+        rates = (reader.measured_baud() for reader in self._readers if isinstance(reader, Measuring))
+        return next((rate for rate in rates if rate), None)
 
     def _timeout_s(self) -> float:
         due_ns = self._steering.due_ns if self._steering else None

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from sistap.capture.scan import Scan
@@ -24,11 +24,22 @@ class Step(NamedTuple):
 class Steering:
     """The lines of one bus, which have the same settings. Times are those of the characters, in ns."""
 
-    def __init__(self, settings: LineSettings, formats: Sequence[str] = (), *, follow: bool = False) -> None:
-        """Begin with `settings`; look for a rate and one of `formats`, if there are any; `follow` the bus."""
+    def __init__(
+        self,
+        settings: LineSettings,
+        formats: Sequence[str] = (),
+        *,
+        follow: bool = False,
+        measure: Callable[[], float | None] = lambda: None,
+    ) -> None:
+        """Begin with `settings`; look for a rate and one of `formats`, if there are any; `follow` the bus.
+
+        `measure` tells the rate of the line, where that can be seen.
+        """
         self._settings = settings
         self._formats = formats
-        self._scan = Scan(formats) if formats else None
+        self._measure = measure
+        self._scan = Scan(formats, measure) if formats else None
         self._follows = follow
         self._follow: Follow | None = None
         self._changed: Change | None = None  # followed, and no valid telegram since
@@ -99,7 +110,7 @@ class Steering:
             self._doubted = True
         if search:
             self._changed = self._follow = None
-            self._scan = Scan(self._formats)
+            self._scan = Scan(self._formats, self._measure)
             yield self._step(self._scan.settings, "looking for the rate again")
 
     def _step(self, settings: LineSettings, why: str) -> Step:

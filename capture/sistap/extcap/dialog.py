@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 from sistap.capture.scan import AUTO, FORMATS
 from sistap.extcap import interfaces
-from sistap.extcap.interfaces import DEMO, DISTANT
+from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT
 from sistap.extcap.sentences import sentence
+from sistap.line import analyser
 from sistap.sis.rates import RATES
 
 SELFTEST = "selftest"
@@ -23,6 +24,7 @@ class Of(enum.Flag):
 
     PORT = enum.auto()
     DISTANT = enum.auto()
+    ANALYSER = enum.auto()
     DEMO = enum.auto()
 
 
@@ -34,7 +36,7 @@ class Option(NamedTuple):
     display: str
     tooltip: str
     group: str  # of fields that are shown together, on a page if there are several
-    of: Of = Of.PORT | Of.DEMO  # which interfaces have it
+    of: Of = Of.PORT | Of.DEMO | Of.ANALYSER  # which interfaces have it
     choices: Callable[[str], Sequence[Choice]] | None = None  # for an interface; the first is the default
     reload: bool = False  # with a button that asks for the choices again
     placeholder: str = ""
@@ -60,7 +62,9 @@ def _framings(_: str) -> Sequence[Choice]:
 
 
 def _other_ports(name: str) -> Sequence[Choice]:
-    others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, DISTANT, DEMO)]
+    others = [
+        (other.name, other.display) for other in interfaces.found() if other.name not in (name, ANALYSER, DISTANT, DEMO)
+    ]
     return [("", "None: a bus"), *others]
 
 
@@ -76,7 +80,12 @@ def _scenarios(_: str) -> Sequence[Choice]:
     return [(name, f"{name}: {titles[name]}") for name in names]
 
 
-LINE, TIMES, BUS = "Line", "Times", "Bus"
+def _inverted(_: str) -> Sequence[Choice]:
+    words = {"no": "No: high while nothing is sent", "rx": "Line 1", "tx": "Line 2", "both": "Both lines"}
+    return list(words.items())
+
+
+LINE, TIMES, BUS, PROBE = "Line", "Times", "Bus", "Analyser"
 
 OPTIONS = (
     Option(
@@ -114,7 +123,7 @@ OPTIONS = (
         "Framing",
         "What is on the line: SIS, or procedure 3964R between a control and a PPC",
         LINE,
-        of=Of.PORT | Of.DISTANT,  # the scenario of the demo bus says it
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the scenario of the demo bus says it
         choices=_framings,
     ),
     Option(
@@ -155,6 +164,52 @@ OPTIONS = (
         placeholder="none; for example checksum=0.02,pause=0.001",
         validation="^[a-z]+=[0-9.]+(,[a-z]+=[0-9.]+)*$",
     ),
+    Option(
+        "--driver",
+        "string",
+        "Driver",
+        "Of sigrok: sigrok-cli --scan says which; several of a kind: fx2lafw:conn=BUS.ADDRESS",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder=analyser.DRIVER,
+    ),
+    Option(
+        "--channel",
+        "string",
+        "Channel",
+        "To which the line is connected",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder=analyser.CHANNEL,
+    ),
+    Option(
+        "--second-channel",
+        "string",
+        "Channel of the other direction",
+        "RS422 and RS232 have a line for each direction",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder="none: a bus",
+    ),
+    Option(
+        "--samplerate",
+        "string",
+        "Samples a second",
+        "The more, the more exact; at least 20 times the rate of the line",
+        PROBE,
+        of=Of.ANALYSER,
+        placeholder="4m, or as the rate needs it",
+        validation="^[0-9.]+[kKmM]?$",
+    ),
+    Option(
+        "--invert",
+        "selector",
+        "Inverted",
+        "RS232 without a receiver chip is low while nothing is sent",
+        PROBE,
+        of=Of.ANALYSER,
+        choices=_inverted,
+    ),
 )
 
 
@@ -193,7 +248,7 @@ def choices(name: str, called: str) -> list[str]:
 
 def _options_of(name: str) -> list[tuple[int, Option]]:
     """Return the options of an interface with their numbers; those are shown in their order."""
-    kind = {DEMO: Of.DEMO, DISTANT: Of.DISTANT}.get(name, Of.PORT)
+    kind = {DEMO: Of.DEMO, DISTANT: Of.DISTANT, ANALYSER: Of.ANALYSER}.get(name, Of.PORT)
     return [item for item in enumerate(OPTIONS) if kind in item[1].of]
 
 

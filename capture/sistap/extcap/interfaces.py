@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Wireshark lists: an interface for each serial port, a distant tap, and the demo bus.
+"""What Wireshark lists: an interface for each serial port, a logic analyser, a distant tap, and the demo bus.
 
 Wireshark keeps what a person sets for an interface under its name. So the name is that of the adapter where the system
 has one (/dev/serial/by-id, from its maker, model and serial number): it is the same adapter wherever it is plugged in
@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.extcap.sentences import plain, sentence
-from sistap.line import ports
+from sistap.line import analyser, ports
 
 BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")
 PREFIX = "sistap-"
 DEMO = PREFIX + "demo"
 DISTANT = PREFIX + "distant"  # what it is the tap of, its dialog says
+ANALYSER = PREFIX + "sigrok"
 
 
 class Interface(NamedTuple):
@@ -40,10 +41,18 @@ def found() -> list[Interface]:
     try:
         names = _adapter_names()
         of_ports = [_of_port(port, str(behind.name), names) for port, behind in ports.found()]
-        return [*of_ports, distant, Interface(DEMO, "SIS demo bus")]
+        return [*of_ports, *_analyser(), distant, Interface(DEMO, "SIS demo bus")]
     except ModuleNotFoundError:
         why = f"no serial ports: pyserial is missing for {sys.executable}"
-        return [distant, Interface(DEMO, plain(f"SIS demo bus ({why})"))]
+        return [*_analyser(), distant, Interface(DEMO, plain(f"SIS demo bus ({why})"))]
+
+
+def _analyser() -> list[Interface]:
+    """List one for whatever sigrok-cli can read: which analyser, and where the line is, the dialog says."""
+    if not analyser.program():
+        return []
+    names = ", ".join(one.name for one in analyser.plugged_in())
+    return [Interface(ANALYSER, plain(f"SIS tap: logic analyser ({names or 'by sigrok-cli'})"))]
 
 
 def port_of(name: str) -> str:

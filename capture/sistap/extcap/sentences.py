@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from sistap.terminal.visible import visible
+
 _NOT_IN_A_VALUE = str.maketrans("{}\r\n", "()  ")  # Wireshark knows no way to quote them
 
 
@@ -14,4 +16,4 @@ def sentence(kind: str, **values: object) -> str:
 
 def plain(text: str) -> str:
     """Make a text that can stand in a sentence out of one that somebody else chose."""
-    return text.translate(_NOT_IN_A_VALUE)
+    return visible(text.translate(_NOT_IN_A_VALUE))

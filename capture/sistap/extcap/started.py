@@ -6,17 +6,19 @@ from __future__ import annotations
 import argparse
 import io
 from contextlib import closing, redirect_stdout
+from urllib.parse import urlencode
 
 from sistap import selftest
 from sistap.capture.filter import FilterError
 from sistap.capture.options import CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.extcap import demo, dialog
-from sistap.extcap.interfaces import DEMO, DISTANT, port_of
+from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT, port_of
 from sistap.extcap.toolbar import Toolbar
 from sistap.files.output import Output, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
+from sistap.line import analyser
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
 from sistap.records.cut import Cut
@@ -70,13 +72,28 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
 
 def _port(args: argparse.Namespace) -> str:
     """Return what is captured from. ValueError says what is wrong."""
-    if args.extcap_interface == DEMO:
+    interface = args.extcap_interface
+    if interface == DEMO:
         return demo.start(args.faults, args.scenario)
-    if args.extcap_interface != DISTANT:
-        return port_of(args.extcap_interface)
+    if interface == ANALYSER:
+        return _analyser(args)
+    if interface != DISTANT:
+        return port_of(interface)
     if not args.address:
         raise ValueError("the options of this interface need host and port of `sistap serve`, such as pi:5000")
     return f"bus://{args.address}"
+
+
+def _analyser(args: argparse.Namespace) -> str:
+    """Return the address of the analyser of the dialog."""
+    said = {
+        "rx": args.channel or analyser.CHANNEL,
+        "tx": args.second_channel,
+        "samplerate": args.samplerate,
+        "invert": args.invert,
+    }
+    query = urlencode({key: value for key, value in said.items() if value})
+    return f"{analyser.PREFIX}{args.driver or analyser.DRIVER}?{query}"
 
 
 def _rate(text: str) -> int | None:

@@ -22,15 +22,19 @@ from sistap.capture.scan import AUTO
 from sistap.extcap.sentences import sentence
 from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters
+from sistap.records.record import LARGEST_RATE
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Console
 from sistap.terminal.stop import Stopped
+from sistap.terminal.visible import visible
 
 PATIENCE_S = 5  # for Wireshark to open its ends of the pipes
 FAREWELL_S = 0.5  # for it to take the last messages
 
 _HEADER = struct.Struct(">cBHBB")
+_LENGTH_SIZE = 3
 _COUNTED = 2  # bytes of the header that belong to the length: control and command
+_LONGEST = 0xFFFF  # bytes of a text for Wireshark; it shows one line
 _SYNC = b"T"
 
 # Commands, and the controls by their numbers.
@@ -105,6 +109,7 @@ class Toolbar:
 
     def say(self, text: str) -> None:
         """Show a line in the log and, for a while, in the status bar."""
+        text = visible(text)
         self._send(_LOG, _ADD, f"{time.strftime('%H:%M:%S')}  {text}\n")
         self._send(_LOG, _STATUS_BAR, f"sistap: {text}")
 
@@ -135,7 +140,7 @@ class Toolbar:
             self._send(_RATE, _SET, rate)
 
     def _send(self, control: int, command: int, text: str = "") -> None:
-        payload = text.encode(errors="backslashreplace")
+        payload = text.encode(errors="backslashreplace")[:_LONGEST]
         length = len(payload) + _COUNTED
         self._messages.put(_HEADER.pack(_SYNC, length >> 16, length & 0xFFFF, control, command) + payload)
 
@@ -161,7 +166,7 @@ class Toolbar:
         self._left()
 
     def _take(self, control: int, text: str) -> None:
-        if control == _RATE and (text == AUTO or text.isdecimal()):
+        if control == _RATE and (text == AUTO or _is_rate(text)):
             self._rate = ""
             self._requests.put(Rate(None if text == AUTO else int(text)))
         elif control == _MARKER and text.strip():
@@ -172,7 +177,15 @@ class Toolbar:
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:
-    """Yield control, command and text of each message, until the pipe ends."""
-    while len(header := pipe.read(_HEADER.size)) == _HEADER.size:
-        _, high, low, control, command = _HEADER.unpack(header)
-        yield control, command, pipe.read((high << 16 | low) - _COUNTED).decode(errors="replace")
+    """Yield control, command and text of each message, until the pipe ends; pass over what is no message."""
+    while sync := pipe.read(1):
+        if sync != _SYNC:
+            continue
+        length = int.from_bytes(pipe.read(_LENGTH_SIZE), "big")
+        message = pipe.read(length)
+        if len(message) == length >= _COUNTED:
+            yield message[0], message[1], message[_COUNTED:].decode(errors="backslashreplace")
+
+
+def _is_rate(text: str) -> bool:
+    return len(text) <= len(str(LARGEST_RATE)) and text.isdecimal() and 0 < int(text) <= LARGEST_RATE

@@ -16,10 +16,11 @@ import stat
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from sistap.files.lasting import PROMISED_S, Lasting
 from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
 
 if sys.platform == "win32":
@@ -30,6 +31,7 @@ else:
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
 _WAIT_MS = 100  # so long, at most, does a stop take
 _WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
+_MODE = 0o640  # of a new file; the umask can take more away. What a machine does is nobody else's business
 _PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
 
 
@@ -88,8 +90,11 @@ class Output:
         self._number = 1
         self._begun = time.monotonic()
         self._file = self._open()
+        self._before: _File | None = None  # the one of several files that was closed last
         self._next: _File | None = None
         self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
+        self._lasting: Lasting | None = None
+        self._doubted = False  # it was said that the disk makes trouble
         self.failed = False  # the next of several files could not be opened: this one is the last
 
     @property
@@ -110,6 +115,24 @@ class Output:
         self._file.empty()
         self._begun = time.monotonic()
 
+    @contextlib.contextmanager
+    def lasting(self) -> Iterator[None]:
+        """While the block runs, have what is written to files reach the disk soon: a power cut costs a second.
+
+        Not on Windows, where a file that is held open for that could not be deleted.
+        """
+        if sys.platform == "win32" or not self._file.regular:
+            yield
+            return
+        self._lasting = Lasting()
+        self._lasting.follow(self._file.descriptor, self._file.path)
+        try:
+            yield
+        finally:
+            self._lasting.end()
+            self._tell_trouble()
+            self._lasting = None
+
     def write(self, block: bytes) -> None:
         """Write one block. OutputError if that fails: then a file has been cut back to the block before."""
         file = self._file
@@ -124,6 +147,9 @@ class Output:
             file.cut(len(block) - len(rest))
             raise self._failure(error) from error
         file.size += len(block)
+        if self._lasting:
+            self._lasting.note()
+            self._tell_trouble()
 
     def check(self) -> None:
         """Tell while there is nothing to write whether a pipe still has a reader; ReaderGone if not."""
@@ -143,8 +169,10 @@ class Output:
         """Close this file for the one that `open_next` opened; delete the oldest if there are too many."""
         assert self._next
         self._file.close()
-        self._file, self._next = self._next, None
+        self._before, self._file, self._next = self._file, self._next, None
         self._number += 1
+        if self._lasting:
+            self._lasting.follow(self._file.descriptor, self._file.path)
         if not self._limits.keep:
             return
         self._kept.append(self._file.path)
@@ -167,12 +195,25 @@ class Output:
 
     @property
     def summary(self) -> str:
-        """Name for people all that was written to."""
-        if self._number == 1:
-            return str(self)
-        kept = len(self._kept) if self._limits.keep else self._number
-        deleted = f", of which the last {kept} were kept" if kept < self._number else ""
-        return f"{self._number} files{deleted}: {self._kept[0]} to {self._file.path}"
+        """Name for people all that was written to. A new file with nothing in it does not count: it does not stay."""
+        empty = self._file.is_new_and_empty
+        number, last = (self._number - 1, self._before) if empty else (self._number, self._file)
+        if not last:
+            return "no file"
+        if number == 1:
+            return last.name
+        kept = len(self._kept) - empty if self._limits.keep else number
+        deleted = f", of which the last {kept} were kept" if kept < number else ""
+        return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
+
+    def _tell_trouble(self) -> None:
+        """Say, once, that the disk does not take what is written."""
+        if self._lasting and self._lasting.trouble and not self._doubted:
+            self._doubted = True
+            self._say(
+                f"{self}: {self._lasting.trouble}: a power cut can cost more than the last {PROMISED_S:.0f} s; "
+                "capture to another disk"
+            )
 
     def _open(self, number: int = 1) -> _File:
         return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
@@ -192,26 +233,26 @@ class _File:
         self.name = "standard output" if path == STANDARD_OUTPUT else path  # for people
         self.size = 0
         try:
-            self._descriptor, self._created = _open(path)
+            self.descriptor, self._created = _open(path)
         except OSError as error:
             raise OutputRefused(
                 f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
             ) from error
-        self.regular = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
+        self.regular = stat.S_ISREG(os.fstat(self.descriptor).st_mode)
         self._poll: select.poll | None = None
         if self.regular and path != STANDARD_OUTPUT:
             self._lock()
         elif sys.platform != "win32" and not self.regular:
             self._poll = select.poll()
-            self._poll.register(self._descriptor, select.POLLOUT)
+            self._poll.register(self.descriptor, select.POLLOUT)
 
     def _lock(self) -> None:
         """Keep other captures out. Where locks do not exist there is no protection."""
         if sys.platform != "win32":
             try:
-                fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                os.close(self._descriptor)
+                os.close(self.descriptor)
                 raise OutputRefused(
                     f"{self.path} is being written by another capture; choose another file with -w"
                 ) from None
@@ -221,16 +262,16 @@ class _File:
     def empty(self) -> None:
         """Drop what an older capture left; not what a shell appends to."""
         if self.regular and self.path != STANDARD_OUTPUT:
-            os.ftruncate(self._descriptor, 0)
+            os.ftruncate(self.descriptor, 0)
 
     def write_some(self, data: memoryview) -> int:
         """Write what can be, after waiting a moment if nothing can; give how many bytes. May raise OSError."""
         if not self._poll:
-            return os.write(self._descriptor, data)
+            return os.write(self.descriptor, data)
         if not self._poll.poll(_WAIT_MS):
             return 0
         try:
-            return os.write(self._descriptor, data[:PIECE])
+            return os.write(self.descriptor, data[:PIECE])
         except BlockingIOError:
             time.sleep(_PAUSE_S)
             return 0
@@ -239,7 +280,12 @@ class _File:
         """Take away the last bytes, if that is possible."""
         if self.regular:
             with contextlib.suppress(OSError):
-                os.ftruncate(self._descriptor, os.fstat(self._descriptor).st_size - count)
+                os.ftruncate(self.descriptor, os.fstat(self.descriptor).st_size - count)
+
+    @property
+    def is_new_and_empty(self) -> bool:
+        """Whether it was not there before, and nothing could be written to it."""
+        return self._created and not self.size
 
     @property
     def deserted(self) -> bool:
@@ -250,8 +296,8 @@ class _File:
 
     def close(self) -> None:
         """Close, and delete it if it is new and empty."""
-        os.close(self._descriptor)
-        if self._created and not self.size:
+        os.close(self.descriptor)
+        if self.is_new_and_empty:
             Path(self.path).unlink(missing_ok=True)
 
 
@@ -269,6 +315,6 @@ def _open(path: str) -> tuple[int, bool]:
     if path.startswith(_WINDOWS_PIPES):
         return os.open(path, flags), False
     try:
-        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666), True
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, _MODE), True
     except FileExistsError:
-        return os.open(path, flags | os.O_CREAT, 0o666), False
+        return os.open(path, flags | os.O_CREAT, _MODE), False

@@ -13,6 +13,9 @@ from sistap.line.settings import Flag, LineSettings
 
 CLASSES = frozenset({0x02, 0x0A})  # of its interfaces: control and data
 
+# Linux tells it when the adapter is plugged in, and then not again while it stays the same.
+NO_RATE = "a driver tells a CDC adapter its rate only when it changes"
+
 _CLASS_REQUEST, _SET_LINE_CODING = 0x21, 0x20
 _LINE_CODING = struct.Struct("<IBBB")  # rate, stop bits, parity, data bits
 _NOTIFICATION, _SERIAL_STATE = 0xA1, 0x20

@@ -101,11 +101,16 @@ def run(args: argparse.Namespace) -> int:
             stop.at_once = False
             return _convert(args, source, output, stop, console)
     except (UsageError, OutputRefused) as error:
-        console.say(str(error))
+        console.say(_one_line(str(error)))
         return USAGE
     except (TsharkError, OutputError) as error:
-        console.say(str(error))
+        console.say(_one_line(str(error)))
         return FAILED
+
+
+def _one_line(text: str) -> str:
+    """Return a text that may quote a damaged file, or tshark, as one line without control characters."""
+    return "".join(character if character.isprintable() else "?" for character in " ".join(text.split()))
 
 
 def _told(args: argparse.Namespace) -> Told:
@@ -151,7 +156,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
         if not stop.asked:  # else the same Ctrl-C has ended it
             raise
     if source.warning:
-        console.say(f"{args.file}: {source.warning}")
+        console.say(_one_line(f"{args.file}: {source.warning}"))
     console.say(f"{counters} written to {output.summary}")
     console.say(f"{settings}, {source.settings_from}; {timing}: {_precision(conversion.uncertainties)}")
     return DONE

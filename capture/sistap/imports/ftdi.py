@@ -115,7 +115,7 @@ def _flags(status: int, count: int) -> bytes:
         error = Flag.BREAK
     elif status & (_PARITY | _FRAMING):
         error = Flag.CHARACTER_ERROR
-    if error and count > 1:
+    if (error or status & _OVERRUN) and count > 1:  # a loss is before one of them, too
         error = Flag.UNLOCATED_ERROR
     first = error | (Flag.LOST_BEFORE if status & _OVERRUN else 0)
     return bytes([first]) + bytes([error]) * (count - 1)

@@ -61,7 +61,11 @@ def numbered(received: str, sent: str, *, has_sent: bool, has_received: bool = T
     return {SHARED: sent if has_sent else received}
 
 
-def need_rate(settings: LineSettings, name: object) -> None:
-    """Refuse to go on without a rate: the times inside a transfer, and what a record says, depend on it."""
+def need_rate(settings: LineSettings, name: object, why: str = "") -> None:
+    """Refuse to go on without a rate: the times inside a transfer, and what a record says, depend on it.
+
+    `why` it is not said, in brackets, if that is known.
+    """
     if not settings.baud:
-        raise UsageError(f"{name} does not say at which rate the line ran: add it, such as --baud 9600")
+        reason = f" ({why})" if why else ""
+        raise UsageError(f"{name} does not say at which rate the line ran{reason}: add it, such as --baud 9600")

@@ -59,6 +59,7 @@ class _Port:
         self.was_set = False  # by then
         self.counts = {False: 0, True: 0}  # characters received and sent
         self.sources: set[int] = set()  # endpoints that they came from
+        self.timers: set[tuple[int | None, bool]] = set()  # latency timers then, in ms, and whether they were set
 
     def look(self, transfer: Transfer) -> None:
         """Take note of a transfer."""
@@ -66,6 +67,7 @@ class _Port:
             self._count(read)
             if read.line != SENT:
                 self.sources.add(transfer.endpoint)
+                self.timers.add((self.adapter.latency_ms, self.adapter.latency_was_set))
 
     def finish(self) -> None:
         """Take note of the end."""
@@ -94,7 +96,7 @@ class UsbCapture:
         self._device, self._port, self._kind = port.name.rstrip(_LETTERS), port.name, port.adapter.kind
         assert port.settings
         self.settings = port.settings
-        need_rate(self.settings, capture)
+        need_rate(self.settings, capture, self._kind.no_rate)
         self.settings_from = "as the adapter was set" if port.was_set else "as told"
         if port.was_set and told.baud not in (None, self.settings.baud):
             self.settings_from += f", not {told.baud} Bd"
@@ -102,7 +104,7 @@ class UsbCapture:
         self.lines = numbered(
             f"{name}, received", f"{name}, sent", has_received=port.counts[False] > 0, has_sent=port.counts[True] > 0
         )
-        self.timing = f"times of USB transfers, {_bound(port.adapter)}"
+        self.timing = f"times of USB transfers, {_bound(port)}"
         self.warning = ""
 
     def reads(self) -> Iterator[Read]:
@@ -170,9 +172,11 @@ def _chosen(ports: list[_Port], capture: Path, device: str | None) -> _Port:
     return meant[0]
 
 
-def _bound(adapter: Adapter) -> str:
-    """Say what the uncertainty of received characters is made of."""
-    if adapter.latency_ms is None:
+def _bound(port: _Port) -> str:
+    """Say what the uncertainty of received characters is made of: with the timer as it was when they came."""
+    timers = port.timers or {(port.adapter.latency_ms, port.adapter.latency_was_set)}
+    times_ms = sorted({latency_ms for latency_ms, _ in timers if latency_ms is not None})
+    if not times_ms:
         return "two USB frames; what the adapter itself adds is not known"
-    known = "" if adapter.latency_was_set else ", as by default: the capture does not show it"
-    return f"latency timer {adapter.latency_ms} ms{known}, and a USB frame"
+    known = ", as by default: the capture does not show it" if not any(was_set for _, was_set in timers) else ""
+    return f"latency timer {' and '.join(map(str, times_ms))} ms{known}, and a USB frame"

@@ -24,6 +24,7 @@ class Kind(NamedTuple):
     port_of_endpoint: Callable[[int], int]
     port_of_request: Callable[[Setup], int]
     latency_ms: int | None  # of its timer; None: it has none
+    no_rate: str  # why a capture may not say the rate
 
 
 def _only_port(_: object) -> int:
@@ -39,6 +40,7 @@ FTDI = Kind(
     ftdi.port_of_endpoint,
     ftdi.port_of_request,
     ftdi.LATENCY_MS,
+    "",
 )
 CDC = Kind(
     "CDC",
@@ -49,6 +51,7 @@ CDC = Kind(
     _only_port,
     _only_port,
     None,
+    cdc.NO_RATE,
 )
 KINDS = (FTDI, CDC)
 

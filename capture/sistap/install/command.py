@@ -19,6 +19,7 @@ from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.state import is_root, is_roots_alone
 from sistap.terminal.stop import held
+from sistap.terminal.visible import visible
 from sistap.wireshark import folders
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
@@ -110,7 +111,7 @@ def _install(args: argparse.Namespace, console: Console) -> int:
         files = list(_not_there_for_all(files, list(_others(folders.parse(named, for_all=True)))))
     foreign = _foreign(there, ledger)
     if foreign:
-        print(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there", flush=True)
+        _tell(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there")
     else:
         files.append(_dissector(args, wireshark, places, _working(there), console))
     where = shell.places(for_all=for_all, windows=WINDOWS)
@@ -121,6 +122,11 @@ def _install(args: argparse.Namespace, console: Console) -> int:
     if for_all:
         _warn_of_others_rights(console)
     return _check(console)
+
+
+def _tell(line: str) -> None:
+    """Print a line; names in it are those of whoever has made the file."""
+    print(visible(line), flush=True)
 
 
 def own_folders() -> folders.Own:
@@ -161,10 +167,9 @@ def _dissector(
     if working and not chosen.is_module and not args.lua:
         for note in chosen.notes:
             console.say(f"{note}; {working} stays")
-        print(
+        _tell(
             f"kept     {working}: Wireshark loads it, and there is no other plugin for it here; `sistap install "
-            "--plugin FILE` takes one, `sistap install --lua` takes sis.lua",
-            flush=True,
+            "--plugin FILE` takes one, `sistap install --lua` takes sis.lua"
         )
         return File(working, working.read_bytes())
     for note in chosen.notes:
@@ -183,7 +188,7 @@ def _others(places: folders.Folders) -> Iterator[File]:
 def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) -> Iterator[File]:
     """Yield the command and its completion, unless a shell has a command `sistap` from elsewhere."""
     if found := shell.foreign(ledger.files):
-        print(f"kept     {found}: the command sistap is there already, and `sistap install` did not put it there")
+        _tell(f"kept     {found}: the command sistap is there already, and `sistap install` did not put it there")
         return
     for file, content in shell.files(where, sources.PACKAGE.parent, args.whole_parser(), windows=WINDOWS).items():
         yield File(file, content, executable=file == where.command)
@@ -205,7 +210,7 @@ def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]
     """Leave out what all users have: Wireshark would show each port twice."""
     for file, everybodys in zip(files, for_all, strict=True):
         if everybodys.target.exists():
-            print(f"same     {everybodys.target}: all users have it", flush=True)
+            _tell(f"same     {everybodys.target}: all users have it")
         else:
             yield file
 
@@ -222,7 +227,7 @@ def _bring_up_to_date(ledger: Ledger, files: list[File], own: folders.Own) -> No
                 ledger.save()
     finally:
         for line in lines:
-            print(line, flush=True)
+            _tell(line)
 
 
 def _changes(ledger: Ledger, files: list[File], own: folders.Own) -> Iterator[str]:
@@ -271,5 +276,5 @@ def _check(console: Console) -> int:
         why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())
         console.say(f"Wireshark does not load the dissector: {why}")
         return FAILED
-    print(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + f"; {advice().started}")
+    _tell(f"Wireshark loads {found[0].name} {found[0].version}".rstrip() + f"; {advice().started}")
     return DONE

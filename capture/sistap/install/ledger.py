@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -46,8 +47,8 @@ class Ledger:
     def _load(self, path: Path) -> None:
         try:
             entries = json.loads(path.read_text())
-            self._files = {str(file): str(digest) for file, digest in entries["files"].items()}
-            self._folders = [str(folder) for folder in entries["folders"]]
+            self._files = {_name(file): str(digest) for file, digest in entries["files"].items()}
+            self._folders = [_name(folder) for folder in entries["folders"]]
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             raise LedgerError(f"{path} is not what `sistap install` writes: delete it, then install again") from None
 
@@ -156,6 +157,14 @@ class Ledger:
         for parent in reversed(missing):
             parent.mkdir()
             self._folders.append(str(parent))
+
+
+def _name(text: object) -> str:
+    """Check that it can be the name of a file or folder. ValueError if not."""
+    name = str(text)
+    if b"\0" in os.fsencode(name):
+        raise ValueError("a name has no NUL")
+    return name
 
 
 def _digest(content: bytes) -> str:

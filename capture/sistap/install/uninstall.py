@@ -11,6 +11,7 @@ from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
+from sistap.terminal.visible import visible
 from sistap.wireshark import folders
 from sistap.wireshark.tshark import TsharkError
 
@@ -66,7 +67,7 @@ def _remove(ledger: Ledger, own: folders.Own, console: Console) -> bool:
         lines += ledger.remove_folders(own)
         ledger.save()
     for line in lines:
-        print(line)
+        print(visible(line))
     for trouble in troubles:
         console.say(trouble)
     return not troubles

@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.line import registry
+from sistap.line import analyser, registry
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE
+from sistap.terminal.visible import visible
 
 SYSFS = Path("/sys")
+DEVICES = Path("/dev")
 
 # Linux: include/uapi/linux/serial_core.h, the attribute `type` of a ttyS.
 _UART_NONE = "0"
@@ -67,6 +71,11 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
         number(tty / "rx_trig_bytes"),
         serial=_line(usb / "serial") if usb else "",
     )
+
+
+def is_8250(port: str, sysfs: Path | None = None) -> bool:
+    """Tell whether a port is an 8250 or one of its successors."""
+    return _line((sysfs or SYSFS) / "class/tty" / Path(real(port)).name / "type") in _UARTS
 
 
 def of_windows(port: str, known: registry.Registry | None = None) -> Adapter:
@@ -161,18 +170,47 @@ def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments of `sistap ports`: there are none."""
-    parser.description = "List the serial ports with adapter, driver and latency."
+    """Declare the arguments of `sistap ports`."""
+    parser.description = "List the serial ports with adapter, driver and latency, and logic analysers."
+    parser.add_argument("--json", action="store_true", help="print them as JSON, for programs")
 
 
-def run(args: argparse.Namespace) -> int:  # noqa: ARG001 - every command has this shape
+def _as_json(ports: list[tuple[str, Adapter]], analysers: Sequence[analyser.Analyser]) -> str:
+    """Return the ports as a JSON array; what the system does not tell is null."""
+    rows = [
+        {
+            "port": port,
+            "adapter": behind.name or None,
+            "driver": behind.driver or None,
+            "latency_timer_ms": behind.latency_ms,
+            "fifo_trigger": behind.fifo_trigger,
+            "serial": behind.serial or None,
+        }
+        for port, behind in ports
+    ]
+    rows += [{"port": one.port, "adapter": one.name, "driver": analyser.DRIVER} for one in analysers]
+    return json.dumps(rows, indent=2)
+
+
+def short(port: str) -> str:
+    """Return the device of a port that is named without its folder: ttyUSB0 is /dev/ttyUSB0."""
+    device = DEVICES / port
+    is_short = sys.platform != "win32" and "/" not in port and ":" not in port and not Path(port).exists()
+    return str(device) if port and is_short and device.exists() else port
+
+
+def run(args: argparse.Namespace) -> int:
     """Print the table of ports; return the exit code."""
-    ports = found()
-    if not ports:
+    ports, analysers = found(), analyser.plugged_in()
+    if args.json:
+        print(_as_json(ports, analysers))
+        return DONE
+    if not ports and not analysers:
         print(f"no serial port found: plug the adapter in; {advice().no_port}")
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
-    rows += [(port, behind.name or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
+    rows += [(port, visible(behind.name) or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
+    rows += [(one.port, visible(one.name), analyser.DRIVER, "samples the line") for one in analysers]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

@@ -10,6 +10,7 @@ from sistap.records.record import Record, Type
 
 _IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
 _IS_BREAK = bytes(bool(flag & Flag.BREAK) for flag in range(256))
+_IS_SOMEWHERE = bytes(bool(flag & Flag.UNLOCATED_ERROR) for flag in range(256))
 _IS_GAP = bytes(bool(flag & Flag.LOST_BEFORE) for flag in range(256))
 
 
@@ -18,9 +19,15 @@ def longest_interval_ns(record: Record) -> int:
     return max(record.intervals[1:], default=0)
 
 
-def faulty(read: Read) -> int:
+def faulty(read: Read | Record) -> int:
     """Count the characters with any error, breaks included."""
     return sum(read.flags.translate(_IS_ERROR))
+
+
+def surely_faulty(read: Read) -> int:
+    """Count the characters with an error, of an error with unknown place only one."""
+    somewhere = sum(read.flags.translate(_IS_SOMEWHERE))
+    return faulty(read) - somewhere + bool(somewhere)
 
 
 class Counters:
@@ -50,8 +57,8 @@ class Counters:
         faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
         return f"{faulty}, {self.damaged} wrong checksum{'' if self.damaged == 1 else 's'}"
 
-    def add_read(self, read: Read) -> None:
-        """Count characters."""
+    def add_read(self, read: Read | Record) -> None:
+        """Count the characters of a read, or of a record."""
         self.characters += len(read.data)
         flags = read.flags
         if flags.count(0) != len(flags):

@@ -44,7 +44,6 @@ class Event(enum.IntEnum):
     CHARACTERS_LOST = 3
     ADAPTER_LOST = 4
     MARKER = 5
-    CAPTURE_ENDED = 6
 
 
 class Record(NamedTuple):

@@ -9,6 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
+from sistap.accesses.access import FIELD as ACCESSES
+from sistap.accesses.access import Access, accesses
 from sistap.line.settings import Flag
 from sistap.report.kept import Kept, Span
 from sistap.wireshark import rows
@@ -57,6 +59,7 @@ FIELDS = (
     "sis.tmas.limit",
     "sis.tmas.verdict",
     "sis.bus.load",
+    ACCESSES,
 )
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
@@ -117,6 +120,7 @@ class Packet:
     same_read: int  # characters that came in the same read as the one before
     errors: int  # Flags, ORed
     telegrams: list[Telegram] = field(default_factory=list)
+    accesses: list[Access] = field(default_factory=list)  # to parameters
     info: str = ""
     framing: int | None = None  # of a frame; 0: SIS
 
@@ -215,6 +219,7 @@ def _packet(columns: dict[str, str]) -> Packet:
         same_read=_how_often(columns.get("sertap.same_read")),
         errors=_errors(columns),
         telegrams=_telegrams(columns),
+        accesses=list(accesses(columns)),
         info=info(columns),
         framing=_known_integer(columns.get("sertap.framing")),
     )

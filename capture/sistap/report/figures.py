@@ -7,6 +7,8 @@ import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
+from sistap.accesses.listing import Listing, Place
+from sistap.report.curves import Curves
 from sistap.report.dissection import Judged, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
 from sistap.report.moments import LOST, Moments
@@ -97,6 +99,8 @@ class Figures:
     stations: defaultdict[int, Station] = field(default_factory=lambda: defaultdict(Station))
     moments: Moments = field(default_factory=Moments)
     slices: Slices = field(default_factory=Slices)
+    parameters: Listing = field(default_factory=Listing)
+    curves: Curves = field(default_factory=Curves)
 
     def add(self, packet: Packet) -> None:
         """Count a packet."""
@@ -116,6 +120,9 @@ class Figures:
             # In the first second it is the load of a shorter time, 100 % to begin with.
             if telegram.load_percent is not None and packet.time_s >= 1:
                 self.slices.add_load(at, telegram.load_percent)
+        for access in packet.accesses:
+            self.parameters.add(Place("", packet.number, packet.epoch_s), access)
+            self.curves.add(packet.time_s, access)
         for kind in self.moments.add(packet):
             self.slices.counts[kind.name][at] += 1
 

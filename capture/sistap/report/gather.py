@@ -13,6 +13,7 @@ from sistap.report.figures import Figures
 from sistap.report.moments import Moment
 from sistap.report.windows import Window
 from sistap.terminal.garbage import uncollected
+from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -44,4 +45,4 @@ def gather(tshark: Tshark, capture: Path, asked: Sequence[Window], progress: Cal
         shown = [*asked, *windows.around(worst, asked)]
         progress(f"{figures.packets} packets read; reading the worst of them once more")
         info = windows.fill(dissection, shown, worst)
-    return Report(capture.name, figures, worst, info, shown, dissection.missing, dissection.warning)
+    return Report(visible(capture.name), figures, worst, info, shown, dissection.missing, dissection.warning)

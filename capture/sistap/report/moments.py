@@ -93,6 +93,13 @@ KINDS = (
         lambda telegram: telegram.unanswered,
     ),
     Kind(
+        "error_reaction",
+        "reactions with an error",
+        "Reaction with an error",
+        'sis.status > 0 && sis.checksum.status == "Good"',
+        lambda telegram: telegram.good and telegram.is_reaction and bool(telegram.status),
+    ),
+    Kind(
         "damaged",
         "damaged",
         "Damaged telegram",

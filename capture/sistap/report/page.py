@@ -77,6 +77,14 @@ _SAME_READ = (
     " Characters of one read have intervals of 0, which are not drawn ({count} here), and the interval before them "
     "looks longer than it was."
 )
+_PARAMETERS = (
+    "A reading counts with its reaction, a writing when its reaction accepts it; what is refused is an error. "
+    "`sistap parameters --changes` lists every writing that has changed something."
+)
+_VALUES = (
+    "Where nothing was read for long the line has a gap. A dot is a value that was written. Red are the limits, where "
+    "minimum and maximum were read and are not far away."
+)
 _REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
 _OVERVIEW = (
     "The load is that of the second before, from the first whole second on. The steps of a station count its "
@@ -98,6 +106,7 @@ def page(report: Report) -> str:
         _windows(report),
         _times(report),
         _table(tables.services(report)),
+        _parameters(report),
         _table(tables.stations(report), "Damaged telegrams are left out: their addresses may be anybody's."),
         _table(tables.events(report)),
         f"<footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>",
@@ -180,6 +189,10 @@ def _windows(report: Report) -> str:
         else:
             figures.append(f"<p><b>{escape(window.title)}</b><br>Nothing was on the line.</p>")
     return f"<h2>In full detail</h2><p>{_KEY}</p>{''.join(figures)}" if figures else ""
+
+
+def _parameters(report: Report) -> str:
+    return _table(tables.parameters(report), _PARAMETERS) + _figure(plots.values(report), "values", _VALUES)
 
 
 def _times(report: Report) -> str:

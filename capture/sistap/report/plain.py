@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from sistap.accesses.listing import Listed
 from sistap.report import tables
 from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.report.distribution import Distribution
@@ -23,7 +24,7 @@ def as_text(report: Report) -> str:
     parts = [
         tables.headline(report),
         *tables.remarks(report),
-        *(_table(make(report)) for make in [*shown, tables.stations]),
+        *(_table(make(report)) for make in [*shown, tables.stations, tables.parameters]),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
@@ -73,6 +74,7 @@ def _report(report: Report) -> dict[str, Any]:
             for number, service in sorted(figures.services.items())
         ],
         "stations": [_station(address, station) for address, station in sorted(figures.stations.items())],
+        "parameters": [_parameter(listed) for listed in figures.parameters],
         "windows": [_window(window) for window in report.windows],
     }
 
@@ -136,6 +138,18 @@ def _station(address: int, station: Station) -> dict[str, Any]:
         "longest_pause_s": station.longest_pause_s,
         "trs": _limit(station.trs),
         "tza": _limit(station.tza),
+    }
+
+
+def _parameter(listed: Listed) -> dict[str, Any]:
+    return {
+        **listed.parameter._asdict(),
+        **{name: getattr(listed, name) for name in ("name", "unit", "minimum", "maximum")},
+        **{name: getattr(listed, name) for name in ("reads", "writes", "errors", "first", "last")},
+        "least": listed.least.number if listed.least else None,
+        "greatest": listed.greatest.number if listed.greatest else None,
+        "written_by": listed.written_by,
+        "written_in": listed.written_in.packet if listed.written_in else None,
     }
 
 

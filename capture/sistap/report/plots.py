@@ -6,7 +6,7 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib
@@ -16,11 +16,13 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
+from sistap.accesses.listing import Listed
+from sistap.report.curves import Curve, Point
 from sistap.report.dissection import EXCEEDED, Packet, Telegram
 from sistap.report.distribution import Distribution, Slices
 from sistap.report.gather import Report
 from sistap.report.moments import KINDS
-from sistap.report.tables import ms
+from sistap.report.tables import ms, of_device
 from sistap.report.windows import Window
 from sistap.sis.names import service_name
 
@@ -55,6 +57,9 @@ _SETTINGS: dict[Any, Any] = {
 _LANES = 12  # the busiest stations and services; more would not be readable
 _LABELS = 24  # packet numbers in a window
 _LABELLED = 0.97  # of its width: a number at the right edge would be cut
+_CURVES, _CURVES_IN_A_ROW = 24, 3
+_FEW = 40  # points, each of which is drawn
+_FAR = 2.0  # times the span of the values: a limit farther away is not drawn
 _JOINED = 5  # bins of a Distribution that make one bar
 _WIDE_IN, _NARROW_IN = 10.0, 5.2
 
@@ -235,6 +240,70 @@ def reactions(report: Report) -> Drawing | None:
     return Drawing("Reaction times by service", _NARROW_IN, max(1.2 + 0.55 * len(busiest), 2.0), draw)
 
 
+def values(report: Report) -> Drawing | None:
+    """The values that moved, a small picture each, with the limits of the parameter."""
+    moved = report.figures.curves.moved()
+    shown = [listed for listed in report.figures.parameters if listed.parameter in set(list(moved)[:_CURVES])]
+    if not shown:
+        return None
+    lines = math.ceil(len(shown) / _CURVES_IN_A_ROW)
+
+    def draw(figure: SubFigure | Figure) -> None:
+        grid = figure.subplots(lines, _CURVES_IN_A_ROW, squeeze=False, sharex=True).flatten()
+        for axes, listed in zip(grid, shown, strict=False):
+            _draw_curve(axes, moved[listed.parameter], listed, report.figures.duration_s)
+        for axes in grid[len(shown) :]:
+            axes.set_axis_off()
+        for axes in grid[max(len(shown) - _CURVES_IN_A_ROW, 0) : len(shown)]:
+            axes.tick_params(labelbottom=True)
+            axes.set_xlabel("seconds", size=8)
+
+    rest = len(moved) - len(shown)
+    title = "Values that moved" + (f" (and {rest} more)" if rest else "")
+    return Drawing(title, _WIDE_IN, 0.5 + 1.7 * lines, draw)
+
+
+def _draw_curve(axes: Axes, curve: Curve, listed: Listed, duration_s: float) -> None:
+    """Draw a line where values came one after the other, with its least and greatest where they are joined."""
+    for piece in curve.pieces(duration_s):
+        points = [point for found in piece for point in _corners(found)]
+        marker = "|" if len(points) <= _FEW else ""
+        axes.plot(*zip(*points, strict=True), color=COLOURS["reaction"], linewidth=1.0, marker=marker, markersize=4)
+    written = [(point.end_s, point.last) for point in curve.points if point.is_written]
+    if written:
+        axes.plot(*zip(*written, strict=True), "o", color=COLOURS["command"], markersize=3)
+    _draw_value_limits(axes, curve, (listed.minimum, listed.maximum))
+    axes.set_xlim(0, duration_s or None)
+    axes.tick_params(labelsize=8)
+    axes.set_title("\n".join(_curve_title(listed)), size=8, loc="left")
+
+
+def _curve_title(listed: Listed) -> Iterator[str]:
+    yield f"{listed.parameter.ident} {listed.name}{f' in {listed.unit}' if listed.unit else ''}"
+    yield of_device(listed.parameter)
+    limits = {"least": listed.minimum, "most": listed.maximum}
+    yield ", ".join(f"at {name} {text}" for name, text in limits.items() if text)
+
+
+def _corners(point: Point) -> list[tuple[float, float]]:
+    if point.begin_s == point.end_s:
+        return [(point.begin_s, point.last)]
+    middle_s = (point.begin_s + point.end_s) / 2
+    inside = [(middle_s, point.least), (middle_s, point.greatest)]
+    return [(point.begin_s, point.first), *inside, (point.end_s, point.last)]
+
+
+def _draw_value_limits(axes: Axes, curve: Curve, texts: Sequence[str]) -> None:
+    """Draw minimum and maximum, but for those beside which the values would be a flat line."""
+    least = min(point.least for point in curve.points)
+    greatest = max(point.greatest for point in curve.points)
+    far = _FAR * (greatest - least)
+    for text in texts:
+        found = re.match(r"-?\d+(\.\d+)?(e[-+]\d+)?(?![\dx])", text)
+        if found and least - far <= float(found[0]) <= greatest + far:
+            axes.axhline(float(found[0]), color=COLOURS["bad"], linewidth=1.0, linestyle="--")
+
+
 def window(shown: Window) -> Drawing | None:
     """A stretch of the bus in full detail: every telegram a bar, every character a stroke."""
     lanes = sorted({_lane(packet) for packet in shown.packets})
@@ -330,7 +399,7 @@ def _exceeded(packet: Packet, telegram: Telegram) -> dict[int, float]:
 
 def drawings(report: Report) -> list[Drawing]:
     """Return all pictures that the capture has something for."""
-    made = [overview(report), *map(window, report.windows), intervals(report), reactions(report)]
+    made = [overview(report), *map(window, report.windows), intervals(report), reactions(report), values(report)]
     return [drawing for drawing in made if drawing]
 
 

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
+from sistap.accesses.access import Parameter
+from sistap.accesses.listing import Listed
 from sistap.records.record import Event, Framing
 from sistap.report.dissection import EXCEEDED, OK, UNRESOLVED, Judged
 from sistap.report.distribution import Distribution
@@ -22,6 +25,7 @@ _FRAMINGS = {
     int(Framing.SILENCE): "frames cut by silence",
 }
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
+PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
 _LIMITS = {
     "tza": ("TzA, from character to character in a telegram", "sis.tza.verdict"),
     "trs": ("TrS, from a command to its reaction", "sis.trs.verdict"),
@@ -212,6 +216,36 @@ def stations(report: Report) -> Table:
     heads = ("Station", "Commands", "Reactions", "With an error", "Sent again", "Not answered")
     times_heads = ("Half of its reactions within", "Slowest reaction", "Longest pause in a telegram")
     return Table("Stations", (*heads, *times_heads, "TrS exceeded", "TzA exceeded"), rows)
+
+
+def parameters(report: Report) -> Table:
+    """A row for each parameter that was read or written."""
+    listing = report.figures.parameters
+    left_out = max(len(listing) - PARAMETERS_SHOWN, 0)
+    title = "Parameters" + (f" (and {left_out} more: `sistap parameters` lists all)" if left_out else "")
+    ports = {listed.parameter.port for listed in listing}
+    rows = [_parameter(listed, has_port=len(ports) > 1) for listed in itertools.islice(listing, PARAMETERS_SHOWN)]
+    heads = ("Parameter", "Of", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least", "Greatest")
+    return Table(title, (*heads, "Written by", "In packet"), rows)
+
+
+def _parameter(listed: Listed, *, has_port: bool) -> tuple[str, ...]:
+    counts = [str(count) if count else "" for count in (listed.reads, listed.writes, listed.errors)]
+    extremes = [access.value if access else "" for access in (listed.least, listed.greatest)]
+    written = ["", ""]
+    if listed.written_in:
+        written = [str(listed.written_by), str(listed.written_in.packet)]
+    device = of_device(listed.parameter, has_port=has_port)
+    return (
+        *(listed.parameter.ident, device, listed.name, listed.unit, *counts),
+        *(listed.first, listed.last, *extremes, *written),
+    )
+
+
+def of_device(parameter: Parameter, *, has_port: bool = False) -> str:
+    """Write whose parameter it is."""
+    port = f"{parameter.port}, " if has_port else ""
+    return f"{port}station {parameter.station}, device {parameter.device}"
 
 
 def remarks(report: Report) -> list[str]:

@@ -13,7 +13,7 @@ from sistap.capture.command import rate_argument
 from sistap.capture.options import CaptureOptions, checked
 from sistap.capture.session import Capture, Conditions
 from sistap.files.output import Output
-from sistap.line import priority
+from sistap.line import ports, priority
 from sistap.line.bus_socket import Hello, Kind
 from sistap.line.clock import CLOCK
 from sistap.line.reader import PortError, open_reader
@@ -61,7 +61,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add("-i", dest="port", metavar="PORT", required=True, help="the port to listen to, as capture's -i")
+    add(
+        "-i",
+        dest="port",
+        metavar="PORT",
+        type=ports.short,
+        required=True,
+        help="the port to listen to, as capture's -i",
+    )
     add("--listen", metavar="ADDRESS:PORT|PATH", default=LISTEN, help=f"where to wait for listeners ({LISTEN})")
     add(
         "--allow",

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What to do, in the words of each system: a column of the table of cures for Linux, Windows and macOS."""
+"""What to do, in the words of each system: a column of the table of cures for Linux, Windows and macOS; examples."""
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import NamedTuple
 
@@ -70,7 +71,25 @@ _WINDOWS = Advice(
 
 _OF_SYSTEM = {"darwin": _MACOS, "win32": _WINDOWS}
 
+# Help texts have the ports of Linux and, in what is to be typed, single quotes, which cmd.exe does not know.
+_TYPED = "  sistap "
+_OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '"'}}
+
 
 def advice(system: str = "") -> Advice:
     """Return the column of a system as Python calls it; without a name, that of this one."""
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
+
+
+def examples(text: str, system: str = "") -> str:
+    """Return a help text with the ports of a system; what stands behind two blanks stays in its column."""
+    words = _OF_EXAMPLES.get(system or sys.platform, {})
+    return "".join(_translated(line, words) for line in text.splitlines(keepends=True))
+
+
+def _translated(line: str, words: dict[str, str]) -> str:
+    new = line
+    for word, other in words.items():
+        if len(word) > 1 or line.startswith(_TYPED):
+            new = new.replace(word, other)
+    return re.sub(r"(?<=\S)  ", " " * (2 + len(line) - len(new)), new, count=1)

@@ -11,6 +11,7 @@ import weakref
 from typing import Protocol
 
 from sistap.terminal.streams import PIECE, never_waiting
+from sistap.terminal.visible import visible
 
 _ERASE = "\r\x1b[K"
 _WAIT_MS = 100  # for a terminal to take a line; then the line is dropped
@@ -54,7 +55,7 @@ class Console:
 
     def say(self, text: str) -> None:
         """Print one line."""
-        self._print((_ERASE if self._progress else "") + f"sistap: {text}\n", _WAIT_MS)
+        self._print((_ERASE if self._progress else "") + f"sistap: {visible(text)}\n", _WAIT_MS)
         self._progress = False
 
     def alarm(self, text: str) -> None:
@@ -63,6 +64,7 @@ class Console:
 
     def progress(self, text: str) -> None:
         """Show a line in place of the one before, cut to the width of the terminal."""
+        text = visible(text)
         with contextlib.suppress(OSError):
             columns = os.get_terminal_size(self._descriptor).columns
             text = text[: columns - 1] if columns else text

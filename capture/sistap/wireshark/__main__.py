@@ -5,6 +5,7 @@ import sys
 
 from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.stop import Stop, Stopped
+from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 
@@ -19,7 +20,7 @@ def main() -> int:
         stop.end()
         return DONE
     except (TsharkError, OSError) as error:
-        print(f"sistap: {error}", file=sys.stderr)
+        print(f"sistap: {visible(str(error))}", file=sys.stderr)
         return FAILED
 
 

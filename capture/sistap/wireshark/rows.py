@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import TsharkError
 
 NO_DISSECTOR = (
@@ -19,6 +20,7 @@ INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
 JOINT = "\x1f"  # between several values of a field: in no text
 
+_ODD = re.compile(f"[^ -~\t{JOINT}]")  # found quickly, and in few lines
 _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"
 
@@ -33,7 +35,9 @@ def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
 
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:
-    """Take apart what tshark prints for one packet."""
+    """Take apart what tshark prints for one packet: texts that were on a line, and in a capture of somebody else."""
+    if _ODD.search(line):
+        line = visible(line, keep="\t" + JOINT)
     return dict(zip(names, line.split("\t"), strict=False))
 
 

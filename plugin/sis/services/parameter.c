@@ -5,6 +5,7 @@
 
 #include "parameters/ident.h"
 #include "parameters/values.h"
+#include "sis/access.h"
 #include "sis/export.h"
 #include "sis/layouts.h"
 #include "sis/learned.h"
@@ -45,6 +46,7 @@ typedef struct {
     const char *ident_text;
     sis_known_t known;
     uint32_t segment; /* of a list, as asked for */
+    tvbuff_t *data;   /* of the element, all of it; NULL: none came, or not all of it */
 } access_t;
 
 static bool
@@ -108,8 +110,10 @@ take_control(access_t *access)
     if (!sis_take(body, hf_sis_device, 1, &access->device))
         return false;
     check_device(access);
-    if (body->request != NULL)
+    if (body->request != NULL) {
         body->request->element = (uint8_t)access->element;
+        body->request->is_last = access->is_last || is_single(access);
+    }
     sis_request_device(body, access->device);
     return true;
 }
@@ -298,6 +302,7 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         sis_say_bytes(body, length);
         say_few_bytes(body, tvb);
     }
+    access->data = data.is_whole ? tvb : NULL;
     misfit =
         body->is_cut ? NULL : sis_element_misfit(body->pinfo->pool, &data, access->element, &access->known);
     if (misfit != NULL) {
@@ -406,6 +411,8 @@ dissect_parameter_command(access_t *access)
         if (sis_left(body) == 0 && access->element != SIS_ELEMENT_IDENT)
             sis_needs(body, hf_sis_data, 1);
         take_data(access);
+        if (access->data != NULL && access->element == SIS_ELEMENT_DATA)
+            sis_keep_written(body, access->data);
     }
 }
 
@@ -433,10 +440,15 @@ sis_dissect_parameter(sis_body_t *body)
 {
     access_t access = {.body = body, .general = sis_general_service(body->service)};
 
-    if (body->is_reaction)
-        dissect_parameter_reaction(&access);
-    else
+    if (!body->is_reaction) {
         dissect_parameter_command(&access);
+        return;
+    }
+    dissect_parameter_reaction(&access);
+    if (is_write(&access) || body->status != 0)
+        sis_note_answer(body, is_write(&access));
+    else if (access.is_last || is_single(&access))
+        sis_note_read(body, access.data);
 }
 
 /* clang-format off */

@@ -20,6 +20,7 @@ from sistap.line import bus_socket
 from sistap.line.clocks import monotonic_ns
 from sistap.line.peers import Peer, Peers
 from sistap.line.settings import LineSettings, Read
+from sistap.terminal.visible import visible
 
 PATIENCE_S = 30.0  # for a tap that does not read, or does not answer
 INTRODUCTION_S = 10.0  # for somebody who connects to say line settings
@@ -171,4 +172,4 @@ class Taps:
 
 
 def _say(text: str) -> None:
-    print(f"sistap bus: {text}", file=sys.stderr)
+    print(f"sistap bus: {visible(text)}", file=sys.stderr)

@@ -36,8 +36,7 @@ class TransmittingPort:
             self._device.write_timeout = _WRITE_S
             self._device.open()
         except _TROUBLE as error:
-            trouble = url_trouble if "://" in name else device_trouble
-            raise PortError(trouble(name, settings, error)) from error
+            raise PortError(_trouble(name, settings, error)) from error
 
     def write(self, data: bytes) -> None:
         """Send; come back when the system has it. May raise PortLost."""
@@ -70,7 +69,7 @@ class TransmittingPort:
         try:
             self._device.baudrate = settings.baud
         except _TROUBLE as error:
-            raise PortError(device_trouble(self.name, settings, error)) from error
+            raise PortError(_trouble(self.name, settings, error)) from error
         self.settings = settings
 
     def close(self) -> None:
@@ -81,3 +80,9 @@ class TransmittingPort:
 
     def _lost(self, error: Exception) -> PortLost:
         return PortLost(f"{self.name} is gone or takes nothing ({error}): connect it and start again")
+
+
+def _trouble(name: str, settings: LineSettings, error: Exception) -> str:
+    """Say why it cannot be opened or changed: on Windows only pyserial's words tell."""
+    trouble = url_trouble if "://" in name or sys.platform == "win32" else device_trouble
+    return trouble(name, settings, error)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Readers: what each read of a serial device, a pyserial URL or a virtual bus delivered, with its time and errors.
+"""Readers: what each read of a device, a pyserial URL, a virtual bus or an analyser delivered, with time and errors.
 
 A reader only listens. It never writes to a port, sends no break, flushes no output, and lowers RTS and DTR: on many
 adapters RTS switches the RS485 transmitter on.
@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import sys
 
+from sistap.line.analyser import is_analyser
 from sistap.line.bus_socket import Kind
-from sistap.line.reader.contract import Distant, PortError, PortLost, Reader
+from sistap.line.reader.contract import Distant, Measuring, PortError, PortLost, Reader
 from sistap.line.reader.several import Several, Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = ["Distant", "PortError", "PortLost", "Reader", "Several", "Source", "open_reader", "together"]
+__all__ = ["Distant", "Measuring", "PortError", "PortLost", "Reader", "Several", "Source", "open_reader", "together"]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
-    """Open a device, a pyserial URL, or a virtual bus or distant tap (bus://...). May raise PortError."""
+    """Open a device, a virtual bus or distant tap ("bus://..."), an analyser ("sigrok:...") or a pyserial URL.
+
+    May raise PortError.
+    """
     # Each imported where it is needed: a program that only lists ports is to start at once.
     if port.startswith("bus://"):
         from sistap.line.reader.connection import connect
@@ -33,6 +37,10 @@ def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
         return WireReader(port, settings, line, connection)
     if settings.baud <= 0:
         raise PortError(f"{port} needs a rate: say it with --baud")
+    if is_analyser(port):
+        from sistap.line.reader.sigrok import SigrokReader
+
+        return SigrokReader(port, settings, line)
     if "://" in port:
         from sistap.line.reader.url import UrlReader
 

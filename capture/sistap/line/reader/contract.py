@@ -53,3 +53,11 @@ class Distant(Reader, Protocol):
 
     def now_ns(self) -> int:
         """Return what time it is there, in ns since 1970."""
+
+
+@runtime_checkable
+class Measuring(Protocol):
+    """A reader that sees the line itself, and so its rate."""
+
+    def measured_baud(self) -> float | None:
+        """Return the rate that the line has, in Bd; None: too little was heard."""

@@ -25,7 +25,7 @@ PATIENCE_NS = 1_000_000_000  # for a character to come back
 _FIRST, _VALUES = ord("@"), 63  # the characters sent: never FF, which a port would mark, nor a start character of SIS
 
 
-class LoopBroken(Exception):
+class LoopBroken(OSError):
     """What was sent did not come back; the text is one clause."""
 
 
@@ -43,7 +43,7 @@ def through_pty(duration_ns: int) -> array[int]:
 def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0) -> array[int]:
     """Send characters one by one; give for each the time from its end on the line until it was seen, in ns.
 
-    LoopBroken or OSError if they do not come back.
+    OSError if they do not come back.
     """
     written = array("q")
     # A descriptor of its own: after a signal the reader does not wait for this.
@@ -56,9 +56,9 @@ def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0)
 
 
 def _write(writing: int, written: array[int], end_ns: int, character_ns: int) -> None:
-    """Write a character now and then, at no rhythm that the hardware's could hide."""
+    """Write a character now and then, at no rhythm that the hardware's could hide; one at least, however late."""
     with suppress(OSError), os.fdopen(writing, "wb", buffering=0) as stream:
-        while (now := monotonic_ns()) < end_ns:
+        while (now := monotonic_ns()) < end_ns or not written:
             written.append(now)
             stream.write(_characters(len(written) - 1, 1))
             time.sleep(character_ns / 1e9 + random.uniform(0.0002, 0.0008))

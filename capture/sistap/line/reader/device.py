@@ -8,13 +8,15 @@ import os
 import select
 import struct
 import sys
+from collections import deque
 
 from sistap.line import ports, priority
 from sistap.line.clock import CLOCK
 from sistap.line.clocks import monotonic_ns
 from sistap.line.reader import latency
 from sistap.line.reader.contract import READ_SIZE, STEP_MS, PortLost
-from sistap.line.reader.opening import change_device, open_device
+from sistap.line.reader.errors import Counts, Errors
+from sistap.line.reader.opening import change_device, open_device, true_rate
 from sistap.line.reader.trouble import lost_text
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import Flag, LineSettings, Read
@@ -26,6 +28,8 @@ if sys.platform == "win32":
 # buf_overrun.
 _TIOCGICOUNT = 0x545D
 _COUNTERS = struct.Struct("24x5i36x")
+
+_MARKING_PACKETS = ("ftdi_sio",)  # drivers that mark all characters of a USB packet when one has an error
 
 
 class PosixReader:
@@ -47,39 +51,59 @@ class PosixReader:
         self.adapter = str(self._behind)
         bound = latency.bound(self._known, port, self._behind, settings)
         self._latency_ns = bound.ns
-        self.timing = "; ".join([bound.how, *self._tuning.done, priority.words()])
+        rate = true_rate(self._fd, port, settings)
+        rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
+        self.timing = "; ".join([bound.how, *rates, *self._tuning.done, priority.words()])
         self.notes: tuple[str, ...] = (*self._tuning.missed, *bound.notes)
         poll = select.poll()
         poll.register(self._fd, select.POLLIN)
         self._poll = poll.poll
         self._decoder = MarkDecoder()
-        self._counters = _error_counters(self._fd)
+        self._errors = Errors(lambda: _error_counters(self._fd), by_packet=self._behind.driver in _MARKING_PACKETS)
+        self._reads: deque[Read] = deque()
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived, None if nothing did in that time. May raise PortLost."""
-        in_time = self._wait(timeout_s)
-        return None if in_time is None else self.take(in_time=in_time)
+        while not self._reads:
+            in_time = self._wait(timeout_s)
+            if in_time is not None:
+                self._reads.extend(self.take(in_time=in_time))
+            if in_time is None or not self._errors.holding:
+                break
+        if not self._reads and not timeout_s:
+            self._reads.extend(self.held())
+        return self._reads.popleft() if self._reads else None
 
     def fileno(self) -> int:
         """Return the descriptor, for who waits for several ports at once and then calls take() and nothing_until()."""
         return self._fd
 
-    def nothing_until(self, time_ns: int) -> None:
-        """Note that nothing was unread at this instant of the monotonic clock."""
+    def nothing_until(self, time_ns: int) -> list[Read]:
+        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back till then."""
         if not self._decoder.pending:
             self._emptied_ns = time_ns
+        return self._errors.due(time_ns)
 
-    def take(self, *, in_time: bool) -> Read | None:
-        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost."""
+    def held(self) -> list[Read]:
+        """Hold nothing back any longer: return it."""
+        return self._errors.all()
+
+    def take(self, *, in_time: bool) -> list[Read]:
+        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost.
+
+        What was held back comes first. Where the driver has counted an error, it is not known yet: then it is held.
+        """
         asked_ns = monotonic_ns()
         try:
             data = os.read(self._fd, READ_SIZE)
         except BlockingIOError:
-            return None
+            return self._errors.due(asked_ns)
         except OSError:
             data = b""
         now = monotonic_ns()
         if not data:
+            if held := self.held():
+                return held  # that the port is lost is still so when it is read next
             raise PortLost(self._lost)
         decoder = self._decoder
         in_time = in_time and not decoder.pending
@@ -90,10 +114,9 @@ class PosixReader:
         if not decoder.pending and len(data) < READ_SIZE:
             self._emptied_ns = asked_ns
         if not characters:
-            return None
-        if self._counters is not None:
-            flags = self._with_counted(flags)
-        return Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns, self.settings)
+            return []
+        read = Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns, self.settings)
+        return self._errors.take(read, now)
 
     def change(self, settings: LineSettings) -> None:
         """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
@@ -102,12 +125,16 @@ class PosixReader:
         self._latency_ns = latency.bound(self._known, self.name, self._behind, settings).ns
 
     def _wait(self, timeout_s: float) -> bool | None:
-        """Wait for characters: None if none came, else whether they came while it waited for them."""
+        """Wait for characters: None if none came, else whether they came while it waited for them.
+
+        None also if something that was held back is due.
+        """
         left_ms, step_ms = timeout_s * 1000, 0.0
         asked_ns = monotonic_ns()
         while not self._poll(step_ms):
-            self.nothing_until(asked_ns + int(step_ms * 1e6))  # poll looked once more when its time was up
-            if left_ms <= 0:
+            # poll looked once more when its time was up
+            self._reads.extend(self.nothing_until(asked_ns + int(step_ms * 1e6)))
+            if left_ms <= 0 or self._reads:
                 return None
             step_ms = min(STEP_MS, left_ms)
             left_ms -= step_ms
@@ -119,29 +146,16 @@ class PosixReader:
         self._tuning.undo()
         self._serial.close()
 
-    def _with_counted(self, flags: bytes) -> bytes:
-        """Add to the flags of a read what only the driver's error counters tell."""
-        before, now = self._counters, _error_counters(self._fd)
-        if now is None or before is None or now == before:
-            return flags
-        self._counters = now
-        framing, overrun, parity, breaks, buffer_overrun = map(int.__ne__, now, before)
-        unmarked = (framing or parity or breaks) and not any(flags)
-        marked = bytearray(flags)
-        # A loss is before one of the characters, an error that left no mark at one of them.
-        if unmarked or ((overrun or buffer_overrun) and len(flags) > 1):
-            marked = bytearray(flag | Flag.UNLOCATED_ERROR for flag in flags)
-        if overrun or buffer_overrun:
-            marked[0] |= Flag.LOST_BEFORE
-        return bytes(marked)
 
-
-def _error_counters(fd: int) -> tuple[int, ...] | None:
-    """Read the driver's counters of frame, overrun, parity, break and buffer overrun; None where it has none."""
+def _error_counters(fd: int) -> Counts | None:
+    """Return the driver's counters; None where it has none."""
     try:
-        return _COUNTERS.unpack(fcntl.ioctl(fd, _TIOCGICOUNT, bytes(_COUNTERS.size)))
+        frame, overrun, parity, breaks, buffer_overrun = _COUNTERS.unpack(
+            fcntl.ioctl(fd, _TIOCGICOUNT, bytes(_COUNTERS.size))
+        )
     except OSError:
         return None
+    return Counts(frame, overrun, parity, breaks, buffer_overrun)
 
 
 class MarkDecoder:

@@ -13,27 +13,28 @@ if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest stil
 _URL_TIMEOUT_S = 0.05  # pyserial's own; changing it per read would configure the port each time
 
 
-def closed_serial(port: str, settings: LineSettings) -> serial.Serial:
-    """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is."""
+def closed_serial(port: str, settings: LineSettings, device_class: type[serial.Serial] | None = None) -> serial.Serial:
+    """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is.
+
+    Without `device_class`, of the class that is for such a name or URL.
+    """
     import serial
 
-    device: serial.Serial = serial.serial_for_url(
-        port,
-        do_not_open=True,
-        baudrate=settings.baud,
-        bytesize=settings.data_bits,
-        parity=settings.parity,
-        stopbits=settings.stop_half_bits / 2,
-        exclusive=True,
-        timeout=_URL_TIMEOUT_S,
-    )
+    if device_class:
+        device = device_class()
+        device.port = port
+    else:
+        device = serial.serial_for_url(port, do_not_open=True)
+    configure(device, settings)
+    device.exclusive = True
+    device.timeout = _URL_TIMEOUT_S
     device.dtr = False
     device.rts = False
     return device
 
 
 def configure(device: serial.Serial, settings: LineSettings) -> None:
-    """Change rate and format of an open port of pyserial. OSError or ValueError if it cannot do them."""
+    """Set rate and format of a port of pyserial, open or not. OSError or ValueError if it cannot do them."""
     device.baudrate = settings.baud
     device.bytesize = settings.data_bits
     device.parity = settings.parity

@@ -8,11 +8,13 @@ import struct
 import sys
 import termios
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from sistap.line import ports
+from sistap.line.reader import divisor
 from sistap.line.reader.contract import PortError
 from sistap.line.reader.listening import closed_serial
-from sistap.line.reader.trouble import device_trouble
+from sistap.line.reader.trouble import Otherwise, device_trouble
 from sistap.line.settings import LineSettings
 
 if sys.platform == "win32":
@@ -30,22 +32,27 @@ _PARITIES = {
     "S": termios.PARENB | _STICK_PARITY,
 }
 
+_FORMAT = termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB | _STICK_PARITY  # all bits of a format
+
 # Linux, <asm-generic/ioctls.h>: struct termios2, of it c_ospeed.
 _TCGETS2 = 0x802C542A
 _TERMIOS2 = struct.Struct("40xI")
+
+_TOLERANCE = 0.03  # of the rate: so much can a character bear
+_MODEM_LINES = struct.pack("I", termios.TIOCM_DTR | termios.TIOCM_RTS)
 
 
 def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> serial.Serial:
     """Open a device exclusively, RTS and DTR down, no flow control, errors marked. May raise PortError."""
     try:
-        device = closed_serial(port, settings)
+        device = closed_serial(port, settings, _lowering())
         if pseudo_terminal:
             # Linux strips these from a pty, and libc takes it for an error when nothing else was to change.
             device.bytesize, device.parity = 8, "N"
         device.open()
         try:
             _mark_errors(device.fileno())
-            _check_speed(device.fileno(), settings.baud)
+            _check(device, settings, pseudo_terminal)
         except BaseException:
             device.close()
             raise
@@ -59,28 +66,54 @@ def change_device(device: serial.Serial, settings: LineSettings, pseudo_terminal
 
     Not through pyserial, which would switch the marking of errors off for a moment.
     """
-    fd = device.fileno()
-    before = termios.tcgetattr(fd)
+    before, speed = termios.tcgetattr(device.fileno()), _speed(device.fileno())
     after = before.copy()
-    after[2] &= ~(termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB | _STICK_PARITY)
-    after[2] |= _control(LineSettings() if pseudo_terminal else settings, parity=not pseudo_terminal)
+    after[2] &= ~_FORMAT
+    after[2] |= _control(settings, pseudo_terminal)
     try:
-        after[4] = after[5] = getattr(termios, f"B{settings.baud}")
-        termios.tcsetattr(fd, termios.TCSANOW, after)
-        _check_speed(fd, settings.baud)
-    except (OSError, ValueError, AttributeError, termios.error) as error:
-        with suppress(termios.error):
-            termios.tcsetattr(fd, termios.TCSANOW, before)
-        cause = ValueError() if isinstance(error, AttributeError) else error
+        _set(device, after, settings.baud)
+        _check(device, settings, pseudo_terminal)
+    except (OSError, ValueError, OverflowError, NotImplementedError, termios.error) as error:
+        with suppress(OSError, ValueError, termios.error):
+            _set(device, before, speed)
+        cause = ValueError() if isinstance(error, NotImplementedError) else error
         raise PortError(device_trouble(str(device.port), settings, cause)) from error
 
 
-def _control(settings: LineSettings, *, parity: bool) -> int:
-    """Return the control flags of a format."""
-    flags = _PARITIES[settings.parity] if parity else 0
-    flags |= termios.CSTOPB if settings.stop_half_bits > 2 else 0
+def _lowering() -> type[serial.Serial]:
+    """Make pyserial's class, but with RTS and DTR down before it is configured: on adapters that takes up to 40 ms."""
+    import serial
+
+    class Lowering(serial.Serial):
+        def _reconfigure_port(self, force_update: bool = False) -> None:
+            if self.fd is not None and not self.is_open:
+                # Locked first: the lines of a port that another program has are none of ours. pyserial says so then.
+                with suppress(OSError):
+                    fcntl.flock(self.fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    fcntl.ioctl(self.fd, termios.TIOCMBIC, _MODEM_LINES)
+            pyserial: Any = super()  # whose types have no private names
+            pyserial._reconfigure_port(force_update)
+
+    return Lowering
+
+
+def _set(device: serial.Serial, attributes: list[Any], baud: int | None) -> None:
+    """Set the attributes of a device, and a rate, also one that has no constant; None: that of the attributes."""
+    constant = getattr(termios, f"B{baud}", None)
+    if constant is not None:
+        attributes[4] = attributes[5] = constant
+    termios.tcsetattr(device.fileno(), termios.TCSANOW, attributes)
+    if baud is not None and constant is None:
+        pyserial: Any = device
+        pyserial._set_special_baudrate(baud)  # as it does when it opens a port
+
+
+def _control(settings: LineSettings, pseudo_terminal: bool) -> int:
+    """Return the control flags of a format; a pseudo terminal has only one."""
+    if pseudo_terminal:
+        return termios.CS8
     size: int = getattr(termios, f"CS{settings.data_bits}")
-    return flags | size
+    return size | _PARITIES[settings.parity] | (termios.CSTOPB if settings.stop_half_bits > 2 else 0)
 
 
 def _mark_errors(fd: int) -> None:
@@ -94,11 +127,35 @@ def _mark_errors(fd: int) -> None:
     termios.tcflush(fd, termios.TCIFLUSH)
 
 
-def _check_speed(fd: int, baud: int) -> None:
-    """Raise ValueError if the driver quietly set another rate; 3 % is what a character can bear."""
+def _check(device: serial.Serial, settings: LineSettings, pseudo_terminal: bool) -> None:
+    """Raise Otherwise if the driver has quietly set another rate or format."""
+    fd = device.fileno()
+    baud = true_rate(fd, str(device.port), settings)
+    # Of a pseudo terminal, Linux takes no format.
+    found = settings.format if pseudo_terminal else _format(termios.tcgetattr(fd)[2])
+    wanted = settings.format if pseudo_terminal else _format(_control(settings, pseudo_terminal))
+    if abs(baud - settings.baud) > settings.baud * _TOLERANCE or found != wanted:
+        raise Otherwise(f"its driver sets {baud} Bd {found}")
+
+
+def _format(control: int) -> str:
+    """Name the format that control flags set; 1.5 stop bits have the flag of two."""
+    bits = next(bits for bits in (5, 6, 7, 8) if control & termios.CSIZE == getattr(termios, f"CS{bits}"))
+    flags = control & (termios.PARENB | termios.PARODD | _STICK_PARITY) if control & termios.PARENB else 0
+    parity = next(parity for parity, meant in _PARITIES.items() if flags == meant)
+    return f"{bits}{parity}{2 if control & termios.CSTOPB else 1}"
+
+
+def true_rate(fd: int, port: str, settings: LineSettings) -> int:
+    """Return the rate at which an open port really runs, in Bd, as far as its driver tells."""
+    set_by_driver = _speed(fd) or settings.baud
+    return (divisor.rate(fd, set_by_driver) if ports.is_8250(port) else None) or set_by_driver
+
+
+def _speed(fd: int) -> int | None:
+    """Return the rate that the driver says it has set; None where it says none."""
     try:
         (speed,) = _TERMIOS2.unpack(fcntl.ioctl(fd, _TCGETS2, bytes(_TERMIOS2.size)))
     except OSError:
-        return  # not Linux
-    if abs(speed - baud) > baud * 0.03:
-        raise ValueError(f"the driver set {speed} Bd")
+        return None  # not Linux
+    return int(speed)

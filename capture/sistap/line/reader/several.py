@@ -40,11 +40,14 @@ class Pollable(Reader, Protocol):
     def fileno(self) -> int:
         """Return the descriptor to wait for."""
 
-    def take(self, *, in_time: bool) -> Read | None:
+    def take(self, *, in_time: bool) -> list[Read]:
         """Return what is there; `in_time`: it came while it was waited for. May raise PortLost."""
 
-    def nothing_until(self, time_ns: int) -> None:
-        """Note that nothing was unread at this instant of the monotonic clock."""
+    def nothing_until(self, time_ns: int) -> list[Read]:
+        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back till then."""
+
+    def held(self) -> list[Read]:
+        """Hold nothing back any longer: return it."""
 
 
 @runtime_checkable
@@ -96,6 +99,8 @@ class PolledReaders:
         """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
         if not self._reads and not self._lost:
             self._wait(timeout_s)
+        if not self._reads and not timeout_s:
+            self._reads.extend(read for reader in self._readers.values() for read in reader.held())
         if self._reads:
             return self._reads.popleft()
         if self._lost:
@@ -120,13 +125,12 @@ class PolledReaders:
             self._take(descriptor, self._readers[descriptor], in_time=step_ms > 0)
         silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
         for descriptor in self._readers.keys() - ready:
-            self._readers[descriptor].nothing_until(silent_ns)
-        return bool(ready)
+            self._reads.extend(self._readers[descriptor].nothing_until(silent_ns))
+        return bool(self._reads or self._lost)
 
     def _take(self, descriptor: int, reader: Pollable, *, in_time: bool) -> None:
         try:
-            if read := reader.take(in_time=in_time):
-                self._reads.append(read)
+            self._reads.extend(reader.take(in_time=in_time))
         except PortLost as lost:
             self._poll.unregister(descriptor)
             del self._readers[descriptor]

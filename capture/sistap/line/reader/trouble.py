@@ -23,6 +23,10 @@ else:
     _NUMBERED = (OSError, termios.error)
 
 
+class Otherwise(ValueError):
+    """A driver has set something else than it was told, and has not said so; the text says what."""
+
+
 def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     """Say why a device could not be opened, and what to do."""
     number = _errno(error)
@@ -38,7 +42,8 @@ def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     elif number in (errno.ENXIO, errno.ENODEV, errno.EIO):
         text = f"there is no working hardware behind {port}: `sistap ports` lists the ports there are"
     elif isinstance(error, ValueError | OverflowError) or number == errno.EINVAL:
-        text = f"{port} cannot do {settings.baud} Bd {settings.format}: choose another --baud or --format"
+        why = f" ({error})" if isinstance(error, Otherwise) else ""
+        text = f"{port} cannot do {settings}{why}: choose another --baud or --format"
     return text
 
 

@@ -1,0 +1,429 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is judged of a driver: bytes, flags, messages and exit codes of sistap in the guest, never times."""
+
+from __future__ import annotations
+
+import json
+import signal
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from machine import Guest, Program, eventually
+
+from drivers import BREAK, FRAMING, OVERRUN, PARITY, Driver, Line, Settings, Watch
+from sistap.files.reading import NotCaptured, records
+from sistap.line.settings import ERROR_FLAGS, Flag
+from sistap.records.record import Event, Type
+
+# A telegram that reads S-0-0036 of station 3: with zeros in it, which a false break would take for breaks.
+TELEGRAM = bytes.fromhex("02 71 05 05 00 10 10 03 3c 00 24 00 00")
+EVERY_VALUE = bytes(range(256))  # FF among them, which a terminal doubles
+BREAKS = 20
+SHORT_SILENCE = "silence:20"
+FIFO = 16  # characters of a 16550
+
+# Rates and formats, and whether each driver has to open with them. The others may be refused; what is not refused is
+# what the device was really set to.
+MUST_OPEN = (
+    *("9600 8E1", "9600 8N1", "9600 8O1", "9600 7E1", "9600 8N2"),
+    *("19200 8E1", "38400 8E1", "57600 8N1", "115200 8E1"),
+)
+MAY_OPEN = ("9600 8M1", "9600 8S1", "9600 6E1", "12000 8E1", "76800 8E1", "187500 8E1", "4000000 8E1")
+CHANGES = ("19200 8E1", "187500 8E1", "12345 8N1", "76800 8E1", "115200 8E1", "9600 6E1", "9600 8E1")
+BEARABLE = 0.03  # how far a rate may be off
+
+
+class NotJudged(Exception):
+    """The device that the driver has here cannot do it."""
+
+
+@dataclass
+class Bench:
+    """A driver, and what was seen of it so far."""
+
+    guest: Guest
+    driver: Driver
+    watch: Watch
+    seen: list[tuple[bool, bool]] = field(default_factory=list)  # DTR and RTS during a capture
+    states: list[dict[str, object]] = field(default_factory=list)  # of the port before, during and after one
+    looped: list[int] = field(default_factory=lambda: [0, 0])  # characters that the self-test sent
+
+    def start(self) -> None:
+        """Make the ports."""
+        self.driver.start(self.guest)
+
+    @property
+    def line(self) -> Line:
+        """The first port."""
+        line: Line = self.driver.lines[0]
+        return line
+
+    def can(self, what: str) -> None:
+        """NotJudged if the device cannot do this."""
+        if what not in self.driver.can:
+            raise NotJudged(what)
+
+
+class Capture:
+    """A capture that runs in the guest."""
+
+    def __init__(self, guest: Guest, *ports: str, user: str = "tap", framing: str = SHORT_SILENCE) -> None:
+        """Start it, and wait until it listens. Cut by short silences, its records are in the file at once."""
+        self._guest = guest
+        self.file = "/tmp/capture.pcapng"
+        guest.run("rm", "-f", self.file)
+        interfaces = [word for port in ports for word in ("-i", port)]
+        options = ("--framing", framing, "-w", self.file)
+        self.program: Program = guest.start("sistap", "capture", *interfaces, *options, user=user)
+        self.program.until("capturing on")
+
+    def read(self) -> Captured:
+        """Return what is in the file by now."""
+        return Captured.of(self._guest.read(self.file))
+
+    def until(self, count: int, line: int = 0) -> None:
+        """Wait for so many characters."""
+        eventually(
+            lambda: len(self.read().data(line)) >= count,
+            lambda: f"{len(self.read().data(line))} of {count} characters came; {self.program.look()}",
+        )
+
+    def stop(self) -> Captured:
+        """End it as Ctrl-C does."""
+        done = self.program.stop()
+        assert done.code == 0, f"exit code {done.code}: {done.said}"
+        return self.read()
+
+
+@dataclass
+class Captured:
+    """What a capture file has."""
+
+    characters: dict[int, list[tuple[int, Flag]]]
+    events: list[tuple[Event, str]]
+
+    @classmethod
+    def of(cls, content: bytes) -> Captured:
+        """Read it."""
+        captured = cls({}, [])
+        with tempfile.NamedTemporaryFile(suffix=".pcapng") as file:
+            file.write(content)
+            file.flush()
+            try:
+                for record in records(Path(file.name)):
+                    if record.type == Type.EVENT:
+                        captured.events.append((record.event, record.data.decode()))
+                        continue
+                    flags = (Flag(flag) & ERROR_FLAGS for flag in record.flags)
+                    captured.characters.setdefault(record.line, []).extend(zip(record.data, flags, strict=True))
+            except NotCaptured:
+                pass
+        return captured
+
+    def data(self, line: int = 0) -> bytes:
+        """Return the characters of a line."""
+        return bytes(value for value, _ in self.characters.get(line, ()))
+
+    def flags(self, line: int = 0) -> list[Flag]:
+        """Return their line errors."""
+        return [flag for _, flag in self.characters.get(line, ())]
+
+
+def ports(bench: Bench) -> None:
+    """The list has the port, its adapter and its driver."""
+    done = bench.guest.run("sistap", "ports", user="tap")
+    device = bench.guest.run("readlink", "-f", bench.line.port).said.strip()
+    row = next((row for row in done.said.splitlines() if row.split()[:1] == [device]), "")
+    assert done.code == 0 and row, f"no {device}: {done.said}"
+    assert all(words in row for words in bench.driver.described), row
+
+
+def doctor(bench: Bench) -> None:
+    """It opens the port for who may, and says what to do to who may not."""
+    done = bench.guest.run("sistap", "doctor", "-i", bench.line.port, user="tap")
+    of_port = done.said.partition("good  port  ")[2]
+    assert "bad  " not in of_port, done.said
+    for words in ("good  rights", "good  opens", "good  adapter"):
+        assert words in of_port, done.said
+    done = bench.guest.run("sistap", "doctor", "-i", bench.line.port, user="outsider")
+    assert "bad   rights" in done.said and "dialout" in done.said and done.code == 3, done
+
+
+def capture(bench: Bench) -> None:
+    """Every character is in the capture, without an error, and no other."""
+    bench.states = [_state(bench)]
+    bench.watch.mark()
+    running = Capture(bench.guest, bench.line.port, user="root", framing="sis")  # root may set a FIFO's trigger
+    bench.states.append(_state(bench))
+    played = (TELEGRAM * 3 + EVERY_VALUE) * 4
+    for start in range(0, len(played), 50):
+        bench.line.play(played[start : start + 50])
+    running.until(len(played))
+    captured = running.stop()
+    bench.seen = bench.watch.lines()
+    bench.states.append(_state(bench))
+    _same(captured.data(), played)
+    assert not any(captured.flags()), f"false errors at {_where(captured.flags())}"
+
+
+def formats(bench: Bench) -> None:
+    """What is not refused is what the device is set to; the settings of SIS are not refused."""
+    program = bench.guest.start("opened", bench.line.port)
+    program.until("{}")
+    wrong = []
+    for step in (*MUST_OPEN, *MAY_OPEN, "9600 8E1", *(f"change {change}" for change in CHANGES)):
+        answers = len(program.look().splitlines())
+        bench.watch.mark()
+        program.say(step)
+        eventually(lambda seen=answers: len(program.look().splitlines()) > seen, lambda: program.said)  # type: ignore[misc]
+        answer = json.loads(program.said.splitlines()[-1])
+        wished = _settings(step.removeprefix("change "))
+        if "refused" in answer:
+            if step in MUST_OPEN:
+                wrong.append(f"{step}: {answer['refused']}")
+        elif not _is_set(bench.watch, wished):
+            wrong.append(f"{step}: recorded as {answer['settings']}, the device has {bench.watch.settings()}")
+    program.kill()
+    assert not wrong, "; ".join(wrong)
+
+
+def breaks(bench: Bench) -> None:
+    """Each break is marked, and nothing else."""
+    bench.can("break")
+    running = Capture(bench.guest, bench.line.port)
+    for number in range(BREAKS):
+        bench.line.play(TELEGRAM[:9])
+        bench.line.settle()
+        bench.line.send_break()
+        bench.line.play(TELEGRAM[9:])
+        running.until((number + 1) * (len(TELEGRAM) + 1))
+    captured = running.stop()
+    flags = captured.flags()
+    marked = [index for index, flag in enumerate(flags) if flag & Flag.BREAK]
+    assert len(marked) == BREAKS, f"{len(marked)} of {BREAKS} breaks are marked"
+    others = [index for index, flag in enumerate(flags) if flag and index not in marked]
+    assert not others, f"{len(others)} characters beside the breaks are marked"
+    data = bytearray(captured.data())
+    assert {data.pop(index) for index in reversed(marked)} == {0}
+    _same(bytes(data), TELEGRAM * BREAKS)
+
+
+def parity(bench: Bench) -> None:
+    """A parity error is somewhere in its packet, and no zero in it is a break."""
+    _packet_error(bench, PARITY)
+
+
+def framing(bench: Bench) -> None:
+    """A framing error, too."""
+    _packet_error(bench, FRAMING)
+
+
+def overrun(bench: Bench) -> None:
+    """Lost characters are told: at the character behind them, and in the last line."""
+    bench.can("overrun")
+    running = Capture(bench.guest, bench.line.port)
+    bench.line.play(TELEGRAM)
+    running.until(len(TELEGRAM))
+    if "errors" in bench.driver.can:
+        bench.line.play(TELEGRAM, OVERRUN)
+        running.until(2 * len(TELEGRAM))
+    else:  # a FIFO that nobody can empty, with more breaks than it has room for
+        bench.guest.monitor("stop")
+        for _ in range(2 * FIFO):
+            bench.line.send_break()
+        bench.guest.monitor("cont")
+        running.until(len(TELEGRAM) + FIFO)
+    captured = running.stop()
+    lost = [index for index, flag in enumerate(captured.flags()) if flag & Flag.LOST_BEFORE]
+    assert lost and lost[0] >= len(TELEGRAM), f"characters lost are told at {lost}"
+    assert captured.data().startswith(TELEGRAM)
+
+
+def unplug(bench: Bench) -> None:
+    """A port that goes ends the capture with 1, an event and a file that is whole; it comes back by the same name."""
+    running = Capture(bench.guest, bench.line.port)
+    bench.line.play(TELEGRAM * 3)
+    running.until(3 * len(TELEGRAM))
+    bench.driver.unplug(bench.guest)
+    try:
+        done = running.program.wait()
+    finally:
+        bench.driver.plug(bench.guest)
+    captured = running.read()
+    assert done.code == 1 and "is gone: plug the adapter in" in done.said, done
+    _same(captured.data(), TELEGRAM * 3)
+    assert Event.ADAPTER_LOST in {event for event, _ in captured.events}, captured.events
+    again = Capture(bench.guest, bench.line.port)
+    bench.line.play(TELEGRAM)
+    again.until(len(TELEGRAM))
+    _same(again.stop().data(), TELEGRAM)
+
+
+def two_lines(bench: Bench) -> None:
+    """Both lines are complete; if one is unplugged, the other goes on, and the code is 1."""
+    one, other = bench.driver.lines
+    running = Capture(bench.guest, one.port, other.port)
+    for _ in range(8):
+        one.play(TELEGRAM)
+        other.play(EVERY_VALUE[:40])
+    running.until(8 * len(TELEGRAM), 1)
+    running.until(8 * 40, 2)
+    bench.driver.unplug(bench.guest)
+    try:
+        if bench.driver.apart:
+            running.program.until("the other line goes on")
+            other.play(TELEGRAM)
+            running.until(8 * 40 + len(TELEGRAM), 2)
+            running.program.stop()
+        done = running.program.wait()
+    finally:
+        bench.driver.plug(bench.guest)
+    captured = running.read()
+    _same(captured.data(1), TELEGRAM * 8)
+    _same(captured.data(2), EVERY_VALUE[:40] * 8 + (TELEGRAM if bench.driver.apart else b""))
+    assert done.code == 1, done
+
+
+def selftest(bench: Bench) -> None:
+    """With its lines joined, all that it sends comes back; without --transmit it sends nothing."""
+    done = bench.guest.run("sistap", "selftest", "-i", bench.line.port)
+    assert done.code == 2 and "add --transmit" in done.said, done
+    before = len(bench.line.sent)
+    bench.line.loop(on=True)
+    options = "--transmit --baud 115200 --format 8N1 --duration 1".split()
+    # At real-time priority it would leave nothing to an adapter that is a program.
+    done = bench.guest.run("sistap", "selftest", "-i", bench.line.port, *options, user="tap")
+    bench.line.loop(on=False)
+    bench.looped[0] += len(bench.line.sent) - before
+    counted = int(next((line.split()[0] for line in done.said.splitlines() if "so late were they" in line), "0"))
+    assert counted > 0 and counted == bench.looped[0], f"{bench.looped[0]} were sent: {done}"
+    assert done.code == 0 or "are too few for p99.9" in done.said, done
+
+
+def extcap(bench: Bench) -> None:
+    """Wireshark's way: listed, captured into its pipe, ended by it; who may not open the port gets 3 and a reason."""
+    guest = bench.guest
+    device = Path(bench.line.port).name
+    listed = guest.run("sistap", "extcap", "--extcap-interfaces", user="tap").said
+    assert f"{{value=sistap-{device}}}" in listed, listed
+    asked = ("sistap", "extcap", "--capture", "--extcap-interface", f"sistap-{device}", "--fifo")
+    guest.run("rm", "-f", "/tmp/pipe")
+    guest.write("/tmp/piped", "")
+    guest.run("mkfifo", "-m", "666", "/tmp/pipe")
+    wireshark = guest.start("sh", "-c", "exec cat </tmp/pipe >/tmp/piped")
+    program = guest.start(*asked, "/tmp/pipe", user="tap")
+    eventually(lambda: bool(Captured.of(guest.read("/tmp/piped")).events), program.look)
+    bench.line.play(TELEGRAM * 2)
+    eventually(lambda: len(Captured.of(guest.read("/tmp/piped")).data()) >= 2 * len(TELEGRAM), program.look)
+    program.signal(signal.SIGTERM)
+    done = program.wait()
+    wireshark.wait()
+    assert done.code == 0, done
+    _same(Captured.of(guest.read("/tmp/piped")).data(), TELEGRAM * 2)
+    wireshark = guest.start("sh", "-c", "exec cat </tmp/pipe >/tmp/piped")
+    done = guest.run(*asked, "/tmp/pipe", user="outsider")
+    wireshark.wait()
+    assert done.code == 3 and "no permission" in done.said, done
+
+
+def restored(bench: Bench) -> None:
+    """The latency timer, low latency and the FIFO trigger are set for a capture, and as before afterwards."""
+    before, during, after = bench.states
+    assert before == after, f"before {before}, after {after}"
+    for what, (was, tuned) in bench.driver.tuned.items():
+        assert (before[what], during[what]) == (was, tuned), f"{what}: {before[what]}, then {during[what]}"
+
+
+def passive(bench: Bench) -> None:
+    """In all of this, but for the self-test, not one byte was sent."""
+    for line, looped in zip(bench.driver.lines, bench.looped, strict=True):
+        assert len(line.sent) == looped, f"{len(line.sent) - looped} characters were sent: {line.sent[:20].hex(' ')}"
+
+
+def modem_lines(bench: Bench) -> None:
+    """Opening raises DTR and RTS; one step lowers both, and they stay low."""
+    low, high = (False, False), (True, True)
+    assert bench.seen == [low, high, low], f"(DTR, RTS) went {bench.seen}"
+
+
+CHECKS: dict[str, Callable[[Bench], None]] = {
+    "`ports`": ports,
+    "`doctor`, for who may open it and who may not": doctor,
+    "every character captured": capture,
+    "DTR and RTS: down in one step": modem_lines,
+    "tuned, and set back": restored,
+    "rates and formats: refused, or really set": formats,
+    "breaks": breaks,
+    "parity errors": parity,
+    "framing errors": framing,
+    "overruns": overrun,
+    "unplugged, plugged in again": unplug,
+    "two lines, one unplugged": two_lines,
+    "`selftest`": selftest,
+    "`extcap` as an ordinary user": extcap,
+    "0 bytes sent": passive,
+}
+
+
+def _packet_error(bench: Bench, error: int) -> None:
+    bench.can("errors")
+    running = Capture(bench.guest, bench.line.port)
+    count = 0
+    for errors in (0, error, 0):
+        bench.line.play(TELEGRAM, errors)
+        count += len(TELEGRAM)
+        running.until(count)
+    bench.line.play(b"\x55", error)
+    bench.line.play(b"\x00", BREAK | FRAMING)
+    running.until(count + 2)
+    captured = running.stop()
+    _same(captured.data(), TELEGRAM * 3 + b"\x55\x00")
+    flags = captured.flags()
+    packet = range(len(TELEGRAM), 2 * len(TELEGRAM))
+    wrong = [index for index, flag in enumerate(flags[:count]) if bool(flag) != (index in packet)]
+    assert not wrong, f"an error of a packet at {packet}: marked otherwise {wrong}"
+    located = [index for index in packet if flags[index] & (Flag.BREAK | Flag.CHARACTER_ERROR)]
+    assert not located, f"nobody can know that the error, or a break, was at {located}"
+    assert flags[count] and not flags[count] & Flag.BREAK, flags[count]
+    assert flags[count + 1] & Flag.BREAK, flags[count + 1]
+
+
+def _state(bench: Bench) -> dict[str, object]:
+    done = bench.guest.run("port", bench.line.port)
+    assert done.code == 0, done.said
+    state: dict[str, object] = json.loads(done.said)
+    return state
+
+
+def _settings(text: str) -> Settings:
+    baud, form = text.split()
+    return Settings(float(baud), form)
+
+
+def _is_set(watch: Watch, wished: Settings) -> bool:
+    """Tell whether the device has these settings, or none that are new; requests may be on their way."""
+    end = time.monotonic() + 2
+    while True:
+        now = watch.settings()
+        if now and now.format == wished.format and abs(now.baud - wished.baud) <= BEARABLE * wished.baud:
+            return True
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+
+
+def _same(found: bytes, played: bytes) -> None:
+    if found != played:
+        pairs = enumerate(zip(found, played, strict=False))
+        at = next((index for index, (one, other) in pairs if one != other), min(len(found), len(played)))
+        raise AssertionError(
+            f"{len(found)} characters instead of {len(played)}; from {at} on {found[at : at + 9].hex(' ')} instead of "
+            f"{played[at : at + 9].hex(' ')}"
+        )
+
+
+def _where(flags: Sequence[Flag]) -> list[int]:
+    return [index for index, flag in enumerate(flags) if flag]

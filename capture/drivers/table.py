@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The table of drivers in capture/README.md."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+GOOD, NOT_JUDGED, FAILED = "good", "-", "FAILED"
+BEGIN, END = "<!-- drivers: written by drivers/check -->", "<!-- drivers: end -->"
+
+
+def write(file: Path, results: dict[str, dict[str, str]], pulled: str) -> None:
+    """Put what was found between the two marks."""
+    text = file.read_text()
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"{file} lacks {BEGIN} or {END}")
+    new = "\n".join([before + BEGIN, *rows(results), "", f"The plug pulled ten times: {pulled}", END]) + after
+    if new != text:
+        file.write_text(new)
+
+
+def rows(results: dict[str, dict[str, str]]) -> list[str]:
+    """Return the lines of the table: a driver a column."""
+    names = list(results)
+    judged = list(results[names[0]])
+    lines = [["judged", *names], ["---"] * (len(names) + 1)]
+    lines += [[what, *(results[name][what] for name in names)] for what in judged]
+    return [f"| {' | '.join(line)} |" for line in lines]

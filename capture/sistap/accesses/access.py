@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""An access to the operating data of a parameter, from the dissector's field `sis.access`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from sistap.wireshark.rows import JOINT
+
+FIELD = "sis.access"
+
+
+class Parameter(NamedTuple):
+    """A parameter of a device behind a station."""
+
+    port: str  # the capture's interface
+    station: str  # "3", behind routers "3/2/8"
+    device: int
+    ident: str  # "S-0-0047"
+
+
+class Access(NamedTuple):
+    """A reading or a writing that was answered. What is not known is None, texts are empty."""
+
+    parameter: Parameter
+    is_write: bool
+    master: int  # who has asked
+    error: str  # why it was refused; empty: it was not
+    value: str  # as the dissector shows it
+    number: float | None  # of the value
+    data: str | None  # all bytes, in hexadecimal
+    name: str
+    unit: str
+    minimum: str
+    maximum: str
+
+
+def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
+    """Yield what a packet's row says was read and written: in a list of services, or over TCP, several."""
+    for text in filter(None, columns.get(FIELD, "").split(JOINT)):
+        # tshark escapes what it prints once more
+        said = json.loads(text.replace("\\\\", "\\"))
+        port = columns.get("frame.interface_name", "")
+        yield Access(
+            parameter=Parameter(port, said["station"], said["device"], said["parameter"]),
+            is_write=said["access"] == "write",
+            master=said["master"],
+            error=said.get("error", ""),
+            value=said.get("value", ""),
+            number=said.get("number"),
+            data=said.get("data"),
+            name=said.get("name", ""),
+            unit=said.get("unit", ""),
+            minimum=said.get("minimum", ""),
+            maximum=said.get("maximum", ""),
+        )

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The list of parameters: how often each was read and written, its values, and which writings have changed it.
+
+It counts as the dissector's own statistics does (`tshark -z sis,parameters`), over several captures.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sistap.accesses.access import Access, Parameter
+
+MOST = 10_000  # parameters in the list
+
+
+class Place(NamedTuple):
+    """Where something stands."""
+
+    file: str
+    packet: int
+    epoch_s: float
+
+
+class Change(NamedTuple):
+    """A writing that was accepted and has changed something, or may have."""
+
+    place: Place
+    access: Access
+    before: str | None  # the value that was known, from a reading or a writing; None: unknown
+
+
+@dataclass
+class Listed:
+    """What is known of a parameter."""
+
+    parameter: Parameter
+    name: str = ""
+    unit: str = ""
+    minimum: str = ""  # elements of the parameter, as they were read
+    maximum: str = ""
+    reads: int = 0
+    writes: int = 0
+    errors: int = 0  # readings and writings that were refused
+    first: str = ""
+    last: str = ""
+    least: Access | None = None
+    greatest: Access | None = None
+    written_by: int | None = None  # the last time
+    written_in: Place | None = None
+    value: str | None = None  # that it has now; None: not known
+    digest: bytes = b""  # of that value's bytes
+
+    def add(self, place: Place, access: Access) -> Change | None:
+        """Count an access; return the change that it was."""
+        self.name = access.name or self.name
+        self.unit = access.unit or self.unit
+        self.minimum = access.minimum or self.minimum
+        self.maximum = access.maximum or self.maximum
+        if access.error:
+            self.errors += 1
+            return None
+        if access.is_write:
+            self.writes += 1
+            self.written_by, self.written_in = access.master, place
+        else:
+            self.reads += 1
+        if access.value:
+            self._add_value(access)
+        return self._follow(place, access)
+
+    def _add_value(self, access: Access) -> None:
+        self.first = self.first or access.value
+        self.last = access.value
+        number = access.number
+        if number is None:
+            return
+        if self.least is None or number < (self.least.number or 0):
+            self.least = access
+        if self.greatest is None or number > (self.greatest.number or 0):
+            self.greatest = access
+
+    def _follow(self, place: Place, access: Access) -> Change | None:
+        """Remember the value that the parameter has now. Bytes are compared: a text may be cut."""
+        before, digest_before = self.value, self.digest
+        if access.data is not None:
+            self.value, self.digest = access.value, hashlib.blake2b(access.data.encode(), digest_size=16).digest()
+        elif access.is_write:
+            self.value = None  # a part of it
+        is_same = access.data is not None and before is not None and self.digest == digest_before
+        return Change(place, access, before) if access.is_write and not is_same else None
+
+
+class Listing:
+    """All parameters, in bounded memory."""
+
+    def __init__(self) -> None:
+        """Start with none."""
+        self._listed: dict[Parameter, Listed] = {}
+        self.left_out = 0  # accesses to parameters for which there was no more room
+
+    def add(self, place: Place, access: Access) -> Change | None:
+        """Count an access; return the change that it was."""
+        listed = self._listed.get(access.parameter)
+        if listed is None:
+            if len(self._listed) == MOST:
+                self.left_out += 1
+                return None
+            listed = self._listed[access.parameter] = Listed(access.parameter)
+        return listed.add(place, access)
+
+    def __iter__(self) -> Iterator[Listed]:
+        """Yield all parameters: by port, station, device and ident."""
+        yield from sorted(self._listed.values(), key=lambda listed: _order(listed.parameter))
+
+    def __len__(self) -> int:
+        """Count the parameters."""
+        return len(self._listed)
+
+    @property
+    def errors(self) -> int:
+        """Count what was refused."""
+        return sum(listed.errors for listed in self._listed.values())
+
+
+def _order(parameter: Parameter) -> tuple[str, list[int], int, str]:
+    return parameter.port, [int(number) for number in re.findall(r"\d+", parameter.station)], *parameter[2:]

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Two captures beside each other, as text: how late the times of one are, and which verdicts differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from sistap.beside import verdicts
+from sistap.beside.aligning import Pair, aligned, frames
+from sistap.beside.lateness import Lateness, measured, quantile
+from sistap.files.reading import NotCaptured
+from sistap.terminal.exits import UsageError
+from sistap.wireshark.tshark import Tshark, TsharkError
+
+SHARES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
+
+
+class Comparison:
+    """A capture whose times are true, and another one."""
+
+    def __init__(self, true: Path, other: Path) -> None:
+        """Read and align them. UsageError if that is not possible."""
+        self._paths = true, other
+        try:
+            self._true, self._other = frames(true), frames(other)
+        except NotCaptured as error:
+            raise UsageError(str(error)) from error
+        except OSError as error:
+            raise UsageError(f"cannot read {error.filename}: {error.strerror}; name two captures") from error
+        self._pairs: Sequence[Pair] = aligned(self._true, self._other)
+        if not self._pairs:
+            raise UsageError(f"{true} and {other} have no telegram in common: are they of the same bus and time?")
+        self.lateness: Lateness = measured(self._pairs)
+
+    def lines(self) -> Iterator[str]:
+        """Yield the report."""
+        true, other = self._paths
+        late = self.lateness
+        yield f"{len(self._pairs)} telegrams in both, of {len(self._true)} in {true} and {len(self._other)} in {other}"
+        yield (
+            f"the clock of {other.name} is {late.offset_ns / 1e9:+.6f} s off and drifts by {late.drift_ppm:+.1f} ppm: "
+            "both are taken out"
+        )
+        yield ""
+        yield f"{len(late.characters)} characters; so late, against the quickest of them, are their times:"
+        yield ""
+        ordered = sorted(one.late_ns for one in late.characters)
+        yield from (f"  {name:8} {quantile(ordered, share) / 1e6:10.4f} ms" for name, share in SHARES.items())
+        yield ""
+        yield self._outside()
+        yield ""
+        yield "verdicts:"
+        yield ""
+        yield from self._verdicts()
+
+    def _outside(self) -> str:
+        known = [one for one in self.lateness.characters if one.uncertainty_ns is not None]
+        if not known:
+            return "outside the uncertainty that the capture says: not known, it says none"
+        outside = sum(one.is_outside for one in known)
+        share = f"{100 * outside / len(known):.3g} %"
+        return f"outside the uncertainty that the capture says: {outside} of {len(known)} ({share})"
+
+    def _verdicts(self) -> Sequence[str]:
+        true, other = self._paths
+        try:
+            with Tshark() as tshark:
+                counts = verdicts.compared(self._pairs, verdicts.judged(tshark, true), verdicts.judged(tshark, other))
+        except TsharkError as error:
+            return [f"  not compared: {str(error).splitlines()[-1]}"]
+        return verdicts.lines(counts)

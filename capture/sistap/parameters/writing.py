@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The list of parameters, and changes, as lines of text for people and of CSV for programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from datetime import datetime
+
+from sistap.accesses.access import Parameter
+from sistap.accesses.listing import Change, Listed, Place
+
+_UNKNOWN = "unknown"
+_LIST_HEADS = (
+    *("Port", "Station", "Device", "Parameter", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least"),
+    *("Greatest", "Written by", "In packet", "File"),
+)
+_NUMBERS = {"Reads", "Writes", "Errors", "Written by", "In packet"}  # written to the right
+_CSV_LIST = (
+    *("port", "station", "device", "parameter", "name", "unit", "minimum", "maximum", "reads", "writes", "errors"),
+    *("first", "last", "least", "greatest", "written_by", "written_in_packet", "written_in_file", "written_at"),
+)
+_CSV_CHANGES = (
+    *("time", "master", "port", "station", "device", "parameter"),
+    *("name", "unit", "from", "to", "packet", "file"),
+)
+
+
+def list_as_text(listing: Iterable[Listed], *, several_files: bool) -> Iterator[str]:
+    """Yield the lines of a table."""
+    rows = [_row(listed) for listed in listing]
+    if not rows:
+        return
+    left_out = {0} if len({row[0] for row in rows}) == 1 else set()
+    left_out |= set() if several_files else {len(_LIST_HEADS) - 1}
+    yield from _aligned(
+        [[text for column, text in enumerate(row) if column not in left_out] for row in (_LIST_HEADS, *rows)]
+    )
+
+
+def _row(listed: Listed) -> tuple[str, ...]:
+    parameter, place = listed.parameter, listed.written_in
+    return (
+        *(parameter.port, parameter.station, str(parameter.device), parameter.ident, listed.name, listed.unit),
+        *(str(listed.reads), str(listed.writes), str(listed.errors), listed.first, listed.last),
+        listed.least.value if listed.least else "",
+        listed.greatest.value if listed.greatest else "",
+        "" if listed.written_by is None else str(listed.written_by),
+        str(place.packet) if place else "",
+        place.file if place else "",
+    )
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [
+            text.rjust(width) if head in _NUMBERS else text.ljust(width)
+            for head, text, width in zip(rows[0], row, widths, strict=True)
+        ]
+        yield "  ".join(cells).rstrip()
+
+
+def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
+    """Yield the lines of CSV; least and greatest are numbers without their unit."""
+    yield _csv(_CSV_LIST)
+    for listed in listing:
+        place = listed.written_in
+        yield _csv(
+            (
+                *(*listed.parameter, listed.name, listed.unit, listed.minimum, listed.maximum),
+                *(listed.reads, listed.writes, listed.errors, listed.first, listed.last),
+                listed.least.number if listed.least else None,
+                listed.greatest.number if listed.greatest else None,
+                listed.written_by,
+                *((place.packet, place.file, _time(place, "T")) if place else ("", "", "")),
+            )
+        )
+
+
+def change_as_text(change: Change, *, several_files: bool) -> str:
+    """Write a change as a line: when, who, what, from, to, packet."""
+    place, access = change.place, change.access
+    name = f" ({access.name})" if access.name else ""
+    before = _UNKNOWN if change.before is None else change.before
+    where = f"packet {place.packet}{f' of {place.file}' if several_files else ''}"
+    time = _time(place, " ")
+    words = [time] if time else []
+    words += [f"{access.master} -> {_station(access.parameter)}", f"{access.parameter.ident}{name}"]
+    return "  ".join([*words, f"{before} -> {access.value or _UNKNOWN}", where])
+
+
+def _station(parameter: Parameter) -> str:
+    return f"{parameter.station} device {parameter.device}"
+
+
+def change_as_csv(change: Change) -> str:
+    """Write a change as a line of CSV; what is unknown is empty."""
+    place, access = change.place, change.access
+    values = (change.before, access.value, place.packet, place.file)
+    return _csv((_time(place, "T"), access.master, *access.parameter, access.name, access.unit, *values))
+
+
+def csv_head_of_changes() -> str:
+    """Write the first line of CSV of changes."""
+    return _csv(_CSV_CHANGES)
+
+
+def _csv(values: Iterable[object]) -> str:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="").writerow(values)
+    return line.getvalue()
+
+
+def _time(place: Place, between: str) -> str:
+    """Write local time with its zone; nothing for 0, which is the time of a log without times."""
+    if not place.epoch_s:
+        return ""
+    local = datetime.fromtimestamp(place.epoch_s).astimezone()
+    return local.isoformat(between, timespec="microseconds")

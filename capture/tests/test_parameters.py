@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap parameters` of a capture whose every telegram is written down in accesses.txt."""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from commands import refused, run
+
+from sistap.accesses.access import Access, Parameter, accesses
+from sistap.accesses.listing import MOST, Listing, Place
+
+HOUSE = Path(__file__).parent.parent.parent
+CAPTURE = HOUSE / "test-captures" / "accesses.pcapng"
+OTHER = CAPTURE.with_name("values.pcapng")
+
+LIST = """\
+Station  Device  Parameter  Name                                 Unit  Reads  Writes  Errors  First        \
+Last         Least     Greatest  Written by  In packet
+3        5       P-0-0012   Limit                                Nm        2       3       2  5.00 Nm      \
+-3.00 Nm     -3.00 Nm  7.50 Nm           17         18
+3        5       S-0-0047                                                  1       1       0  01 02 03 04  \
+05 02 03 04                              16         28
+3        5       S-0-0048                                                  1       1       0               \
+                                         16         34
+3        6       S-0-0047                                                  0       1       0  11 22 33 44  \
+11 22 33 44                              16         32
+4/8      0       P-0-0012   C300 Command set absolute measuring            0       1       0  01 00        \
+01 00                                    16         38
+4/8      0       S-0-0047                                                  0       0       1
+"""
+
+# Packet 14 writes what is there already; in packet 34 it is a part of a list.
+CHANGES = [
+    ("16", "3", "5", "P-0-0012", "Limit", "Nm", "5.00 Nm", "7.50 Nm", "16"),
+    ("17", "3", "5", "P-0-0012", "Limit", "Nm", "7.50 Nm", "-3.00 Nm", "18"),
+    ("16", "3", "5", "S-0-0047", "", "", "01 02 03 04", "05 02 03 04", "28"),
+    ("16", "3", "6", "S-0-0047", "", "", "", "11 22 33 44", "32"),
+    ("16", "3", "5", "S-0-0048", "", "", "", "", "34"),
+    ("16", "4/8", "0", "P-0-0012", "C300 Command set absolute measuring", "", "", "01 00", "38"),
+]
+COLUMNS = ("master", "station", "device", "parameter", "name", "unit", "from", "to", "packet")
+
+
+@pytest.fixture(params=["plugin", "script"])
+def dissector(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the plugin that was built, and with sis.lua."""
+    if request.param == "script":
+        (tmp_path / "plugins").mkdir()
+        shutil.copy(HOUSE / "lua-fallback" / "sis.lua", tmp_path / "plugins")
+        monkeypatch.setenv("WIRESHARK_PLUGIN_DIR", str(tmp_path / "plugins"))
+
+
+@pytest.mark.usefixtures("dissector")
+def test_the_list(tmp_path: Path) -> None:
+    done = run(tmp_path, "parameters", CAPTURE)
+    assert (done.returncode, done.stderr, done.stdout) == (0, "", LIST)
+
+
+@pytest.mark.usefixtures("dissector")
+def test_changes(tmp_path: Path) -> None:
+    done = run(tmp_path, "parameters", "--changes", "--csv", CAPTURE)
+    rows = list(csv.DictReader(done.stdout.splitlines()))
+    assert [tuple(row[name] for name in COLUMNS) for row in rows] == CHANGES
+    assert {row["file"] for row in rows} == {"accesses.pcapng"}
+
+
+def test_changes_as_text(tmp_path: Path) -> None:
+    lines = run(tmp_path, "parameters", "--changes", CAPTURE, TZ="CET-1").stdout.splitlines()
+    assert len(lines) == len(CHANGES)
+    assert lines[1].endswith("+01:00  17 -> 3 device 5  P-0-0012 (Limit)  7.50 Nm -> -3.00 Nm  packet 18")
+    assert lines[4].endswith("  16 -> 3 device 5  S-0-0048  unknown -> unknown  packet 34")
+
+
+def test_the_list_as_csv(tmp_path: Path) -> None:
+    done = run(tmp_path, "parameters", "--csv", CAPTURE, "-o", "x.csv")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    with (tmp_path / "x.csv").open(newline="") as file:
+        first = next(csv.DictReader(file))
+    assert first.pop("written_at").startswith("2023-11-1")
+    assert first == {
+        **{"port": "accesses", "station": "3", "device": "5", "parameter": "P-0-0012", "name": "Limit", "unit": "Nm"},
+        **{"minimum": "-10.00 Nm", "maximum": "10.00 Nm", "reads": "2", "writes": "3", "errors": "2"},
+        **{"first": "5.00 Nm", "last": "-3.00 Nm", "least": "-3.0", "greatest": "7.5"},
+        **{"written_by": "17", "written_in_packet": "18", "written_in_file": "accesses.pcapng"},
+    }
+
+
+def test_several_captures_go_on(tmp_path: Path) -> None:
+    """In the second, the value of the first is known; counts are those of both."""
+    again = tmp_path / "again.pcapng"
+    shutil.copy(CAPTURE, again)
+    rows = list(csv.DictReader(run(tmp_path, "parameters", "--changes", "--csv", CAPTURE, again).stdout.splitlines()))
+    second = {(row["device"], row["parameter"], row["packet"]): row["from"] for row in rows[len(CHANGES) :]}
+    assert second == {
+        # read as 5.00 before
+        ("5", "P-0-0012", "16"): "5.00 Nm",
+        ("5", "P-0-0012", "18"): "7.50 Nm",
+        ("5", "S-0-0047", "28"): "01 02 03 04",
+        ("5", "S-0-0048", "34"): "",
+    }, "what was written already is no change"
+    table = run(tmp_path, "parameters", CAPTURE, again).stdout.splitlines()
+    assert table[0].endswith("In packet  File")
+    assert table[1].split()[5:8] == ["4", "6", "4"]
+    assert table[1].endswith("18  again.pcapng")
+
+
+def test_ports_are_told_apart(tmp_path: Path) -> None:
+    lines = run(tmp_path, "parameters", CAPTURE, OTHER).stdout.splitlines()
+    assert lines[0].startswith("Port ")
+    assert {line.split()[0] for line in lines[1:]} == {"accesses", "values"}
+
+
+def test_a_capture_that_is_cut(tmp_path: Path) -> None:
+    cut = tmp_path / "cut.pcapng"
+    cut.write_bytes(CAPTURE.read_bytes()[:-1000])
+    done = run(tmp_path, "parameters", "cut.pcapng", CAPTURE)
+    assert done.returncode == 0
+    assert done.stderr.count("\n") == 1
+    assert "cut.pcapng: only what comes before the damage" in done.stderr
+    assert "accesses.pcapng" in done.stdout, "the next one is read"
+
+
+def test_what_cannot_be_read_or_written(tmp_path: Path, full: Path) -> None:
+    (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
+    refused(run(tmp_path, "parameters", "junk"), 2, "junk is not a capture")
+    refused(run(tmp_path, "parameters", CAPTURE, "nothing"), 2, "cannot read nothing")
+    os.mkfifo(tmp_path / "pipe")
+    refused(run(tmp_path, "parameters", "pipe"), 2, "pipe is not a file")
+    shutil.copy(CAPTURE, tmp_path / "x.pcapng")
+    refused(run(tmp_path, "parameters", "x.pcapng", "-o", "x.pcapng"), 2, "is the capture itself")
+    refused(run(tmp_path, "parameters", CAPTURE, "-o", full), 1, "/dev/full", "No space left")
+    (tmp_path / "none").mkdir()
+    refused(run(tmp_path, "parameters", CAPTURE, WIRESHARK_PLUGIN_DIR=str(tmp_path / "none")), 1, "sistap install")
+
+
+def test_nothing_in_it(tmp_path: Path) -> None:
+    done = run(tmp_path, "parameters", CAPTURE.with_name("phases.pcapng"))
+    assert (done.returncode, done.stdout) == (0, "")
+    assert done.stderr == "sistap: no parameter was read or written\n"
+
+
+PLACE = Place("file", 1, 0.0)
+WRITTEN = Access(Parameter("", "3", 5, "S-0-0030"), True, 16, "", "01", None, "01", "", "", "", "")
+
+
+def test_after_a_part_was_written_the_value_is_unknown() -> None:
+    listing = Listing()
+    part = WRITTEN._replace(value="", data=None)
+    changes = [listing.add(PLACE, access) for access in (WRITTEN, WRITTEN, part, WRITTEN)]
+    assert [change and change.before for change in changes] == [None, None, "01", None]
+    assert changes[1] is None
+    assert changes[3]
+
+
+def test_a_change_that_the_text_does_not_show() -> None:
+    """A long list is cut in the text; its bytes are compared."""
+    listing = Listing()
+    assert listing.add(PLACE, WRITTEN)
+    assert listing.add(PLACE, WRITTEN._replace(data="02"))
+
+
+def test_memory_is_bounded() -> None:
+    listing = Listing()
+    for number in range(MOST + 2):
+        listing.add(PLACE, WRITTEN._replace(parameter=WRITTEN.parameter._replace(ident=f"S-0-{number}")))
+    assert len(listing) == MOST
+    assert listing.left_out == 2
+
+
+def test_a_text_with_quotes_and_backslashes() -> None:
+    r"""As tshark prints it: it doubles each backslash of {"value":"\"a\\b\""}."""
+    row = r'{"access":"read","master":16,"station":"3","device":5,"parameter":"S-0-0030","value":"\\"a\\\\b\\""}'
+    assert [access.value for access in accesses({"sis.access": row})] == [r'"a\b"']

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Parameters in a report: the table, and the curves of the values that moved."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from sistap.accesses.access import Access, Parameter
+from sistap.report import plain, plots, tables
+from sistap.report.curves import MOST_CURVES, MOST_POINTS, Curve, Curves
+from sistap.report.gather import Report, gather
+from sistap.report.page import page
+from sistap.wireshark.tshark import Tshark
+
+CAPTURE = Path(__file__).parent.parent.parent / "test-captures" / "accesses.pcapng"
+
+
+@pytest.fixture(scope="module")
+def report() -> Report:
+    with Tshark() as tshark:
+        return gather(tshark, CAPTURE, [], lambda text: None)
+
+
+def test_the_table(report: Report) -> None:
+    """As accesses.txt has it."""
+    first, *rest = tables.parameters(report).rows
+    assert first == (
+        *("P-0-0012", "station 3, device 5", "Limit", "Nm", "2", "3", "2"),
+        *("5.00 Nm", "-3.00 Nm", "-3.00 Nm", "7.50 Nm", "17", "18"),
+    )
+    assert [(row[0], row[1]) for row in rest] == [
+        ("S-0-0047", "station 3, device 5"),
+        ("S-0-0048", "station 3, device 5"),
+        ("S-0-0047", "station 3, device 6"),
+        ("P-0-0012", "station 4/8, device 0"),
+        ("S-0-0047", "station 4/8, device 0"),
+    ]
+    assert "Values that moved" in page(report)
+    assert "P-0-0012   station 3, device 5" in plain.as_text(report)
+
+
+def test_json(report: Report) -> None:
+    first = json.loads(plain.as_json(report))["parameters"][0]
+    names = (
+        "port",
+        "station",
+        "device",
+        "ident",
+        "minimum",
+        "maximum",
+        "least",
+        "greatest",
+        "written_by",
+        "written_in",
+    )
+    assert [first[name] for name in names] == ["accesses", "3", 5, "P-0-0012", "-10.00 Nm", "10.00 Nm", -3, 7.5, 17, 18]
+
+
+def test_refused_ones_are_found(report: Report) -> None:
+    """Packets 20, 38 and 40."""
+    assert "reactions with an error: 3" in tables.headline(report)
+    (row,) = (row for row in tables.faults(report).rows if row[0] == "Reaction with an error")
+    assert row[1] == "3"
+    assert [moment.number for moment in report.worst if moment.kind.name == "error_reaction"] == [20, 38, 40]
+
+
+@pytest.fixture
+def axes(report: Report) -> Axes:
+    """The curve of P-0-0012: of all values, its are the only numbers."""
+    drawing = plots.values(report)
+    assert drawing
+    figure = Figure()
+    drawing.draw(figure)
+    (shown,) = (axes for axes in figure.axes if axes.axison)
+    return shown
+
+
+def test_the_curve_has_all_values_and_limits(axes: Axes) -> None:
+    lines = {to_hex(line.get_color()): [] for line in axes.lines}  # type: dict[str, list[list[float]]]
+    for line in axes.lines:
+        lines[to_hex(line.get_color())].append(np.asarray(line.get_ydata()).tolist())
+    assert lines[plots.COLOURS["reaction"]] == [[5.0, 5.0, 7.5, -3.0, -3.0]]
+    assert lines[plots.COLOURS["command"]] == [[5.0, 7.5, -3.0]], "what was written has a dot"
+    assert lines[plots.COLOURS["bad"]] == [[-10.0, -10.0], [10.0, 10.0]]
+    assert axes.get_title(loc="left").splitlines() == [
+        "P-0-0012 Limit in Nm",
+        "station 3, device 5",
+        "at least -10.00 Nm, at most 10.00 Nm",
+    ]
+
+
+def curve(times_s: list[float]) -> Curve:
+    made = Curve()
+    for number, time_s in enumerate(times_s):
+        made.add(time_s, float(number), is_written=False)
+    return made
+
+
+def test_a_long_time_without_a_value_is_a_gap() -> None:
+    """Every second, but for 40 s; of 10 s, ten times the usual, nobody can say so."""
+    times_s = [*range(10), *range(19, 30), *range(69, 80)]
+    pieces = list(curve([float(time_s) for time_s in times_s]).pieces(duration_s=80))
+    assert [(piece[0].begin_s, piece[-1].end_s) for piece in pieces] == [(0, 29), (69, 79)]
+
+
+def test_a_gap_too_short_to_be_seen_is_none() -> None:
+    assert len(list(curve([0.0, 0.1, 0.2, 0.3, 1.5, 1.6]).pieces(duration_s=1000))) == 1
+
+
+def test_one_value_is_a_piece() -> None:
+    assert [len(piece) for piece in curve([5.0]).pieces(duration_s=10)] == [1]
+
+
+@given(st.lists(st.tuples(st.floats(-1e6, 1e6), st.integers(-50, 50), st.booleans()), min_size=1, max_size=60))
+def test_points_are_bounded_and_keep_the_extremes(values: list[tuple[float, int, bool]]) -> None:
+    made = Curve()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sistap.report.curves.MOST_POINTS", 7)
+        for time_s, number, is_written in values:
+            made.add(time_s, number, is_written=is_written)
+    assert len(made.points) <= 7
+    assert min(point.least for point in made.points) == min(number for _, number, _ in values)
+    assert max(point.greatest for point in made.points) == max(number for _, number, _ in values)
+    assert any(point.is_written for point in made.points) == any(is_written for *_, is_written in values)
+    assert (made.points[0].first, made.points[-1].last) == (values[0][1], values[-1][1])
+
+
+def test_a_written_value_is_still_one_when_it_is_joined() -> None:
+    made = Curve()
+    for number in range(20 * MOST_POINTS):
+        made.add(number / 100, 0.0, is_written=number == 777)
+    assert [point.begin_s <= 7.77 <= point.end_s for point in made.points if point.is_written] == [True]
+
+
+def test_many_values_are_joined_where_they_lie_close() -> None:
+    made = curve([number / 100 for number in range(20 * MOST_POINTS)])
+    assert MOST_POINTS / 4 <= len(made.points) <= MOST_POINTS
+    assert len(list(made.pieces(20 * MOST_POINTS / 100))) == 1
+
+
+def test_which_curves_are_kept_and_shown() -> None:
+    """Those that moved; what somebody wrote comes before what was only read."""
+    curves = Curves()
+
+    def add(ident: str, *values: float, is_write: bool = False) -> None:
+        parameter = Parameter("", "3", 5, ident)
+        for value in values:
+            curves.add(value, Access(parameter, is_write, 16, "", str(value), value, "", "", "", "", ""))
+
+    add("still", 1, 1, 1)
+    add("read", 1, 2, 3)
+    add("often", 1, 2, 3, 4)
+    add("written", 1, 2, is_write=True)
+    assert [parameter.ident for parameter in curves.moved()] == ["written", "often", "read"]
+    for number in range(MOST_CURVES):
+        add(f"other {number}", 1, 2)
+    assert len(curves.moved()) == MOST_CURVES - 1

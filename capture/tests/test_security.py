@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What SECURITY.md says was tried is what the tests try; what they install is what the list says."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+
+from attacks import ROOT, known
+
+LOCK = (ROOT / "capture/develop.lock").read_text()
+PROJECT = tomllib.loads((ROOT / "capture/pyproject.toml").read_text())["project"]
+
+
+def test_the_table_of_attacks_is_that_of_the_tests() -> None:
+    rows = re.findall(r"^\| (.+) \| (\d+) \| (.+) \|$", (ROOT / "SECURITY.md").read_text("utf-8"), re.MULTILINE)
+    assert {(tried, result) for tried, _, result in rows} == set(known())
+    assert all(int(count) for _, count, _ in rows)
+
+
+def test_the_list_of_packages_has_all_that_is_asked_for_with_sums() -> None:
+    locked = dict(re.findall(r"^([\w.-]+)==(\S+) \\$", LOCK, re.MULTILINE))
+    assert "develop.lock" in (ROOT / "bootstrap").read_text()
+    for asked in PROJECT["optional-dependencies"]["develop"]:
+        name, version = asked.split("==")
+        assert locked[name] == version, "capture/develop.lock says how it is made again"
+    assert "pyserial" in locked and "matplotlib" in locked
+    for entry in re.split(r"^(?=[\w.-]+==)", LOCK, flags=re.MULTILINE)[1:]:
+        assert re.search(r"^    --hash=sha256:[0-9a-f]{64}", entry, re.MULTILINE), entry.partition(" ")[0]
+    assert "--find-links" not in re.sub(r"^#.*", "", LOCK, flags=re.MULTILINE)
+
+
+def test_the_licence_of_each_library_is_said() -> None:
+    table = (ROOT / "README.md").read_text("utf-8").partition("## Licence")[2]
+    asked = [*PROJECT["dependencies"], *(name for names in PROJECT["optional-dependencies"].values() for name in names)]
+    for name in {re.split("[=>]", text)[0] for text in asked}:
+        assert re.search(rf"\b{name}\b", table), name

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What needs no port: what sistap says and writes under Windows is what it does here."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from wine import ROOT, TIMEOUT_S, Wine, drive, emptied, here
+
+from sistap.files.reading import records
+from sistap.records.record import Type
+
+DAY = ROOT / "test-captures/commands.pcapng"
+LARGE_KB, KEPT, CYCLES = 5, 3, "4"
+
+
+def version(wine: Wine) -> str:
+    """Start."""
+    said = wine.sistap("--version")
+    assert said.startswith("sistap "), said
+    return ""
+
+
+def ports(wine: Wine) -> str:
+    """List the ports, or say what to do in the words of Windows. (wine tells pyserial of none.)"""
+    said = wine.sistap("ports")
+    assert "Device Manager" in said, said
+    return ""
+
+
+def doctor(wine: Wine) -> str:
+    """Look at a port, and say what could be better in the words of Windows."""
+    with wine.terminal("COM15"):
+        said = wine.sistap("doctor", "-i", "COM15")
+    assert "good  opens" in said, said
+    assert "good  plugin" in said, said
+    assert not re.search("sudo|apt-get|/dev/|dmesg", said), said
+    return ""
+
+
+def own_bus(wine: Wine) -> str:
+    """Play a bus that nobody told where to be: it listens, and says where."""
+    process = wine.start(wine.python, "-m", "sistap", "bus", "--cycles", "1")
+    assert process.stdout
+    url = process.stdout.readline().strip()
+    assert url.startswith("bus://127.0.0.1:"), url
+    said = wine.sistap("capture", "-i", url, "-c", "9")
+    process.communicate(timeout=TIMEOUT_S)
+    assert "16 -> 3     Command   Node identification" in said, said
+    return ""
+
+
+def ring(wine: Wine) -> str:
+    """Keep the last files of a row; together they are one piece of what was on the bus."""
+    folder = emptied(wine.folder / "ring")
+    whole = wine.folder / "whole.pcapng"
+    here("bus", "--cycles", CYCLES, "-w", whole)
+    process = wine.start(wine.python, "-m", "sistap", "bus", "--fast", "--cycles", CYCLES)
+    assert process.stdout
+    url = process.stdout.readline().strip()
+    limits = ["-b", f"filesize:{LARGE_KB}", "-b", f"files:{KEPT}"]
+    said = wine.sistap("capture", "-i", url, "-w", drive(folder / "day.pcapng"), *limits, code=1)  # the bus ends
+    process.communicate(timeout=TIMEOUT_S)
+    files = sorted(folder.iterdir())
+    assert len(files) == KEPT, f"{files}\n{said}"
+    kept = b"".join(map(_characters, files))
+    assert kept and kept in _characters(whole), said
+    return f"{KEPT} files, {len(kept)} characters"
+
+
+def _characters(file: Path) -> bytes:
+    return b"".join(record.data for record in records(file) if record.type != Type.EVENT)
+
+
+def annotate(wine: Wine) -> str:
+    """Explain a log as here."""
+    log = wine.folder / "master.txt"
+    here("bus", "--cycles", "2", "-w", wine.folder / "master.pcapng", "--log", log)
+    said = wine.sistap("annotate", drive(log))
+    assert said == here("annotate", log)
+    return f"{said.count(chr(10))} lines"
+
+
+def report(wine: Wine) -> str:
+    """Report on a capture as here."""
+    said = wine.sistap("report", "--format", "text", drive(DAY))
+    assert said.replace(drive(DAY), str(DAY)) == here("report", "--format", "text", DAY)
+    return f"{said.count(chr(10))} lines"
+
+
+def selftest(wine: Wine) -> str:
+    """Measure this machine."""
+    said = wine.sistap("selftest", "--duration", "10")
+    assert "p99.9" in said, said
+    assert "kept in" in said, said
+    return ""

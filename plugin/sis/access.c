@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What was read and written. Nothing is made unless a tap listens, or somebody asks for the field. */
+
+#include "sis/access.h"
+
+#include <epan/to_str.h>
+
+#include "parameters/text.h"
+#include "parameters/values.h"
+#include "sis/address.h"
+
+#define SHOWN_BYTES      16u
+#define SHOWN_CHARACTERS 80u
+
+static int hf_access = -1;
+
+void
+sis_keep_written(sis_body_t *body, tvbuff_t *data)
+{
+    if (body->request == NULL || body->record == NULL || body->pinfo->fd->visited)
+        return;
+    body->request->written_length = tvb_captured_length(data);
+    body->request->written = tvb_memdup(wmem_file_scope(), data, 0, body->request->written_length);
+}
+
+static bool
+is_wanted(const sis_body_t *body)
+{
+    return body->accesses != NULL || (body->tree != NULL && proto_field_is_referenced(body->tree, hf_access));
+}
+
+/* A reaction that comes twice is counted once. */
+static bool
+is_known(const sis_body_t *body)
+{
+    const sis_request_t *asked = body->asked;
+
+    return body->record != NULL && body->record->reaction_before == 0 && asked != NULL && asked->has_ident &&
+           asked->element == SIS_ELEMENT_DATA && !body->is_short;
+}
+
+static const char *
+bytes_text(wmem_allocator_t *scope, tvbuff_t *data)
+{
+    unsigned length = tvb_captured_length(data);
+    const char *text = tvb_bytes_to_str_punct(scope, data, 0, (int)MIN(length, SHOWN_BYTES), ' ');
+
+    return length <= SHOWN_BYTES ? text : wmem_strdup_printf(scope, "%s... (%u bytes)", text, length);
+}
+
+static void
+set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
+{
+    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, true};
+    const char *text = sis_add_element(NULL, pinfo, &data, SIS_ELEMENT_DATA, &access->ident, &access->known);
+
+    access->data = tvb;
+    access->is_number = text != NULL && sis_element_number(&data, &access->known, text, &access->number);
+    access->value =
+        text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS) : bytes_text(pinfo->pool, tvb);
+}
+
+static const char *
+hex_text(wmem_allocator_t *scope, tvbuff_t *data)
+{
+    unsigned length = tvb_captured_length(data);
+
+    return length > 0 ? bytes_to_str_maxlen(scope, tvb_get_ptr(data, 0, (int)length), length, 0) : "";
+}
+
+static void
+append_text(wmem_strbuf_t *json, const char *name, const char *text)
+{
+    if (text == NULL)
+        return;
+    wmem_strbuf_append_printf(json, ",\"%s\":\"", name);
+    for (; *text != '\0'; text++) {
+        if (*text == '"' || *text == '\\')
+            wmem_strbuf_append_c(json, '\\');
+        wmem_strbuf_append_c(json, *text);
+    }
+    wmem_strbuf_append_c(json, '"');
+}
+
+const char *
+sis_place_text(wmem_allocator_t *scope, const sis_place_t *place)
+{
+    wmem_strbuf_t *text = wmem_strbuf_new(scope, sis_number_text(place->path[0]));
+
+    for (unsigned i = 1; i < place->path_length; i++)
+        wmem_strbuf_append_printf(text, "/%u", place->path[i]);
+    return wmem_strbuf_get_str(text);
+}
+
+/* An object of JSON; what is not known is not in it. */
+static const char *
+json_text(wmem_allocator_t *scope, const sis_access_t *access)
+{
+    wmem_strbuf_t *json = wmem_strbuf_new(scope, "");
+
+    wmem_strbuf_append_printf(json, "{\"access\":\"%s\",\"master\":%u", access->is_write ? "write" : "read",
+                              access->master);
+    append_text(json, "station", sis_place_text(scope, &access->place));
+    wmem_strbuf_append_printf(json, ",\"device\":%u", access->place.device);
+    append_text(json, "parameter", sis_ident_text(scope, access->ident));
+    append_text(json, "error", access->error);
+    append_text(json, "value", access->value);
+    if (access->is_number) {
+        wmem_strbuf_append(json, ",\"number\":");
+        wmem_strbuf_append_len(json, access->value, strspn(access->value, "+-.0123456789e"));
+    }
+    if (access->data != NULL)
+        append_text(json, "data", hex_text(scope, access->data));
+    append_text(json, "name", access->known.name);
+    append_text(json, "unit", access->known.unit);
+    append_text(json, "minimum", access->known.minimum);
+    append_text(json, "maximum", access->known.maximum);
+    wmem_strbuf_append_c(json, '}');
+    return wmem_strbuf_get_str(json);
+}
+
+static void
+note(sis_body_t *body, bool is_write, const char *error, tvbuff_t *data)
+{
+    const sis_request_t *asked = body->asked;
+    wmem_allocator_t *pool = body->pinfo->pool;
+    sis_access_t *access = wmem_new0(pool, sis_access_t);
+
+    access->is_write = is_write;
+    access->is_refused = error != NULL;
+    access->error = error;
+    access->bus = body->record->exchange->stream->bus->number;
+    access->master = body->telegram->listener;
+    access->place = sis_station_place(body->record->exchange, asked->device);
+    access->ident = asked->ident;
+    access->known = sis_station_known(body, asked->ident, asked->device);
+    if (data != NULL)
+        set_value(access, body->pinfo, data);
+    if (body->accesses != NULL)
+        wmem_list_append(body->accesses, access);
+    if (body->tree != NULL && proto_field_is_referenced(body->tree, hf_access))
+        proto_item_set_hidden(
+            proto_tree_add_string(body->tree, hf_access, body->tvb, 0, 0, json_text(pool, access)));
+}
+
+void
+sis_note_read(sis_body_t *body, tvbuff_t *data)
+{
+    if (is_wanted(body) && is_known(body))
+        note(body, false, NULL, data);
+}
+
+/* What the command wrote, or the first of the same commands: a piece that comes again brings nothing. */
+static const sis_request_t *
+find_written(const sis_body_t *body)
+{
+    const sis_exchange_t *first = body->record->exchange->first;
+
+    if (body->asked->written == NULL && first != NULL && first->request != NULL && !body->is_nested)
+        return first->request;
+    return body->asked;
+}
+
+static tvbuff_t *
+written_data(const sis_body_t *body)
+{
+    const sis_request_t *request = find_written(body);
+
+    if (request->written == NULL)
+        return NULL;
+    return tvb_new_child_real_data(body->tvb, request->written, request->written_length,
+                                   (int)request->written_length);
+}
+
+static const char *
+error_text(const sis_body_t *body)
+{
+    if (body->error_text == NULL)
+        return body->status_text;
+    return wmem_strdup_printf(body->pinfo->pool, "0x%04x %s", body->error, body->error_text);
+}
+
+void
+sis_note_answer(sis_body_t *body, bool is_write)
+{
+    if (!is_wanted(body) || !is_known(body))
+        return;
+    if (body->status != 0)
+        note(body, is_write, error_text(body), NULL);
+    else if (body->asked->is_last)
+        note(body, true, NULL, written_data(body));
+}
+
+/* clang-format off */
+static hf_register_info fields[] = {
+    {&hf_access, {"Access", "sis.access", FT_STRING, BASE_NONE, NULL, 0, "What was read or written of a parameter, as JSON: for programs", HFILL}},
+};
+/* clang-format on */
+
+void
+sis_access_register(void)
+{
+    proto_register_field_array(proto_sis, fields, array_length(fields));
+}

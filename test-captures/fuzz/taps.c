@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+
+#include "taps.h"
+
+#include <string.h>
+#include <glib.h>
+#include <epan/packet.h>
+#include <epan/tap.h>
+#include <epan/conversation_table.h>
+#include <epan/export_object.h>
+#include <epan/follow.h>
+#include <epan/srt_table.h>
+#include <epan/stat_tap_ui.h>
+#include <epan/stats_tree_priv.h>
+
+static const char *const tree_names[] = {"sis", "sertap"};
+static const char *const srt_names[] = {"sis", "rk512i"};
+static const char *const table_names[] = {"sis,tza", "sis,bus"};
+
+static stats_tree *trees[G_N_ELEMENTS(tree_names)];
+static srt_data_t srts[G_N_ELEMENTS(srt_names)];
+static stat_data_t tables[G_N_ELEMENTS(table_names)];
+static conv_hash_t conversations, endpoints;
+static follow_info_t *follow;
+static GSList *objects;
+
+static void
+listen(const char *tap, void *data, tap_packet_cb packet)
+{
+    GString *error = register_tap_listener(tap, data, NULL, TL_REQUIRES_NOTHING, NULL, packet, NULL, NULL);
+
+    if (error)
+        g_error("tap %s: %s", tap, error->str);
+}
+
+static void
+add_object(void *data G_GNUC_UNUSED, export_object_entry_t *entry)
+{
+    objects = g_slist_prepend(objects, entry);
+}
+
+static export_object_entry_t *
+get_object(void *data G_GNUC_UNUSED, int row)
+{
+    return (export_object_entry_t *)g_slist_nth_data(objects, (guint)row);
+}
+
+static export_object_list_t object_list = {add_object, get_object, NULL};
+
+static void
+open_trees(void)
+{
+    for (unsigned i = 0; i < G_N_ELEMENTS(tree_names); i++) {
+        stats_tree_cfg *kind = stats_tree_get_cfg_by_abbr(tree_names[i]);
+
+        trees[i] = stats_tree_new(kind, NULL, NULL);
+        listen(kind->tapname, trees[i], stats_tree_packet);
+        kind->init(trees[i]);
+    }
+}
+
+static void
+open_srts(void)
+{
+    for (unsigned i = 0; i < G_N_ELEMENTS(srt_names); i++) {
+        register_srt_t *kind = get_srt_table_by_name(srt_names[i]);
+
+        srts[i].srt_array = g_array_new(FALSE, TRUE, sizeof(srt_stat_table *));
+        srt_table_dissector_init(kind, srts[i].srt_array);
+        listen(get_srt_tap_listener_name(kind), &srts[i], get_srt_packet_func(kind));
+    }
+}
+
+static void
+open_tables(void)
+{
+    for (unsigned i = 0; i < G_N_ELEMENTS(table_names); i++) {
+        stat_tap_table_ui *kind = stat_tap_by_name(table_names[i]);
+
+        tables[i].stat_tap_data = kind;
+        kind->stat_tap_init_cb(kind);
+        listen(kind->tap_name, &tables[i], kind->packet_func);
+    }
+}
+
+void
+taps_open(void)
+{
+    register_ct_t *kind = get_conversation_by_proto_id(proto_get_id_by_filter_name("sis"));
+    register_follow_t *follower = get_follow_by_name("SIS");
+    register_eo_t *exporter = get_eo_by_name("sis");
+
+    open_trees();
+    open_srts();
+    open_tables();
+    listen("sis", &conversations, get_conversation_packet_func(kind));
+    listen("sis", &endpoints, get_endpoint_packet_func(kind));
+    follow = g_new0(follow_info_t, 1);
+    listen(get_follow_tap_string(follower), follow, get_follow_tap_handler(follower));
+    listen(get_eo_tap_listener_name(exporter), &object_list, get_eo_packet_func(exporter));
+}
+
+static void
+close_trees(void)
+{
+    for (unsigned i = 0; i < G_N_ELEMENTS(tree_names); i++) {
+        g_string_free(stats_tree_format_as_str(trees[i], ST_FORMAT_PLAIN, 0, TRUE), TRUE);
+        remove_tap_listener(trees[i]);
+        stats_tree_free(trees[i]);
+    }
+}
+
+static void
+close_tables(void)
+{
+    for (unsigned i = 0; i < G_N_ELEMENTS(srt_names); i++) {
+        remove_tap_listener(&srts[i]);
+        free_srt_table(get_srt_table_by_name(srt_names[i]), srts[i].srt_array);
+        g_array_free(srts[i].srt_array, TRUE);
+    }
+    for (unsigned i = 0; i < G_N_ELEMENTS(table_names); i++) {
+        remove_tap_listener(&tables[i]);
+        reset_stat_table(tables[i].stat_tap_data);
+        free_stat_tables(tables[i].stat_tap_data);
+    }
+}
+
+/* A name goes to the user's folder as it is. */
+static void
+close_object(void *data)
+{
+    export_object_entry_t *entry = (export_object_entry_t *)data;
+
+    if (entry->filename && (strchr(entry->filename, '/') || strstr(entry->filename, "..")))
+        g_error("an exported object is named %s", entry->filename);
+    eo_free_entry(entry);
+}
+
+void
+taps_close(void)
+{
+    close_trees();
+    close_tables();
+    remove_tap_listener(&conversations);
+    remove_tap_listener(&endpoints);
+    reset_conversation_table_data(&conversations);
+    reset_endpoint_table_data(&endpoints);
+    remove_tap_listener(follow);
+    follow_info_free(follow);
+    remove_tap_listener(&object_list);
+    g_slist_free_full(objects, close_object);
+    objects = NULL;
+    get_eo_reset_func(get_eo_by_name("sis"))();
+}
