@@ -511,7 +511,6 @@ def test_wrong_options_are_one_line(
     [
         [],
         ["nonsense"],
-        ["capture"],
         ["capture", "-i", "x", "-c", "0"],
         ["capture", "-i", "x", "-a", "duration:-1"],
         ["capture", "-i", "x", "-a", "duration:nan"],
