@@ -49,20 +49,40 @@ def main() -> int:
 
 
 def _measure(args: argparse.Namespace, folder: Path) -> tuple[str, list[Row], int]:
-    port = f"bus://{folder / 'bus'}"
     kept, said = folder / "kept", folder / "said"
-    bus = _start("bus", "demo", "--listen", str(folder / "bus"), "--fast", "--reads", "64", "--faults", args.faults)
-    assert bus.stdout
-    bus.stdout.readline()
+    bus = Bus(folder / "bus", args.faults)
     with said.open("w") as errors:
-        recorder = ("--keep", args.keep, "-w", str(kept), "-b", "filesize:20000", "-b", "files:3")
-        capture = _start("capture", "-q", "-i", port, "-c", str(int(args.telegrams)), *recorder, stderr=errors)
-        rows = list(_rows(capture, kept, args.rows))
-    if bus.poll() is not None:
-        print(f"the bus has ended by itself, with exit code {bus.returncode}")
-    bus.send_signal(signal.SIGTERM)
-    bus.wait()
+        recorder = ("--keep", args.keep, "-w", str(kept), "-b", "filesize:20000", "-b", "files:3", "--wait-for-port")
+        capture = _start("capture", "-q", "-i", bus.port, "-c", str(int(args.telegrams)), *recorder, stderr=errors)
+        rows = list(_rows(capture, bus, kept, args.rows))
+    bus.end()
     return said.read_text(), rows, capture.returncode
+
+
+class Bus:
+    """The virtual bus; if somebody ends it, another one begins: an adapter can be unplugged, too."""
+
+    def __init__(self, path: Path, faults: str) -> None:
+        """Begin."""
+        self.port = f"bus://{path}"
+        self._arguments = ("bus", "demo", "--listen", str(path), "--fast", "--reads", "64", "--faults", faults)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._process = _start(*self._arguments)
+        assert self._process.stdout
+        self._process.stdout.readline()
+
+    def look(self) -> None:
+        """Begin anew if it has ended."""
+        if self._process.poll() is not None:
+            print("another bus")
+            self._begin()
+
+    def end(self) -> None:
+        """End it."""
+        self._process.send_signal(signal.SIGTERM)
+        self._process.wait()
 
 
 def _start(*arguments: str, stderr: object = None) -> subprocess.Popen[str]:
@@ -71,7 +91,7 @@ def _start(*arguments: str, stderr: object = None) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True, cwd=folder)  # type: ignore[call-overload, no-any-return]
 
 
-def _rows(capture: subprocess.Popen[str], kept: Path, pause_s: float) -> Iterator[Row]:
+def _rows(capture: subprocess.Popen[str], bus: Bus, kept: Path, pause_s: float) -> Iterator[Row]:
     started_s = time.monotonic()
     print(f"{'s':>7}  {'sistap MB':>9}  {'tshark MB':>9}  {'tsharks':>7}  {'kept':>5}")
     while True:
@@ -79,7 +99,7 @@ def _rows(capture: subprocess.Popen[str], kept: Path, pause_s: float) -> Iterato
             capture.wait(pause_s)
             return
         except subprocess.TimeoutExpired:
-            pass
+            bus.look()
         tsharks = [_mb(child) for child in _children(capture.pid)]
         files = len(list(kept.glob("kept_*")))
         row = Row(time.monotonic() - started_s, _mb(capture.pid), sum(tsharks), len(tsharks), files)
