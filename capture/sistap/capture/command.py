@@ -172,7 +172,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="file",
         action=_Once,
         metavar="FILE",
-        help="write a pcapng file; - is standard output. Without it, print text",
+        help="write a pcapng file; - is standard output; with --keep, a folder. Without it, print text",
     )
     add(
         "--baud",
