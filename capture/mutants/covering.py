@@ -26,6 +26,7 @@ PARTS = (
     Part("sistap/records/assembler.py", ("test_assembler.py", "test_assembling.py")),
     Part("sistap/capture/tap.py", ("test_tap.py", "test_assembling.py")),
     Part("sistap/capture/session.py", ("test_assembling.py",), PASSING),
+    Part("sistap/recorder/keeper.py", ("test_keeper.py",)),
     Part("sistap/files/output.py", ("test_output.py", "test_lasting.py")),
     Part("sistap/files/pcapng.py", ("test_pcapng.py",)),
     Part("sistap/files/writer.py", ("test_writer.py", "test_pcapng.py")),

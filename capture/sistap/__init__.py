@@ -12,7 +12,9 @@ It has a room for each job. A room may use those named beside it, and what these
     wireshark               terminal                   tshark: run, its rows, its folders
     accesses                wireshark                  what was read and written of parameters, and the list of them
     packets                 accesses, records          packets and telegrams as the dissector says them, and their times
-    capture                 files, records, line       `sistap capture`
+    explain                 files, wireshark           what tshark says of records, also while they come
+    recorder                explain                    `sistap capture --keep`: what matters, in files of its own
+    capture                 recorder                   `sistap capture`
     serve                   capture                    `sistap serve`: a line of this computer, heard at others
     bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
     beside                  files, wireshark           two captures of the same traffic compared

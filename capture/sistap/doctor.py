@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -45,6 +46,8 @@ exit status:
 """
 
 PROC = Path("/proc")
+UNITS = (Path("/etc/systemd/system"), Path("/usr/local/lib/systemd/system"), Path("/lib/systemd/system"))
+RECORDER = "sistap-recorder.service"
 
 # Programs that open every new serial port to see what is there, and how to keep them away.
 _GRABBERS = {
@@ -232,6 +235,22 @@ def _version(text: str) -> Point:
     return Point("good", "tshark", f"{found.text}, Wireshark beside it")
 
 
+def _recorder() -> Iterator[Point]:
+    """See whether the service of a recorder runs, where there is one."""
+    if not any((folder / RECORDER).exists() for folder in UNITS):
+        return
+    try:
+        asked = subprocess.run(["systemctl", "is-active", RECORDER], capture_output=True, text=True, check=False)
+        state = asked.stdout.strip() or "not known"
+    except OSError:
+        state = "without systemd"
+    if state == "active":
+        yield Point("good", "recorder", f"{RECORDER} runs")
+    else:
+        cure = f"`sudo systemctl enable --now sistap-recorder`; `journalctl -u {RECORDER}` says why it has ended"
+        yield Point("poor", "recorder", f"{RECORDER} is installed, but {state}: {cure}")
+
+
 def _dumpcap() -> Iterator[Point]:
     """See whether Wireshark may start dumpcap: it captures through it from serial ports, too."""
     path = shutil.which("dumpcap", mode=os.F_OK)  # one that may not be run is found as well
@@ -254,4 +273,4 @@ def _plugin(listed: str, complaints: str) -> Point:
     return Point("bad", "plugin", text + as_root)
 
 
-_LOOKS = (_pyserial, _analysers, _grabbers, _clock, _libpcap, _wireshark, _dumpcap)
+_LOOKS = (_pyserial, _analysers, _grabbers, _clock, _libpcap, _wireshark, _dumpcap, _recorder)

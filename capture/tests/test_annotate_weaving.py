@@ -15,11 +15,11 @@ from logs import LOGS
 from specification import TELEGRAMS
 
 from sistap.annotate.annotating import Passage, record, weave, weave_recorded
-from sistap.annotate.explaining import Said
 from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
 from sistap.annotate.textlog import LogLine, lines
-from sistap.annotate.weaving import TextWeaver, sentence
+from sistap.annotate.weaving import TextWeaver
+from sistap.explain.fields import Said, sentence
 from sistap.records.record import Record
 from sistap.terminal.writing import Incomplete
 

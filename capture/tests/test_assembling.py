@@ -427,7 +427,7 @@ def test_each_of_two_ports_is_counted_and_told_of_by_itself(tmp_path: Path, monk
     script = [came(i * 100 * MS, GOOD + b"text" * 10, line=2) for i in range(1, 70)]
 
     @contextmanager
-    def together(readers: object) -> Iterator[Either]:
+    def together(readers: object, *, may_change: bool) -> Iterator[Either]:
         yield Either(running.clock, script, 8 * SECOND)
 
     monkeypatch.setattr(session, "together", together)

@@ -23,7 +23,9 @@ from portable import SIGNALS, WINDOWS, libpcap, posix, terminals
 from specification import TELEGRAMS
 
 from sistap import cli
-from sistap.capture import running, session
+from sistap.capture import live, session
+from sistap.capture import ports as capture_ports
+from sistap.capture.sinks import PlainText
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
@@ -98,7 +100,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
             reader.settings = settings
             return reader
 
-        monkeypatch.setattr(running, "open_reader", open_reader)
+        monkeypatch.setattr(capture_ports, "open_reader", open_reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     return run
@@ -453,11 +455,24 @@ def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capfd: pytest.Cap
     assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in capfd.readouterr().err
 
 
-def test_without_w_a_line_per_telegram(run: Run, capfd: pytest.CaptureFixture[str]) -> None:
+def test_without_w_each_telegram_and_what_it_is(
+    run: Run, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "PATIENCE_S", DEADLINE_S)  # of a busy machine
+    assert run(FakeReader(reads(*ALL)), "-q") == 0
+    out, err = capfd.readouterr()
+    assert out.count("\n") == 2 * len(ALL) and out.count("  ^-- ") == len(ALL)
+    assert err == ""
+
+
+def test_without_w_nor_tshark_a_line_per_telegram(
+    run: Run, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
     assert run(FakeReader(reads(*ALL)), "-q") == 0
     out, err = capfd.readouterr()
     assert out.count("\n") == len(ALL) and out.count("checksum ok") == len(ALL)
-    assert err == ""
+    assert err.startswith("sistap: tshark is not on PATH; ") and err.count("\n") == 1
 
 
 def test_a_port_that_does_not_open_leaves_the_old_file(
@@ -466,7 +481,7 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
         raise PortError(f"{port} does not exist: try another")
 
-    monkeypatch.setattr(running, "open_reader", open_reader)
+    monkeypatch.setattr(capture_ports, "open_reader", open_reader)
     path = tmp_path / "x"
     path.write_bytes(b"old")
     assert cli.main(["capture", "-i", "/dev/x", "-w", str(path)]) == 3
@@ -584,7 +599,7 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
     output = Output(str(tmp_path / "x"))
     conditions = session.Conditions(duration_s=7)
     made = session.Capture(
-        [Slow([])], running.TextSink(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
+        [Slow([])], PlainText(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
     assert made.run(stop) == 0
     err = capfd.readouterr().err
@@ -644,9 +659,9 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
 
     output = Output(str(path))
     conditions = session.Conditions(duration_s=3)
-    session.Capture(
-        [Busy([])], running.TextSink(output), output, Counters(), Console(), conditions, clock_ns=clock
-    ).run(Stop())
+    session.Capture([Busy([])], PlainText(output), output, Counters(), Console(), conditions, clock_ns=clock).run(
+        Stop()
+    )
     output.close()
     assert seen[-1] > 0  # before the end
 

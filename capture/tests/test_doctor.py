@@ -62,6 +62,7 @@ def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setattr(doctor, "PROC", tmp_path)
     monkeypatch.setattr(doctor, "Tshark", FakeTshark)
     monkeypatch.setattr(doctor, "Filter", lambda text: None)
+    monkeypatch.setattr(doctor, "UNITS", [tmp_path])
     dumpcap = tmp_path / "dumpcap"
     dumpcap.touch(0o755)
     monkeypatch.setattr(shutil, "which", lambda name, **how: str(dumpcap) if how else f"/usr/bin/{name}")
@@ -341,6 +342,22 @@ def test_without_pyserial() -> None:
     assert done.returncode == 1
     assert f"bad   pyserial   missing for {sys.executable}: `{sys.executable} -m pip install pyserial`" in done.stdout
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(("state", "mark"), [("active", "good"), ("failed", "poor"), ("", "poor")])
+def test_the_service_of_a_recorder(
+    healthy: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], state: str, mark: str
+) -> None:
+    def run(command: list[str], **how: object) -> subprocess.CompletedProcess[str]:
+        assert command == ["systemctl", "is-active", "sistap-recorder.service"]
+        return subprocess.CompletedProcess(command, 0, f"{state}\n", "")
+
+    monkeypatch.setattr(subprocess, "run", run)
+    assert cli.main(["doctor"]) == 0
+    assert "recorder" not in capsys.readouterr().out
+    (healthy / "sistap-recorder.service").touch()
+    assert cli.main(["doctor"]) == 0
+    assert f"{mark}  recorder   sistap-recorder.service " in capsys.readouterr().out
 
 
 def plug(monkeypatch: pytest.MonkeyPatch, device: Path) -> None:

@@ -309,8 +309,8 @@ def test_text_says_which_line(lines: tuple[Line, Line], capture: Callable[..., C
     lines[1].say(REACTION)
     code, rest, _ = captured.end()
     assert code == 0
-    assert first.split()[1:5] == ["1", "16", "->", "3"]
-    assert rest.split()[1] == "2"
+    assert first.split()[2:] == ["RX", *COMMAND.hex(" ").upper().split()]
+    assert "  TX  02 " in rest
 
 
 def test_what_began_first_is_written_first(

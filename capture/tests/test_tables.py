@@ -194,7 +194,7 @@ def test_five_questions(made: Path, question: str) -> None:
 
 @pytest.fixture(scope="module")
 def spark(made: Path) -> Iterator[Any]:
-    pyspark = pytest.importorskip("pyspark.sql", reason="Spark is not here: pip install 'sistap[spark]'")
+    pyspark = pytest.importorskip("pyspark.sql", reason="Spark is not here: pip install pyspark")
     if not shutil.which("java"):
         pytest.skip("Spark needs Java: apt-get install default-jre-headless")
     builder = pyspark.SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false")

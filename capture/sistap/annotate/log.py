@@ -7,13 +7,11 @@ It is what annotate makes of the log of another program: a line with time, direc
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from sistap.annotate.explaining import Fields, said
-from sistap.annotate.reading import EXPLANATION
-from sistap.annotate.weaving import sentence
+from sistap.explain import entries
+from sistap.explain.fields import EXPLANATION, Fields, said, sentence
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.writing import Incomplete, NotOpened, opened
@@ -41,7 +39,6 @@ exit status:
 """
 
 _TIME, _TYPE, _LINE, _CHARACTER = "frame.time_epoch", "sertap.type", "sertap.line", "sertap.character"
-_DIRECTIONS = {"1": "RX  ", "2": "TX  "}
 _NS = 1  # resolution of the times
 
 
@@ -105,21 +102,13 @@ def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterato
 
 def _entry(columns: dict[str, str]) -> str:
     """Return the line of a packet and its explanation; events are nothing but an explanation."""
-    stamp = _stamp(columns[_TIME])
+    seconds, _, decimals = columns[_TIME].partition(".")
+    stamp = entries.stamp(int(seconds), int(decimals.ljust(9, "0")))
     text = sentence(said(columns), _NS if stamp else None)
     if columns.get(_TYPE) == str(EVENT):
         return f"{EXPLANATION}{stamp}{text}\n"
     characters = columns.get(_CHARACTER, "").replace("0x", "").replace(JOINT, " ").upper()
     if not characters:
         return ""
-    start = stamp + _DIRECTIONS.get(columns.get(_LINE, ""), "")
-    return f"{start}{characters}\n{' ' * len(start)}{EXPLANATION}{text}\n"
-
-
-def _stamp(epoch: str) -> str:
-    """Return local time with its zone; nothing for 0, which is the time of a log without times."""
-    seconds, _, ns = epoch.partition(".")
-    if not int(seconds) and not int(ns):
-        return ""
-    local = time.localtime(int(seconds))
-    return f"{time.strftime('%Y-%m-%d %H:%M:%S', local)}.{ns.ljust(9, '0')}{time.strftime('%z', local)}  "
+    head = entries.head(stamp, int(columns.get(_LINE) or 0))
+    return f"{head}{characters}\n{entries.under(head, text)}"

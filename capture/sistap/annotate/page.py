@@ -11,10 +11,10 @@ from itertools import groupby
 import sistap
 from sistap.annotate import meanings
 from sistap.annotate.cutting import Part
-from sistap.annotate.explaining import Said
 from sistap.annotate.meanings import Meaning, Meanings
 from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, place
+from sistap.explain.fields import Said
 from sistap.terminal.visible import visible
 
 # Colours that eyes without one kind of cone tell apart (Okabe and Ito); the stroke under the bytes tells them apart

@@ -19,10 +19,9 @@ from sistap.annotate.hexadecimal import Run
 from sistap.annotate.marks import MASK, Marks
 from sistap.annotate.stamps import Stamp, Stamped, TimestampParser
 from sistap.annotate.textlog import LogLine
+from sistap.explain.fields import EXPLANATION
 
-# Begins each line that annotate or log adds, behind spaces; such lines are never read.
-EXPLANATION = "^-- "
-
+# Lines that annotate or log has added, behind spaces, are never read.
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
 # In front of the bytes of a dump: "0010:", "12)", or without a mark in steps of eight.
 _OFFSET = re.compile(r"(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")

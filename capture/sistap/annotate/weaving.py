@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -11,14 +10,11 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from sistap.annotate.cutting import Part
-from sistap.annotate.explaining import Said
-from sistap.annotate.reading import EXPLANATION
 from sistap.annotate.textlog import LogLine
+from sistap.explain.fields import EXPLANATION, Said, sentence
 
 _WIDEST = 120  # what begins further to the right is not aligned
 _WAITING = 1000  # lines; one direction can keep silent for the rest of the log
-_COARSE_NS = 100_000_000  # stamps in longer steps say nothing of the time between two telegrams
-_TAKEN = re.compile(r"(, (?:reached|failed)) after [\d.]+ s")
 
 
 class Weaver(Protocol):
@@ -137,19 +133,6 @@ class TextWeaver:
         for column, text in sorted(waiting.explanations):
             parts += [ending, line.encode(indent(line.text, column) + EXPLANATION + text)]
         return b"".join([*parts, line.ending])
-
-
-def sentence(said: Said, resolution_ns: int | None) -> str:
-    """Say in a line what a record is; of times what stamps in such steps can tell, nothing where there are none."""
-    text = said.info.replace("\n", " ").replace("\r", " ")
-    if said.unanswered:
-        text += "  [no reaction]"
-    if resolution_ns is None or resolution_ns > _COARSE_NS:
-        return _TAKEN.sub(r"\1", text)
-    if said.reaction_s is not None:
-        digits = min(3, 7 - len(str(resolution_ns)))  # of ms
-        text += f"  {said.reaction_s * 1e3:.{max(0, digits)}f} ms after the command"
-    return text
 
 
 def explanation(parts: list[Part], said: Said, *, late: bool) -> str:

@@ -6,22 +6,26 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
+from sistap.capture import sinks
 from sistap.capture.filter import FilterError
-from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
+from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.files.output import Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
 from sistap.line import ports
+from sistap.recorder.reasons import PRESETS
 from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
-from sistap.terminal.exits import USAGE, UsageError
+from sistap.terminal.exits import FAILED, USAGE, UsageError
 from sistap.terminal.stop import Stop
-from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.wireshark.tshark import TsharkError
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
+LARGEST_S = 86_400  # before and after
 
 DESCRIPTION = """\
 Listen to a serial line and record every character with its time: telegrams of the SIS protocol, and whatever else is on
@@ -52,8 +56,16 @@ address, link[7] the receiver address. Other characters and events always pass.
 With --framing 3964r the tap records what two partners of procedure 3964R say: handshake characters (STX, DLE, NAK), one
 a record, and blocks with their BCC. A filter then sees the block. A rate cannot be searched for or followed there.
 
+Without -w, each record is shown as `sistap log` shows it: time, bytes, and what they are. Wireshark's dissector says
+that, through tshark; without tshark, a line for each telegram. A terminal shows it in colour, unless NO_COLOR is set.
+
+With --keep, a recorder runs for months. tshark is asked of each packet whether FILTER finds it. Then the folder gets a
+file kept_TIME_REASON.pcapng with what was before and after; what overlaps is one file. It is complete, and COMMAND is
+started, when nothing that matters can belong to it any more: as long after its end as is kept before. FILTER sees what
+a live capture tells: a command without a reaction is found at the next command (sis.unanswered_before).
+
 examples:
-  sistap capture -i /dev/ttyUSB0                               a line of text for each telegram
+  sistap capture -i /dev/ttyUSB0                               each telegram with what it is
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
   sistap capture -i bus://pi:5000 -w x.pcapng                  what `sistap serve` hears on another computer
   sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
@@ -65,6 +77,8 @@ examples:
   sistap capture -i 'sigrok:fx2lafw?rx=D0' -w x.pcapng         a logic analyser
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
+  sistap capture -i /dev/ttyUSB0 --wait-for-port --keep faults -w kept/
+                                                               for months: half a minute around each fault
 
 exit status:
   0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
@@ -115,6 +129,15 @@ def _number(text: str) -> int:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
 
 
+def _seconds(text: str) -> float:
+    try:
+        if 0 <= (seconds := float(text)) <= LARGEST_S:
+            return seconds
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds from 0 to {LARGEST_S}")
+
+
 def rate_argument(text: str) -> int | None:
     """Read a rate, or auto, as an argument."""
     try:
@@ -149,7 +172,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="file",
         action=_Once,
         metavar="FILE",
-        help="write a pcapng file; - is standard output. Without it, print text",
+        help="write a pcapng file; - is standard output; with --keep, a folder. Without it, print text",
     )
     add(
         "--baud",
@@ -199,6 +222,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="CONDITION",
         help="begin a new file after duration:SECONDS or filesize:KB; files:NUMBER: keep only the newest",
     )
+    add(
+        "--keep",
+        action="append",
+        default=[],
+        metavar="FILTER",
+        help="record for months, and keep what matters: a file in the folder FILE around each packet that this display "
+        f"filter finds. {' or '.join(PRESETS)} is one of ours. May be given several times",
+    )
+    add("--before", dest="before_s", type=_seconds, metavar="SECONDS", help=f"with --keep: so much before ({AROUND_S})")
+    add("--after", dest="after_s", type=_seconds, metavar="SECONDS", help=f"with --keep: so much after ({AROUND_S})")
+    add("--at-most", type=_number, metavar="N", help=f"with --keep: so many files ({AT_MOST}); then the oldest go")
+    add(
+        "--on-keep",
+        action=_Once,
+        metavar="COMMAND",
+        help="with --keep: start this, with the name of the file behind it, when one is complete",
+    )
+    add(
+        "--wait-for-port",
+        action="store_true",
+        help="wait until the port is there, and when it is lost, until it is back",
+    )
     add("-f", dest="filter", metavar="FILTER", help="write only telegrams that pass this capture filter")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
@@ -210,12 +255,25 @@ def run(args: argparse.Namespace) -> int:
     try:
         options = _options(args)
         plan = checked(options)
-        output = Output(options.file or STANDARD_OUTPUT, options.limits, lambda: stop.asked, console.say)
+        limits = options.limits
+        sinks.check(options)
+        if options.keep:
+            _make_folder(options.file)
+        with closing(Output(options.output, limits, lambda: stop.asked, console.say)) as output:
+            return record(options, plan, output, stop, console)
     except (UsageError, FilterError, OutputRefused) as error:
         console.alarm(str(error))
         return USAGE
-    with closing(output):
-        return record(options, plan, output, stop, console)
+    except TsharkError as error:
+        console.alarm(str(error))
+        return FAILED
+
+
+def _make_folder(path: str | None) -> None:
+    try:
+        Path(path or "").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{path} cannot be made: {error.strerror}; name another folder with -w") from None
 
 
 def _only_port() -> list[str]:
@@ -241,5 +299,11 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         autostop=dict(args.autostop),
         ring=dict(args.ring),
         filter=args.filter,
+        keep=tuple(args.keep),
+        before_s=args.before_s,
+        after_s=args.after_s,
+        at_most=args.at_most,
+        on_keep=args.on_keep,
+        wait_for_port=args.wait_for_port,
         quiet=args.quiet,
     )

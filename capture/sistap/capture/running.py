@@ -3,47 +3,25 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 
+from sistap.capture import sinks
 from sistap.capture.filter import Filter
 from sistap.capture.options import CaptureOptions, Plan
+from sistap.capture.ports import Ports
 from sistap.capture.remote import Remote
 from sistap.capture.session import Capture, Conditions
 from sistap.capture.tap import Sink
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
-from sistap.files.writer import LINK_TYPES, PcapngWriter
+from sistap.files.writer import LINK_TYPES
 from sistap.line import priority
-from sistap.line.reader import Distant, PortError, Reader, open_reader
+from sistap.line.reader import Reader
+from sistap.recorder.recorder import Recorder
 from sistap.records.counters import Counters
 from sistap.records.record import Record, Type
-from sistap.records.text import lines
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
-
-
-class TextSink:
-    """Prints records as text."""
-
-    def __init__(self, output: Output) -> None:
-        """Print to `output`."""
-        self._output = output
-
-    def begin(self, *started: Record) -> None:
-        """Print nothing: standard error says it."""
-
-    def write(self, record: Record) -> bool:
-        """Print a record at once; not an event, that standard error tells."""
-        if record.type == Type.EVENT:
-            return False
-        self._output.write(lines(record).encode())
-        return True
-
-    def look(self, time_ns: int) -> None:
-        """Do nothing: it is one output only."""
-
-    def end(self, time_ns: int) -> None:
-        """Print nothing."""
 
 
 class Tally:
@@ -70,13 +48,12 @@ def record(  # noqa: PLR0913 - it puts the parts together
 ) -> int:
     """Capture into `output`, perhaps controlled by `remote`; return the exit code. May raise PortError."""
     with ExitStack() as opened:
-        readers: list[Reader] = []
-        for line, port in zip(options.lines, options.ports, strict=True):
-            readers.append(open_reader(port, plan.settings, line))
-            opened.callback(readers[-1].close)
-            _check_steering(options, readers[-1])
+        ports = opened.enter_context(closing(Ports(options)))
+        readers = ports.open(plan.settings, console.say)
         counters = Counters()
-        tally = Tally(_sink(options, readers, output, counters))
+        interfaces = {reader.line: _interface(options, reader) for reader in readers}
+        sink = opened.enter_context(sinks.opened(options, interfaces, output, counters, console))
+        tally = Tally(sink)
         capture = Capture(
             readers,
             tally,
@@ -87,26 +64,17 @@ def record(  # noqa: PLR0913 - it puts the parts together
             quiet=options.quiet,
             progress=bool(options.file) and not options.quiet and console.shows_progress,
             remote=remote,
+            reopen=ports.reopen if options.wait_for_port else None,
         )
         with output.lasting():
             code = capture.run(stop)
-    if options.file:
+    if isinstance(sink, Recorder):
+        console.say(f"{counters}; {sink.summary}")
+    elif options.file:
         console.say(_summary(tally.written, counters.received.total(), output))
     elif not options.quiet:
         console.say(str(counters))
     return code
-
-
-def _check_steering(options: CaptureOptions, reader: Reader) -> None:
-    steered = "--follow-baud" if options.follow_baud else "--baud auto" if options.formats else ""
-    if steered and isinstance(reader, Distant):
-        raise PortError(f"{reader.name}: the rate is set there: give {steered} to `sistap serve`, not here")
-
-
-def _sink(options: CaptureOptions, readers: list[Reader], output: Output, counters: Counters) -> Sink:
-    if not options.file:
-        return TextSink(output)
-    return PcapngWriter(output, {reader.line: _interface(options, reader) for reader in readers}, counters)
 
 
 def _conditions(options: CaptureOptions, only: Filter | None) -> Conditions:

@@ -16,7 +16,7 @@ from sistap.capture.steering import Steering, Step
 from sistap.capture.tap import Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
 from sistap.line.clocks import monotonic_ns
-from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, together
+from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, Several, together
 from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
@@ -67,9 +67,13 @@ class Capture:
         quiet: bool = False,
         progress: bool = False,
         remote: Remote | None = None,
+        reopen: Callable[[Reader, LineSettings], Reader] | None = None,
         clock_ns: Callable[[], int] = monotonic_ns,
     ) -> None:
-        """`quiet`: do not say that it runs; `progress`: show the counters every second; `remote`: who controls it."""
+        """`quiet`: do not say that it runs; `progress`: show the counters every second; `remote`: who controls it.
+
+        `reopen` opens a lost port again, PortError while it is not back; without it, a lost port is lost.
+        """
         self._output = output
         self._counters = counters
         self._conditions = conditions
@@ -79,6 +83,8 @@ class Capture:
         self._clock_ns = clock_ns
         self._console = console
         self._readers = list(readers)  # whose ports are not lost
+        self._reopen = reopen
+        self._lost: dict[Reader, int] = {}  # they may come back; since when
         self._tap = Tap(
             readers,
             sink,
@@ -122,7 +128,7 @@ class Capture:
         for reader in self._readers:
             for note in reader.notes:
                 self._console.say(self._tap.which(reader.line) + note)
-        with together(self._readers) as self._source:
+        with together(self._readers, may_change=self._reopen is not None) as self._source:
             self._loop(stop)
         self._tap.end()
 
@@ -140,7 +146,7 @@ class Capture:
         while not (
             stop.asked
             or self._output.done
-            or not self._readers
+            or not (self._readers or self._lost)
             or (count is not None and counters.written >= count)
             or (end is not None and now >= end)
         ):
@@ -153,9 +159,10 @@ class Capture:
                 self._idle(now)
             if now >= tick:
                 tick = now + TICK_NS
+                self._take_back()
                 self._idle(now)  # one line can be silent while another is not
                 self._look((now - started) / 1e9)
-            if self._steering:
+            if self._steering and self._readers:
                 self._steer(self._steering)
             if self._remote:
                 self._serve(self._remote)
@@ -174,11 +181,32 @@ class Capture:
     def _lose(self, lost: PortLost) -> None:
         """Note that a port is gone; if there is another, that one goes on."""
         reader = self._tap.reader(lost.line)
-        self._port_lost = True
         self._readers.remove(reader)
         self._tap.lose(reader, lost.line, str(lost))
+        if self._reopen:
+            self._lost[reader] = self._clock_ns()
+            self._console.say(f"{self._tap.which(lost.line)}{lost}. Waiting until it is back")
+            return
+        self._port_lost = True
         goes_on = "; the other line goes on" if self._readers else ""
         self._console.alarm(f"{self._tap.which(lost.line)}{lost}{goes_on}")
+
+    def _take_back(self) -> None:
+        """Go on with ports that are back."""
+        for lost, since_ns in list(self._lost.items()):
+            assert self._reopen and isinstance(self._source, Several)
+            try:
+                reader = self._reopen(lost, (self._readers or [lost])[0].settings)
+            except PortError:
+                continue
+            del self._lost[lost]
+            self._readers.append(reader)
+            self._tap.replace(lost, reader)
+            away_s = (self._clock_ns() - since_ns) / 1e9
+            text = f"{reader.name} is back after {away_s:.1f} s; what came meanwhile is missing"
+            self._tap.note(reader.line, Event.CHARACTERS_LOST, text)
+            self._console.say(self._tap.which(reader.line) + text)
+            self._source.add(reader)
 
     def _steering_of(self, settings: LineSettings) -> Steering | None:
         formats, follow = self._conditions.formats, self._conditions.follow

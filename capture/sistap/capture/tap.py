@@ -104,6 +104,14 @@ class Tap:
         self.flush(reader)
         self.note(number, Event.ADAPTER_LOST, text)
 
+    def replace(self, lost: Reader, reader: Reader) -> None:
+        """Go on with the lines of a port that was lost, now that it is back."""
+        for number in self._lines_of(lost):
+            self._assembler.restart(number, self._clock_ns())
+            if reader.settings != self._assembler.settings(number):
+                self._assembler.change(number, reader.settings, "set when the port came back", self._clock_ns())
+            self._lines[number].reader = reader
+
     def flush(self, reader: Reader) -> None:
         """Write what is left of the lines of a port."""
         self._assembler.flush(self._lines_of(reader), self._clock_ns())

@@ -18,9 +18,7 @@ def real_time() -> Iterator[None]:
         yield
         return
     before = os.sched_getscheduler(0), os.sched_getparam(0)
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-    except OSError:  # not permitted: `words` says so
+    if not take_real_time():  # `words` says so
         yield
         return
     try:
@@ -29,9 +27,37 @@ def real_time() -> Iterator[None]:
         os.sched_setscheduler(0, *before)
 
 
+def take_real_time() -> bool:
+    """Give this thread real-time priority; tell whether that is permitted."""
+    if sys.platform != "linux":
+        return False
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except OSError:
+        return False
+    return True
+
+
 def is_real_time() -> bool:
     """Tell whether this thread has a real-time priority."""
     return sys.platform == "linux" and os.sched_getscheduler(0) in (os.SCHED_FIFO, os.SCHED_RR)
+
+
+@contextmanager
+def ordinary_children() -> Iterator[None]:
+    """Start programs with ordinary priority, whatever this thread has.
+
+    What a thread of real-time priority starts inherits that: a program that is busy would starve all others.
+    """
+    if sys.platform != "linux" or not is_real_time():
+        yield
+        return
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, *before)
 
 
 def words() -> str:

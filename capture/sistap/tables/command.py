@@ -101,6 +101,5 @@ def _check_pyarrow() -> None:
             import pyarrow  # noqa: F401, PLC0415
     except ImportError:
         raise _NoPyarrow(
-            f"pyarrow is missing for {sys.executable}: `{sys.executable} -m pip install pyarrow`, or "
-            "`pip install 'sistap[tables]'`"
+            f"pyarrow is missing for {sys.executable}: `{sys.executable} -m pip install pyarrow`"
         ) from None

@@ -20,6 +20,11 @@ from sistap.line.clocks import monotonic_ns
 from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 
+if sys.platform == "win32":  # which has no poll, and never needs it
+    _TO_READ = 0
+else:
+    _TO_READ = select.POLLIN
+
 
 class Source(Protocol):
     """Where characters come from: a reader, or several as one."""
@@ -45,11 +50,22 @@ class Pollable(Reader, Protocol):
         """Hold nothing back any longer: return it."""
 
 
+@runtime_checkable
+class Several(Source, Protocol):
+    """Readers that are read as one, and may become more."""
+
+    def add(self, reader: Reader) -> None:
+        """Read this one, too."""
+
+
 @contextmanager
-def together(readers: Sequence[Reader]) -> Iterator[Source]:
-    """Read several readers as one, each with a line of its own, until the block ends. They stay open."""
+def together(readers: Sequence[Reader], *, may_change: bool = False) -> Iterator[Source]:
+    """Read several readers as one, each with a line of its own, until the block ends. They stay open.
+
+    `may_change`: what is read then is Several, to which a reader can be added in place of one that was lost.
+    """
     pollable = [reader for reader in readers if isinstance(reader, Pollable)]
-    if len(readers) == 1:
+    if len(readers) == 1 and not may_change:
         yield readers[0]
     elif sys.platform != "win32" and len(pollable) == len(readers):
         yield PolledReaders(pollable)
@@ -66,13 +82,18 @@ class PolledReaders:
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
         """Wait for these."""
-        self._readers = {reader.fileno(): reader for reader in readers}
+        self._readers: dict[int, Pollable] = {}
         self._poll = select.poll()
-        if sys.platform != "win32":  # which never gets here
-            for descriptor in self._readers:
-                self._poll.register(descriptor, select.POLLIN)
+        for reader in readers:
+            self.add(reader)
         self._reads: deque[Read] = deque()
         self._lost: deque[PortLost] = deque()
+
+    def add(self, reader: Reader) -> None:
+        """Read this one, too. It has to be one that can be waited for."""
+        assert isinstance(reader, Pollable)
+        self._readers[reader.fileno()] = reader
+        self._poll.register(reader.fileno(), _TO_READ)
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
@@ -123,9 +144,15 @@ class ThreadedReaders:
         """Begin to read these."""
         self._queue: SimpleQueue[Read | PortLost] = SimpleQueue()
         self._ended = False
-        self._threads = [threading.Thread(target=self._listen, args=(reader,), daemon=True) for reader in readers]
-        for thread in self._threads:
-            thread.start()
+        self._threads: list[threading.Thread] = []
+        for reader in readers:
+            self.add(reader)
+
+    def add(self, reader: Reader) -> None:
+        """Read this one, too."""
+        self._threads = [thread for thread in self._threads if thread.is_alive()]
+        self._threads.append(threading.Thread(target=self._listen, args=(reader,), daemon=True))
+        self._threads[-1].start()
 
     def end(self) -> None:
         """Read no more: afterwards the ports can be closed."""

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The lines of a log: when and by whom, the bytes, and under them what they are."""
+
+from __future__ import annotations
+
+import time
+
+from sistap.explain.fields import EXPLANATION
+
+_DIRECTIONS = {1: "RX  ", 2: "TX  "}
+
+
+def stamp(seconds: int, ns: int) -> str:
+    """Return local time with its zone; nothing for 0, which is the time of a log without times."""
+    if not seconds and not ns:
+        return ""
+    local = time.localtime(seconds)
+    return f"{time.strftime('%Y-%m-%d %H:%M:%S', local)}.{ns:09d}{time.strftime('%z', local)}  "
+
+
+def head(stamp: str, line: int) -> str:
+    """Return what is before the bytes."""
+    return stamp + _DIRECTIONS.get(line, "")
+
+
+def under(head: str, text: str) -> str:
+    """Return the line that explains bytes behind such a head."""
+    return f"{' ' * len(head)}{EXPLANATION}{text}\n"

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The telegrams that a tshark has to know which comes in the middle: what the bus was told, what stations said.
+
+The dissector remembers the limits and rates that were set (service 0x03), and what was read of parameters: their names,
+units and attributes. So of each of these commands the last is kept, with its reaction. How much is bounded.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sistap.sis import telegram
+from sistap.sis.telegram import Header
+
+_TOLD = {0x03}
+_READ = {0x10, 0x11, 0x80, 0x81, 0x90, 0x91}
+MOST_TOLD, MOST_READ, MOST_OPEN = 500, 4000, 100
+
+
+@dataclass(slots=True)
+class _Exchange:
+    number: int  # in the order of the commands
+    command: bytes  # as a block
+    reaction: bytes = b""
+
+
+class Memory:
+    """The last exchanges that teach something, in their order."""
+
+    def __init__(self) -> None:
+        """Nothing was heard."""
+        self._number = 0
+        self._kept: tuple[tuple[set[int], int, OrderedDict[tuple[object, ...], _Exchange]], ...] = (
+            (_TOLD, MOST_TOLD, OrderedDict()),
+            (_READ, MOST_READ, OrderedDict()),
+        )
+        self._open: OrderedDict[tuple[int, int], tuple[Header, bytes]] = OrderedDict()  # reads, by their stations
+
+    def take(self, data: bytes, block: bytes) -> None:
+        """Take a good telegram, and the block that it is in."""
+        header = telegram.parse(data)
+        if header.service in _TOLD and not header.reaction:  # many of them have no reaction: they are for all
+            self._keep(header, _Exchange(self._number, block))
+        if header.service not in _TOLD | _READ:
+            return
+        stations = header.sender, header.receiver
+        if not header.reaction:
+            self._open[stations] = header, block
+            _bound(self._open, MOST_OPEN)
+            return
+        # A device may swap the addresses in its reactions.
+        asked = self._open.pop(stations, None) or self._open.pop(stations[::-1], None)
+        if asked and asked[0].service == header.service:
+            self._keep(asked[0], _Exchange(self._number, asked[1], block))
+
+    def blocks(self) -> Iterator[bytes]:
+        """Yield the block of each telegram."""
+        exchanges = [exchange for _, _, kept in self._kept for exchange in kept.values()]
+        for exchange in sorted(exchanges, key=lambda exchange: exchange.number):
+            yield exchange.command
+            if exchange.reaction:
+                yield exchange.reaction
+
+    def _keep(self, header: Header, exchange: _Exchange) -> None:
+        self._number += 1
+        # Without its number and checksum, a command that is sent again is the same.
+        key = header.service, header.sender, header.receiver, header.subaddresses, header.body
+        for services, most, kept in self._kept:
+            if header.service in services:
+                kept.pop(key, None)
+                kept[key] = exchange
+                _bound(kept, most)
+
+
+def _bound(
+    kept: OrderedDict[tuple[int, int], tuple[Header, bytes]] | OrderedDict[tuple[object, ...], _Exchange], most: int
+) -> None:
+    while len(kept) > most:
+        kept.popitem(last=False)

@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What tshark says of records for months: one tshark after the other, before its memory grows.
+
+tshark keeps what it has found out of every telegram. So after a while another one takes over. It is told first what the
+telegrams before have taught (memory), and what was said in the last two minutes. So it knows what is under way:
+commands without their reactions, transfers. Each record is judged by one of the two only: up to the seam by the old
+one, from there on by the new one. One that has ended by itself is replaced, and the next gets what it had not judged.
+One that falls too far behind is replaced, too, and what it had not judged stays unjudged.
+"""
+
+from __future__ import annotations
+
+import queue
+import secrets
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sistap.explain.memory import Memory
+from sistap.explain.running import Running
+from sistap.files import pcapng
+
+Start = Callable[[bytes | None], Running]  # told by which data a mark is known, if the filter has to let marks pass
+Columns = dict[str, str]
+
+_MARK_S = 1.0  # so often a tshark that prints only what a filter finds is asked how far it is
+_PAUSES_S = (0.0, 1.0, 10.0, 60.0)  # before the next one, after so many that ended without having judged anything
+
+
+class Seams(NamedTuple):
+    """When another tshark takes over; each has about 250 bytes a packet."""
+
+    packets: int = 300_000  # that one gets, beside what it is told at first
+    context_ns: int = 120_000_000_000  # which it is told at first: a long transfer takes a minute
+    context: int = 8_000_000  # bytes, at most
+    behind: int = 32_000_000  # bytes of records that one may still have to judge
+
+
+class Entry(NamedTuple):
+    """A block of a capture on its way."""
+
+    time_ns: int
+    block: bytes
+    telegram: bytes = b""  # a good one of SIS
+    is_packet: bool = True
+    line: str = ""  # as a person reads it
+
+
+class Judged(NamedTuple):
+    """A block, and what tshark has said of it."""
+
+    entry: Entry
+    columns: Columns | None  # None: the filter has not found it, or nobody has judged it
+    is_unjudged: bool = False
+
+
+@dataclass
+class _Post:
+    """One tshark, and which records it is told of."""
+
+    running: Running
+    first: int  # number of the first record that came to it as it came
+    foreign: int  # packets that are no such records: at first what is to be known, then marks
+    until: int | None = None  # number of the first that it is no more told of
+    packets: int = 0
+
+
+class Relay:
+    """Takes blocks, gives them back in their order with what tshark says. Never waits."""
+
+    def __init__(  # noqa: PLR0913 - all of it is another's trade
+        self,
+        start: Start,
+        columns: Callable[[str], Columns],
+        say: Callable[[str], None],
+        *,
+        finds: bool,
+        seams: Seams = Seams(),  # noqa: B008 - it is frozen
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """`start` starts a tshark, `columns` reads its lines, which have frame.number and data.data.
+
+        `finds`: it prints only what a filter finds, and marks; else each packet.
+        """
+        self._start = start
+        self._columns = columns
+        self._say = say
+        self._token = secrets.token_bytes(16) if finds else None
+        self._seams = seams
+        self._clock_s = clock_s
+        self._memory = Memory()
+        self._heading = b""  # section and interfaces
+        self._started: list[bytes] = []  # the events that begin the capture
+        self._posts: deque[_Post] = deque()  # the first one judges now
+        self._unsent: list[bytes] = []  # it goes to tshark in one piece, when somebody looks
+        self._pending: deque[Entry] = deque()
+        self._pending_bytes = 0
+        self._recent: deque[Entry] = deque()  # judged, and still of interest for what comes
+        self._recent_bytes = 0
+        self._judged = 0  # number of the first record that is pending
+        self._number = 0  # of the next record
+        self._marked_s = 0.0
+        self._marked = 0  # number of the record behind the last mark
+        self._failures = 0  # of posts that had judged nothing
+        self._next_s = 0.0  # not before this another one is started
+        self.unjudged = 0  # records, in all
+        self.successions = 0
+
+    def begin(self, heading: bytes, started: list[bytes]) -> None:
+        """Begin with a section and its interfaces, and the packets that a capture begins with. May raise OSError."""
+        self._heading, self._started = heading, started
+        self._appoint(0, ())
+
+    def put(self, entry: Entry) -> None:
+        """Take the next block."""
+        if not entry.is_packet:
+            self._heading += entry.block
+        self._pending.append(entry)
+        self._pending_bytes += len(entry.block)
+        self._unsent.append(entry.block)
+        for post in self._on_duty():
+            post.packets += entry.is_packet
+        self._number += entry.is_packet
+        if entry.telegram:
+            self._memory.take(entry.telegram, entry.block)
+        self._succeed()
+
+    def look(self) -> Iterator[Judged]:
+        """Yield what is judged by now. Call it again and again, also while nothing comes."""
+        self._mark()
+        self._send()
+        yield from self._judged_by_now()
+        if self._failures > 1 and self._number > self._judged:  # what is pending may be why
+            yield from self._give_up("tshark ends again and again")
+        elif self._pending_bytes > self._seams.behind:
+            yield from self._give_up("tshark is too slow for this line")
+        if not self._posts and self._clock_s() >= self._next_s:
+            self._replace()
+
+    @property
+    def empty(self) -> bool:
+        """Whether all that came is judged."""
+        return not self._pending
+
+    def finish(self, patience_s: float) -> Iterator[Judged]:
+        """Yield the rest, when tshark has judged it; after so long without it."""
+        self._send()
+        for post in self._on_duty():
+            post.running.end()
+        end_s = self._clock_s() + patience_s
+        while self._posts and (left_s := end_s - self._clock_s()) > 0:
+            post = self._posts[0]
+            try:
+                line = post.running.lines.get(timeout=left_s)
+            except queue.Empty:
+                break
+            if line is not None:
+                yield from self._told(post, line)
+            elif post.running.ended_well:
+                yield from self._up_to(post.until if post.until is not None else self._number)
+                self._posts.popleft()
+            else:
+                self._lose(post)
+                if self._failures == 1:
+                    self._replace()
+                    for post in self._posts:
+                        post.running.end()
+        if self._number > self._judged:
+            yield from self._give_up("tshark has not finished")
+        yield from self._up_to(self._number)
+
+    def close(self) -> None:
+        """End all that run."""
+        while self._posts:
+            self._posts.popleft().running.kill()
+
+    def _send(self) -> None:
+        if self._unsent:
+            data = b"".join(self._unsent)
+            self._unsent = []
+            for post in self._on_duty():
+                post.running.put(data)
+
+    def _on_duty(self) -> Iterator[_Post]:
+        return (post for post in self._posts if post.until is None)
+
+    # -- One after the other
+
+    def _appoint(self, first: int, context: Iterable[Entry]) -> _Post:
+        """Start a tshark that judges from a record on, and tell it what it has to know. May raise OSError."""
+        running = self._start(self._token)
+        known = [*self._started, *self._memory.blocks(), *(entry.block for entry in context if entry.is_packet)]
+        running.put(self._heading + b"".join(known))
+        self._posts.append(_Post(running, first, len(known)))
+        return self._posts[-1]
+
+    def _succeed(self) -> None:
+        """Let another one take over when it is time."""
+        if len(self._posts) != 1 or self._posts[0].packets < self._seams.packets:
+            return
+        post = self._posts[0]
+        self._send()
+        try:
+            self._appoint(self._number, [*self._recent, *self._pending])
+        except OSError:  # the old one goes on, and the next record tries again
+            return
+        post.until = self._number
+        post.running.end()
+        self.successions += 1
+
+    def _lose(self, post: _Post) -> None:
+        """Go on without one that has ended by itself."""
+        self._failures = 1 if self._judged > post.first else self._failures + 1
+        self._say(f"tshark has ended: {post.running.failure()}; another one goes on")
+        self._dismiss()
+
+    def _dismiss(self) -> None:
+        """End all, and let the next begin after a pause that grows while nothing is judged."""
+        self.close()
+        self._next_s = self._clock_s() + _PAUSES_S[min(self._failures, len(_PAUSES_S)) - 1]
+
+    def _replace(self) -> None:
+        """Give all that is not judged to another tshark."""
+        self._unsent = []
+        try:
+            post = self._appoint(self._judged, self._recent)
+        except OSError as error:
+            self._failures += 1
+            self._say(f"tshark cannot be started: {error.strerror}")
+            self._dismiss()
+            return
+        post.running.put(b"".join(entry.block for entry in self._pending if entry.is_packet))
+        post.packets = self._number - self._judged
+        self._marked = self._judged
+
+    def _give_up(self, why: str) -> Iterator[Judged]:
+        """Leave unjudged what is pending."""
+        count = self._number - self._judged
+        self.unjudged += count
+        self._say(f"{why}: {count} records were not looked at")
+        self._failures = max(1, self._failures)
+        self._dismiss()
+        while self._pending:
+            yield self._taken(None, is_unjudged=True)
+
+    # -- What they say
+
+    def _mark(self) -> None:
+        """Ask how far they are, by a packet that the filter lets pass."""
+        now_s = self._clock_s()
+        is_due = self._marked != self._number != self._judged and now_s - self._marked_s >= _MARK_S
+        if self._token is None or not is_due:
+            return
+        self._marked_s, self._marked = now_s, self._number
+        # At the time of the packet before it: so nothing seems to take longer or less long.
+        mark = pcapng.enhanced_packet(0, self._pending[-1].time_ns, pcapng.upper_pdu("data", self._token))
+        self._unsent.append(mark)
+
+    def _judged_by_now(self) -> Iterator[Judged]:
+        while self._posts:
+            post = self._posts[0]
+            try:
+                line = post.running.lines.get_nowait()
+            except queue.Empty:
+                return
+            if line is not None:
+                yield from self._told(post, line)
+            elif post.until is None or not post.running.ended_well:
+                self._lose(post)
+            else:
+                yield from self._up_to(post.until)
+                self._posts.popleft()
+
+    def _told(self, post: _Post, line: str) -> Iterator[Judged]:
+        columns = self._columns(line)
+        packet = int(columns["frame.number"]) - 1
+        number = post.first + packet - post.foreign
+        if self._token is not None and columns.get("data.data", "").replace(":", "") == self._token.hex():
+            post.foreign += 1
+            yield from self._up_to(number)
+        elif packet >= post.foreign and self._judged <= number and (post.until is None or number < post.until):
+            yield from self._up_to(number)
+            yield self._taken(columns)
+
+    def _up_to(self, number: int) -> Iterator[Judged]:
+        """Yield what comes before this record: the filter has not found it."""
+        while self._pending and (self._judged < number or not self._pending[0].is_packet):
+            yield self._taken(None)
+
+    def _taken(self, columns: Columns | None, *, is_unjudged: bool = False) -> Judged:
+        entry = self._pending.popleft()
+        self._pending_bytes -= len(entry.block)
+        self._judged += entry.is_packet
+        self._recent.append(entry)
+        self._recent_bytes += len(entry.block)
+        while self._recent and (
+            self._recent_bytes > self._seams.context
+            or abs(entry.time_ns - self._recent[0].time_ns) > self._seams.context_ns  # a clock can be set back
+        ):
+            self._recent_bytes -= len(self._recent.popleft().block)
+        return Judged(entry, columns, is_unjudged)

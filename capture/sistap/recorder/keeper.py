@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which records come into which file: those around each that matters, each of them once."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from sistap.explain.relay import Entry
+
+LARGEST = 100_000_000  # bytes of a file: where something always matters, the next one goes on
+MOST_HISTORY = 128_000_000  # bytes of records that wait; of more, the oldest go
+_STEP_NS = 10_000_000_000  # so far, a clock was set back
+
+
+class Around(NamedTuple):
+    """How much is kept."""
+
+    before_ns: int
+    after_ns: int
+
+
+class File(Protocol):
+    """A file that is being written."""
+
+    def write(self, block: bytes) -> None:
+        """Write a block."""
+
+    def close(self) -> None:
+        """Say that it is complete."""
+
+
+Begin = Callable[[bytes, int, int, str], File]  # section and interfaces, time of the first record, of the reason, it
+
+
+class Keeper:
+    """Takes blocks in their order, each with the reason for which it matters, or without."""
+
+    def __init__(self, around: Around, begin: Begin, heading: bytes, say: Callable[[str], None]) -> None:
+        """`begin` begins a file; `heading` is the section and the interfaces of all of them."""
+        self._around = around
+        self._begin = begin
+        self._heading = heading
+        self._say = say
+        self._waiting: deque[Entry] = deque()  # that may come before what matters
+        self._waiting_bytes = 0
+        self._file: File | None = None
+        self._size = 0  # of the file
+        self._reason = ""
+        self._end_ns = 0  # of what is in the file
+        self._now_ns = 0
+        self._shortened = False
+
+    def take(self, entry: Entry, reason: str = "") -> None:
+        """Take the next block."""
+        if entry.time_ns < self._now_ns - _STEP_NS:
+            self._break()
+        self.look(max(entry.time_ns, self._now_ns))
+        if reason:
+            self._keep(entry.time_ns, reason)
+        if self._file and entry.time_ns <= self._end_ns:
+            self._write(entry)
+        else:
+            self._waiting.append(entry)
+            self._waiting_bytes += len(entry.block)
+            self._bound()
+
+    def look(self, now_ns: int) -> None:
+        """End the file if nothing that matters now could belong to it; forget what is too old."""
+        self._now_ns = now_ns
+        since_ns = now_ns - self._around.before_ns
+        if self._file and since_ns > self._end_ns:
+            self._close()
+        while self._waiting and self._waiting[0].time_ns < since_ns:
+            self._forget()
+
+    def end(self) -> None:
+        """End the file."""
+        if self._file:
+            self._close()
+
+    def _keep(self, time_ns: int, reason: str) -> None:
+        if not self._file:
+            self._reason = reason
+            first_ns = self._waiting[0].time_ns if self._waiting else time_ns
+            self._open(first_ns, time_ns)
+        self._end_ns = max(self._end_ns, time_ns + self._around.after_ns)
+        while self._waiting:  # all of it is less than `before` older, or belongs to the file of the reason before
+            self._waiting_bytes -= len(self._waiting[0].block)
+            self._write(self._waiting.popleft())
+
+    def _write(self, entry: Entry) -> None:
+        assert self._file
+        if self._size > LARGEST:
+            self._file.close()
+            self._open(entry.time_ns, entry.time_ns)
+        if not entry.is_packet:
+            self._heading += entry.block
+        self._file.write(entry.block)
+        self._size += len(entry.block)
+
+    def _open(self, first_ns: int, time_ns: int) -> None:
+        self._file = self._begin(self._heading, first_ns, time_ns, self._reason)
+        self._size = 0
+
+    def _close(self) -> None:
+        assert self._file
+        self._file.close()
+        self._file = None
+        self._end_ns = 0
+
+    def _forget(self) -> None:
+        oldest = self._waiting.popleft()
+        self._waiting_bytes -= len(oldest.block)
+        if not oldest.is_packet:
+            self._heading += oldest.block
+
+    def _break(self) -> None:
+        """Begin anew, with another time."""
+        self.end()
+        while self._waiting:
+            self._forget()
+        self._now_ns = 0
+
+    def _bound(self) -> None:
+        while self._waiting_bytes > MOST_HISTORY:
+            self._forget()
+            if not self._shortened:
+                self._shortened = True
+                seconds = (self._now_ns - self._waiting[0].time_ns) / 1e9
+                self._say(f"--before is too long for the memory: files begin {seconds:.0f} s before their reason")

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is kept: the presets, and filters of one's own; each with the word that names its files."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Mapping, Sequence
+
+from sistap.explain import signs
+from sistap.explain.signs import Sign
+from sistap.files import pcapng
+from sistap.terminal.exits import UsageError
+from sistap.wireshark import rows
+from sistap.wireshark.rows import NO_DISSECTOR, unknown_fields
+from sistap.wireshark.tshark import Tshark, TsharkError
+
+PRESETS: Mapping[str, Sequence[Sign]] = {"faults": signs.FAULTS, "writes": signs.WRITES}
+_MARK = ("frame.number", "data.data")
+_LONGEST = 40  # characters of a word
+
+
+class Reasons:
+    """The filters of --keep: names of presets, and at most one filter of the user's own."""
+
+    def __init__(self, keep: Sequence[str]) -> None:
+        """Take them apart. UsageError if there are several filters: which of them found a packet is not to be seen."""
+        self._signs = [sign for preset in keep for sign in PRESETS.get(preset, ())]
+        own = [filter_ for filter_ in keep if filter_ not in PRESETS]
+        if not all(filter_.strip() for filter_ in own):
+            raise UsageError(f"--keep needs a filter, or {' or '.join(PRESETS)}")
+        if len(own) > 1:
+            raise UsageError(f"--keep takes one filter beside {' and '.join(PRESETS)}: join them with 'or'")
+        self._own = own[0] if own else ""
+        self._names = [*_MARK, *signs.fields(self._signs)]
+
+    def arguments(self, token: bytes | None) -> list[str]:
+        """Return what tshark is told: to print what is found, and marks."""
+        found = [f"({text})" for text in (signs.expression(self._signs), self._own) if text]
+        marks = [f"data.data == {token.hex(':')}"] if token else []
+        return ["-Y", " || ".join(found + marks), *rows.printing(self._names)]
+
+    def columns(self, line: str) -> dict[str, str]:
+        """Take apart what tshark prints."""
+        return rows.columns(self._names, line)
+
+    def word(self, columns: Mapping[str, str]) -> str:
+        """Name the reason for which a packet was found, for the name of a file."""
+        return signs.reason(self._signs, columns) or word(self._own)
+
+    def check(self, tshark: Tshark) -> None:
+        """Ask tshark whether it understands the filter. UsageError, or TsharkError without a dissector for SIS."""
+        with tempfile.TemporaryFile() as empty:
+            empty.write(pcapng.section_header("sistap", "") + pcapng.interface_description(pcapng.Interface(252, "x")))
+            empty.seek(0)
+            done = tshark.run(["-r", "-", *self.arguments(None), "-e", rows.NECESSARY], stdin=empty)
+        if done.returncode == 0:
+            return
+        if rows.NECESSARY in unknown_fields(done.stderr) or not self._own:
+            raise TsharkError(NO_DISSECTOR)
+        said = (done.stderr.strip().splitlines() or ["tshark refuses it"])[0].removeprefix("tshark: ")
+        raise UsageError(f"--keep '{self._own}': {said}")
+
+
+def word(filter_: str) -> str:
+    """Make of a filter what can be a part of a file's name."""
+    return re.sub(r"[^A-Za-z0-9.]+", "-", filter_)[:_LONGEST].strip("-.") or "found"

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The recorder beside a capture: a thread, so that neither tshark nor the disk can ever delay a reader."""
+
+from __future__ import annotations
+
+import os
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from sistap.explain.relay import Entry, Judged, Relay, Seams
+from sistap.explain.running import Running
+from sistap.files.blocks import Blocks
+from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.files.pcapng import Interface
+from sistap.line import priority
+from sistap.line.settings import LineSettings
+from sistap.recorder import shelf
+from sistap.recorder.keeper import Around, File, Keeper
+from sistap.recorder.reasons import Reasons
+from sistap.recorder.telling import Telling
+from sistap.records.record import Framing, Record
+from sistap.wireshark.tshark import Tshark
+
+PATIENCE_S = 30.0  # at the end, for tshark
+MOST_WAITING = 200_000  # records; more come only while the disk does not answer
+_TURN_S = 0.05  # so long, the thread lets records gather
+_TURN = 20  # records at a time; then a reader can have its turn
+_TIDY_S = 60.0  # between looks at the files of the full ring
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a recorder is told."""
+
+    folder: Path
+    reasons: Reasons
+    around: Around
+    at_most: int
+    command: str | None = None
+    ring_files: int | None = None  # of the full ring, if there is one; None: all
+
+
+class Ring(Protocol):
+    """The sink of all records."""
+
+    def begin(self, *started: Record) -> None:
+        """Begin, with events that say how the capture is taken."""
+
+    def write(self, record: Record) -> bool:
+        """Take a record."""
+
+    def look(self, time_ns: int) -> None:
+        """Look whether the time for another file has come."""
+
+    def end(self, time_ns: int) -> None:
+        """End."""
+
+
+class Recorder:
+    """A sink that keeps what matters; `ring` is the sink of all, if that is wanted, too."""
+
+    def __init__(  # noqa: PLR0913 - it puts the parts together
+        self,
+        wanted: Wanted,
+        tshark: Tshark,
+        interfaces: Mapping[int, Interface],
+        say: Callable[[str], None],
+        *,
+        ring: Ring | None = None,
+        seams: Seams = Seams(),  # noqa: B008 - it is frozen
+    ) -> None:
+        """Start nothing yet."""
+        self._wanted = wanted
+        self._tshark = tshark
+        self._blocks = Blocks(interfaces)
+        self._say = say
+        self._ring = ring
+        self._rings = shelf.ring(wanted.folder, wanted.ring_files, say) if ring else None
+        self._shelf = shelf.kept(wanted.folder, wanted.at_most, say)
+        self._telling = Telling(wanted.command, say)
+        self._started: tuple[Record, ...] = ()
+        self._settings: dict[int, LineSettings] = {}  # by line, of its last record
+        self._queue: queue.SimpleQueue[Entry | int | None] = queue.SimpleQueue()  # an int: nothing came until then
+        self._left_out = 0
+        self._tidy_s = 0.0  # when to look next
+        self._trouble = ""
+        self._disk_trouble = ""  # said
+        self.kept = 0  # files
+        reasons = wanted.reasons
+        self.relay = Relay(self._start, reasons.columns, say, finds=True, seams=seams)
+        self._thread: threading.Thread | None = None
+
+    @property
+    def summary(self) -> str:
+        """What was kept, in words."""
+        unjudged = f"; {self.relay.unjudged} records were not looked at" if self.relay.unjudged else ""
+        return f"{self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
+
+    # -- In the thread of the capture
+
+    def begin(self, *started: Record) -> None:
+        """Begin, with events that say how the capture is taken."""
+        if self._ring:
+            self._ring.begin(*started)
+        self._started = started
+        heading = self._blocks.section()
+        packets = [self._blocks.packet(record) for record in started]
+        self._keeper = Keeper(self._wanted.around, self._begin, heading, self._say)
+        self.relay.begin(heading, packets)
+        self._thread = threading.Thread(target=self._run, args=(priority.is_real_time(),), daemon=True)
+        self._thread.start()
+
+    def write(self, record: Record) -> bool:
+        """Take a record."""
+        if self._ring:
+            self._ring.write(record)
+        self._settings[record.line] = record.settings
+        self._check()
+        if self._queue.qsize() >= MOST_WAITING:
+            self._left_out += 1
+            return True
+        if interface := self._blocks.interface(record.line):
+            self._queue.put(Entry(record.time_ns, interface, is_packet=False))
+        is_telegram = record.framing == Framing.SIS and record.is_good_frame
+        self._queue.put(Entry(record.time_ns, self._blocks.packet(record), record.data if is_telegram else b""))
+        return True
+
+    def look(self, time_ns: int) -> None:
+        """Let what is complete be complete while the line is silent."""
+        if self._ring:
+            self._ring.look(time_ns)
+        self._check()
+        if self._queue.empty():
+            self._queue.put(time_ns)
+
+    def end(self, time_ns: int) -> None:
+        """End all."""
+        if self._ring:
+            self._ring.end(time_ns)
+        self.close()
+        self._check()
+
+    def close(self) -> None:
+        """End the thread, with what it has got."""
+        if self._thread:
+            self._queue.put(None)
+            self._thread.join(PATIENCE_S + 5)
+            self._thread = None
+
+    def _check(self) -> None:
+        if self._trouble:
+            raise OutputError(self._trouble)
+        if self._left_out and self._queue.qsize() < MOST_WAITING // 2:
+            left_out, self._left_out = self._left_out, 0
+            self._say(f"{self._wanted.folder} is too slow: {left_out} records were not looked at")
+
+    # -- In its own thread
+
+    def _run(self, is_urgent: bool) -> None:
+        if is_urgent:  # who waits for the reader's turn must not have to wait for other programs meanwhile
+            priority.take_real_time()
+        try:
+            while self._turn():
+                if time.monotonic() >= self._tidy_s:
+                    self._tidy()
+            for judged in self.relay.finish(PATIENCE_S):
+                self._keep(judged)
+            self._keeper.end()
+        except Exception as error:  # noqa: BLE001 - the capture has to end with it, and say why
+            self._trouble = f"the recorder has failed: {error!r}"
+        finally:
+            self.relay.close()
+
+    def _turn(self) -> bool:
+        """Deal with what has come; tell whether to go on."""
+        silent_ns = 0
+        for _ in range(_TURN):
+            try:
+                item = self._queue.get_nowait()
+            except queue.Empty:
+                break
+            if item is None:
+                return False
+            if isinstance(item, Entry):
+                self.relay.put(item)
+            else:
+                silent_ns = item
+        for judged in self.relay.look():
+            self._keep(judged)
+        self._telling.look()
+        if silent_ns and self.relay.empty:
+            self._keeper.look(silent_ns)
+        time.sleep(_TURN_S if self._queue.empty() else 0)
+        return True
+
+    def _keep(self, judged: Judged) -> None:
+        reason = self._wanted.reasons.word(judged.columns) if judged.columns else ""
+        self._keeper.take(judged.entry, reason)
+
+    def _start(self, token: bytes | None) -> Running:
+        return Running(self._tshark, self._wanted.reasons.arguments(token))
+
+    def _begin(self, heading: bytes, first_ns: int, time_ns: int, reason: str) -> File:
+        path = shelf.new_name(self._wanted.folder, time_ns, reason)
+        when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
+        why = f"; kept: {reason} at {when}.{time_ns // 1_000_000 % 1000:03d}".encode()
+        started = b"".join(self._blocks.packet(self._again(record, first_ns, why)) for record in self._started)
+        return _File(self, path, heading + started)
+
+    def _again(self, started: Record, time_ns: int, why: bytes) -> Record:
+        settings = self._settings.get(started.line, started.settings)
+        return started._replace(time_ns=time_ns, settings=settings, data=started.data + why)
+
+    def tell_disk(self, trouble: str) -> None:
+        """Say that a file cannot be written, once until one can."""
+        if trouble != self._disk_trouble:
+            self._say(trouble)
+        self._disk_trouble = trouble
+
+    def complete(self, path: Path) -> None:
+        """Take a file that is complete."""
+        self._disk_trouble = ""
+        self.kept += 1
+        self._tidy()
+        self._telling.tell(path)
+
+    def _tidy(self) -> None:
+        self._tidy_s = time.monotonic() + _TIDY_S
+        for files in (self._shelf, self._rings):
+            if files:
+                files.tidy()
+
+
+class _File:
+    """A file of the recorder. What cannot be written is said, and left out."""
+
+    def __init__(self, recorder: Recorder, path: Path, beginning: bytes) -> None:
+        self._recorder = recorder
+        self._path = path
+        self._output: Output | None = None
+        try:
+            self._output = Output(str(path))
+            self._output.begin()
+        except OutputRefused as error:
+            self._recorder.tell_disk(str(error))
+        self.write(beginning)
+
+    def write(self, block: bytes) -> None:
+        if not self._output:
+            return
+        try:
+            self._output.write(block)
+        except OutputError as error:
+            self._recorder.tell_disk(str(error))
+            self._output.close()
+            self._output = None
+
+    def close(self) -> None:
+        if not self._output:
+            return
+        self._output.close()
+        with suppress(OSError), self._path.open("rb+") as file:  # so that it outlives the power
+            os.fsync(file.fileno())
+        self._recorder.complete(self._path)

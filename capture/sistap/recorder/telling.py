@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Starts a command with the name of a file that was kept, and waits for nobody."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from sistap.line import priority
+
+MOST = 20  # that run at the same time
+
+
+class Telling:
+    """The commands that were started; ended ones are looked after."""
+
+    def __init__(self, command: str | None, say: Callable[[str], None]) -> None:
+        """Start `command`, a line for the shell, with the name of a file behind it; None: nothing."""
+        self._command = command
+        self._say = say
+        self._running: list[tuple[subprocess.Popen[bytes], Path]] = []
+
+    def tell(self, path: Path) -> None:
+        """Start it."""
+        if not self._command:
+            return
+        self.look()
+        if len(self._running) >= MOST:
+            self._say(f"--on-keep was not started for {path}: {MOST} of it are still running")
+            return
+        shell = sys.platform == "win32"
+        line = f'{self._command} "{path}"' if shell else ["/bin/sh", "-c", f'{self._command} "$@"', "sh", str(path)]
+        try:
+            with priority.ordinary_children():
+                process = subprocess.Popen(
+                    line, shell=shell, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True
+                )
+        except OSError as error:
+            self._say(f"--on-keep cannot be started for {path}: {error.strerror}")
+            return
+        self._running.append((process, path))
+
+    def look(self) -> None:
+        """Say which have failed."""
+        for process, path in self._running:
+            if process.poll():
+                self._say(f"--on-keep ended with exit code {process.returncode} for {path}")
+        self._running = [(process, path) for process, path in self._running if process.returncode is None]

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which records come into which file of a recorder: each number is a record of that second."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import pytest
+
+from sistap.explain.relay import Entry
+from sistap.recorder import keeper
+from sistap.recorder.keeper import Around, Keeper
+
+SECOND = 1_000_000_000
+
+
+class Files:
+    """Remembers what was begun, written and completed."""
+
+    def __init__(self) -> None:
+        self.begun: list[Kept] = []
+        self.said: list[str] = []
+
+    def begin(self, heading: bytes, first_ns: int, time_ns: int, reason: str) -> Kept:
+        self.begun.append(Kept(heading, first_ns // SECOND, time_ns // SECOND, reason))
+        return self.begun[-1]
+
+    @property
+    def contents(self) -> list[list[int]]:
+        return [kept.written for kept in self.begun]
+
+
+class Kept:
+    def __init__(self, heading: bytes, first: int, time: int, reason: str) -> None:
+        self.heading, self.first, self.time, self.reason = heading, first, time, reason
+        self.blocks: list[bytes] = []
+        self.complete = False
+
+    def write(self, block: bytes) -> None:
+        assert not self.complete
+        self.blocks.append(block)
+
+    def close(self) -> None:
+        assert not self.complete
+        self.complete = True
+
+    @property
+    def written(self) -> list[int]:
+        return [int(block) for block in self.blocks if block.isdigit()]
+
+
+@pytest.fixture
+def files() -> Files:
+    return Files()
+
+
+def keep(files: Files, before: int = 3, after: int = 2) -> Keeper:
+    return Keeper(Around(before * SECOND, after * SECOND), files.begin, b"heading", files.said.append)
+
+
+def play(keeper: Keeper, seconds: Iterable[int], matter: Iterable[int] = ()) -> None:
+    for second in seconds:
+        keeper.take(Entry(second * SECOND, b"%d" % second), "late" if second in matter else "")
+
+
+def test_a_file_has_what_is_around_its_reason(files: Files) -> None:
+    play(keep(files), range(100), {50})
+    assert files.contents == [list(range(47, 53))]
+    (kept,) = files.begun
+    assert (kept.heading, kept.first, kept.time, kept.reason, kept.complete) == (b"heading", 47, 50, "late", True)
+
+
+def test_what_matters_first_has_nothing_before_it(files: Files) -> None:
+    play(keep(files), range(100), {1})
+    assert files.contents == [[0, 1, 2, 3]]
+
+
+@pytest.mark.parametrize(
+    ("matter", "contents"),
+    [
+        ({50, 51}, [range(47, 54)]),
+        ({50, 55}, [range(47, 58)]),  # the one ends where the other begins
+        ({50, 56}, [range(47, 53), range(53, 59)]),  # side by side: nothing is there twice
+        ({50, 60}, [range(47, 53), range(57, 63)]),
+        (set(range(50, 60)), [range(47, 62)]),
+    ],
+)
+def test_those_that_overlap_are_one(files: Files, matter: set[int], contents: list[range]) -> None:
+    play(keep(files), range(100), matter)
+    assert files.contents == [list(content) for content in contents]
+
+
+def test_a_file_is_complete_when_nothing_can_belong_to_it_any_more(files: Files) -> None:
+    keeper = keep(files)
+    play(keeper, range(56), {50})
+    assert not files.begun[0].complete
+    keeper.look(56 * SECOND)
+    assert files.begun[0].complete
+
+
+def test_at_the_end_a_file_is_complete(files: Files) -> None:
+    keeper = keep(files)
+    play(keeper, range(51), {50})
+    keeper.end()
+    assert files.contents == [[47, 48, 49, 50]] and files.begun[0].complete
+
+
+def test_a_file_goes_on_in_the_next_when_it_is_too_large(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(keeper, "LARGEST", 20)
+    play(keep(files), range(10, 100), range(20, 60))
+    assert len(files.contents) > 2
+    assert sum(files.contents, []) == list(range(17, 62))
+    assert all(len(content) <= 11 for content in files.contents)
+
+
+def test_what_waits_is_bounded(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(keeper, "MOST_HISTORY", 10)
+    play(keep(files, before=30), range(10, 60), {50})
+    assert files.contents == [list(range(45, 53))]
+    (said,) = files.said
+    assert "--before is too long for the memory: files begin 4 s before" in said
+
+
+def test_an_interface_that_came_up_is_in_each_later_file_once(files: Files) -> None:
+    keeper = keep(files)
+    for second in range(60):
+        if second == 10:
+            keeper.take(Entry(second * SECOND, b"interface", is_packet=False))
+        keeper.take(Entry(second * SECOND, b"%d" % second), "late" if second in (11, 40) else "")
+    first, second_file = files.begun
+    assert (first.heading, first.blocks.count(b"interface")) == (b"heading", 1)
+    assert (second_file.heading, second_file.blocks.count(b"interface")) == (b"headinginterface", 0)
+
+
+def test_a_clock_that_was_set_back_begins_anew(files: Files) -> None:
+    keeper = keep(files)
+    play(keeper, range(1000, 1100), {1099})
+    play(keeper, range(50), {1, 20})
+    assert files.contents == [list(range(1096, 1100)), [0, 1, 2, 3], list(range(17, 23))]

@@ -1,0 +1,418 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap capture --keep`: files around what matters, on a virtual bus whose time does not wait."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from independent import blocks, records
+from pcapng.blocks import InterfaceDescription, SectionHeader
+
+from sistap import cli
+from sistap.explain import signs
+from sistap.explain.relay import Seams
+from sistap.files import reading
+from sistap.files.output import Limits, Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line import priority
+from sistap.recorder import recorder as recorder_module
+from sistap.recorder import shelf, telling
+from sistap.recorder.keeper import Around
+from sistap.recorder.reasons import PRESETS, Reasons, word
+from sistap.recorder.recorder import Recorder, Wanted
+from sistap.recorder.telling import Telling
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record, Type
+from sistap.terminal.exits import UsageError
+from sistap.wireshark.tshark import Tshark
+
+SECOND = 1_000_000_000
+PATIENCE_S = 60
+LINE = {0: Interface(252, "a line of a test")}
+
+
+@pytest.fixture(scope="module")
+def tshark() -> Iterator[Tshark]:
+    with Tshark() as tshark:
+        yield tshark
+
+
+@pytest.fixture(scope="module")
+def traffic(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
+    """A bus on which a telegram is damaged now and then."""
+    path = tmp_path_factory.mktemp("traffic") / "x.pcapng"
+    assert cli.main(["bus", "demo", "--cycles", "30", "--faults", "checksum=0.02", "-w", str(path)]) == 0
+    return list(reading.records(path))
+
+
+@pytest.fixture(autouse=True)
+def _busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorder_module, "PATIENCE_S", PATIENCE_S)
+
+
+Keep = Callable[..., Recorder]
+
+
+@pytest.fixture
+def keep(tshark: Tshark, tmp_path: Path, traffic: list[Record]) -> Keep:
+    def keep(
+        *filters: str, before_s: float = 0.2, after_s: float = 0.1, at_most: int = 100, **more: object
+    ) -> Recorder:
+        around = Around(int(before_s * SECOND), int(after_s * SECOND))
+        wanted = Wanted(tmp_path, Reasons(filters), around, at_most, **more)  # type: ignore[arg-type]
+        wanted.reasons.check(tshark)
+        recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said))
+        recorder.begin(traffic[0])
+        for record in traffic[1:]:
+            recorder.write(record)
+        recorder.end(traffic[-1].time_ns)
+        return recorder
+
+    return keep
+
+
+def numbers(tshark: Tshark, traffic: list[Record], filter_: str, path: Path) -> list[int]:
+    """Which records a single tshark finds."""
+    output = Output(str(path))
+    writer = PcapngWriter(output, LINE, Counters())
+    writer.begin(traffic[0])
+    for record in traffic[1:]:
+        writer.write(record)
+    output.close()
+    return [
+        int(n) - 1 for n in tshark.output("-r", str(path), "-Y", filter_, "-T", "fields", "-e", "frame.number").split()
+    ]
+
+
+def kept(folder: Path) -> list[Path]:
+    return sorted(folder.glob("kept_*.pcapng"))
+
+
+def identity(record: Record) -> tuple[int, bytes]:
+    return record.time_ns, record.data
+
+
+def test_each_file_has_its_window_and_each_record_once(
+    keep: Keep, tshark: Tshark, traffic: list[Record], tmp_path: Path
+) -> None:
+    filter_ = "sis.checksum.status == 0"
+    recorder = keep(filter_, before_s=0.6, after_s=0.2)
+    windows: list[list[int]] = []
+    for number in numbers(tshark, traffic, filter_, tmp_path / "all.pcapng"):
+        since, until = traffic[number].time_ns - 6 * SECOND // 10, traffic[number].time_ns + 2 * SECOND // 10
+        if windows and since <= windows[-1][1]:
+            windows[-1][1] = until
+        else:
+            windows.append([since, until])
+    files = kept(tmp_path)
+    assert len(files) == len(windows) == recorder.kept > 3
+    for file, (since, until) in zip(files, windows, strict=True):
+        started, *content = map(identity, reading.records(file))
+        inside = [identity(record) for record in traffic[1:] if since <= record.time_ns <= until]
+        assert content == inside
+        assert started[0] == content[0][0] and b"; kept: sis.checksum.status-0 at " in started[1]
+
+
+def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
+    keep("sis.checksum.status == 0")
+    for file in kept(tmp_path):
+        first, second, *_ = blocks(file)
+        assert isinstance(first, SectionHeader) and isinstance(second, InterfaceDescription)
+        started, *others = records(file)
+        assert (started.type, started.event) == (Type.EVENT, Event.CAPTURE_STARTED)
+        assert all(record.event != Event.CAPTURE_STARTED for record in others)
+
+
+def test_it_is_named_by_time_and_reason(keep: Keep, traffic: list[Record], tmp_path: Path) -> None:
+    keep("faults")
+    names = [file.name for file in kept(tmp_path)]
+    assert all(
+        re.fullmatch(r"kept_\d{14}\.\d{3}_(damaged|unanswered|error|repeated)\.pcapng", name) for name in names
+    ), names
+    assert any(name.endswith("_damaged.pcapng") for name in names)
+
+
+def test_the_oldest_go_and_other_files_stay(keep: Keep, tmp_path: Path) -> None:
+    old = tmp_path / "kept_19990101000000.000_of-an-earlier-run.pcapng"
+    others = [tmp_path / "kept_mine.pcapng", tmp_path / "ring_00001_20010101000000.pcapng"]
+    for file in (old, *others):
+        file.write_bytes(b"x")
+    recorder = keep("sis.checksum.status == 0", at_most=2)
+    assert recorder.kept > 2
+    assert len(kept(tmp_path)) == 3 and not old.exists() and all(file.exists() for file in others)
+
+
+def test_files_of_an_earlier_ring_go_too(tmp_path: Path) -> None:
+    for number in range(5):
+        (tmp_path / f"ring_0000{9 - number}_2026010100000{number}.pcapng").write_bytes(b"x")
+    shelf.ring(tmp_path, 2, lambda said: pytest.fail(said)).tidy()
+    assert [file.name[-6:-7:-1] + file.name[-8] for file in sorted(tmp_path.iterdir())]
+    assert sorted(file.name.rpartition("_")[2] for file in tmp_path.iterdir()) == [
+        "20260101000003.pcapng",
+        "20260101000004.pcapng",
+    ]
+
+
+def test_two_files_of_one_moment_have_two_names(tmp_path: Path) -> None:
+    first = shelf.new_name(tmp_path, 5 * SECOND, "late")
+    first.touch()
+    second = shelf.new_name(tmp_path, 5 * SECOND, "late")
+    assert first != second and not second.exists()
+
+
+def test_a_command_is_told_of_each_file_and_not_waited_for(keep: Keep, tmp_path: Path) -> None:
+    """It ends when this test says so."""
+    go, told = tmp_path / "go", tmp_path / "told"
+    waits = f"while [ ! -e {go} ]; do sleep 0.1; done; echo >> {told}"  # and the file
+    recorder = keep("sis.checksum.status == 0", command=waits, before_s=1, after_s=1)
+    assert recorder.kept > 1 and not told.exists()
+    go.touch()
+    end_s = time.monotonic() + PATIENCE_S
+    while not told.exists() or told.read_text().count("\n") < recorder.kept:
+        assert time.monotonic() < end_s
+        time.sleep(0.01)
+    assert sorted(told.read_text().splitlines()) == [str(file) for file in kept(tmp_path)]
+
+
+def test_a_command_that_fails_is_told(tmp_path: Path) -> None:
+    said: list[str] = []
+    telling = Telling("exit 7; true", said.append)
+    telling.tell(tmp_path / "it's")
+    end_s = time.monotonic() + PATIENCE_S
+    while not said:
+        assert time.monotonic() < end_s
+        telling.look()
+    assert said == [f"--on-keep ended with exit code 7 for {tmp_path}/it's"]
+
+
+def test_commands_that_never_end_are_not_started_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(telling, "MOST", 2)
+    said: list[str] = []
+    tells = Telling("exec sleep 1000; #", said.append)
+    for _ in range(3):
+        tells.tell(tmp_path / "x")
+    assert said == [f"--on-keep was not started for {tmp_path}/x: 2 of it are still running"]
+    for process, _ in tells._running:
+        process.kill()
+        process.wait()
+
+
+def test_a_disk_that_is_full_is_told_once_and_the_capture_goes_on(
+    tshark: Tshark, traffic: list[Record], full: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shelf, "new_name", lambda *_: full)
+    said: list[str] = []
+    wanted = Wanted(tmp_path, Reasons(["sis.checksum.status == 0"]), Around(SECOND, SECOND), 5)
+    recorder = Recorder(wanted, tshark, LINE, said.append)
+    recorder.begin(traffic[0])
+    assert all(map(recorder.write, traffic[1:]))
+    recorder.end(0)
+    assert len(said) == 1 and "No space left" in said[0] and recorder.kept == 0
+
+
+def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
+    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    ring = PcapngWriter(output, LINE, Counters())
+    wanted = Wanted(tmp_path, Reasons(["faults"]), Around(SECOND, SECOND), 5)
+    recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
+    recorder.begin(traffic[0])
+    for record in traffic[1:]:
+        recorder.write(record)
+    recorder.end(traffic[-1].time_ns)
+    output.close()
+    files = sorted(tmp_path.glob("ring_*.pcapng"))
+    assert len(files) > 1
+    content = [identity(record) for file in files for record in list(reading.records(file))[1:]]
+    assert content == [identity(record) for record in traffic[1:]]
+
+
+def test_a_disk_that_does_not_answer_holds_nobody_up(
+    tshark: Tshark, traffic: list[Record], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder_module, "MOST_WAITING", 10)
+    said: list[str] = []
+    disk = threading.Event()
+    recorder = Recorder(Wanted(tmp_path, Reasons(["faults"]), Around(1, 1), 5), tshark, LINE, said.append)
+    monkeypatch.setattr(recorder, "_tidy", disk.wait)
+    recorder.begin(traffic[0])
+    for record in traffic[1:100]:
+        recorder.write(record)
+    assert recorder._queue.qsize() <= 11
+    disk.set()
+    recorder.close()
+    recorder._check()
+    assert said and "is too slow" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("filter_", "expected"),
+    [
+        ("sis.error == 0x7004", "sis.error-0x7004"),
+        ('sis.parameter == "S-0-0044"', "sis.parameter-S-0-0044"),
+        ("../../x", "x"),
+        ("!!", "found"),
+        ("sis.service " * 20, "sis.service-sis.service-sis.service-sis"),
+    ],
+)
+def test_a_filter_becomes_a_word(filter_: str, expected: str) -> None:
+    assert word(filter_) == expected
+
+
+def test_a_wrong_filter_is_refused(tshark: Tshark) -> None:
+    with pytest.raises(UsageError, match=r"--keep 'sis.foo == 1': .*sis.foo"):
+        Reasons(["faults", "sis.foo == 1"]).check(tshark)
+    with pytest.raises(UsageError, match="needs a filter"):
+        Reasons(["faults", " "])
+    with pytest.raises(UsageError, match="join them with 'or'"):
+        Reasons(["sis", "sertap"])
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_the_presets_are_understood(tshark: Tshark, preset: str) -> None:
+    Reasons([preset]).check(tshark)
+
+
+def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp_path: Path) -> None:
+    """On buses on which it happens; what no bus of ours does is damaged by the tap."""
+    found: set[str] = set()
+    reasons = Reasons(["faults", "writes"])
+    buses = [["late-reaction"], ["damaged"], ["silent-station"], ["slow-characters"], ["noise"], ["demo"], ["token"]]
+    buses.append(["demo", "--faults", "parity=0.01,loss=0.01,break=0.01"])
+    for number, bus in enumerate(buses):
+        path = tmp_path / f"{number}.pcapng"
+        assert cli.main(["bus", *bus, "-w", str(path)]) == 0
+        for line in tshark.lines(["-r", str(path), *reasons.arguments(None)]):
+            found.add(reasons.word(reasons.columns(line)))
+    assert "found" not in found  # what a filter finds shows its sign
+    assert found >= {"damaged", "gap", "line-error", "slow-characters", "late-reaction", "error", "unanswered", "write"}
+    assert {sign.reason for sign in signs.FAULTS} - found <= {"late-cycle", "repeated"}
+
+
+def test_tshark_has_ordinary_priority(tshark: Tshark, monkeypatch: pytest.MonkeyPatch) -> None:
+    if sys.platform != "linux" or not _may_be_real_time():
+        pytest.skip("real-time priority is not permitted here")
+    with priority.real_time():
+        with priority.ordinary_children():
+            done = subprocess.run(["chrt", "-p", "0"], capture_output=True, text=True, check=False)
+        assert priority.is_real_time()
+    assert "SCHED_FIFO" not in done.stdout
+
+
+def _may_be_real_time() -> bool:
+    with priority.real_time():
+        return priority.is_real_time()
+
+
+@pytest.mark.thorough
+def test_small_seams_change_nothing(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
+    contents = []
+    for name, seams in (("one", Seams()), ("many", Seams(packets=301))):
+        folder = tmp_path / name
+        folder.mkdir()
+        wanted = Wanted(folder, Reasons(["faults"]), Around(SECOND, SECOND), 100)
+        recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), seams=seams)
+        recorder.begin(traffic[0])
+        for record in traffic[1:]:
+            recorder.write(record)
+        recorder.end(traffic[-1].time_ns)
+        contents.append({file.name: file.read_bytes() for file in kept(folder)})
+        assert (recorder.relay.successions > 0) == (name == "many")
+    assert contents[0] == contents[1]
+
+
+UNIT = Path(recorder_module.__file__).with_name("sistap-recorder.service")
+
+
+def test_the_unit_calls_a_capture_as_it_is() -> None:
+    """Its command line is one that the command takes."""
+    lines = [line for line in UNIT.read_text().splitlines() if line and not line.startswith("#")]
+    environment = dict(
+        line.partition("=")[2].strip('"').split("=", 1) for line in lines if line.startswith("Environment=")
+    )
+    (start,) = (line.partition("=")[2] for line in lines if line.startswith("ExecStart="))
+    words: list[str] = []
+    for word_ in start.replace("%S", "/var/lib").split():
+        variable = word_.strip("${}")
+        words += environment[variable].split() if word_.startswith("$") else [word_]
+    assert words[:2] == ["/usr/bin/env", "sistap"]
+    args = cli.parser().parse_args(words[2:])
+    assert (args.keep, args.wait_for_port, args.file) == (["faults"], True, "/var/lib/sistap-recorder")
+
+
+@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd-analyze is not installed")
+def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
+    verified = subprocess.run(["systemd-analyze", "verify", UNIT], capture_output=True, text=True, check=False)
+    assert (verified.returncode, verified.stderr) == (0, "")
+    command = ["systemd-analyze", "security", "--offline=yes", "--threshold=20", str(UNIT)]  # 2.0 of 10
+    judged = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert judged.returncode == 0, judged.stdout[-200:]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["--keep", "sis.foo", "-w", "k"], 2, "--keep 'sis.foo': "),
+        (["--keep", "faults"], 2, "--keep needs a folder for its files: say it with -w"),
+        (["--keep", "faults", "-w", "-"], 2, "--keep needs a folder"),
+        (["--keep", "faults", "-w", "file"], 2, "file is no folder"),
+        (["--keep", "faults", "-w", "k", "--link-type", "rtac"], 2, "leave out --link-type rtac"),
+        (["--keep", "faults", "-w", "k", "-a", "filesize:5"], 2, "-a filesize: is for the full ring"),
+        (["--before", "3", "-w", "x"], 2, "--before is for --keep"),
+        (["--on-keep", "mail", "-w", "x"], 2, "--on-keep is for --keep"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused_at_once(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    arguments: list[str],
+    code: int,
+    said: str,
+) -> None:
+    """Also where the port is waited for."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    assert cli.main(["capture", "-i", str(tmp_path / "no-port"), "--wait-for-port", *arguments]) == code
+    err = capfd.readouterr().err
+    assert said in err and err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From end to end: a bus, two lines of which come up while it runs, and the full ring beside the kept files."""
+    command = [sys.executable, "-m", "sistap"]
+    address = f"{tmp_path}/bus"
+    bus = subprocess.Popen(
+        [*command, "bus", "s5-faults", "--listen", address, "--fast"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    assert bus.stdout
+    bus.stdout.readline()
+    options = ["--framing", "3964r", "--keep", "sertap.type == 1", "--before", "1", "--after", "1", "-w", "kept"]
+    options += ["-b", "filesize:1000", "-c", "2000", "-q"]
+    done = subprocess.run(
+        [*command, "capture", "-i", f"bus://{address}", *options],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    bus.kill()
+    bus.communicate()
+    assert done.returncode in (0, 1), done.stderr  # 1: the bus has ended before
+    ring = [record for file in (tmp_path / "kept").glob("ring_*") for record in reading.records(file)]
+    assert kept(tmp_path / "kept") and ring
+    assert {record.line for record in ring} >= {1, 2}
+    known = set(map(identity, ring))
+    for file in kept(tmp_path / "kept"):
+        started, *content = reading.records(file)
+        assert started.event == Event.CAPTURE_STARTED and content
+        assert set(map(identity, content)) <= known

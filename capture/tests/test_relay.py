@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One tshark after the other says of each record what a single one would, wherever the seams are."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from sistap import cli
+from sistap.explain.memory import MOST_OPEN, MOST_READ, Memory
+from sistap.explain.relay import Entry, Judged, Relay, Seams
+from sistap.explain.running import Running
+from sistap.files.blocks import Blocks
+from sistap.files.pcapng import Interface
+from sistap.files.reading import records
+from sistap.recorder.reasons import Reasons
+from sistap.records.record import Record
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
+
+PATIENCE_S = 60
+SECOND = 1_000_000_000
+SEAMS = Seams(packets=101, context_ns=SECOND)
+# Only of a reaction whose command is known, and a limit, TrS, that only the first telegrams have told.
+FILTER = "sis.trs.verdict"
+
+LINE = Interface(252, "a line of a test")
+
+
+@pytest.fixture(scope="module")
+def tshark() -> Iterator[Tshark]:
+    with Tshark() as tshark:
+        yield tshark
+
+
+@pytest.fixture(scope="module")
+def traffic(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
+    """Limits that are told once, then commands and reactions, some of them late."""
+    path = tmp_path_factory.mktemp("traffic") / "x.pcapng"
+    assert cli.main(["bus", "late-reaction", "--cycles", "15", "-w", str(path)]) == 0
+    return [record for number, record in enumerate(records(path)) if number < 20 or not is_about_limits(record)]
+
+
+def is_about_limits(record: Record) -> bool:
+    return record.data[5:6] == b"\x03"
+
+
+@pytest.fixture(scope="module")
+def expected(tshark: Tshark, traffic: list[Record], tmp_path_factory: pytest.TempPathFactory) -> list[int]:
+    """What a single tshark finds, as numbers of records."""
+    path = tmp_path_factory.mktemp("expected") / "x.pcapng"
+    blocks = Blocks({0: LINE})
+    path.write_bytes(blocks.section() + b"".join(map(blocks.packet, traffic)))
+    found = tshark.output("-r", str(path), "-Y", FILTER, "-T", "fields", "-e", "frame.number").split()
+    numbers = [int(number) - 1 for number in found]
+    assert len(numbers) > 100
+    return numbers
+
+
+class Watched:
+    """A relay that is told records, and what it gave back."""
+
+    def __init__(self, tshark: Tshark, seams: Seams = SEAMS, filter_: str = FILTER) -> None:
+        self.reasons = Reasons([filter_])
+        self.tshark = tshark
+        self.running: list[Running] = []
+        self.said: list[str] = []
+        self.judged: list[Judged] = []
+        self.relay = Relay(
+            self.start, self.reasons.columns, self.said.append, finds=True, seams=seams, clock_s=self.tick
+        )
+        self._seconds = itertools.count()
+        self._blocks = Blocks({0: LINE})
+
+    def start(self, token: bytes | None) -> Running:
+        self.running.append(Running(self.tshark, self.reasons.arguments(token)))
+        return self.running[-1]
+
+    def tick(self) -> float:
+        """Let a second go by at every look: so there is a mark behind every record."""
+        return next(self._seconds)
+
+    def play(self, traffic: list[Record]) -> None:
+        heading = self._blocks.section()
+        self.relay.begin(heading, [self._blocks.packet(traffic[0])])
+        self.put(traffic[1:])
+
+    def put(self, traffic: list[Record]) -> None:
+        for record in traffic:
+            telegram = record.data if record.is_good_frame else b""
+            self.relay.put(Entry(record.time_ns, self._blocks.packet(record), telegram))
+            self.look()
+
+    def look(self) -> None:
+        self.judged.extend(self.relay.look())
+
+    def wait(self, count: int) -> None:
+        end_s = time.monotonic() + PATIENCE_S
+        while len(self.judged) < count:
+            assert time.monotonic() < end_s, (len(self.judged), self.said)
+            time.sleep(0.01)
+            self.look()
+
+    def end(self) -> list[int]:
+        self.judged.extend(self.relay.finish(1_000_000))
+        assert self.relay.empty
+        return self.found
+
+    @property
+    def found(self) -> list[int]:
+        return [number for number, judged in enumerate(self.judged, 1) if judged.columns]
+
+
+@pytest.fixture
+def tested(tshark: Tshark) -> Iterator[Watched]:
+    tested = Watched(tshark)
+    yield tested
+    tested.relay.close()
+
+
+def test_at_seams_nothing_is_unjudged_nor_judged_twice(
+    tested: Watched, traffic: list[Record], expected: list[int]
+) -> None:
+    tested.play(traffic[:1])
+    for first in range(1, len(traffic), 60):  # what is not judged is told to the next one, too: let it be little
+        tested.put(traffic[first : first + 60])
+        tested.wait(first)
+    assert tested.end() == expected
+    assert len(tested.judged) == len(traffic) - 1
+    assert [judged.entry.time_ns for judged in tested.judged] == [record.time_ns for record in traffic[1:]]
+    assert tested.relay.successions >= 3 and len(tested.running) >= 4
+    assert not tested.said and not tested.relay.unjudged
+
+
+def test_a_tshark_that_ends_is_replaced_and_nothing_is_lost(
+    tested: Watched, traffic: list[Record], expected: list[int]
+) -> None:
+    half = len(traffic) // 2
+    tested.play(traffic[:half])
+    tested.wait(1)
+    os.kill(tested.running[-1].pid, signal.SIGKILL)
+    tested.put(traffic[half:])
+    assert tested.end() == expected
+    (said,) = tested.said
+    assert "tshark has ended" in said and not tested.relay.unjudged
+
+
+def test_what_ends_every_tshark_is_left_out_at_last(tshark: Tshark, traffic: list[Record]) -> None:
+    tested = Watched(tshark)
+
+    def start(token: bytes | None) -> Running:
+        return Running(tshark, ["--no-such-option"])
+
+    tested.relay = Relay(start, tested.reasons.columns, tested.said.append, finds=True)
+    tested.play(traffic[:50])
+    tested.wait(49)
+    assert all(judged.is_unjudged for judged in tested.judged)
+    assert "ends again and again: 49 records were not looked at" in tested.said[-1]
+    tested.relay.close()
+
+
+def test_one_that_is_too_slow_is_told_and_the_next_goes_on(tshark: Tshark, traffic: list[Record]) -> None:
+    tested = Watched(tshark, SEAMS._replace(behind=20_000))
+    try:
+        tested.play(traffic[:10])
+        os.kill(tested.running[0].pid, signal.SIGSTOP)
+        tested.put(traffic[10:200])
+        (said,) = tested.said
+        assert "tshark is too slow for this line" in said and "records were not looked at" in said
+        assert tested.relay.unjudged == sum(judged.is_unjudged for judged in tested.judged) > 0
+        tested.put(traffic[200:])
+        tested.end()
+        assert len(tested.judged) == len(traffic) - 1
+    finally:
+        tested.relay.close()
+
+
+def exchange(number: int, body: bytes, service: int = 0x10) -> tuple[bytes, bytes]:
+    command = build(service, 16, 3, body, number=number)
+    return command, build(service, 16, 3, b"\0" + body, reaction=True, number=number)
+
+
+def test_the_memory_has_the_last_exchange_of_each_command_in_their_order() -> None:
+    memory = Memory()
+    for number, body in enumerate([b"name", b"unit", b"name"]):
+        command, reaction = exchange(number, body)
+        memory.take(command, b"c%d" % number)
+        memory.take(reaction, b"r%d" % number)
+    assert list(memory.blocks()) == [b"c1", b"r1", b"c2", b"r2"]
+
+
+def test_the_memory_has_what_the_bus_was_told_also_without_reaction() -> None:
+    memory = Memory()
+    memory.take(build(0x03, 16, 255, b"\xff"), b"accept")
+    memory.take(build(0x1F, 16, 3, b"\0value"), b"write")
+    assert list(memory.blocks()) == [b"accept"]
+
+
+def test_the_memory_is_bounded() -> None:
+    memory = Memory()
+    for number in range(MOST_READ + 10):
+        for telegram in exchange(number % 256, number.to_bytes(4, "little")):
+            memory.take(telegram, number.to_bytes(4, "little"))
+    for station in range(MOST_OPEN + 10):
+        memory.take(build(0x10, 1, station, b"x"), b"command")
+    assert len(list(memory.blocks())) == 2 * MOST_READ
