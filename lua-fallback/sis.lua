@@ -4839,6 +4839,13 @@ do
     return (string.gsub(strformat("%." .. digits .. "g", value), "[^%w+-]+", "."))
   end
 
+  -- The number that such a text shows, or nil. Lua reads numbers as the locale writes them.
+  function S.shown_number(text)
+    local point = match(strformat("%.1f", 0.5), "%D+")
+
+    return text and tonumber((string.gsub(text, "%.", point)))
+  end
+
   -- Digits of a whole number with a point before the last ones.
   local function point_text(digits, decimals)
     digits = rep("0", decimals + 1 - #digits) .. digits
@@ -5044,7 +5051,7 @@ do
 
     if not is_number(layout) or not tree or not tree:referenced(F.value_number) then return end
     local digits = match(value, NUMBER)
-    local number = tonumber(digits)
+    local number = S.shown_number(digits)
 
     if number then
       set_generated(add(item, F.value_number, data.tvb, data.offset + at, layout.size, number, "Number: " .. digits))
@@ -6393,7 +6400,7 @@ do
   end
 
   local function count_value(row, access)
-    local number = tonumber(access.number)
+    local number = S.shown_number(access.number)
 
     if not access.value then return end
     if row.first == "" then row.first = access.value end

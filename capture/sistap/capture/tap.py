@@ -11,7 +11,7 @@ from sistap.capture.filter import Filter
 from sistap.capture.hints import Hints
 from sistap.capture.scan import Scan
 from sistap.line.clock import CLOCK
-from sistap.line.reader import Distant, Reader
+from sistap.line.reader import Distant, OwnTime, Reader
 from sistap.line.settings import Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
@@ -170,7 +170,7 @@ class Tap:
         """Return the time now by the clock of the line: a virtual bus may have its own."""
         if self._last is None:
             first = next(iter(self._lines.values())).reader
-            return first.now_ns() if isinstance(first, Distant) else CLOCK.now_ns()
+            return first.now_ns() if isinstance(first, OwnTime) else CLOCK.now_ns()
         return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
 
     def _new_hints(self, reader: Reader) -> Hints:

@@ -27,6 +27,8 @@ class DistantReader:
     The tap says its settings, and nobody else sets them. All that is said to it is that it was heard.
     """
 
+    settings_are_told = True
+
     def __init__(self, port: str, line: int, connection: Connection) -> None:
         """Go on with a connection, on which nothing but the first message was read."""
         self.name = port
