@@ -17,7 +17,7 @@ STATUS, OBJECT, DATA = "status", "object", "data"
 _PROTOCOLS = ("sis", "3964r", "rk512i")  # in whose trees a byte has a meaning, from the outside in
 
 # Fields that are not listed are useful data.
-_KINDS = {
+KINDS = {
     "sis.start": FRAME,
     "sis.checksum": FRAME,
     "sis.length": FRAME,
@@ -112,6 +112,6 @@ def _note(
             bits = (
                 bit.get("showname") or "" for bit in field.iterfind("field[@unmaskedvalue]") if bit.get("value") != "0"
             )
-            meaning = Meaning(_KINDS.get(field.get("name", ""), DATA), "\n".join((*text, *bits)))
+            meaning = Meaning(KINDS.get(field.get("name", ""), DATA), "\n".join((*text, *bits)))
             meanings[first : first + size] = [meaning] * size
         _note(field, data, start, meanings, text if size else above)

@@ -19,7 +19,7 @@ from sistap.terminal.visible import visible
 
 # Colours that eyes without one kind of cone tell apart (Okabe and Ito); the stroke under the bytes tells them apart
 # without any colour. Text is the same ink on all of them.
-_KINDS = {
+KINDS = {
     meanings.FRAME: ("start, checksum, lengths", "#7f8a95", "dotted"),
     meanings.CONTROL: ("telegram control, number", "#cc79a7", "dashed"),
     meanings.SERVICE: ("service", "#0072b2", "solid"),
@@ -126,9 +126,9 @@ def _mark(meaning: Meaning, shown: str) -> str:
 def _head(name: str) -> str:
     styles = "".join(
         f"b.{kind} {{ background: {colour}{_TINT}; border-bottom: 3px {stroke} {colour}; }}\n"
-        for kind, (_, colour, stroke) in _KINDS.items()
+        for kind, (_, colour, stroke) in KINDS.items()
     )
-    key = "".join(f"<b class={kind}>{escape(text)}</b>" for kind, (text, _, _) in _KINDS.items())
+    key = "".join(f"<b class={kind}>{escape(text)}</b>" for kind, (text, _, _) in KINDS.items())
     return f"""\
 <!DOCTYPE html>
 <html lang="en">
