@@ -24,7 +24,7 @@ from sistap.recorder import shelf
 from sistap.recorder.keeper import Around, File, Keeper
 from sistap.recorder.reasons import Reasons
 from sistap.recorder.telling import Telling
-from sistap.records.record import Framing, Record
+from sistap.records.record import Event, Framing, Record
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
@@ -215,7 +215,8 @@ class Recorder:
 
     def _again(self, started: Record, time_ns: int, why: bytes) -> Record:
         settings = self._settings.get(started.line, started.settings)
-        return started._replace(time_ns=time_ns, settings=settings, data=started.data + why)
+        data = started.data + why if started.event == Event.CAPTURE_STARTED else started.data
+        return started._replace(time_ns=time_ns, settings=settings, data=data)
 
     def tell_disk(self, trouble: str) -> None:
         """Say that a file cannot be written, once until one can."""
