@@ -90,9 +90,12 @@ class Tap:
         """Name a line for people, in front of what is said of it; with one port there is only one."""
         return f"line {number}: " if self._several else ""
 
-    def begin(self, started: Mapping[int, str]) -> None:
-        """Begin the sink, with how the capture is taken on each line."""
-        self._sink.begin(*(self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()))
+    def begin(self, started: Mapping[int, str], limits: str = "") -> None:
+        """Begin the sink, with how the capture is taken on each line, and the limits that the user told."""
+        events = [self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()]
+        if limits:
+            events += [self._event(number, Event.LIMITS_TOLD, limits) for number in started]
+        self._sink.begin(*events)
 
     def end(self) -> None:
         """Write what is left, and end the sink."""

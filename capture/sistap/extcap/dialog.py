@@ -85,6 +85,8 @@ def _inverted(_: str) -> Sequence[Choice]:
     return list(words.items())
 
 
+_MILLISECONDS = "^[1-9][0-9]{0,4}$"
+
 LINE, TIMES, BUS, PROBE = "Line", "Times", "Bus", "Analyser"
 
 OPTIONS = (
@@ -144,6 +146,26 @@ OPTIONS = (
         TIMES,
         of=Of.PORT,
         choices=_uncertainties,
+    ),
+    Option(
+        "--tza",
+        "string",
+        "TzA in ms",
+        "Longest interval allowed between two characters of a telegram, for verdicts where the bus does not say it",
+        TIMES,
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the demo bus says it
+        placeholder="as the bus is told",
+        validation=_MILLISECONDS,
+    ),
+    Option(
+        "--trs",
+        "string",
+        "TrS in ms",
+        "Longest reaction time allowed, for verdicts where the bus does not say it",
+        TIMES,
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,
+        placeholder="as the bus is told",
+        validation=_MILLISECONDS,
     ),
     Option(
         "--scenario",

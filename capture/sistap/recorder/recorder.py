@@ -24,7 +24,7 @@ from sistap.recorder import shelf
 from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.reasons import Reasons
 from sistap.recorder.telling import Telling
-from sistap.records.record import Framing, Record
+from sistap.records.record import Event, Framing, Record
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
@@ -219,7 +219,8 @@ class Recorder:
     def _again(self, started: Record, beginning: Beginning, why: str) -> Record:
         settings = self._settings.get(started.line, started.settings)
         time_ns = started.time_ns if beginning.known else beginning.first_ns  # before all that follows
-        return started._replace(time_ns=time_ns, settings=settings, data=started.data + why.encode())
+        data = started.data + why.encode() if started.event == Event.CAPTURE_STARTED else started.data
+        return started._replace(time_ns=time_ns, settings=settings, data=data)
 
     def tell_disk(self, trouble: str) -> None:
         """Say that a file cannot be written, once until one can."""
