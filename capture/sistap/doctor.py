@@ -66,7 +66,6 @@ class Point(NamedTuple):
     text: str  # what is; what to do if that is not good
 
     def __str__(self) -> str:
-        """One line."""
         return f"{self.mark:5} {self.subject:10} {visible(self.text)}"
 
 

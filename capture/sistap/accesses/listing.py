@@ -98,7 +98,6 @@ class Listing:
     """All parameters, in bounded memory."""
 
     def __init__(self) -> None:
-        """Start with none."""
         self._listed: dict[Parameter, Listed] = {}
         self.left_out = 0  # accesses to parameters for which there was no more room
 
@@ -117,7 +116,6 @@ class Listing:
         yield from sorted(self._listed.values(), key=lambda listed: _order(listed.parameter))
 
     def __len__(self) -> int:
-        """Count the parameters."""
         return len(self._listed)
 
     @property

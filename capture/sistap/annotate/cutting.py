@@ -41,7 +41,6 @@ class Pieces:
     """The pieces of one direction of which no record has been made, in their order."""
 
     def __init__(self) -> None:
-        """Begin without any."""
         self._parts: deque[Part] = deque()
 
     def add(self, piece: Piece) -> None:

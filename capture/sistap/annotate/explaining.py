@@ -39,7 +39,6 @@ class WholeCapture:
     """Explains the records of a capture file that is complete, its event left out."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Start reading it."""
         self._fields = Fields(tshark)
         self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
         next(self._lines, None)
@@ -56,7 +55,6 @@ class Running:
     """Explains records as they come, in one pass. Use it in a `with`."""
 
     def __init__(self, tshark: Tshark, log: str) -> None:
-        """Start tshark."""
         self._fields = Fields(tshark)
         self._blocks = Blocks(log)
         self._process = Process(tshark, self._fields.arguments)
@@ -85,13 +83,11 @@ class Running:
         return line
 
     def __enter__(self) -> Running:
-        """Nothing more to do."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """End tshark."""
         if kind is not None:
             self._process.kill()
         self._process.end()

@@ -38,7 +38,6 @@ class Marks:
     """Finds the marks of one log. Ports are told apart by their order: the first is line 1, the second line 2."""
 
     def __init__(self) -> None:
-        """No port has been named."""
         self._ports: dict[str, int] = {}
 
     def find(self, text: str) -> tuple[int, int, int] | None:

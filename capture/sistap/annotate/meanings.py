@@ -68,7 +68,6 @@ class Meanings:
     """The meanings of the bytes of each record of a capture, in their order, its event left out."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Start reading it."""
         self._packets = _packets(tshark.lines(["-r", str(capture), "-2", "-T", "pdml", "-J", " ".join(_PROTOCOLS)]))
         next(self._packets, None)
 

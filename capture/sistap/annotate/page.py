@@ -56,7 +56,6 @@ class PageWeaver:
     """Writes the page."""
 
     def __init__(self, write: Callable[[bytes], object], name: str, found: Meanings) -> None:
-        """Begin the page of a log."""
         self._write = write
         self._meanings = found
         self._waitings = Waitings()

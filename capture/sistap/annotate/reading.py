@@ -81,7 +81,6 @@ class State:
     """What holds on from line to line."""
 
     def __init__(self) -> None:
-        """Nothing has been said yet."""
         self.direction = marks.SHARED
         self.stamp: Stamp | None = None
         self._used: Stamp | None = None
@@ -97,7 +96,6 @@ class AnyReader:
     """Reads lines of whatever form."""
 
     def __init__(self) -> None:
-        """Nothing is known of the log."""
         self._timestamps = TimestampParser()
         self._marks = Marks()
         self._state = State()

@@ -32,15 +32,12 @@ class Spool:
     """Keeps a log. Use it in a `with`."""
 
     def __init__(self) -> None:
-        """Nothing has been kept yet."""
         self._blobs = Blobs("the log")
 
     def __enter__(self) -> Spool:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget everything."""
         self._blobs.__exit__(*error)
 
     def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[Cut]]]) -> None:

@@ -61,7 +61,6 @@ class TimestampParser:
     """Reads the stamps of one log, in order: one without a date needs those before it."""
 
     def __init__(self) -> None:
-        """Begin with no date known."""
         self._date = _NO_DATE
         self._last_ns = 0
         self._minute: tuple[_Minute, int | None] | None = None  # the last one: a log has many stamps a minute

@@ -33,7 +33,6 @@ class LineCutter:
     """Cuts pieces of a log into lines. What is not UTF-8 makes the rest of the log Latin-1: hex is the same in both."""
 
     def __init__(self) -> None:
-        """Nothing has come yet."""
         self._rest = b""
         self._number = 0
         self._encoding = ""

@@ -12,7 +12,6 @@ class Troubles:
     """Tells of lines that could not be read."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
-        """Nothing is wrong yet."""
         self._say = say
         self._count = 0
 

@@ -46,7 +46,6 @@ class Waitings:
     """Lines that wait, in their order."""
 
     def __init__(self) -> None:
-        """None wait."""
         self._queue: deque[Waiting] = deque()
         self._by_line: dict[int, Waiting] = {}
 
@@ -94,7 +93,6 @@ class TextWeaver:
     """Writes text. Without the lines that it adds it is what was read."""
 
     def __init__(self, write: Callable[[bytes], object]) -> None:
-        """Nothing has been written."""
         self._write = write
         self._waitings = Waitings()
         self._ending = b""  # of the first line

@@ -23,12 +23,10 @@ class Piece:
     __slots__ = ("counts", "values")
 
     def __init__(self) -> None:
-        """Begin with no value."""
         self.values = 0
         self.counts: Counter[Hashable] = Counter()
 
     def __iadd__(self, other: Piece) -> Piece:
-        """Take in a neighbour."""
         self.values += other.values
         self.counts.update(other.counts)
         return self
@@ -38,7 +36,6 @@ class Pieces:
     """All pieces of a side, equally long, but for the last."""
 
     def __init__(self) -> None:
-        """Begin with none."""
         self.all: list[Piece] = []
         self.length = 1  # values
 
@@ -70,7 +67,6 @@ class Samples:
     """Values from 0 on, such as times in s."""
 
     def __init__(self) -> None:
-        """Begin with no value."""
         self.whole = Distribution()
         self.pieces = Pieces()  # by bin; bins are in the order of their values
 

@@ -18,7 +18,6 @@ class Rows:
     """A dictionary of fields for each packet; several values of a field are joined by commas."""
 
     def __init__(self, tshark: Tshark, capture: Path, fields: Sequence[str], options: Sequence[str] = ()) -> None:
-        """Nothing is read yet."""
         self._tshark = tshark
         self._fields = fields
         self._arguments = ["-n", "-r", str(capture), *options, *rows.printing(fields, _JOINT)]

@@ -52,7 +52,6 @@ class _Port:
     """What a capture shows of a port, read as one of a certain kind."""
 
     def __init__(self, name: str, kind: Kind, told: Told) -> None:
-        """Start with nothing."""
         self.name = name  # "1.5", "1.5B"
         self.adapter = Adapter(kind, told)
         self.settings: LineSettings | None = None  # of its first character
@@ -80,7 +79,6 @@ class _Port:
         self.counts[read.line == SENT] += len(read.data)
 
     def __str__(self) -> str:
-        """Describe it for people."""
         settings = f"{self.settings}, " if self.settings and self.settings.baud else ""
         return f"{self.name} ({self.adapter.kind.name}, {settings}{sum(self.counts.values()):,} characters)"
 

@@ -60,7 +60,6 @@ class Adapter:
     """A port, and what has come and gone through it."""
 
     def __init__(self, kind: Kind, told: Told) -> None:
-        """Start with what the user says of the line."""
         self.kind = kind
         self.settings = told.settings
         self.was_set = False  # by the capture, not only by the user

@@ -55,7 +55,6 @@ class Departures:
     """When characters that were handed to the adapter have left it: one after the other, once the line is free."""
 
     def __init__(self) -> None:
-        """Start with a line that is free."""
         self._free_ns = (0, 0)  # earliest and latest
 
     def sent(

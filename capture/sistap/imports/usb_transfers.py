@@ -81,7 +81,6 @@ class Transfers:
     """The transfers in a capture."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Nothing is read yet."""
         self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
 
     @property

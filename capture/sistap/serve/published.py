@@ -19,7 +19,6 @@ class PublishedReader:
     """Reads as the reader behind it does. Listeners have their turn when nothing waits to be read."""
 
     def __init__(self, reader: Reader, listeners: Listeners) -> None:
-        """Publish what this reader reads."""
         self._reader = reader
         self._listeners = listeners
         self._attended_ns = 0
@@ -59,7 +58,6 @@ class EventSink:
     """Tells listeners the events among the records; all else they make themselves."""
 
     def __init__(self, listeners: Listeners) -> None:
-        """Tell these."""
         self._listeners = listeners
 
     def begin(self, *started: Record) -> None:

@@ -49,7 +49,6 @@ class Store:
     """A folder of tables."""
 
     def __init__(self, root: Path) -> None:
-        """Nothing is read or made yet."""
         self._root = root
 
     def has(self, digest: str) -> bool:

@@ -15,7 +15,6 @@ class Pace:
     """The bus's time: when its time 0 was, and how to wait for what comes later."""
 
     def __init__(self, simulated: bool = False) -> None:
-        """Simulated time goes as fast as it is asked for."""
         self.simulated = simulated
         self.start()
 
