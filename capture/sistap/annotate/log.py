@@ -43,7 +43,7 @@ _NS = 1  # resolution of the times
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture of sistap")
