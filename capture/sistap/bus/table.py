@@ -24,7 +24,6 @@ class Table:
         self._known: list[str] = []
 
     def __contains__(self, key: str) -> bool:
-        """Tell whether the key is there."""
         return key in self._values
 
     def take(self, key: str, reading: Reading[T], default: T) -> T:

@@ -32,7 +32,6 @@ class Memory:
     """The last exchanges that teach something, in their order."""
 
     def __init__(self) -> None:
-        """Nothing was heard."""
         self._number = 0
         self._kept: tuple[tuple[set[int], int, OrderedDict[tuple[object, ...], _Exchange]], ...] = (
             (_TOLD, MOST_TOLD, OrderedDict()),

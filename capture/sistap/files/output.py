@@ -190,7 +190,6 @@ class Output:
                 file.close()
 
     def __str__(self) -> str:
-        """Name for people what is written to now."""
         return self._file.name
 
     @property

@@ -163,11 +163,9 @@ class Dissection:
         self.warning = ""  # what tshark said at the end of a capture that is cut
 
     def __enter__(self) -> Dissection:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget what was read."""
         self._kept.__exit__(*error)
 
     @property

@@ -75,7 +75,6 @@ class Recorder:
         ring: Ring | None = None,
         seams: Seams = Seams(),  # noqa: B008 - it is frozen
     ) -> None:
-        """Start nothing yet."""
         self._wanted = wanted
         self._tshark = tshark
         self._blocks = Blocks(interfaces)

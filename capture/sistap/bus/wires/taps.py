@@ -36,7 +36,6 @@ class Tap(Peer):
     """One connected tap."""
 
     def __init__(self, connection: socket.socket, seed: int) -> None:
-        """Wait for its settings."""
         super().__init__(connection)
         self.settings: LineSettings | None = None
         self._noise = random.Random(f"{seed} tap")

@@ -19,7 +19,6 @@ class PortLost(Exception):
     """A port was lost while it was read; the text is one line that names the cure."""
 
     def __init__(self, text: str, line: int = 0) -> None:
-        """Lose the port of this line."""
         super().__init__(text)
         self.line = line
 

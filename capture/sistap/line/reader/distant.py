@@ -172,7 +172,6 @@ class _Search:
     """Tries to connect, in a thread of its own: to find a host may take long."""
 
     def __init__(self, port: str) -> None:
-        """Begin."""
         self._port = port
         self._found: SimpleQueue[Connection] = SimpleQueue()
         self._ended = threading.Event()
