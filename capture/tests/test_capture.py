@@ -324,6 +324,17 @@ def test_ring_files_begin_with_the_event_and_end_with_statistics(run: Run, tmp_p
     assert kept == (ALL * 3)[-len(kept) :]
 
 
+def test_limits_that_the_user_tells_are_in_each_file(run: Run, tmp_path: Path) -> None:
+    arguments = ("-w", str(tmp_path / "x.pcapng"), "-b", "filesize:2", "--tza", "8", "--trs", "40")
+    assert run(FakeReader(reads(*ALL * 3)), *arguments) == 0
+    files = sorted(tmp_path.iterdir())
+    assert len(files) > 1
+    for file in files:
+        _, told, first, *_ = records(file)
+        assert (told.event, told.data) == (Event.LIMITS_TOLD, b"TzA = 8 ms, TrS = 40 ms")
+        assert first.event == Event.NONE
+
+
 def test_files_stops(run: Run, tmp_path: Path) -> None:
     base = str(tmp_path / "x.pcapng")
     assert run(FakeReader(reads(*ALL * 9)), "-w", base, "-b", "filesize:1", "-a", "files:3") == 0
@@ -501,6 +512,8 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
         (["-w", "x", "-b", "files:5"], "-b files: does not say when a file is full"),
         (["-w", "x", "-a", "files:5"], "-a files: needs several files"),
         (["--link-type", "rtac"], "need a file"),
+        (["--link-type", "rtac", "-w", "x", "--tza", "8"], "--tza and --trs are kept only with"),
+        (["--framing", "3964r", "--trs", "8"], "--tza and --trs are kept only with"),
         (["-w", ".", "-b", "duration:1"], "cannot be written: " + NO_FOLDER),
         (["-w", "/", "-b", "duration:1"], "cannot be written: " + NO_FOLDER),
     ],
@@ -525,6 +538,9 @@ def test_wrong_options_are_one_line(
         ["capture", "-i", "x", "--framing", "silence:"],
         ["capture", "-i", "x", "--link-type", "user16"],
         ["capture", "-i", "x", "--baud", "fast"],
+        ["capture", "-i", "x", "--tza", "0"],
+        ["capture", "-i", "x", "--tza", "8.5"],
+        ["capture", "-i", "x", "--trs", "65536"],
         ["capture", "-i", "x", "--baud", "4294967296"],
         ["capture", "-i", "x", "-a", "duration:1e300"],
         ["capture", "-i", "x", "--framing", "silence:1e305"],

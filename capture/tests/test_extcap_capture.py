@@ -293,6 +293,14 @@ def test_both_directions_are_lines_of_one_capture(
     os.close(slave)
 
 
+def test_limits_of_the_dialog_are_in_the_capture(
+    tmp_path: Path, line: tuple[int, str], started: list[Wireshark]
+) -> None:
+    _, interface = line
+    started.append(wireshark := Wireshark(tmp_path, interface, "--tza", "8", toolbar=False))
+    assert wireshark.event(Event.LIMITS_TOLD).data == b"TzA = 8 ms"
+
+
 def test_3964r_is_cut_where_it_is_chosen(tmp_path: Path, line: tuple[int, str], started: list[Wireshark]) -> None:
     master, interface = line
     started.append(wireshark := Wireshark(tmp_path, interface, "--framing", "3964r", toolbar=False))

@@ -464,6 +464,18 @@ def test_names_are_those_of_dumpcap(utc: None) -> None:
     assert file_name("day", 100_000, 1_700_000_000) == "day_00000_20231114221320"
 
 
+def test_a_capture_started_anew_in_the_same_second_empties_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(time, "time", lambda: 1_700_000_000.5)
+    for content in (b"before", b"after"):
+        output = Output(str(tmp_path / "x"), Limits(duration_s=5, several=True))
+        output.begin()
+        output.write(content)
+        output.close()
+    assert [path.read_bytes() for path in sorted(tmp_path.iterdir())] == [b"before", b"after"]
+
+
 def test_several_files_and_only_the_newest_kept(tmp_path: Path) -> None:
     output = Output(str(tmp_path / "x.pcapng"), Limits(size=10, several=True, keep=2, files=4))
     output.begin()

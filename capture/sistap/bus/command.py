@@ -208,7 +208,7 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
     elif not played.has_masters:
         _answer(args, settings, played, log)
     else:
-        pace = Pace(simulated=args.fast or bool(args.file))
+        pace = Pace(args.fast or bool(args.file), played.begin_ns)
         if args.file:
             wire = _recording(args, settings, played, stop)
         else:
@@ -240,13 +240,14 @@ def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, 
 
 
 def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Wire:
-    from sistap.bus.wires.recording import Recording
+    from sistap.bus.wires.recording import START_NS, Recording
 
     try:
         text = f"scenario {args.scenario}, seed {args.seed}"
         output = Output(args.file, stopped=lambda: stop.asked)
         stop.at_once = False
-        return Recording(output, settings, text, args.seed, args.reads, played.cut, played.lines)
+        start_ns = START_NS if played.begin_ns is None else played.begin_ns
+        return Recording(output, settings, text, args.seed, args.reads, played.cut, played.lines, start_ns)
     except OutputRefused as error:
         raise Refusal(USAGE, str(error)) from error
     except OutputError as error:

@@ -20,7 +20,6 @@ class Hints:
     """Each hint is given once."""
 
     def __init__(self, settings: LineSettings, framing: Framing) -> None:
-        """Start with no hint given."""
         self._settings = settings
         self._framing = framing
         self._given: set[str] = set()

@@ -79,7 +79,9 @@ def record(  # noqa: PLR0913 - it puts the parts together
 
 def _conditions(options: CaptureOptions, only: Filter | None) -> Conditions:
     duration_s = options.autostop.get("duration")
-    return Conditions(options.framing, only, options.count, duration_s, options.formats, options.follow_baud)
+    return Conditions(
+        options.framing, only, options.count, duration_s, options.formats, options.follow_baud, options.limits_told
+    )
 
 
 def _interface(options: CaptureOptions, reader: Reader) -> Interface:

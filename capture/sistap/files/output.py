@@ -190,7 +190,6 @@ class Output:
                 file.close()
 
     def __str__(self) -> str:
-        """Name for people what is written to now."""
         return self._file.name
 
     @property
@@ -216,7 +215,12 @@ class Output:
             )
 
     def _open(self, number: int = 1) -> _File:
-        return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
+        if not self._limits.several:
+            return _File(self._base)
+        seconds = time.time()
+        while Path(path := file_name(self._base, number, seconds)).is_file():
+            seconds += 1  # of a capture that ended a moment ago: started anew, this one must not empty it
+        return _File(path)
 
     def _failure(self, error: OSError) -> OutputError:
         if is_reader_gone(error, is_file=self._file.regular):

@@ -34,7 +34,6 @@ class Counters:
     """All counts since the capture started."""
 
     def __init__(self) -> None:
-        """Start at zero."""
         self.characters = 0
         self.faulty_characters = 0  # with any error, breaks included
         self.breaks = 0
@@ -75,7 +74,6 @@ class Counters:
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
 
     def __str__(self) -> str:
-        """Return the progress line."""
         longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
         counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors}"
         return f"{counts}, longest interval {longest}"

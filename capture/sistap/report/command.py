@@ -13,6 +13,7 @@ from typing import NamedTuple
 from sistap.report import plain, windows
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
+from sistap.sis.limits import argument as limit
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -109,6 +110,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--format", choices=FORMATS, help="what to write (default: what the ending of FILE says, else html)"
     )
     parser.add_argument(
+        "--tza",
+        metavar="MS",
+        type=limit,
+        help="TzA to judge by, in place of what the bus was told: longest interval between two characters",
+    )
+    parser.add_argument(
+        "--trs",
+        metavar="MS",
+        type=limit,
+        help="TrS to judge by, in place of what the bus was told: longest reaction time",
+    )
+    parser.add_argument(
         "--window",
         metavar="START+SECONDS",
         type=_window,
@@ -171,8 +184,10 @@ def _check_matplotlib() -> None:
 
 
 def _gather(args: argparse.Namespace, console: Console) -> Report:
+    progress = console.progress if console.shows_progress else _silent
+    limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     with Tshark() as tshark:
-        report = gather(tshark, args.capture, args.window, console.progress if console.shows_progress else _silent)
+        report = gather(tshark, args.capture, args.window, progress, limits_ms)
     if console.shows_progress:
         console.progress("")
     if report.warning:

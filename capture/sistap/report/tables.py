@@ -17,6 +17,7 @@ from sistap.packets.moments import KINDS, Moment
 from sistap.records.record import Event, Framing
 from sistap.report.figures import Figures, Limit
 from sistap.report.gather import Report
+from sistap.sis.limits import NAMES, told
 from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
@@ -270,10 +271,19 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
         f"The installed dissector does not know {', '.join(report.missing)}; what they would tell is left out.",
         report.missing,
     )
-    for name, text in (("tza", "TzA"), ("trs", "TrS")):
+    yield from ((text, True) for text in _told(report))
+    for name, text in NAMES.items():
         judged = figures.limits[name]
         yield (
-            f"Nobody set {text} (service 0x03) while this was captured, so nothing is judged by it; the preference "
-            f"sis.{name}_ms of Wireshark sets it.",
+            f"{text} was not set (service 0x03) while this was captured, so nothing is judged by it. If you know it, "
+            f"add --{name} MS.",
             judged.verdicts and not judged.limits_s and f"sis.{name}.limit" not in report.missing,
         )
+
+
+def _told(report: Report) -> Iterable[str]:
+    """Say which limits a person told, and when."""
+    for text in sorted({packet.text for packet in report.figures.events if packet.event == Event.LIMITS_TOLD}):
+        yield f"Whoever captured told the limits {text}. They count until the bus itself sets others."
+    if here := told(report.limits_ms):
+        yield f"Judged by {here}, as told to this report, whatever the bus was told."
