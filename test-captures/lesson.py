@@ -9,7 +9,8 @@ A lesson claims five things, in forms that a person reads, too:
         02 D9 00 ...                bytes that are somewhere in the capture, one after the other
     1. The button *Late*.           under "Click": steps, of which `clicks` tells filters and packets
 
-Further columns of a table are for the reader. There are no other tables and no other indented blocks in a lesson.
+Further columns of a table are for the reader. There are no other tables in a lesson, and no other indented blocks but
+what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario in place of a capture.
 
 In a step, these words change the display filter: "button *NAME*", "filter `EXPRESSION`", "Clear the filter". What is
 named as "packet 4" or "packets 1 to 4" is clicked, so the filter must show it. A dialog is opened without a filter.
@@ -63,7 +64,8 @@ Row = Callable[[int, list[str]], Claim]
 
 HEX = re.compile(r"(?:[0-9A-F]{2} )*[0-9A-F]{2}")
 PROMPT = "$ "
-OPENS = "wireshark -C SIS "  # what the reader types to begin with
+RECORDS = "python3 -m sistap bus "
+TYPED = ("wireshark -C SIS ", "python3 -m sistap ")  # what the reader types
 
 
 class Button(NamedTuple):
@@ -88,6 +90,12 @@ class Dialog(NamedTuple):
     """A dialog that is opened from the menu."""
 
     menu: str
+
+
+def recording(path: Path) -> list[str]:
+    """Return the arguments of sistap, run in capture/, that write the capture; none if it is beside the lesson."""
+    lines = (line[4:] for line in path.read_text().splitlines() if line.startswith("    " + RECORDS) and " -w " in line)
+    return shlex.split(next(lines, ""))[3:]
 
 
 Click = Button | Typed | Clicked | Dialog
@@ -176,7 +184,7 @@ def _indented(block: list[tuple[int, str]]) -> Iterator[Claim]:
         if program != "tshark":
             raise ValueError("a command is one of tshark")
         yield Command(line, arguments, [text[4:].rstrip() for _, text in block[1:]])
-    elif not first.startswith(OPENS):
+    elif not first.startswith(TYPED):
         for number, text in block:
             if not HEX.fullmatch(text.strip()):
                 raise ValueError(f"neither a command nor bytes: {text.strip()}")

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import csv
 import re
+import subprocess
+import sys
 import zlib
 from decimal import Decimal, InvalidOperation
 from functools import cache
@@ -13,8 +15,23 @@ from pathlib import Path
 import pytest
 from sharkd import Sharkd
 
-from lesson import Button, Bytes, Claim, Click, Clicked, Command, Dialog, Filter, Typed, Value, claims, clicks
+from lesson import (
+    Button,
+    Bytes,
+    Claim,
+    Click,
+    Clicked,
+    Command,
+    Dialog,
+    Filter,
+    Typed,
+    Value,
+    claims,
+    clicks,
+    recording,
+)
 from make import Scenario
+from sistap.bus.scenarios.scenario import names
 from sistap.wireshark.tshark import Tshark
 from tables import BOOLEANS
 
@@ -22,21 +39,52 @@ COURSE = Path(__file__).parent / "course"
 LESSONS = sorted(COURSE.glob("*.md"))
 ANSWER = re.compile(r"<details>\n<summary>Answer</summary>\n\n(.*?)\n\n</details>", re.DOTALL)
 
-BUTTONS = COURSE.parent.parent / "capture" / "sistap" / "profile" / "SIS" / "dfilter_buttons"
+SISTAP = COURSE.parent.parent / "capture" / "sistap"
+BUTTONS = SISTAP / "profile" / "SIS" / "dfilter_buttons"
+SOURCES = {".txt", ".toml"}  # a capture as text, or a scenario of the virtual bus
+
+LONG = {"19-the-night", "20-a-morning"}  # lessons whose capture takes seconds to make
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+every_capture = pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, marks=pytest.mark.thorough) if path.stem in LONG else path for path in LESSONS],
+    ids=lambda path: path.stem,
+)
 
 
-def capture(path: Path) -> str:
-    return str(path.with_suffix(".pcapng"))
+@pytest.fixture(scope="session")
+def recorded() -> dict[Path, Path]:
+    """Captures of lessons that the virtual bus plays, by lesson; `capture` fills it."""
+    return {}
+
+
+@pytest.fixture
+def capture(path: Path, recorded: dict[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The lesson's capture: the one beside it, or what its command writes."""
+    arguments = recording(path)
+    if not arguments:
+        return path.with_suffix(".pcapng")
+    if path not in recorded:
+        written = tmp_path_factory.mktemp(path.stem) / f"{path.stem}.pcapng"
+        arguments[arguments.index("-w") + 1] = str(written)
+        subprocess.run([sys.executable, "-m", "sistap", *arguments], cwd=SISTAP.parent, check=True, capture_output=True)
+        recorded[path] = written
+    return recorded[path]
+
+
+def options(path: Path) -> list[str]:
+    """Return the options of tshark and Wireshark that the lesson needs."""
+    text = path.with_suffix(".txt")
+    return Scenario(text).options if text.exists() else []
 
 
 @cache
-def fields(tshark: Tshark, path: Path) -> list[dict[str, str]]:
+def fields(tshark: Tshark, path: Path, capture: Path) -> list[dict[str, str]]:
     """Return what the packets have in the fields that the lesson names."""
     names = sorted({claim.field for claim in claims(path) if isinstance(claim, Value)})
-    options = [option for name in names for option in ("-e", name)]
-    lines = tshark.output("-r", capture(path), "-2", "-T", "fields", *options).split("\n")
+    wanted = [option for name in names for option in ("-e", name)]
+    lines = tshark.output("-r", str(capture), "-2", *options(path), "-T", "fields", *wanted).split("\n")
     return [dict(zip(names, line.split("\t"), strict=False)) for line in lines]
 
 
@@ -50,33 +98,71 @@ def same(claimed: str, found: str) -> bool:
         return claimed == ",".join(BOOLEANS.get(value, value) for value in found.split(","))
 
 
-def printed(tshark: Tshark, path: Path, arguments: list[str]) -> list[str]:
-    words = [capture(path) if word == path.with_suffix(".pcapng").name else word for word in arguments]
-    return [line.rstrip() for line in tshark.output(*words).splitlines()]
+class Program:
+    """tshark and sharkd with the capture of a lesson."""
+
+    def __init__(self, path: Path, capture: Path, tshark: Tshark, sharkd: Sharkd) -> None:
+        self.path, self.capture = path, capture
+        self._tshark, self._sharkd, self._options = tshark, sharkd, options(path)
+
+    def frames(self, expression: str) -> list[int]:
+        """Return the packets that a filter leaves."""
+        if not self._options:
+            return self._sharkd.frames(self.capture, expression)
+        command = (
+            "-r",
+            str(self.capture),
+            "-2",
+            *self._options,
+            "-Y",
+            expression,
+            "-T",
+            "fields",
+            "-e",
+            "frame.number",
+        )
+        return [int(line) for line in self._tshark.output(*command).split()]
+
+    def field(self, packet: int, name: str) -> str:
+        return fields(self._tshark, self.path, self.capture)[packet - 1][name]
+
+    def printed(self, arguments: list[str]) -> list[str]:
+        words = [str(self.capture) if word == f"{self.path.stem}.pcapng" else word for word in arguments]
+        return [line.rstrip() for line in self._tshark.output(*words).splitlines()]
+
+    def has(self, data: bytes) -> bool:
+        text = self.path.with_suffix(".txt")
+        if not text.exists():
+            return data in self.capture.read_bytes()
+        return data in b"".join(item.data for item in Scenario(text).items)
 
 
-def wrong(tshark: Tshark, sharkd: Sharkd, path: Path, claim: Claim) -> str:
+@pytest.fixture
+def program(path: Path, capture: Path, tshark: Tshark, sharkd: Sharkd) -> Program:
+    return Program(path, capture, tshark, sharkd)
+
+
+def wrong(program: Program, claim: Claim) -> str:
     """Tell what the capture says instead, or nothing."""
     match claim:
         case Filter(_, expression, expected):
-            left = sharkd.frames(path.with_suffix(".pcapng"), expression)
+            left = program.frames(expression)
             return "" if left == expected else f"leaves {left}"
         case Value(_, packet, name, value):
-            found = fields(tshark, path)[packet - 1][name]
+            found = program.field(packet, name)
             return "" if same(value, found) else f"is {found!r}"
         case Command(_, arguments, output):
-            lines = printed(tshark, path, arguments)
+            lines = program.printed(arguments)
             return "" if lines == output else "\n".join(["prints", *lines])
         case Bytes(_, data):
-            line = b"".join(item.data for item in Scenario(path.with_suffix(".txt")).items)
-            return "" if data in line else "are not in the capture"
+            return "" if program.has(data) else "are not in the capture"
 
 
-@every_lesson
-def test_claims(path: Path, tshark: Tshark, sharkd: Sharkd) -> None:
+@every_capture
+def test_claims(path: Path, program: Program) -> None:
     complaints = []
     for claim in claims(path):
-        if words := wrong(tshark, sharkd, path, claim):
+        if words := wrong(program, claim):
             complaints.append(f"{path.name}:{claim.line}: {claim[1:]} {words}")
     assert not complaints, "\n".join(complaints)
 
@@ -90,8 +176,8 @@ def buttons() -> dict[str, str]:
 class Window:
     """Wireshark's window as far as it counts here: a capture, and the filter in force."""
 
-    def __init__(self, sharkd: Sharkd, capture: Path) -> None:
-        self._sharkd, self._capture, self._filter = sharkd, capture, ""
+    def __init__(self, program: Program) -> None:
+        self._program, self._filter = program, ""
 
     def click(self, click: Click) -> str:
         """Do it, and tell why it cannot be done, or nothing."""
@@ -101,17 +187,17 @@ class Window:
             case Typed(expression):
                 self._filter = expression
             case Clicked(packets):
-                hidden = set(packets) - set(self._sharkd.frames(self._capture, self._filter or "frame"))
+                hidden = set(packets) - set(self._program.frames(self._filter or "frame"))
                 return f"hides packets {sorted(hidden)}" if hidden else ""
             case Dialog(menu):
                 return f"is in force at {menu}" if self._filter else ""
         return ""
 
 
-@every_lesson
-def test_clicks(path: Path, sharkd: Sharkd) -> None:
+@every_capture
+def test_clicks(path: Path, program: Program) -> None:
     """A display filter in force hides what the next click names."""
-    window = Window(sharkd, path.with_suffix(".pcapng"))
+    window = Window(program)
     steps = clicks(path.read_text())
     complaints = [
         f"{path.name}, step {number}: the filter {words}"
@@ -136,7 +222,7 @@ def test_lesson_is_whole(path: Path) -> None:
     number, name = path.stem.split("-", 1)
     assert text.startswith(f"# {int(number)}. ")
     assert text.split("\n")[2].startswith("After this lesson you can ")
-    assert f"\n    wireshark -C SIS {path.stem}.pcapng\n" in text
+    assert f"\n    wireshark {' '.join(['-C SIS', *options(path)])} {path.stem}.pcapng\n" in text
     assert all(f"\n## {part}\n" in text for part in ("The case", "What to know", "Click", "Try", "Questions")), name
     questions = re.findall(r"^\*\*(\d)\. .*\*\*$", text, re.MULTILINE)
     assert questions == [str(number) for number in range(1, len(questions) + 1)]
@@ -176,7 +262,10 @@ def test_crc_of_the_failed_download() -> None:
 def test_readme_has_every_lesson_in_order() -> None:
     readme = (COURSE.parent / "README.md").read_text()
     assert re.findall(r"\(course/(\S+)[.]md\)", readme) == [path.stem for path in LESSONS]
-    assert [path.with_suffix(".txt") for path in LESSONS] == sorted(COURSE.glob("*.txt"))
+    built_in = names()
+    played = {path.stem: recording(path) for path in LESSONS}
+    sources = {stem: bool(command) for stem, command in played.items() if not set(command) & set(built_in)}
+    assert sources == {path.stem: path.suffix == ".toml" for path in COURSE.iterdir() if path.suffix in SOURCES}
 
 
 def test_each_lesson_leads_to_the_next() -> None:
