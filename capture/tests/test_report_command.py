@@ -68,6 +68,16 @@ def test_limits_told_to_the_capture_are_named(tmp_path: Path) -> None:
     assert "Whoever captured told the limits TzA = 8 ms, TrS = 40 ms." in text
 
 
+@drawing
+def test_a_title_and_a_note_stand_above(tmp_path: Path, capture: Path) -> None:
+    words = ("--title", "Press <4>", "--note", "Stops at night\nsince May")
+    assert report(tmp_path, capture, *words).returncode == 0
+    page = (tmp_path / "report.html").read_text()
+    assert "<h1>Press &lt;4&gt;</h1>" in page and "<p>Stops at night</p><p>since May</p>" in page
+    text = report(tmp_path, capture, *words, "--format", "text").stdout
+    assert text.startswith("Press <4>\n\nStops at night\nsince May\n\nFound: ")
+
+
 def test_a_capture_that_is_cut_is_reported_up_to_there(tmp_path: Path, capture: Path) -> None:
     cut = tmp_path / "cut.pcapng"
     cut.write_bytes(capture.read_bytes()[:-40])

@@ -19,7 +19,7 @@ from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
-from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.files.output import FORCE, Output, OutputError, OutputRefused, ReaderGone
 from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal import temporary
 from sistap.terminal.console import Console
@@ -76,6 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "-w", dest="capture", metavar="FILE", help="write a capture (pcapng) instead; - is standard output"
     )
+    parser.add_argument("--force", action="store_true", help=FORCE)
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument(
         "--regex",
@@ -158,7 +159,7 @@ def _batches(args: argparse.Namespace, console: Console) -> annotating.Batches:
 def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> None:
     """Write the capture."""
     batches = _batches(args, console)
-    output = Output(args.capture)
+    output = Output(args.capture, force=args.force)
     try:
         output.begin()
         annotating.record(batches, passage, _name(args), output.write)

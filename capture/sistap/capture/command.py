@@ -13,7 +13,7 @@ from sistap.capture import sinks
 from sistap.capture.filter import FilterError
 from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
-from sistap.files.output import Output, OutputRefused
+from sistap.files.output import FORCE, Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
 from sistap.line import ports
 from sistap.recorder.reasons import PRESETS
@@ -179,6 +179,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write a pcapng file; - is standard output; with --keep, a folder. Without it, print text",
     )
+    add("--force", action="store_true", help=FORCE)
     add(
         "--baud",
         type=rate_argument,
@@ -272,7 +273,7 @@ def run(args: argparse.Namespace) -> int:
         sinks.check(options)
         if options.keep:
             _make_folder(options.file)
-        with closing(Output(options.output, limits, lambda: stop.asked, console.say)) as output:
+        with closing(Output(options.output, limits, lambda: stop.asked, console.say, force=args.force)) as output:
             return record(options, plan, output, stop, console)
     except (UsageError, FilterError, OutputRefused) as error:
         console.alarm(str(error))

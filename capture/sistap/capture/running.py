@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 from contextlib import ExitStack, closing
 
 from sistap.capture import sinks
@@ -100,7 +101,5 @@ def _summary(written: Counters, received: int, output: Output) -> str:
     """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
     records = written.received.total()
     of_received = f" of {received}" if records != received else ""
-    return (
-        f"{records}{of_received} records ({written.telegrams} telegrams, {written.characters} characters, "
-        f"{written.errors}) written to {output.summary}"
-    )
+    opened = f"; open it with: wireshark {shlex.quote(output.only_file)}" if output.only_file else ""
+    return f"{records}{of_received} records ({written.text}) written to {output.summary}{opened}"

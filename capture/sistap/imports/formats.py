@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -60,7 +61,10 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     for capture in CAPTURES:
         if capture.protocol in seen:
             return capture.opened(tshark, path, told)
-    raise UsageError(f"{path} is none of the files that can be imported: {'; '.join(NAMES)}")
+    raise UsageError(
+        f"{path} is none of the files that can be imported: {'; '.join(NAMES)}. For a log with bytes in hexadecimal: "
+        f"sistap annotate {shlex.quote(str(path))} -w FILE"
+    )
 
 
 def _head(path: Path) -> str:
