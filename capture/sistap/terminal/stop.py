@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The signals that end a command: SIGINT, SIGTERM, and SIGHUP (the terminal is gone) unless nohup had it ignored.
+"""The signals that end a command: SIGINT, SIGTERM, SIGQUIT, and SIGHUP (the terminal is gone) unless nohup ignores it.
 
 However many come, they end a command once. The first one raises Stopped wherever the command is, so that everything
 that is open is closed on the way out. Others are ignored until the process has ended: they would only disturb that. A
@@ -110,8 +110,10 @@ class Stop:
 
     def _install(self) -> None:
         numbers = [signal.SIGINT, signal.SIGTERM]
-        if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-            numbers.append(signal.SIGHUP)
+        if sys.platform != "win32":
+            numbers.append(signal.SIGQUIT)
+            if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+                numbers.append(signal.SIGHUP)
         self._before = {number: signal.signal(number, self._handle) for number in numbers}
         self._hook, sys.unraisablehook = sys.unraisablehook, self._told
 

@@ -23,6 +23,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
+from sistap.terminal import temporary
 from sistap.terminal.advice import advice
 from sistap.terminal.stop import held
 
@@ -239,8 +240,8 @@ class _OwnFolder:
     """
 
     def __init__(self) -> None:
-        self.path = Path(tempfile.mkdtemp(prefix="sistap-"))
-        self._descriptor = os.open(self.path, os.O_RDONLY)
+        self._folder = temporary.Folder(NOBODY)
+        self.path, self._descriptor = self._folder.path, self._folder.descriptor
         self._numbers = itertools.count(1)
 
     def prepare(self, environment: dict[str, str]) -> None:
@@ -290,8 +291,7 @@ class _OwnFolder:
 
     def close(self) -> None:
         """Remove the folder."""
-        os.close(self._descriptor)
-        shutil.rmtree(self.path, ignore_errors=True)
+        self._folder.close()
 
 
 def _end(children: Sequence[subprocess.Popen[Any]], folder: _OwnFolder | None) -> None:
