@@ -118,8 +118,8 @@ class Chromium:
     def open(self, address: str) -> None:
         """Open a page, and wait until its script has run."""
         before = self._loads
-        self.call("Page.navigate", url=address)
-        while self._loads == before:
+        answer = self.call("Page.navigate", url=address)
+        while self._loads == before and "loaderId" in answer:  # there is none if only the fragment is new
             self._next()
 
     def run(self, expression: str) -> Any:
