@@ -26,7 +26,7 @@ def program() -> str | None:
 
 
 class Chromium:
-    """One window. Use it in a `with`."""
+    """One window at a time. Use it in a `with`."""
 
     def __init__(self, *options: str) -> None:
         """Start it with an empty profile."""
@@ -38,7 +38,7 @@ class Chromium:
         # It reads from descriptor 3 and writes to 4; a shell puts ours there.
         command = f'exec "$@" 3<&{ours[0]} 4>&{theirs[1]}'
         arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"]
-        arguments += ["--remote-debugging-pipe", f"--user-data-dir={self._profile}", *options, "about:blank"]
+        arguments += ["--remote-debugging-pipe", f"--user-data-dir={self._profile}", *options]
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the rest
         self._process = subprocess.Popen(
             ["bash", "-c", command, "chromium", path, *arguments],
@@ -49,21 +49,29 @@ class Chromium:
         )
         os.close(ours[0])
         os.close(theirs[1])
-        self._to, self._from = open(ours[1], "wb"), open(theirs[0], "rb")
+        self._to, self._from = os.fdopen(ours[1], "wb"), os.fdopen(theirs[0], "rb")
         self._unread = b""
         self._number = 0
         self._loads = 0
         self._session: str | None = None
+        self._context: str | None = None
         self.complaints: list[str] = []  # errors of the page's script, and what its policy refused
 
     def __enter__(self) -> Chromium:
-        """Take hold of the window."""
-        targets = self.call("Target.getTargets")["targetInfos"]
-        target = next(one["targetId"] for one in targets if one["type"] == "page")
+        """Open the first window."""
+        self.renew()
+        return self
+
+    def renew(self) -> None:
+        """Begin again with a new window that remembers nothing."""
+        if self._context:
+            self.call("Target.disposeBrowserContext", browserContextId=self._context)
+        self.complaints.clear()
+        self._context = self.call("Target.createBrowserContext")["browserContextId"]
+        target = self.call("Target.createTarget", url="about:blank", browserContextId=self._context)["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -110,8 +118,8 @@ class Chromium:
     def open(self, address: str) -> None:
         """Open a page, and wait until its script has run."""
         before = self._loads
-        self.call("Page.navigate", url=address)
-        while self._loads == before:
+        answer = self.call("Page.navigate", url=address)
+        while self._loads == before and "loaderId" in answer:  # there is none if only the fragment is new
             self._next()
 
     def run(self, expression: str) -> Any:

@@ -227,7 +227,7 @@ def test_lesson_is_whole(path: Path) -> None:
     questions = re.findall(r"^\*\*(\d)\. .*\*\*$", text, re.MULTILINE)
     assert questions == [str(number) for number in range(1, len(questions) + 1)]
     assert 3 <= len(questions) <= 6
-    assert len(ANSWER.findall(text)) == len(questions) == text.count("<details>")
+    assert len(ANSWER.findall(text)) == len(questions) == text.count("<summary>Answer</summary>")
 
 
 @every_lesson

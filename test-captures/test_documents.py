@@ -20,6 +20,7 @@ FOLDERS = (
     "lua-fallback",
     "test-captures",
     "test-captures/course",
+    "test-captures/pages",
 )
 DOCUMENTS = [path for folder in FOLDERS for path in sorted((HOUSE / folder).glob("*.md"))]
 

@@ -8,9 +8,10 @@ import shutil
 import sys
 from pathlib import Path
 
+from sharkd import Sharkd
+
 from pages import COURSE, HERE, page, questions
 from pages.dissection import dissection
-from sharkd import Sharkd
 from sistap.wireshark.tshark import TsharkError
 
 BUILT = HERE.parents[1] / "build" / "course"
@@ -28,7 +29,7 @@ def build(folder: Path) -> list[Path]:
     written = {folder / "index.html": page.index_page(known)}
     with Sharkd() as sharkd:
         if not sharkd.has_field("sis.start"):
-            raise TsharkError("tshark does not load the plugin: ./bootstrap demo builds it, WIRESHARK_PLUGIN_DIR names it")
+            raise TsharkError("tshark does not load the plugin: run ./bootstrap demo, or set WIRESHARK_PLUGIN_DIR")
         for lesson in known:
             text = page.lesson_page(lesson, known, dissection(sharkd, lesson))
             written[folder / f"{lesson.path.stem}.html"] = text

@@ -15,7 +15,7 @@ function unreadable(say) {
 // "0,012 s", "12 ms", "0x1B", "1B h": the value and its unit; null where it is no number.
 function readNumber(text) {
   const found = text.trim().toLowerCase()
-    .match(/^(?:0x([0-9a-f]+)|([0-9a-f]+) ?h|([+-]?\d+(?:[.,]\d+)?))\s*([a-zµ%.]*)$/);
+    .match(/^(?:0x([0-9a-f]+)|([0-9a-f]+) ?h|([+-]?\d+(?:[.,]\d+)?))\s*(s|%|[a-zµ]{2,}|)$/);
   if (!found) return null;
   const [, hexadecimal, marked, decimal, unit] = found;
   const value = decimal ? Number(decimal.replace(",", ".")) : parseInt(hexadecimal || marked, 16);
@@ -30,7 +30,8 @@ function sameNumber(typed, accepted) {
   } else if (accepted.unit in SECONDS && typed.unit) {
     return false;
   }
-  return Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other));
+  const near = accepted.unit in SECONDS ? 0.005 : 1e-9; // a time may be rounded
+  return Math.abs(one - other) <= near * Math.max(Math.abs(one), Math.abs(other));
 }
 
 // "3, 5", "packets 3 and 5", "3-5", "none": numbers in order; null where it is no such list.
@@ -55,7 +56,7 @@ function readHex(text) {
 }
 
 function readText(text) {
-  return text.toLowerCase().replace(/["'“”`]/g, "").replace(/[.!]+$/, "").replace(/\s+/g, " ").trim();
+  return text.toLowerCase().replace(/["'“”`]/g, "").replace(/\s+/g, " ").trim().replace(/[.!]+$/, "");
 }
 
 function compareBy(read, same, say) {

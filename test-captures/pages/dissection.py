@@ -10,9 +10,10 @@ from csv import reader
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pages.questions import Lesson
-from lesson import Filter, Value
 from sharkd import Sharkd, SharkdError
+
+from lesson import Filter, Value
+from pages.questions import Lesson
 from sistap.annotate import meanings
 
 PROFILE = Path(meanings.__file__).parents[1] / "profile" / "SIS"

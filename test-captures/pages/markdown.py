@@ -58,7 +58,7 @@ def _special(text: str) -> str:
 
 
 def _link(words: str, target: str) -> str:
-    """Make a link to another page of the course, or to the web; of others, whose files are not there, keep the words."""
+    """Make a link to a page of the course, or to the web. Other files are not beside the page: keep the words."""
     place, _, _ = target.partition("#")
     if place.endswith(".md") and (COURSE / place).parent == COURSE:
         target = place.removesuffix(".md") + ".html"

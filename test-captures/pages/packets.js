@@ -50,12 +50,17 @@ function select(number, focus) {
   row.setAttribute("aria-selected", "true");
   row.tabIndex = 0;
   if (focus) row.focus({ preventScroll: true });
-  const box = row.closest(".list");
-  const [top, height] = [row.offsetTop - list.offsetTop, row.offsetHeight];
-  if (top < box.scrollTop || top + 2 * height > box.scrollTop + box.clientHeight) box.scrollTop = top - height;
   showBytes(packet);
   details.replaceChildren(...packet.tree.map((item) => branch(item, true)));
+  uncover(row);
   return true;
+}
+
+// Scrolls the list, and nothing else, until a row is in sight.
+function uncover(row) {
+  const box = row.closest(".list");
+  const [top, height] = [row.offsetTop - list.offsetTop, row.offsetHeight];
+  if (top < box.scrollTop || top + 3 * height > box.scrollTop + box.clientHeight) box.scrollTop = top - height;
 }
 
 function branch(item, outer) {

@@ -137,8 +137,10 @@ def _ask(number: int, place: int, ask: Ask) -> str:
         )
         said = f'<span class="said" id="{name}-said"></span>'
         return f'<fieldset class="ask"><legend>{prompt}</legend>{buttons} {said}</fieldset>\n'
+    unit = ask.accepted[0].partition(" ")[2] if ask.kind == "number" else ""
+    form = _FORMS[ask.kind] + (f" of {unit}" if unit else "")
     return (
-        f'<p class="ask"><label for="{name}">{prompt} <small>({_FORMS[ask.kind]})</small></label> '
+        f'<p class="ask"><label for="{name}">{prompt} <small>({escape(form)})</small></label> '
         f'<input type="text" id="{name}" name="{name}" class="{ask.kind}" spellcheck="false" autocapitalize="off" '
         f'aria-describedby="{name}-said"> <span class="said" id="{name}-said"></span></p>\n'
     )

@@ -127,6 +127,8 @@ def _asks(block: str) -> Iterator[Ask]:
         choices = [choice.strip() for choice in kind.split("/")] if "/" in kind else []
         if not choices and kind not in KINDS:
             raise ValueError(f"{item}: {kind} is none of {', '.join(KINDS)}, nor a choice with /")
+        if choices and not set(accepted) <= set(choices):
+            raise ValueError(f"{item}: the answer is none of the choices")
         yield Ask(found["prompt"], "choice" if choices else kind, accepted, choices)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The tables of the telegram workbench: the header, the codes of plugin/sis/names.c, and what useful data begin with."""
+"""The tables of the telegram workbench: the header, the codes of plugin/sis/names.c, the layout of useful data."""
 
 from __future__ import annotations
 
