@@ -227,8 +227,8 @@ DAMAGED = frame(0, b"abc", [0, 1, 1])
     ("content", "line"),
     [
         (b"", "has no records of sistap"),
-        (b"hello, this is a text", "is no pcapng file: open it in Wireshark and save it as pcapng"),
-        (bytes.fromhex("D4C3B2A1") + bytes(20), "is no pcapng file"),  # pcap
+        (b"hello, this is a text", "is not a pcapng file: open it in Wireshark and save it as pcapng"),
+        (bytes.fromhex("D4C3B2A1") + bytes(20), "is not a pcapng file"),  # pcap
         (
             pcapng.section_header("", "") + struct.pack("<II", 6, 13) + bytes(5),
             "is damaged: a block says it has 13 bytes",

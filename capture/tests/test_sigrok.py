@@ -256,7 +256,7 @@ def test_without_sigrok_cli_it_says_what_to_install(
 def test_both_directions_leave_no_room_for_another_port(capfd: pytest.CaptureFixture[str]) -> None:
     port = "sigrok:demo?rx=D0&tx=D1"
     assert cli.main(["capture", "-i", port, "-i", "sigrok:demo?rx=D2"]) == 3
-    assert "leave out the other -i" in capfd.readouterr().err
+    assert "remove the other -i" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(

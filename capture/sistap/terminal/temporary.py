@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept on disk for a while: a folder that stays behind after no signal, and blobs in a file without a name."""
+"""Temporary data: a folder that no signal leaves behind, and blobs in a file without a name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sistap.terminal.writing import Incomplete
 
 @contextmanager
 def folder() -> Iterator[Path]:
-    """Make a folder; remove it at the end. If a signal comes just before that, Python does it with the object."""
+    """Make a folder; remove it at the end. If a signal comes just before that, Python removes it with the object."""
     with held():
         made = tempfile.TemporaryDirectory(prefix="sistap-")
     try:
@@ -25,10 +25,10 @@ def folder() -> Iterator[Path]:
 
 
 class Blobs:
-    """Blobs that are read again later, by their number. Use it in a `with`; nothing is left behind."""
+    """Blobs to be read again by their number. Use it in a `with`; nothing is left behind."""
 
     def __init__(self, what: str) -> None:
-        """Make the file, where TMPDIR says; `what` is what it keeps, for the line that says that there is no room."""
+        """Make the file in TMPDIR; `what` describes its contents in the message about a lack of room."""
         self._what = what
         self._file = tempfile.TemporaryFile(prefix="sistap-")  # noqa: SIM115 - closed by __exit__
         self._ends = [0]
@@ -41,7 +41,7 @@ class Blobs:
             self._file.close()
 
     def put(self, blob: bytes) -> None:
-        """Keep a blob behind the others. Incomplete if there is no room."""
+        """Append a blob. Incomplete if there is no room."""
         try:
             self._file.seek(self._ends[-1])
             self._file.write(blob)
@@ -60,6 +60,6 @@ class Blobs:
         return self._file.read(end - start)
 
     def all(self) -> Iterator[tuple[bytes, float]]:
-        """Yield all blobs, each with the part of all bytes that ends with it, 0 to 1."""
+        """Yield all blobs, each with the share of all bytes up to its end, 0 to 1."""
         for number, end in enumerate(self._ends[1:]):
             yield self.get(number), end / (self._ends[-1] or 1)
