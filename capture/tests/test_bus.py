@@ -641,7 +641,7 @@ def test_more_connections_than_it_takes(capsys: pytest.CaptureFixture[str]) -> N
             with contextlib.suppress(OSError):  # it was turned away
                 connection.shutdown(socket.SHUT_WR)
         taps.close()
-    assert capsys.readouterr().err == "sistap bus: refused a connection: 32 are there already\n"
+    assert capsys.readouterr().err == "sistap bus: refused a connection: 32 are connected already\n"
 
 
 # -- At a pseudo terminal -------------------------------------------------------------------------------------------

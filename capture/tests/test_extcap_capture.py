@@ -244,7 +244,7 @@ def test_a_rate_is_looked_for_only_with_sis(tmp_path: Path, started: list[Wiresh
     wireshark.event(Event.CAPTURE_STARTED)
     wireshark.say(INITIALIZED)
     wireshark.say(SET, RATE, "auto")
-    assert any("a rate can be looked for only with SIS telegrams" in text for text in wireshark.told(LOG, ADD))
+    assert any("sistap can search for the rate of SIS telegrams only" in text for text in wireshark.told(LOG, ADD))
 
 
 def test_counters_and_log_are_shown(demo: Wireshark) -> None:

@@ -204,7 +204,7 @@ def test_commands_that_never_end_are_not_started_for_ever(tmp_path: Path, monkey
     tells = Telling("exec sleep 1000; #", said.append)
     for _ in range(3):
         tells.tell(tmp_path / "x")
-    assert said == [f"--on-keep was not started for {tmp_path}/x: 2 of it are still running"]
+    assert said == [f"--on-keep was not started for {tmp_path}/x: 2 earlier ones are still running"]
     for process, _ in tells._running:
         process.kill()
         process.wait()

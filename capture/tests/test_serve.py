@@ -206,7 +206,7 @@ def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], mon
         some = [opened.enter_context(connect(served)) for _ in range(5)]
         assert len(list(served._peers)) == 2
         assert [connection.recv(4096) != b"" for connection in some] == [True, True, False, False, False]
-    assert told == ["refused a connection: 2 are there already"]  # once: who knocks all day is no news
+    assert told == ["refused a connection: 2 are connected already"]  # once: repeated attempts are no news
 
 
 @pytest.mark.parametrize(
@@ -239,7 +239,7 @@ def test_only_whom_allow_names_is_let_in(
             listeners.attend(0)
             assert bool(connection.recv(4096)) is comes
     plain = address.removeprefix("::ffff:").partition("%")[0]
-    assert told == ([] if comes else [f"refused a connection: {plain} may not listen: --allow says who may"])
+    assert told == ([] if comes else [f"refused a connection: {plain} may not listen: name its network with --allow"])
 
 
 @pytest.mark.parametrize(

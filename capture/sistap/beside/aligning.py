@@ -57,7 +57,7 @@ def frames(path: Path) -> list[Frame]:
             if one := record_of(packet):
                 records.append((number, one))
         except (ValueError, IndexError) as error:
-            raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
+            raise NotCaptured(f"{path} has a damaged record: {error}; leave it out in Wireshark") from error
     latest = _latest([one for _, one in records])
     found = [
         Frame(number, one.data, _times(one), times, one.uncertainty_ns)

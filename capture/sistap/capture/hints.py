@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""First aid while capturing: what most probably is wrong when nothing sensible arrives."""
+"""Hints while capturing: the most probable cause if nothing sensible arrives."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from sistap.records.record import Framing
 from sistap.sis.rates import RATES
 
 SILENT_S = 5
-ENOUGH_ERRORS = 20  # characters, all of them wrong, that are no accident
-ENOUGH_CHARACTERS = 500  # more than the longest telegram (263): one at least should have been complete
+ENOUGH_ERRORS = 20  # so many characters, all with errors, are no accident
+ENOUGH_CHARACTERS = 500  # more than the longest telegram (263), so at least one should be complete
 
 
 class Hints:
-    """Each hint is given once."""
+    """Gives each hint once."""
 
     def __init__(self, settings: LineSettings, framing: Framing) -> None:
         self._settings = settings
@@ -25,7 +25,9 @@ class Hints:
         self._given: set[str] = set()
 
     def look(self, counters: Counters, elapsed_s: float, searching: Scan | None = None) -> Iterator[str]:
-        """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` for its settings."""
+        """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` whether it looks
+        for settings.
+        """
         hint = _diagnose_search(counters, elapsed_s, searching) if searching else self._diagnose(counters, elapsed_s)
         if hint and hint not in self._given:
             self._given.add(hint)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The telegrams that a tshark has to know which comes in the middle: what the bus was told, what stations said.
+"""The telegrams that a tshark must know if it starts in the middle of a capture.
 
 The dissector remembers the limits and rates that were set (service 0x03), and what was read of parameters: their names,
-units and attributes. So of each of these commands the last is kept, with its reaction. How much is bounded.
+units and attributes. So the last of each of these commands is kept, with its reaction. The memory is bounded.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class _Exchange:
 
 
 class Memory:
-    """The last exchanges that teach something, in their order."""
+    """The last exchanges that the dissector learns from, in order."""
 
     def __init__(self) -> None:
         self._number = 0
@@ -37,12 +37,12 @@ class Memory:
             (_TOLD, MOST_TOLD, OrderedDict()),
             (_READ, MOST_READ, OrderedDict()),
         )
-        self._open: OrderedDict[tuple[int, int], tuple[Header, bytes]] = OrderedDict()  # reads, by their stations
+        self._open: OrderedDict[tuple[int, int], tuple[Header, bytes]] = OrderedDict()  # reads, keyed by their stations
 
     def take(self, data: bytes, block: bytes) -> None:
-        """Take a good telegram, and the block that it is in."""
+        """Take a good telegram and its block."""
         header = telegram.parse(data)
-        if header.service in _TOLD and not header.reaction:  # many of them have no reaction: they are for all
+        if header.service in _TOLD and not header.reaction:  # most of these have no reaction: they are broadcast
             self._keep(header, block)
         if header.service not in _TOLD | _READ:
             return
@@ -69,7 +69,7 @@ class Memory:
         is_value = header.service in _READ and bool(header.body) and header.body[0] >> 3 & 7 == _OPERATING_DATA
         exchange = _Exchange(self._number, is_value, command, reaction)
         self._number += 1
-        # Without its number and checksum, a command that is sent again is the same.
+        # Ignore number and checksum: then a repeated command is the same.
         key = header.service, header.sender, header.receiver, header.subaddresses, header.body
         for services, most, kept in self._kept:
             if header.service in services:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept on disk for a while: a folder that no signal leaves behind for good, blobs in a file without a name."""
+"""Temporary data: a folder that no signal leaves behind for good, and blobs in a file without a name."""
 
 from __future__ import annotations
 
@@ -81,10 +81,10 @@ def folder() -> Iterator[Path]:
 
 
 class Blobs:
-    """Blobs that are read again later, by their number. Use it in a `with`; nothing is left behind."""
+    """Blobs to be read again by their number. Use it in a `with`; nothing is left behind."""
 
     def __init__(self, what: str) -> None:
-        """Make the file, where TMPDIR says; `what` is what it keeps, for the line that says that there is no room."""
+        """Make the file in TMPDIR; `what` describes its contents in the message about a lack of room."""
         self._what = what
         self._file = tempfile.TemporaryFile(prefix="sistap-")  # noqa: SIM115 - closed by __exit__
         self._ends = [0]
@@ -97,7 +97,7 @@ class Blobs:
             self._file.close()
 
     def put(self, blob: bytes) -> None:
-        """Keep a blob behind the others. Incomplete if there is no room."""
+        """Append a blob. Incomplete if there is no room."""
         try:
             self._file.seek(self._ends[-1])
             self._file.write(blob)
@@ -116,6 +116,6 @@ class Blobs:
         return self._file.read(end - start)
 
     def all(self) -> Iterator[tuple[bytes, float]]:
-        """Yield all blobs, each with the part of all bytes that ends with it, 0 to 1."""
+        """Yield all blobs, each with the share of all bytes up to its end, 0 to 1."""
         for number, end in enumerate(self._ends[1:]):
             yield self.get(number), end / (self._ends[-1] or 1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus straight into a capture file, as a tap would have written it: its assembler and writer, no waiting."""
+"""The bus directly in a capture file, as a tap would have written it: same assembler and writer, no waiting."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Framing, Record, event
 from sistap.sis.follow import Change, Follow
 
-START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
+START_NS = 946_684_800_000_000_000  # 2000-01-01: obviously not today, and the same seed makes the same file
 _LINE = 0  # of SIS: one shared bus
 
 
@@ -40,7 +40,7 @@ class Recording:
         lines: Sequence[int] = (_LINE,),
         start_ns: int = START_NS,
     ) -> None:
-        """Begin the file; `text` says what is played, reads have `most` characters. May raise OutputError."""
+        """Begin the file; `text` describes what is played, reads have `most` characters. May raise OutputError."""
         self.counters = Counters()
         self._start_ns = start_ns
         self._output = output
@@ -57,7 +57,7 @@ class Recording:
         self._writer.begin(*(event(start_ns, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
 
     def wait_for_listener(self) -> None:
-        """Go on: it listens already."""
+        """Do nothing: the file listens already."""
 
     def deliver(self, played: Played) -> list[str]:
         """Record all characters. May raise OutputError."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Brings what is played to listeners, at its time."""
+"""Delivers what is played to listeners, at its time."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from sistap.terminal.exits import FAILED
 class Wire(Protocol):
     """A way to listeners."""
 
-    name: str  # what a listener opens
+    name: str  # address for a listener
 
     def wait_for_listener(self) -> None:
-        """Come back when somebody listens; the bus then starts."""
+        """Return when somebody listens; the bus then starts."""
 
     def deliver(self, played: Played) -> list[str]:
-        """Deliver all characters at their times; gives marks for what did not get through."""
+        """Deliver all characters at their times; return marks for lost ones."""
 
     @property
     def deserted(self) -> bool:
-        """Whether nobody listens and it makes no sense to go on."""
+        """Tell whether nobody listens, so that the bus can stop."""
 
     def close(self) -> None:
-        """Let all listeners have what was delivered, then leave them."""
+        """Deliver everything to all listeners, then disconnect them."""
 
 
 def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = None, about: str = "") -> None:
-    """Play everything when somebody listens; `about` begins the log. May raise Refusal, PortError or PortLost."""
+    """Play everything once somebody listens; `about` begins the log. May raise Refusal, PortError or PortLost."""
     try:
         try:
             if wire.name:
