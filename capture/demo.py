@@ -63,7 +63,7 @@ def main() -> int:
     """Run the demo; return the exit code."""
     CAPTURE.parent.mkdir(exist_ok=True)
     with virtual_bus() as port:
-        command = ["capture", "-i", port, "-w", str(CAPTURE), "-a", f"duration:{SECONDS}"]
+        command = ["capture", "-i", port, "-w", str(CAPTURE), "--force", "-a", f"duration:{SECONDS}"]
         heading(
             f"A virtual bus plays on {port}; {SECONDS} seconds of it",
             f"sistap {' '.join(command[:4])} build/demo.pcapng",

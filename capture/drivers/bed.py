@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The checks of capture/drivers/check: every driver, then the pulled plug; a table of it into capture/README.md."""
+"""The checks of capture/drivers/check: every driver, then the pulled plug; a table of it into README.md."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def main() -> int:
         print(f"drivers: not run: {error}", file=sys.stderr)
         return NOT_RUN
     if results and pulled:
-        table.write(CAPTURE / "README.md", results, pulled)
+        table.write(CAPTURE / "drivers" / "README.md", results, pulled)
     failed = table.FAILED in [pulled.partition(".")[0], *(one for row in results.values() for one in row.values())]
     return FAILED if failed else 0
 

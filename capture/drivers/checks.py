@@ -298,7 +298,7 @@ def selftest(bench: Bench) -> None:
     done = bench.guest.run("sistap", "selftest", "-i", bench.line.port, *options, user="tap")
     bench.line.loop(on=False)
     bench.looped[0] += len(bench.line.sent) - before
-    counted = int(next((line.split()[0] for line in done.said.splitlines() if "so late were they" in line), "0"))
+    counted = int(next((line.split()[0] for line in done.said.splitlines() if "how late they were" in line), "0"))
     assert counted > 0 and counted == bench.looped[0], f"{bench.looped[0]} were sent: {done}"
     assert done.code == 0 or "are too few for p99.9" in done.said, done
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The table of drivers in capture/README.md."""
+"""The table of drivers in README.md."""
 
 from __future__ import annotations
 

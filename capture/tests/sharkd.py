@@ -51,6 +51,16 @@ class Sharkd:
         display_filter += " " * self._loads
         return [frame["num"] for frame in self._request("frames", filter=display_filter)]
 
+    def rows(self, capture: Path) -> list[dict[str, Any]]:
+        """Return the packet list: "num", and "c" with the text of each column."""
+        self._load(capture)
+        return list(self._request("frames"))
+
+    def details(self, capture: Path, number: int) -> dict[str, Any]:
+        """Return the tree of a packet and its bytes, as sharkd names them."""
+        self._load(capture)
+        return dict(self._request("frame", frame=number, proto=True, bytes=True))
+
     def has_field(self, name: str) -> bool:
         """Tell whether a dissector has such a field."""
         return any(one["f"] == name for one in self._request("complete", field=name).get("field", []))
@@ -65,7 +75,7 @@ class Sharkd:
         self._loaded = capture
         self._loads += 1
 
-    def _request(self, method: str, **parameters: str) -> Any:
+    def _request(self, method: str, **parameters: str | int) -> Any:
         self._requests += 1
         request = {"jsonrpc": "2.0", "id": self._requests, "method": method, "params": parameters}
         assert self._process.stdin is not None

@@ -146,7 +146,7 @@ def test_text_can_be_read_on_all_colours_in_both_themes(theme: int) -> None:
     roles = [dict(re.findall(r"--(\w+): (#\w{6})", rule)) for rule in re.findall(r":root \{(.*?)\}", page._STYLE)]
     paper, ink = _rgb(roles[theme]["paper"]), _rgb(roles[theme]["ink"])
     share = int(page._TINT, 16) / 255
-    for _, colour, _ in page._KINDS.values():
+    for _, colour, _ in page.KINDS.values():
         ground = tuple(share * over + (1 - share) * under for over, under in zip(_rgb(colour), paper, strict=True))
         light, dark = sorted((_luminance(ink), _luminance(ground)), reverse=True)
         assert (light + 0.05) / (dark + 0.05) >= 4.5
@@ -157,5 +157,5 @@ def test_text_can_be_read_on_all_colours_in_both_themes(theme: int) -> None:
 
 def test_kinds_differ_in_more_than_their_hue() -> None:
     """Those with the same stroke differ much in brightness, too."""
-    for (_, one, stroke), (_, other, other_stroke) in combinations(page._KINDS.values(), 2):
+    for (_, one, stroke), (_, other, other_stroke) in combinations(page.KINDS.values(), 2):
         assert stroke != other_stroke or abs(_luminance(_rgb(one)) - _luminance(_rgb(other))) > 0.03

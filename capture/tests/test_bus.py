@@ -577,7 +577,7 @@ def test_simulated_time_ends_with_the_last_tap() -> None:
         assert finish(process) == (0, "")
 
 
-@pytest.mark.attack("a tap that never reads", "let go; the others hear everything")
+@pytest.mark.attack("a tap that never reads", "disconnected; the others hear everything")
 def test_a_silent_tap_is_let_go_and_the_others_hear_everything(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -199,7 +199,7 @@ def test_who_never_answers_makes_room(served: Listeners, told: list[str], monkey
                 pass
 
 
-@pytest.mark.attack("more connections than a line serves", "the next is sent away")
+@pytest.mark.attack("more connections than a line allows", "the next one is refused")
 def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "MOST", 2)
     with ExitStack() as opened:
@@ -253,7 +253,7 @@ def test_only_whom_allow_names_is_let_in(
         (["--listen", "203.0.113.1:5000", "--allow", "203.0.113.0/24"], 3, "choose another address with --listen"),
         (["--listen", "127.0.0.1:0"], 3, "/dev/nowhere does not exist"),
         (["--listen", "127.0.0.1:0", "--format", "9X9"], 2, "format '9X9'"),
-        (["-i", "bus://127.0.0.1:5001"], 2, "can be heard by others already"),
+        (["-i", "bus://127.0.0.1:5001"], 2, "is already shared"),
     ],
 )
 def test_wrong_usage(tmp_path: Path, options: list[str], code: int, words: str) -> None:

@@ -23,7 +23,7 @@ import on_wireshark  # noqa: E402
 from proxy import Proxy  # noqa: E402
 from wine import CAPTURE, ROOT, Wine  # noqa: E402
 
-SUITE_S = 1200
+SUITE_S = 3600
 SUITE = "-m pytest -q -rs -c capture/pyproject.toml --rootdir . -p no:cacheprovider --tb=short"
 
 

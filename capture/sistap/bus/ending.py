@@ -8,6 +8,5 @@ class Refusal(Exception):
     """It does not begin or go on; the text is one line that names the cure."""
 
     def __init__(self, code: int, text: str) -> None:
-        """Say so, with an exit code."""
         super().__init__(text.replace("\n", "\\n"))  # names of files can have several
         self.code = code

@@ -39,7 +39,6 @@ class ServiceRefused(Exception):
     """Nothing was executed: the reaction has the status and the useful data header, but no useful data."""
 
     def __init__(self, status: int) -> None:
-        """Say why."""
         super().__init__(f"status 0x{status:02X}")
         self.status = status
 

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 Reading = Callable[[Any], T]  # a value as TOML has it -> what it means; ValueError says what it has to be
 
 
@@ -22,7 +24,6 @@ class Table:
         self._known: list[str] = []
 
     def __contains__(self, key: str) -> bool:
-        """Tell whether the key is there."""
         return key in self._values
 
     def take(self, key: str, reading: Reading[T], default: T) -> T:
@@ -90,6 +91,13 @@ def number(least: float, most: float) -> Reading[float]:
         return float(value)
 
     return read
+
+
+def instant_ns(value: object) -> int:
+    """Return a date with time and zone as ns since 1970; the file has it without quotation marks."""
+    if not isinstance(value, datetime) or value.tzinfo is None:
+        raise ValueError(f"{_shown(value)} is no time with a zone (for example 2026-03-14T21:00:00Z)")
+    return int((value - _EPOCH) / timedelta(microseconds=1)) * 1000
 
 
 def flag(value: object) -> bool:

@@ -20,7 +20,6 @@ class Hints:
     """Each hint is given once."""
 
     def __init__(self, settings: LineSettings, framing: Framing) -> None:
-        """Start with no hint given."""
         self._settings = settings
         self._framing = framing
         self._given: set[str] = set()
@@ -38,17 +37,17 @@ class Hints:
         all_wrong = characters > 0 and counters.faulty_characters == characters
         hint = None
         if not characters and elapsed_s >= SILENT_S:
-            hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground), the port and --baud"
+            hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground) and the port"
         # A wrong parity makes no break and spoils no telegram; swapped wires and a wrong rate do both.
         elif all_wrong and characters >= ENOUGH_ERRORS and (counters.telegrams or not counters.breaks):
             other = "8E1" if settings.parity == "N" else "8N1"
-            hint = f"every character has an error with {settings.format}: try --format {other}, then another --baud"
+            hint = f"every character has an error with {settings.format}: try --format {other}, then --baud auto"
         elif all_wrong and characters >= ENOUGH_ERRORS:
-            hint = "only breaks and framing errors: A and B may be swapped, or --baud is wrong"
+            hint = "only breaks and framing errors: A and B may be swapped, or the rate is wrong: try --baud auto"
         elif self._framing == Framing.SIS and characters >= ENOUGH_CHARACTERS and not counters.telegrams:
             hint = (
                 f"{ENOUGH_CHARACTERS} characters and no valid telegram at {settings.baud} Bd: "
-                "try another --baud, or this is another protocol"
+                "try --baud auto; if it finds nothing, this is another protocol"
             )
         return hint
 

@@ -17,7 +17,6 @@ class Ports:
     """All that are open."""
 
     def __init__(self, options: CaptureOptions) -> None:
-        """Open none yet."""
         self._options = options
         self._open: list[Reader] = []
 

@@ -47,6 +47,7 @@ class Conditions:
     duration_s: float | None = None
     formats: Sequence[str] = ()  # rate and format are looked for: one of these
     follow: bool = False  # the rate changes with what the bus is told
+    limits: str = ""  # TzA and TrS as the user tells them
 
 
 EVERYTHING = Conditions()
@@ -120,7 +121,7 @@ class Capture:
     def _run(self, stop: Stop) -> None:
         descriptions = {reader.line: self._description(reader) for reader in self._readers}
         said = f"sistap {sistap.__version__}; "
-        self._tap.begin({number: said + text for number, text in descriptions.items()})
+        self._tap.begin({number: said + text for number, text in descriptions.items()}, self._conditions.limits)
         stop.at_once = False
         if not self._quiet:
             for number, text in descriptions.items():
@@ -287,6 +288,8 @@ class Capture:
     def _take(self, read: Read, now: int) -> None:
         if not self._tap.has(read.line):
             self._tap.add_line(read.line, self._readers[0])
+            if self._conditions.limits:
+                self._tap.note(read.line, Event.LIMITS_TOLD, self._conditions.limits)
         for notice in read.notices:
             self._hear(notice, read)
         brings_settings = self._tap.brings_settings(read)

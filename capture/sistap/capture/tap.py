@@ -11,7 +11,7 @@ from sistap.capture.filter import Filter
 from sistap.capture.hints import Hints
 from sistap.capture.scan import Scan
 from sistap.line.clock import CLOCK
-from sistap.line.reader import Distant, Reader
+from sistap.line.reader import Distant, OwnTime, Reader
 from sistap.line.settings import Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
@@ -90,9 +90,12 @@ class Tap:
         """Name a line for people, in front of what is said of it; with one port there is only one."""
         return f"line {number}: " if self._several else ""
 
-    def begin(self, started: Mapping[int, str]) -> None:
-        """Begin the sink, with how the capture is taken on each line."""
-        self._sink.begin(*(self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()))
+    def begin(self, started: Mapping[int, str], limits: str = "") -> None:
+        """Begin the sink, with how the capture is taken on each line, and the limits that the user told."""
+        events = [self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()]
+        if limits:
+            events += [self._event(number, Event.LIMITS_TOLD, limits) for number in started]
+        self._sink.begin(*events)
 
     def end(self) -> None:
         """Write what is left, and end the sink."""
@@ -170,7 +173,7 @@ class Tap:
         """Return the time now by the clock of the line: a virtual bus may have its own."""
         if self._last is None:
             first = next(iter(self._lines.values())).reader
-            return first.now_ns() if isinstance(first, Distant) else CLOCK.now_ns()
+            return first.now_ns() if isinstance(first, OwnTime) else CLOCK.now_ns()
         return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
 
     def _new_hints(self, reader: Reader) -> Hints:

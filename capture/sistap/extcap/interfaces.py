@@ -31,7 +31,6 @@ class Interface(NamedTuple):
     display: str
 
     def __str__(self) -> str:
-        """The sentence."""
         return sentence("interface", value=self.name, display=self.display)
 
 

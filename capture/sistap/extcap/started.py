@@ -22,6 +22,7 @@ from sistap.line import analyser
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
 from sistap.records.cut import Cut
+from sistap.sis.limits import milliseconds
 from sistap.sis.rates import RATES
 from sistap.terminal.exits import PORT, USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -67,6 +68,8 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         follow_baud=args.follow_baud,
         framing=demo.framing(args.scenario) if demo_bus else Cut.parse(args.framing or "sis"),
         filter=args.extcap_capture_filter or None,
+        tza_ms=milliseconds(args.tza) if args.tza else None,
+        trs_ms=milliseconds(args.trs) if args.trs else None,
     )
 
 

@@ -76,7 +76,6 @@ class Toolbar:
     shows_progress = False  # show() does
 
     def __init__(self, control_in: str | None, control_out: str | None) -> None:
-        """Take the names of the pipes."""
         self._console = Console()
         self._requests: SimpleQueue[Marker | Rate] = SimpleQueue()
         self._messages: SimpleQueue[bytes | None] = SimpleQueue()  # None: it was the last
@@ -88,7 +87,6 @@ class Toolbar:
         self._speaker = threading.Thread(target=self._speak, args=(control_out,), daemon=True)
 
     def __enter__(self) -> Toolbar:
-        """Open both pipes, without waiting."""
         self._listener.start()
         self._speaker.start()
         self._send(_LOG, _SET)

@@ -28,6 +28,7 @@ if sys.platform == "win32":
 else:
     import fcntl
 
+FORCE = "overwrite the file where it holds something already"  # the help of --force
 FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
 _WAIT_MS = 100  # so long, at most, does a stop take
 _WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
@@ -78,10 +79,13 @@ class Output:
         limits: Limits = NO_LIMITS,
         stopped: Callable[[], bool] = lambda: False,
         say: Callable[[str], None] = lambda _: None,
+        *,
+        force: bool = False,
     ) -> None:
         """Open the (first) file. `stopped` tells when not to wait any longer for the reader of a pipe.
 
-        `say` is told what does not end the capture at once. May raise OutputRefused.
+        A file with something in it is refused, unless `force` says that it may be lost. `say` is told what does not
+        end the capture at once. May raise OutputRefused.
         """
         self._base = path
         self._limits = limits
@@ -90,6 +94,9 @@ class Output:
         self._number = 1
         self._begun = time.monotonic()
         self._file = self._open()
+        if not force and self._file.holds_data:
+            self._file.close()
+            raise OutputRefused(f"{path} holds data already: choose another file with -w, or overwrite it with --force")
         self._before: _File | None = None  # the one of several files that was closed last
         self._next: _File | None = None
         self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
@@ -190,7 +197,6 @@ class Output:
                 file.close()
 
     def __str__(self) -> str:
-        """Name for people what is written to now."""
         return self._file.name
 
     @property
@@ -206,6 +212,12 @@ class Output:
         deleted = f", of which the last {kept} were kept" if kept < number else ""
         return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
+    @property
+    def only_file(self) -> str | None:
+        """The file that all was written to; None where it is none, or several."""
+        is_one = self._number == 1 and self._file.regular and self._file.path != STANDARD_OUTPUT
+        return self._file.path if is_one and not self._file.is_new_and_empty else None
+
     def _tell_trouble(self) -> None:
         """Say, once, that the disk does not take what is written."""
         if self._lasting and self._lasting.trouble and not self._doubted:
@@ -216,7 +228,12 @@ class Output:
             )
 
     def _open(self, number: int = 1) -> _File:
-        return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
+        if not self._limits.several:
+            return _File(self._base)
+        seconds = time.time()
+        while Path(path := file_name(self._base, number, seconds)).is_file():
+            seconds += 1  # of a capture that ended a moment ago: started anew, this one must not empty it
+        return _File(path)
 
     def _failure(self, error: OSError) -> OutputError:
         if is_reader_gone(error, is_file=self._file.regular):
@@ -281,6 +298,11 @@ class _File:
         if self.regular:
             with contextlib.suppress(OSError):
                 os.ftruncate(self.descriptor, os.fstat(self.descriptor).st_size - count)
+
+    @property
+    def holds_data(self) -> bool:
+        """Whether `empty` would take something away."""
+        return self.regular and self.path != STANDARD_OUTPUT and os.fstat(self.descriptor).st_size > 0
 
     @property
     def is_new_and_empty(self) -> bool:

@@ -22,7 +22,6 @@ class Clock:
     def __init__(
         self, monotonic_ns: Callable[[], int] = clocks.monotonic_ns, wall_ns: Callable[[], int] = clocks.wall_ns
     ) -> None:
-        """Take the offset now."""
         self._monotonic_ns = monotonic_ns
         self._wall_ns = wall_ns
         self._from = monotonic_ns()

@@ -31,7 +31,6 @@ class Steady(NamedTuple):
     step_s: float
 
     def __str__(self) -> str:
-        """Name it for people."""
         step = f"{self.step_s * 1e3:.1f} ms" if self.step_s >= COARSE_S else f"{self.step_s * 1e9:.0f} ns"
         return f"clock {self.name}, in steps of {step}"
 

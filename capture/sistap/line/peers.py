@@ -23,7 +23,6 @@ class Peer:
     """One of them. What it has to be sent waits here until the system takes it."""
 
     def __init__(self, connection: socket.socket) -> None:
-        """Begin with nothing said."""
         self.connection = connection
         self.came_ns = monotonic_ns()
         self._waiting = bytearray()

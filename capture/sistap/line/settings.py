@@ -58,7 +58,6 @@ class LineSettings(NamedTuple):
         return f"{self.data_bits}{self.parity}{stop}"
 
     def __str__(self) -> str:
-        """Name rate and format for people."""
         return f"{self.baud} Bd {self.format}"
 
     @property

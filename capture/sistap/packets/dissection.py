@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from sistap.accesses.access import FIELD as ACCESSES
@@ -138,8 +139,20 @@ class Dissection:
     Use it in a `with`.
     """
 
-    def __init__(self, tshark: Tshark, capture: Path, more: Sequence[str] = (), *, keeps: bool = True) -> None:
-        """Read these fields, too. Nothing is read yet; what is not kept cannot be read again()."""
+    def __init__(
+        self,
+        tshark: Tshark,
+        capture: Path,
+        more: Sequence[str] = (),
+        *,
+        preferences: Mapping[str, object] = MappingProxyType({}),
+        keeps: bool = True,
+    ) -> None:
+        """Read these fields, too, with preferences of Wireshark.
+
+        Nothing is read yet; what is not kept cannot be read again().
+        """
+        self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
         self._capture = capture
         self._fields = (*FIELDS, *more, *(INFO_FIELDS if keeps else ()))
@@ -150,11 +163,9 @@ class Dissection:
         self.warning = ""  # what tshark said at the end of a capture that is cut
 
     def __enter__(self) -> Dissection:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget what was read."""
         self._kept.__exit__(*error)
 
     @property
@@ -181,7 +192,7 @@ class Dissection:
 
     def _packets(self) -> Iterator[Packet]:
         self._names = [name for name in self._fields if name not in self._unknown]
-        arguments = ["-r", str(self._capture), "-2", *rows.printing(self._names)]
+        arguments = ["-r", str(self._capture), "-2", *self._preferences, *rows.printing(self._names)]
         came = False
         try:
             for line in self._tshark.lines(arguments):

@@ -15,7 +15,6 @@ class Bin:
     __slots__ = ("count", "longest_s")
 
     def __init__(self) -> None:
-        """Begin with no time."""
         self.count = 0
         self.longest_s = 0.0
 
@@ -27,7 +26,6 @@ class Distribution:
     _TOGETHER = 4096  # times are sorted into bins so many at once: one by one takes several times as long
 
     def __init__(self) -> None:
-        """Begin with no time."""
         self.count = 0
         self.total_s = 0.0
         self._shortest_s = math.inf
@@ -122,7 +120,6 @@ class Slices:
     COUNT = 480
 
     def __init__(self) -> None:
-        """Begin with slices of 1 ms."""
         self.width_s = 0.001
         self.counts: defaultdict[str, list[int]] = defaultdict(lambda: [0] * self.COUNT)
         self.loads: list[float | None] = [None] * self.COUNT  # percent; the most in each slice, None: no telegram

@@ -41,7 +41,6 @@ class Kept:
     """Rows in the order of their packets. Use it in a `with`."""
 
     def __init__(self) -> None:
-        """Nothing has been kept yet."""
         self._blobs = Blobs("what was read of the capture")
         self._held: list[_Held] = []  # by blob
         self._rows: list[str] = []  # of the next blob, with their numbers and times
@@ -49,11 +48,9 @@ class Kept:
         self._times_s: list[float] = []
 
     def __enter__(self) -> Kept:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget everything."""
         self._blobs.__exit__(*error)
 
     def put(self, number: int, time_s: float, row: str) -> None:

@@ -147,7 +147,6 @@ class Moments:
     """The worst of each kind, and how many there were."""
 
     def __init__(self) -> None:
-        """Start with none."""
         self.counts = {kind.name: 0 for kind in KINDS}
         self._worst: dict[str, list[tuple[float, int, Moment]]] = {kind.name: [] for kind in KINDS}
         self._order = itertools.count(0, -1)  # of two equally bad ones the first is kept

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+from sistap.explain.memory import Memory
 from sistap.explain.relay import Entry
 
 LARGEST = 100_000_000  # bytes of a file: where something always matters, the next one goes on
@@ -31,17 +32,28 @@ class File(Protocol):
         """Say that it is complete."""
 
 
-Begin = Callable[[bytes, int, int, str], File]  # section and interfaces, time of the first record, of the reason, it
+class Beginning(NamedTuple):
+    """What a file begins with."""
+
+    heading: bytes  # section and interfaces
+    known: bytes  # telegrams from before that explain it: limits, names, units
+    first_ns: int  # time of its first record
+    time_ns: int  # of the reason
+    reason: str
+
+
+Begin = Callable[[Beginning], File]
 
 
 class Keeper:
     """Takes blocks in their order, each with the reason for which it matters, or without."""
 
     def __init__(self, around: Around, begin: Begin, heading: bytes, say: Callable[[str], None]) -> None:
-        """`begin` begins a file; `heading` is the section and the interfaces of all of them."""
+        """Begin files with `begin`; `heading` is the section and the interfaces of all of them."""
         self._around = around
         self._begin = begin
         self._heading = heading
+        self._known = Memory()  # from what came before the file: its limits, names and units
         self._say = say
         self._waiting: deque[Entry] = deque()  # that may come before what matters
         self._waiting_bytes = 0
@@ -95,13 +107,13 @@ class Keeper:
         if self._size > LARGEST:
             self._file.close()
             self._open(entry.time_ns, entry.time_ns)
-        if not entry.is_packet:
-            self._heading += entry.block
+        self._pass(entry)
         self._file.write(entry.block)
         self._size += len(entry.block)
 
     def _open(self, first_ns: int, time_ns: int) -> None:
-        self._file = self._begin(self._heading, first_ns, time_ns, self._reason)
+        known = b"".join(self._known.blocks(values=False))
+        self._file = self._begin(Beginning(self._heading, known, first_ns, time_ns, self._reason))
         self._size = 0
 
     def _close(self) -> None:
@@ -113,8 +125,14 @@ class Keeper:
     def _forget(self) -> None:
         oldest = self._waiting.popleft()
         self._waiting_bytes -= len(oldest.block)
-        if not oldest.is_packet:
-            self._heading += oldest.block
+        self._pass(oldest)
+
+    def _pass(self, entry: Entry) -> None:
+        """Learn from what no later file has."""
+        if not entry.is_packet:
+            self._heading += entry.block
+        if entry.telegram:
+            self._known.take(entry.telegram, entry.block)
 
     def _break(self) -> None:
         """Begin anew, with another time."""

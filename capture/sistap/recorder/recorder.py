@@ -21,10 +21,10 @@ from sistap.files.pcapng import Interface
 from sistap.line import priority
 from sistap.line.settings import LineSettings
 from sistap.recorder import shelf
-from sistap.recorder.keeper import Around, File, Keeper
+from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.reasons import Reasons
 from sistap.recorder.telling import Telling
-from sistap.records.record import Framing, Record
+from sistap.records.record import Event, Framing, Record
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
@@ -75,7 +75,6 @@ class Recorder:
         ring: Ring | None = None,
         seams: Seams = Seams(),  # noqa: B008 - it is frozen
     ) -> None:
-        """Start nothing yet."""
         self._wanted = wanted
         self._tshark = tshark
         self._blocks = Blocks(interfaces)
@@ -206,16 +205,21 @@ class Recorder:
     def _start(self, token: bytes | None) -> Running:
         return Running(self._tshark, self._wanted.reasons.arguments(token))
 
-    def _begin(self, heading: bytes, first_ns: int, time_ns: int, reason: str) -> File:
-        path = shelf.new_name(self._wanted.folder, time_ns, reason)
+    def _begin(self, beginning: Beginning) -> File:
+        time_ns = beginning.time_ns
+        path = shelf.new_name(self._wanted.folder, time_ns, beginning.reason)
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
-        why = f"; kept: {reason} at {when}.{time_ns // 1_000_000 % 1000:03d}".encode()
-        started = b"".join(self._blocks.packet(self._again(record, first_ns, why)) for record in self._started)
-        return _File(self, path, heading + started)
+        why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
+        if beginning.known:
+            why += "; it begins with earlier telegrams that told limits and names"
+        started = b"".join(self._blocks.packet(self._again(record, beginning, why)) for record in self._started)
+        return _File(self, path, beginning.heading + started + beginning.known)
 
-    def _again(self, started: Record, time_ns: int, why: bytes) -> Record:
+    def _again(self, started: Record, beginning: Beginning, why: str) -> Record:
         settings = self._settings.get(started.line, started.settings)
-        return started._replace(time_ns=time_ns, settings=settings, data=started.data + why)
+        time_ns = started.time_ns if beginning.known else beginning.first_ns  # before all that follows
+        data = started.data + why.encode() if started.event == Event.CAPTURE_STARTED else started.data
+        return started._replace(time_ns=time_ns, settings=settings, data=data)
 
     def tell_disk(self, trouble: str) -> None:
         """Say that a file cannot be written, once until one can."""

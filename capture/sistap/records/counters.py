@@ -34,7 +34,6 @@ class Counters:
     """All counts since the capture started."""
 
     def __init__(self) -> None:
-        """Start at zero."""
         self.characters = 0
         self.faulty_characters = 0  # with any error, breaks included
         self.breaks = 0
@@ -52,10 +51,11 @@ class Counters:
         return self.accepted.total()
 
     @property
-    def errors(self) -> str:
-        """Faulty characters and telegrams with a wrong checksum, in words."""
+    def text(self) -> str:
+        """Telegrams and characters in words, counted as `sistap report` counts them."""
         faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
-        return f"{faulty}, {self.damaged} wrong checksum{'' if self.damaged == 1 else 's'}"
+        telegrams = f"{self.telegrams + self.damaged} telegrams, {self.damaged} of them damaged"
+        return f"{telegrams}, {self.characters} characters, {faulty}"
 
     def add_read(self, read: Read | Record) -> None:
         """Count the characters of a read, or of a record."""
@@ -75,7 +75,5 @@ class Counters:
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
 
     def __str__(self) -> str:
-        """Return the progress line."""
         longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
-        counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors}"
-        return f"{counts}, longest interval {longest}"
+        return f"{self.text}, longest interval {longest}"

@@ -152,7 +152,6 @@ class ContentFramer(Framer):
     """A way of framing by what comes, whenever it comes: the base of SIS and of 3964R."""
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
-        """Start with an empty line."""
         super().__init__(line, settings, silence_ns)
         self._done = 0  # position in the data: what is before is in records
 
@@ -210,7 +209,6 @@ class SisFramer(ContentFramer):
     framing = Framing.SIS
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
-        """Start with an empty line."""
         super().__init__(line, settings, silence_ns)
         # Positions in the data, too:
         self._at = 0  # before this no good telegram starts ...

@@ -39,7 +39,6 @@ class Framer3964R(ContentFramer):
     framing = Framing.PROCEDURE_3964R
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
-        """Start with a line on which nobody has asked."""
         super().__init__(line, settings, silence_ns)
         self._shared = line == 0
         self._at = 0  # position of the next character to look at

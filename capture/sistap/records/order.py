@@ -21,7 +21,6 @@ class Order:
     """Records that wait. The clock of `now_ns` is any that goes on; the other times are those of the records."""
 
     def __init__(self) -> None:
-        """Start with none."""
         self._waiting: list[tuple[int, int, Record]] = []  # time, number: equal times stay as they came
         self._number = itertools.count()
         self._since: deque[tuple[int, int]] = deque()  # when each began to wait, and its time

@@ -44,6 +44,16 @@ class Event(enum.IntEnum):
     CHARACTERS_LOST = 3
     ADAPTER_LOST = 4
     MARKER = 5
+    LIMITS_TOLD = 6  # by the user; the text is for the dissector: TzA = 8 ms, TrS = 20 ms
+
+    @classmethod
+    def _missing_(cls, value: object) -> Event | None:
+        """Keep the number of an event of a later version."""
+        if not isinstance(value, int):
+            return None
+        later = int.__new__(cls, value)
+        later._name_, later._value_ = f"LATER_{value}", value
+        return later
 
 
 class Record(NamedTuple):

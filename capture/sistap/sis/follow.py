@@ -32,7 +32,6 @@ class Follow:
     """The rate of one bus. Times are those of the telegrams, in ns."""
 
     def __init__(self, baud: int) -> None:
-        """Begin with the rate of now."""
         self._valid = baud  # apart from a test
         self._set: dict[int, int] = {}  # by whom they were told, a station or BROADCAST: rates not yet accepted
         self._command: Header | None = None  # to one station, of this service, not yet answered

@@ -33,7 +33,6 @@ class Stopped(BaseException):
         self._stop = stop
 
     def __del__(self) -> None:
-        """Tell it."""
         self._stop.listen()
 
 
@@ -46,7 +45,6 @@ class Stop:
     _of_command: Stop | None = None  # of the one that runs in this process
 
     def __init__(self) -> None:
-        """Install nothing yet."""
         self.asked = False
         self.at_once = True  # False: the command looks at `asked`
         self._handle_now = self._ignore
@@ -67,7 +65,6 @@ class Stop:
         self._install()
 
     def __enter__(self) -> Stop:
-        """Let a signal raise Stopped from now on."""
         if not self._before:
             self._install()
         Stop._of_command = self
@@ -170,7 +167,6 @@ class held:
     """Hold Stopped back in a `with`, in the main thread. Nothing in it may take long: a signal waits for its end."""
 
     def __enter__(self) -> None:
-        """Hold it."""
         self._stop = Stop.current()
         self._stop.hold()
 

@@ -34,11 +34,9 @@ class Blobs:
         self._ends = [0]
 
     def __enter__(self) -> Blobs:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget everything."""
         with suppress(OSError):  # what found no room is still in the buffer
             self._file.close()
 

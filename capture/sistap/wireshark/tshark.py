@@ -116,7 +116,6 @@ class Tshark:
             self._own.prepare(self._environment)
 
     def __enter__(self) -> Tshark:
-        """Nothing more to do."""
         return self
 
     def __exit__(
@@ -240,7 +239,6 @@ class _OwnFolder:
     """
 
     def __init__(self) -> None:
-        """Make it, for root alone at first."""
         self.path = Path(tempfile.mkdtemp(prefix="sistap-"))
         self._descriptor = os.open(self.path, os.O_RDONLY)
         self._numbers = itertools.count(1)

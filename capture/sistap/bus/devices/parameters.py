@@ -86,7 +86,6 @@ class AccessError(Exception):
     """An access failed; `code` is the error code of fig. 8-48."""
 
     def __init__(self, code: int) -> None:
-        """Say which code."""
         super().__init__(f"0x{code:04X}")
         self.code = code
 

@@ -39,7 +39,6 @@ class Channel:
     """The way to a device's parameters."""
 
     def __init__(self) -> None:
-        """Nothing is under way."""
         self.transfer: Transfer | None = None
 
     def enter(self, request: Request) -> Transfer | None:

@@ -34,7 +34,6 @@ class Sending:
     damaged: bool = False  # no station understands it
 
     def __post_init__(self) -> None:
-        """Begin with what is sent."""
         self.slots = [Slot(value) for value in self.sent]
 
     def set_checksum(self, value: int) -> None:

@@ -46,7 +46,6 @@ class Branch:
     """What faults make of what is sent; they have a source of chance of their own, and so change nothing else."""
 
     def __init__(self, faults: Faults, seed: int) -> None:
-        """Begin with nothing lost."""
         self._faults = faults
         self._noise = random.Random(f"{seed} noise")
         self._lost = False  # characters were lost since the last that arrived

@@ -36,6 +36,5 @@ class Head(NamedTuple):
         return cls(bool(access & _WRITE), bool(access & _LAST), axis, data[3:SIZE])
 
     def __bytes__(self) -> bytes:
-        """Make its bytes."""
         access = (_WRITE if self.write else 0) | (_LAST if self.last else 0)
         return struct.pack(">HB", access, self.axis) + self.parameter

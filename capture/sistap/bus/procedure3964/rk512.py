@@ -43,7 +43,6 @@ class Reaction(NamedTuple):
     data: bytes
 
     def __bytes__(self) -> bytes:
-        """Make the telegram."""
         return bytes([_FOLLOW_UP if self.follow_up else _FIRST, 0, 0, self.error]) + self.data
 
 

@@ -58,7 +58,6 @@ class S5:
     """An S5 at the procedure."""
 
     def __init__(self, partner: Partner, script: Script, timing: random.Random) -> None:
-        """Begin with the script at once."""
         self.partner = partner
         self._script = script
         self._timing = timing

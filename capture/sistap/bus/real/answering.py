@@ -48,7 +48,6 @@ class BusTime:
     """The time of the bus, in ns since it was started."""
 
     def __init__(self) -> None:
-        """Start at 0."""
         self._zero = monotonic_ns()
 
     def now_ns(self) -> int:
@@ -75,7 +74,6 @@ class Answering:
     """The stations of a line: characters in, answers out; times are in ns since the bus was started."""
 
     def __init__(self, stations: Sequence[Station], settings: LineSettings) -> None:
-        """Switch the stations on, with the rate of the line."""
         self._settings = settings
         self._ears = [_Ear(station, settings.baud) for station in stations]
 

@@ -15,7 +15,6 @@ class Receiver:
     """Cuts telegrams as a station does, by silence and by the lengths; how good they are is for others to judge."""
 
     def __init__(self) -> None:
-        """Listen to a line that has been silent for long."""
         self._heard = bytearray()  # the telegram so far; empty: waiting for a start
         self._alternative: int | None = None  # where in it another telegram may have begun
         self._last_ns: int | None = None  # when the last character came

@@ -37,7 +37,6 @@ class RealLine:
     collided = False
 
     def __init__(self, port: TransmittingPort, times: Times) -> None:
-        """Begin at time 0."""
         self.commands = self.reactions = self.unanswered = 0
         self._port = port
         self._times = times

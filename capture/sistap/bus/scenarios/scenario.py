@@ -23,7 +23,7 @@ from sistap.bus.scenarios.procedure3964 import Procedure
 from sistap.bus.scenarios.steps import Master, Step, read_steps, script
 from sistap.bus.stations.making import make
 from sistap.bus.stations.station import Station
-from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, flag, tables, text, whole
+from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, flag, instant_ns, tables, text, whole
 from sistap.line.settings import LineSettings
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 
@@ -64,6 +64,7 @@ class Scenario:
     station_tables: Sequence[Mapping[str, object]]
     faults: Sequence[Fault]
     procedure: Procedure | None = None  # of a scenario of 3964R: all that is played
+    begin_ns: int | None = None  # since 1970: its time 0, where time is simulated
 
     @property
     def cut(self) -> Cut:
@@ -172,6 +173,7 @@ def _read(table: Table) -> Scenario:
         [_master(master) for master in table.take("master", tables("[[master]]"), NO_TABLES)],
         table.take("station", _list, []),
         [Fault.of_table(fault) for fault in table.take("fault", tables("[[fault]]"), NO_TABLES)],
+        begin_ns=table.take("begin", instant_ns, None),
     )
     table.end()
     return scenario

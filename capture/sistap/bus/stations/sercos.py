@@ -51,7 +51,6 @@ class Parameters:
     """The parameters of the devices that a station gives access to."""
 
     def __init__(self, devices: Mapping[int, tuple[Device, Gate]], edition: Edition) -> None:
-        """Take the devices by their addresses."""
         self._devices = devices
         self._longest = edition.longest
         self._channel_status = edition.channel_status

@@ -14,15 +14,16 @@ _SPIN_NS = 150_000  # a sleep ends up to about this much late
 class Pace:
     """The bus's time: when its time 0 was, and how to wait for what comes later."""
 
-    def __init__(self, simulated: bool = False) -> None:
-        """Simulated time goes as fast as it is asked for."""
+    def __init__(self, simulated: bool = False, begin_ns: int | None = None) -> None:
+        """Simulated time goes as fast as it is asked for; its time 0 can be `begin_ns`, in ns since 1970."""
         self.simulated = simulated
+        self._begin_ns = begin_ns if simulated else None
         self.start()
 
     def start(self, delay_s: float = 0) -> None:
         """Let time 0 be so much later than now."""
         self._zero = monotonic_ns() + int(delay_s * 1e9)
-        self._wall_zero = CLOCK.wall_ns(self._zero)
+        self._wall_zero = CLOCK.wall_ns(self._zero) if self._begin_ns is None else self._begin_ns
 
     def wait_until(self, time_ns: int) -> None:
         """Sleep until close to the instant, then watch the clock: some tens of microseconds are a character."""

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Iterable
 from typing import Protocol
 
@@ -10,6 +12,7 @@ from sistap.bus.ending import Refusal
 from sistap.bus.playing.played import Played
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
+from sistap.bus.wires.port_wire import PortWire
 from sistap.files.output import OutputError
 from sistap.terminal.exits import FAILED
 
@@ -39,6 +42,8 @@ def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = 
         try:
             if wire.name:
                 print(wire.name, flush=True)
+                if not isinstance(wire, PortWire):
+                    _say_what_to_type(wire.name)
             wire.wait_for_listener()
             if log:
                 log.begin(f"{about}, time 0 is {pace.wall_ns()} ns since 1970")
@@ -50,6 +55,12 @@ def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = 
     except OSError as error:
         saved = "; the log has what was played before" if log else ""
         raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error
+
+
+def _say_what_to_type(name: str) -> None:
+    """Tell a person how to capture it; a program that reads standard output wants the name alone."""
+    if sys.stdout.isatty():
+        print(f"listen to it in another terminal: sistap capture -i {shlex.quote(name)}", file=sys.stderr)
 
 
 def serve(wire: Wire, telegrams: Iterable[Played], log: Log | None) -> None:

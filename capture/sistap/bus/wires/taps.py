@@ -17,6 +17,7 @@ from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import TIMING, Character, Played, reads, uncertainty
 from sistap.bus.wires.pace import Pace
 from sistap.line import bus_socket
+from sistap.line.clock import CLOCK
 from sistap.line.clocks import monotonic_ns
 from sistap.line.peers import Peer, Peers
 from sistap.line.settings import LineSettings, Read
@@ -35,7 +36,6 @@ class Tap(Peer):
     """One connected tap."""
 
     def __init__(self, connection: socket.socket, seed: int) -> None:
-        """Wait for its settings."""
         super().__init__(connection)
         self.settings: LineSettings | None = None
         self._noise = random.Random(f"{seed} tap")
@@ -127,7 +127,8 @@ class Taps:
     def _welcome(self, connection: socket.socket) -> Tap:
         tap = Tap(connection, self._seed)
         began_ns = self._pace.wall_ns()
-        hello = bus_socket.Hello(bus_socket.Kind.BUS, began_ns, began_ns, 0, self.name, "virtual bus", TIMING)
+        now_ns = self._pace.wall_ns(self._now) if self._pace.simulated else CLOCK.now_ns()
+        hello = bus_socket.Hello(bus_socket.Kind.BUS, now_ns, began_ns, 0, self.name, "virtual bus", TIMING)
         tap.put(bus_socket.pack_hello(hello))
         return tap
 

@@ -11,11 +11,22 @@ import sys
 
 from sistap.line.analyser import is_analyser
 from sistap.line.bus_socket import Kind
-from sistap.line.reader.contract import Distant, Measuring, PortError, PortLost, Reader
+from sistap.line.reader.contract import Distant, Measuring, OwnTime, PortError, PortLost, Reader
 from sistap.line.reader.several import Several, Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = ["Distant", "Measuring", "PortError", "PortLost", "Reader", "Several", "Source", "open_reader", "together"]
+__all__ = [
+    "Distant",
+    "Measuring",
+    "OwnTime",
+    "PortError",
+    "PortLost",
+    "Reader",
+    "Several",
+    "Source",
+    "open_reader",
+    "together",
+]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:

@@ -19,7 +19,6 @@ class PortLost(Exception):
     """A port was lost while it was read; the text is one line that names the cure."""
 
     def __init__(self, text: str, line: int = 0) -> None:
-        """Lose the port of this line."""
         super().__init__(text)
         self.line = line
 
@@ -48,11 +47,18 @@ class Reader(Protocol):
 
 
 @runtime_checkable
-class Distant(Reader, Protocol):
-    """A tap on another computer: its times are of the clock there, and its settings are set there."""
+class OwnTime(Reader, Protocol):
+    """A reader with times of another clock: that of a virtual bus, or of another computer."""
 
     def now_ns(self) -> int:
         """Return what time it is there, in ns since 1970."""
+
+
+@runtime_checkable
+class Distant(OwnTime, Protocol):
+    """A tap on another computer."""
+
+    settings_are_told: bool  # by the other computer; nobody changes them here
 
 
 @runtime_checkable

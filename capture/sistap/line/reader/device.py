@@ -165,7 +165,6 @@ class MarkDecoder:
     """
 
     def __init__(self) -> None:
-        """Start with nothing received."""
         self.pending = b""  # the beginning of a mark that the last read cut
 
     def feed(self, data: bytes) -> tuple[bytes, bytes]:

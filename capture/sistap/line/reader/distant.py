@@ -27,6 +27,8 @@ class DistantReader:
     The tap says its settings, and nobody else sets them. All that is said to it is that it was heard.
     """
 
+    settings_are_told = True
+
     def __init__(self, port: str, line: int, connection: Connection) -> None:
         """Go on with a connection, on which nothing but the first message was read."""
         self.name = port
@@ -170,7 +172,6 @@ class _Search:
     """Tries to connect, in a thread of its own: to find a host may take long."""
 
     def __init__(self, port: str) -> None:
-        """Begin."""
         self._port = port
         self._found: SimpleQueue[Connection] = SimpleQueue()
         self._ended = threading.Event()

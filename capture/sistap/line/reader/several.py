@@ -81,7 +81,6 @@ class PolledReaders:
     """One thread waits for all."""
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
-        """Wait for these."""
         self._readers: dict[int, Pollable] = {}
         self._poll = select.poll()
         for reader in readers:
@@ -141,7 +140,6 @@ class ThreadedReaders:
     """A thread waits for each: for ports whose times have no bound anyway, or are those of a virtual bus."""
 
     def __init__(self, readers: Sequence[Reader]) -> None:
-        """Begin to read these."""
         self._queue: SimpleQueue[Read | PortLost] = SimpleQueue()
         self._ended = False
         self._threads: list[threading.Thread] = []

@@ -178,7 +178,6 @@ class _Channel:
     """One line, and what is heard on it."""
 
     def __init__(self, name: str, uart: Uart, inverted: bool, line: int) -> None:
-        """Decode what stands behind this name."""
         self.begin = name.encode() + b":"
         self.uart = uart
         self.inverted = inverted
@@ -201,7 +200,6 @@ class SampleClock:
     _LOOKS = 3  # so many, one after the other, are for good
 
     def __init__(self, now_ns: int, samplerate: int) -> None:
-        """Begin with sample 0, now (of the monotonic clock)."""
         self._samplerate = samplerate
         self._begin_ns = CLOCK.wall_ns(now_ns)
         self.uncertainty_ns = -(-2 * _NS // samplerate)

@@ -7,6 +7,7 @@ from collections import deque
 from contextlib import suppress
 
 from sistap.line import bus_socket
+from sistap.line.clock import CLOCK
 from sistap.line.reader.connection import Connection, connect
 from sistap.line.reader.contract import PortError, PortLost
 from sistap.line.reader.trouble import connection_trouble
@@ -34,6 +35,7 @@ class WireReader:
         self._decoder = connection.decoder
         self._heard_with = settings
         self._reads: deque[Read] = deque()
+        self._ahead_ns = connection.ahead_ns
         self._answer = b""  # to the bus, when everything before was dealt with
         for message in connection.after_hello:
             self._take(message)
@@ -47,6 +49,10 @@ class WireReader:
         if not self._reads:
             self._receive(timeout_s)
         return self._reads.popleft() if self._reads else None
+
+    def now_ns(self) -> int:
+        """Return what time it was on the bus when this began, and how long ago that was."""
+        return CLOCK.now_ns() + self._ahead_ns
 
     def change(self, settings: LineSettings) -> None:
         """Read with other settings from the bus's next character on."""

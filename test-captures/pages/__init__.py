@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The lessons of the course as HTML pages that a browser opens from their folder. README.md says what is where."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+COURSE = HERE.parent / "course"
+sys.path[:0] = [str(HERE.parent), *(str(HERE.parents[1] / "capture" / folder) for folder in ("", "tests"))]

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Compares what was typed with what is accepted. Forgives blanks, case, 0x, commas and units.
+// A check returns {right, say}: `right` is null where the text cannot be read, and `say` tells why.
+
+const SECONDS = { s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6 };
+
+function wrong(say) {
+  return { right: false, say: say || "Not right." };
+}
+
+function unreadable(say) {
+  return { right: null, say };
+}
+
+// "0,012 s", "12 ms", "0x1B", "1B h": the value and its unit; null where it is no number.
+function readNumber(text) {
+  const found = text.trim().toLowerCase()
+    .match(/^(?:0x([0-9a-f]+)|([0-9a-f]+) ?h|([+-]?\d+(?:[.,]\d+)?))\s*([a-zµ%.]*)$/);
+  if (!found) return null;
+  const [, hexadecimal, marked, decimal, unit] = found;
+  const value = decimal ? Number(decimal.replace(",", ".")) : parseInt(hexadecimal || marked, 16);
+  return { value, unit };
+}
+
+function sameNumber(typed, accepted) {
+  let [one, other] = [typed.value, accepted.value];
+  if (typed.unit in SECONDS && accepted.unit in SECONDS) {
+    one *= SECONDS[typed.unit];
+    other *= SECONDS[accepted.unit];
+  } else if (accepted.unit in SECONDS && typed.unit) {
+    return false;
+  }
+  return Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other));
+}
+
+// "3, 5", "packets 3 and 5", "3-5", "none": numbers in order; null where it is no such list.
+function readPackets(text) {
+  const words = text.toLowerCase().replace(/packets?|nos?\.|and|[&,;#]/g, " ").trim();
+  if (/^(none|no|nothing|-)$/.test(words)) return [];
+  const numbers = new Set();
+  for (const word of words.replace(/\s*(-|–|\.\.|to)\s*/g, "-").split(/\s+/)) {
+    const found = word.match(/^(\d{1,6})(?:-(\d{1,6}))?$/);
+    if (!found) return null;
+    const [first, last] = [Number(found[1]), Number(found[2] || found[1])];
+    for (let number = first; number <= last; number++) numbers.add(number);
+  }
+  return [...numbers].sort((one, other) => one - other);
+}
+
+// "0x02, d9", "02:D9", "02D9": digits alone; null where they are no bytes.
+function readHex(text) {
+  const words = text.trim().toLowerCase().split(/[\s,;:.-]+/).map((word) => word.replace(/^0x|^\\x|h$/g, ""));
+  const digits = words.map((word) => (word.length === 1 ? "0" + word : word)).join("");
+  return /^([0-9a-f]{2})+$/.test(digits) ? digits : null;
+}
+
+function readText(text) {
+  return text.toLowerCase().replace(/["'“”`]/g, "").replace(/[.!]+$/, "").replace(/\s+/g, " ").trim();
+}
+
+function compareBy(read, same, say) {
+  return (typed, accepted) => {
+    const value = read(typed);
+    if (value === null) return unreadable(say);
+    return accepted.some((one) => same(value, read(one))) ? { right: true, say: "Right." } : wrong();
+  };
+}
+
+const identical = (one, other) => String(one) === String(other);
+
+const CHECKS = {
+  number: compareBy(readNumber, sameNumber, "Type a number, such as 27, 0x1B or 12 ms."),
+  packets: compareBy(readPackets, identical, "Type packet numbers, such as 3, 5 or 3-5; or none."),
+  hex: compareBy(readHex, identical, "Type bytes in hexadecimal, such as 02 D9."),
+  text: compareBy(readText, identical, ""),
+  choice: compareBy(readText, identical, ""),
+  filter(typed, accepted) {
+    const left = packetsOf(typed);
+    if (left === null) {
+      return unreadable("This page cannot run that filter; it may be right. Try it in Wireshark, or say it otherwise.");
+    }
+    const wanted = packetsOf(accepted[0]);
+    return identical(left, wanted) ? { right: true, say: "Right." } : wrong(`That leaves ${listed(left)}.`);
+  },
+};
+
+function check(ask, typed) {
+  return typed.trim() ? CHECKS[ask.kind](typed, ask.accepted) : unreadable("Type an answer first.");
+}
