@@ -104,9 +104,15 @@ class Program:
     def __init__(self, path: Path, capture: Path, tshark: Tshark, sharkd: Sharkd) -> None:
         self.path, self.capture = path, capture
         self._tshark, self._sharkd, self._options = tshark, sharkd, options(path)
+        self._left: dict[str, list[int]] = {}
 
     def frames(self, expression: str) -> list[int]:
         """Return the packets that a filter leaves."""
+        if expression not in self._left:
+            self._left[expression] = self._frames(expression)
+        return self._left[expression]
+
+    def _frames(self, expression: str) -> list[int]:
         if not self._options:
             return self._sharkd.frames(self.capture, expression)
         command = (
@@ -205,7 +211,7 @@ def test_clicks(path: Path, program: Program) -> None:
         for click in step
         if (words := window.click(click))
     ]
-    assert steps
+    assert any(isinstance(click, Clicked) for step in steps for click in step)
     assert not complaints, "\n".join(complaints)
 
 
