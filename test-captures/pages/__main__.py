@@ -5,15 +5,19 @@ from __future__ import annotations
 
 import argparse
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
 from sharkd import Sharkd
 
+import sistap
+from lesson import recording
 from pages import COURSE, HERE, page, questions
 from pages.dissection import dissection
 from sistap.wireshark.tshark import TsharkError
 
+SISTAP = Path(sistap.__file__).parent
 BUILT = HERE.parents[1] / "build" / "course"
 
 
@@ -22,10 +26,25 @@ def lessons() -> list[questions.Lesson]:
     return [questions.read(path) for path in sorted(COURSE.glob("[0-9][0-9]-*.md"))]
 
 
+def captured(lesson: questions.Lesson, folder: Path) -> questions.Lesson:
+    """Have the virtual bus write the capture of a lesson that has none beside it."""
+    arguments = recording(lesson.path)
+    if not arguments:
+        return lesson
+    capture = folder / lesson.capture.name
+    arguments[arguments.index("-w") + 1] = str(capture.absolute())
+    command = [sys.executable, "-m", "sistap", *arguments, "--force"]
+    played = subprocess.run(command, cwd=SISTAP.parent, capture_output=True, text=True, check=False)
+    if played.returncode:
+        raise OSError(played.stderr.strip())
+    capture.chmod(0o644)  # tshark may run as nobody
+    return lesson._replace(capture=capture)
+
+
 def build(folder: Path) -> list[Path]:
-    """Write all pages, and the poster that they link; return what was written."""
+    """Write all pages, the captures that they need, and the poster that they link; return the pages."""
     folder.mkdir(parents=True, exist_ok=True)
-    known = lessons()
+    known = [captured(lesson, folder) for lesson in lessons()]
     written = {folder / "index.html": page.index_page(known)}
     with Sharkd() as sharkd:
         if not sharkd.has_field("sis.start"):
