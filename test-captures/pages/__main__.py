@@ -23,7 +23,7 @@ def lessons() -> list[questions.Lesson]:
 
 
 def build(folder: Path) -> list[Path]:
-    """Write all pages, and the poster that they link; return what was written."""
+    """Write all pages, and the papers for the wall that they link; return what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     known = lessons()
     written = {folder / "index.html": page.index_page(known)}
@@ -35,7 +35,8 @@ def build(folder: Path) -> list[Path]:
             written[folder / f"{lesson.path.stem}.html"] = text
     for path, text in written.items():
         page.write(path, text)
-    shutil.copyfile(COURSE / page.POSTER, folder / page.POSTER)
+    for name, _ in page.PAPERS:
+        shutil.copyfile(COURSE / name, folder / name)
     return list(written)
 
 
