@@ -78,9 +78,10 @@ class Page:
         """Draw a rectangle with its outline."""
         self._add("rect", x=x, y=y, width=wide, height=high, fill=fill, stroke=BLACK, stroke_width=0.25)
 
-    def line(self, x1: float, y1: float, x2: float, y2: float, thick: float = 0.25, colour: str = BLACK) -> None:
+    def line(self, x1: float, y1: float, x2: float, y2: float, **attributes: object) -> None:
         """Draw a line."""
-        self._add("line", x1=x1, y1=y1, x2=x2, y2=y2, stroke=colour, stroke_width=thick)
+        stroke = {"stroke": BLACK, "stroke_width": 0.25, **attributes}
+        self._add("line", x1=x1, y1=y1, x2=x2, y2=y2, **stroke)
 
     def span(self, x1: float, x2: float, y: float, words: str, size: float) -> None:
         """Draw a double arrow from x1 to x2 with words over its middle."""

@@ -81,7 +81,7 @@ def telegram(page: Page, y: float, words: str, bytes_: Sequence[Byte]) -> None:
     for number, (pair, name, kind) in enumerate(bytes_):
         left = MARGIN + BYTE * number
         page.area(left, y + 2, BYTE - 1, 12, tint(kind))
-        page.line(left, y + 14, left + BYTE - 1, y + 14, 1, KINDS[kind][1])
+        page.line(left, y + 14, left + BYTE - 1, y + 14, stroke=KINDS[kind][1], stroke_width=1)
         page.text(left + BYTE / 2, y + 11.2, pair, 9, text_anchor="middle", font_weight="bold")
         for place, line in enumerate(wrapped(name, 3.6, BYTE - 1)):
             page.text(left + BYTE / 2, y + 19 + 4 * place, line, 3.6, text_anchor="middle")
@@ -92,7 +92,7 @@ def key(page: Page, y: float) -> None:
     for number, (kind, (words, colour, _)) in enumerate(KINDS.items()):
         left = MARGIN + 56.5 * number
         page.area(left, y - 4, 5, 5, tint(kind))
-        page.line(left, y + 1, left + 5, y + 1, 0.8, colour)
+        page.line(left, y + 1, left + 5, y + 1, stroke=colour, stroke_width=0.8)
         page.text(left + 7, y, words, 3.6)
 
 
@@ -139,8 +139,8 @@ def columns(page: Page, top: float, bottom: float) -> None:
 
 def bus(page: Page, x: float, y: float) -> None:
     """Draw a bus: two wires, a resistor at both ends, stations, and the tap."""
-    page.line(x + 6, y, x + 116, y, 0.6, KINDS["address"][1])
-    page.line(x + 6, y + 6, x + 116, y + 6, 0.6, KINDS["service"][1])
+    page.line(x + 6, y, x + 116, y, stroke=KINDS["address"][1], stroke_width=0.6)
+    page.line(x + 6, y + 6, x + 116, y + 6, stroke=KINDS["service"][1], stroke_width=0.6)
     page.text(x, y + 1.2, "B", SIZE, font_weight="bold")
     page.text(x, y + 7.2, "A", SIZE, font_weight="bold")
     for left in (x + 8, x + 112):
@@ -149,14 +149,15 @@ def bus(page: Page, x: float, y: float) -> None:
     page.text(x + 110, y - 1.5, "120 ohms", 3.3, text_anchor="end")
     for number, words in enumerate(("master", "drive 3", "drive 4", "tap")):
         left = x + 18 + 24.5 * number
-        page.line(left + 5, y, left + 5, y + 11, 0.4, KINDS["address"][1])
-        page.line(left + 12, y + 6, left + 12, y + 11, 0.4, KINDS["service"][1])
+        page.line(left + 5, y, left + 5, y + 11, stroke=KINDS["address"][1], stroke_width=0.4)
+        page.line(left + 12, y + 6, left + 12, y + 11, stroke=KINDS["service"][1], stroke_width=0.4)
         page.box(left, y + 11, 18, 7, tint("object") if words == "tap" else WHITE)
         page.text(left + 9, y + 15.8, words, SIZE, text_anchor="middle")
 
 
-def characters(page: Page, x: float, y: float, words: str, kind: str, places: Sequence[int]) -> list[float]:
+def characters(page: Page, x: float, y: float, words: str, places: Sequence[int]) -> list[float]:
     """Draw characters at so many character times; return when each is over, that is when it has arrived."""
+    kind = "status" if words == "reaction" else "service"
     for place in places:
         page.box(x + CHARACTER * place, y, CHARACTER, 6, tint(kind))
     page.text(x, y + 11, words, SIZE)
@@ -168,10 +169,10 @@ def timing(page: Page, x: float, y: float) -> None:
     page.text(x, y, "Times", 4.6, font_weight="bold")
     base = y + 12
     page.line(x, base + 6, x + 262, base + 6)
-    command = characters(page, x + 26, base, "command", "service", [0, 1, 2, 3, 7, 8, 9, 10])
-    reaction = characters(page, command[-1] + 26, base, "reaction", "status", range(5))
-    again = characters(page, reaction[-1] + 15, base, "command", "service", range(4))
-    repeat = characters(page, again[-1] + 26, base, "the same again", "service", range(4))
+    command = characters(page, x + 26, base, "command", [0, 1, 2, 3, 7, 8, 9, 10])
+    reaction = characters(page, command[-1] + 26, base, "reaction", range(5))
+    again = characters(page, reaction[-1] + 15, base, "command", range(4))
+    repeat = characters(page, again[-1] + 26, base, "the same again", range(4))
     for begin, end, words in (
         (x + 1, command[0], "silence"),
         (command[3], command[4], "TzA"),
