@@ -29,7 +29,7 @@ VALUE = 'sis.value contains "rpm" && sis.control.reaction == 1'
 
 @contextmanager
 def virtual_bus() -> Iterator[str]:
-    """Play the virtual bus; give the name of its pseudo terminal."""
+    """Play the virtual bus; return the name of its pseudo terminal."""
     bus = subprocess.Popen([*SISTAP, "bus", "--seed", "1"], stdout=subprocess.PIPE, text=True)
     try:
         assert bus.stdout is not None
@@ -40,19 +40,19 @@ def virtual_bus() -> Iterator[str]:
 
 
 def heading(text: str, command: str) -> None:
-    """Say what comes, and how to get it oneself."""
+    """Print what comes, and the command that shows it."""
     print(f"\n-- {text}\n   {command}\n", flush=True)
 
 
 def show(tshark: Tshark) -> None:
-    """Print what a person would look at first."""
+    """Print what a user would look at first."""
     capture = ("-r", str(CAPTURE))
-    heading("The bus, a line a telegram", "tshark -r build/demo.pcapng")
+    heading("The bus, one telegram in each line", "tshark -r build/demo.pcapng")
     packets = tshark.output(*capture).splitlines()
     print("\n".join(packets[:PACKETS]))
     if len(packets) > PACKETS:
         print(f"  ... and {len(packets) - PACKETS} more")
-    heading("One of them, taken apart", f"tshark -r build/demo.pcapng -V -O sis -Y '{VALUE}'")
+    heading("One telegram in detail", f"tshark -r build/demo.pcapng -V -O sis -Y '{VALUE}'")
     print(tshark.output(*capture, "-Y", VALUE, "-V", "-O", "sis").split("\n\n")[0])
     for statistics, text in STATISTICS:
         heading(text, f"tshark -r build/demo.pcapng -q -z {statistics}")
@@ -63,7 +63,7 @@ def main() -> int:
     """Run the demo; return the exit code."""
     CAPTURE.parent.mkdir(exist_ok=True)
     with virtual_bus() as port:
-        command = ["capture", "-i", port, "-w", str(CAPTURE), "-a", f"duration:{SECONDS}"]
+        command = ["capture", "-i", port, "-w", str(CAPTURE), "--force", "-a", f"duration:{SECONDS}"]
         heading(
             f"A virtual bus plays on {port}; {SECONDS} seconds of it",
             f"sistap {' '.join(command[:4])} build/demo.pcapng",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Puts sis.lua into the package, for `sistap install`; all else is in pyproject.toml.
+"""Puts sis.lua into the package, for `sistap install`; everything else is in pyproject.toml.
 
-Not a symbolic link: on Windows git makes a text file of one, and Wireshark would load that.
+Not a symbolic link: on Windows git makes a text file of it, and Wireshark would load that.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ LUA = next(file for file in (HERE.parent / "lua-fallback/sis.lua", HERE / "sista
 
 
 class BuildWithLua(build_py):
-    """A package has it beside the modules; an editable one finds it in the checkout."""
+    """Puts it beside the modules of a package; an editable package finds it in the checkout."""
 
     def run(self) -> None:
         """Build, then copy."""
@@ -29,7 +29,7 @@ class BuildWithLua(build_py):
 
 
 class SourcesWithLua(sdist):
-    """A source distribution has it where a package has it."""
+    """Puts it into a source distribution, at the place it has in a package."""
 
     def make_release_tree(self, base_dir: str, files: list[str]) -> None:
         """Make the tree, then copy."""

@@ -684,6 +684,7 @@ N.events = {
   [3] = "Characters lost",
   [4] = "Adapter lost",
   [5] = "Marker",
+  [6] = "Limits told by the user",
 }
 field("sertap.version", "Version", ftypes.UINT8, base.DEC)
 field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC)
@@ -1338,6 +1339,11 @@ do
     return record.known
   end
 
+  -- First pass: the limits that the user told of this record's interface: {told_in: the event, text}; nil: none.
+  function T.limits(record)
+    return record.known.limits
+  end
+
   local function note_disturbance(line, record)
     local is_gap = record.type == K.EVENT
       and (record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST)
@@ -1370,6 +1376,11 @@ do
     record.known = line
     if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, record) end
     if record.type ~= K.EVENT then note_spell(line, record) end
+    if record.type == K.EVENT and record.event == K.LIMITS_TOLD then
+      local text = sub(record.bytes, record.data_offset + 1, record.data_offset + record.count)
+
+      line.limits = {told_in = number, text = string.match(text, "^[^\0]*")}
+    end
     line_of[number], spell_of[number] = line, line.last
   end
 
@@ -1411,7 +1422,7 @@ do
   local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
   K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
-  K.CHARACTERS_LOST, K.ADAPTER_LOST = 3, 4
+  K.CHARACTERS_LOST, K.ADAPTER_LOST, K.LIMITS_TOLD = 3, 4, 6
   K.SAME_READ, K.CHARACTER_ERROR, K.BREAK, K.LOST_BEFORE = 0x01, 0x02, 0x04, 0x08
   K.UNLOCATED_ERROR, K.INTERVAL_UNKNOWN, K.INTERVAL_SATURATED = 0x10, 0x20, 0x40
 
@@ -4839,6 +4850,13 @@ do
     return (string.gsub(strformat("%." .. digits .. "g", value), "[^%w+-]+", "."))
   end
 
+  -- The number that such a text shows, or nil. Lua reads numbers as the locale writes them.
+  function S.shown_number(text)
+    local point = match(strformat("%.1f", 0.5), "%D+")
+
+    return text and tonumber((string.gsub(text, "%.", point)))
+  end
+
   -- Digits of a whole number with a point before the last ones.
   local function point_text(digits, decimals)
     digits = rep("0", decimals + 1 - #digits) .. digits
@@ -5044,7 +5062,7 @@ do
 
     if not is_number(layout) or not tree or not tree:referenced(F.value_number) then return end
     local digits = match(value, NUMBER)
-    local number = tonumber(digits)
+    local number = S.shown_number(digits)
 
     if number then
       set_generated(add(item, F.value_number, data.tvb, data.offset + at, layout.size, number, "Number: " .. digits))
@@ -5614,6 +5632,40 @@ do
     end
   end
 
+  -- "TzA = 8 ms" in a text; 0: it is not there, or no time that a bus can be told.
+  local function find_limit(text, name)
+    local _, last = string.find(text, name, 1, true)
+    local value = last and tonumber(string.match(text, "^%d+", last + 1)) or 0
+
+    return value <= 0xFFFF and value or 0
+  end
+
+  local function learn_limit(told, kind, value)
+    for _, station in pairs(told.stations) do
+      local valid = station.valid[kind]
+
+      if not valid or valid.is_by_user then
+        station.valid[kind] = {value = value, set_in = told.limits_in, accepted_in = told.limits_in, is_by_user = true}
+      end
+    end
+  end
+
+  local limit_names = {[K.TZA] = "TzA = ", [K.TRS] = "TrS = "}
+
+  -- First pass: takes over what the user told of this bus. It counts for stations that the bus has told nothing.
+  function S.bus_learn_limits(told, limits)
+    if not limits or told.limits_in == limits.told_in then return end
+    told.limits_in = limits.told_in
+    told.is_anything_told = true
+    told.known = {}
+    find_station(told, K.ALL_STATIONS)
+    for kind, name in pairs(limit_names) do
+      local value = find_limit(limits.text, name)
+
+      if value ~= 0 then learn_limit(told, kind, value) end
+    end
+  end
+
   local function make_settings(told, address)
     local station = told.stations[address] or told.stations[K.ALL_STATIONS]
     local test = told.tests[address] or told.tests[K.ALL_STATIONS]
@@ -5643,8 +5695,8 @@ do
 end
 
 --- sis/timing: verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
--- is. A limit comes from a preference, else from what the bus has told, else there is none, and no verdict; nor is
--- there one where only packets have times.
+-- is. A limit comes from a preference, else from what the bus has told, else from what the user told when capturing,
+-- else there is none, and no verdict; nor is there one where only packets have times.
 
 do
   local MS = 1000000 -- in ns
@@ -5710,7 +5762,7 @@ do
   local function show_verdict(t, judgement, told, limit, verdict, words)
     local limit_text = strformat("%d ms", limit / MS)
 
-    add_time(t, judgement.limit, limit, limit_text)
+    add_time(t, judgement.limit, limit, limit_text .. (told and told.is_by_user and ", told by the user" or ""))
     if told then add_uint(t, judgement.set_in, told.set_in) end
     local item = add_uint(t, judgement.verdict, verdict)
 
@@ -5963,6 +6015,7 @@ do
     local exchange = record.exchange
     local bus = exchange and exchange.from.stream.bus or S.exchange_bus(pinfo)
 
+    if packet.record then S.bus_learn_limits(bus.told, T.limits(packet.record)) end
     if not bus.told.is_anything_told then return end
     local address = exchange and byte(exchange.from.path) or telegram.receiver
 
@@ -6393,7 +6446,7 @@ do
   end
 
   local function count_value(row, access)
-    local number = tonumber(access.number)
+    local number = S.shown_number(access.number)
 
     if not access.value then return end
     if row.first == "" then row.first = access.value end

@@ -47,7 +47,7 @@ def write(capture: Path, records: list[Record]) -> None:
     capture.write_bytes(b"".join(blocks))
 
 
-@pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same by plugin and script")
+@pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same in plugin and script")
 def test_of_events(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """In the packet list and in the expert items."""
     records = [Record(0, Type.EVENT, 0, LineSettings(), text, event=Event.ADAPTER_LOST) for text in texts()]
@@ -55,7 +55,7 @@ def test_of_events(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     parity.check(plugin, script, tmp_path / "events.pcapng")
 
 
-@pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same by plugin and script")
+@pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same in plugin and script")
 def test_of_the_line(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Beside telegrams, and in them: what a drive says of itself (0x00, identification)."""
     records = []

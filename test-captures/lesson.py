@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Reads what a lesson of the course claims, so that a test can hold it against the capture.
 
-A lesson claims four things, in forms that a person reads, too:
+A lesson claims five things, in forms that a person reads, too:
 
     | filter | packets |            a display filter and the packets that it leaves, or `none`
     | packet | field | value |      what a field of a packet is, as `tshark -T fields` writes it, or `there`
         $ tshark ARGUMENTS          a command, and under it all that it prints
         02 D9 00 ...                bytes that are somewhere in the capture, one after the other
+    1. The button *Late*.           under "Click": steps, of which `clicks` tells filters and packets
 
-Further columns of a table are for the reader. There are no other tables and no other indented blocks in a lesson.
+Further columns of a table are for the reader. There are no other tables in a lesson, and no other indented blocks but
+what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario in place of a capture.
+
+In a step, these words change the display filter: "button *NAME*", "filter `EXPRESSION`", "Clear the filter". What is
+named as "packet 4" or "packets 1 to 4" is clicked, so the filter must show it. A dialog is opened without a filter.
 """
 
 from __future__ import annotations
@@ -59,7 +64,73 @@ Row = Callable[[int, list[str]], Claim]
 
 HEX = re.compile(r"(?:[0-9A-F]{2} )*[0-9A-F]{2}")
 PROMPT = "$ "
-OPENS = "wireshark -C SIS "  # what the reader types to begin with
+RECORDS = "python3 -m sistap bus "
+TYPED = ("wireshark -C SIS ", "python3 -m sistap ")  # what the reader types
+
+
+class Button(NamedTuple):
+    """A click on a button of the profile, which puts its filter in force."""
+
+    name: str
+
+
+class Typed(NamedTuple):
+    """A filter that comes into force; empty: none."""
+
+    expression: str
+
+
+class Clicked(NamedTuple):
+    """Packets that are clicked, one after the other."""
+
+    packets: list[int]
+
+
+class Dialog(NamedTuple):
+    """A dialog that is opened from the menu."""
+
+    menu: str
+
+
+def recording(path: Path) -> list[str]:
+    """Return the arguments of sistap, run in capture/, that write the capture; none if it is beside the lesson."""
+    lines = (line[4:] for line in path.read_text().splitlines() if line.startswith("    " + RECORDS) and " -w " in line)
+    return shlex.split(next(lines, ""))[3:]
+
+
+Click = Button | Typed | Clicked | Dialog
+
+STEPS = re.compile(r"^## Click\n\n(.*?)\n\n## ", re.MULTILINE | re.DOTALL)
+STEP = re.compile(r"^\d+\. (.*(?:\n   .*)*)", re.MULTILINE)
+CLICKS = re.compile(
+    r"button \*(?P<button>\w+)\*"
+    r"|[Ff]ilter `(?P<typed>[^`]+)`"
+    r"|(?P<clear>[Cc]lear the filter)"
+    r"|[Pp]ackets? (?P<packets>\d+(?:(?:, | to | and |, and )\d+)*)"
+    r"|\*(?P<menu>(?:Statistics|Analyze|File) > [^*]+)\*"
+)
+
+
+def clicks(text: str) -> list[list[Click]]:
+    """Return what is clicked in each step of a lesson, in its order."""
+    found = STEPS.search(text)
+    steps = STEP.findall(found[1]) if found else []
+    return [[_click(match) for match in CLICKS.finditer(" ".join(step.split()))] for step in steps]
+
+
+def _click(match: re.Match[str]) -> Click:
+    if match["button"]:
+        return Button(match["button"])
+    if match["packets"]:
+        return Clicked(_numbers(match["packets"]))
+    if match["menu"]:
+        return Dialog(match["menu"])
+    return Typed(match["typed"] or "")
+
+
+def _numbers(text: str) -> list[int]:
+    ranges = [list(map(int, part.split(" to "))) for part in re.split(r",? and |, ", text)]
+    return [number for ends in ranges for number in range(ends[0], ends[-1] + 1)]
 
 
 def _filter(line: int, cells: list[str]) -> Filter:
@@ -76,7 +147,7 @@ TABLES: dict[tuple[str, ...], Row] = {("filter", "packets"): _filter, ("packet",
 
 
 def claims(path: Path) -> list[Claim]:
-    """Give all claims of a lesson. ValueError names the line that is none of what a lesson may have."""
+    """Return all claims of a lesson. ValueError names the line that is none of what a lesson may have."""
     return list(_claims(path.read_text().splitlines(), path.name))
 
 
@@ -113,7 +184,7 @@ def _indented(block: list[tuple[int, str]]) -> Iterator[Claim]:
         if program != "tshark":
             raise ValueError("a command is one of tshark")
         yield Command(line, arguments, [text[4:].rstrip() for _, text in block[1:]])
-    elif not first.startswith(OPENS):
+    elif not first.startswith(TYPED):
         for number, text in block:
             if not HEX.fullmatch(text.strip()):
                 raise ValueError(f"neither a command nor bytes: {text.strip()}")

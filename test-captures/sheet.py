@@ -92,12 +92,13 @@ PARAMETER_ERRORS = (0x0001, 0x1001, 0x7002, 0x7003, 0x7004, 0x7005, 0x7006, 0x70
 FLASH_ERRORS = (0x9004, 0x9102, 0x940A, 0x96E0, 0x96E1, 0x9701, 0x9702)
 
 TIMES = (
-    "TzA: longest interval inside a telegram. A longer one does not end the telegram.",
+    "TzA: longest interval from character to character. A longer one does not end the telegram.",
     "TrS: time in which the reaction is expected, from the last character of the command.",
     "TwM: wait of the master before it repeats, and after a command to many.",
     "Tmas: longest time between two master control words while the machine moves.",
     "TzA, TrS, Tmas and the rate are set by service 03, valid after its FF, without default values.",
 )
+STARTS = "After a silence longer than TzA a receiver looks for a start. A slave never speaks first."
 
 
 class Entry(NamedTuple):
@@ -254,14 +255,16 @@ def timing(page: Page, x: float, y: float) -> None:
     repeat = telegram(page, again[-1] + 25, base, "the same", range(5))
     # A character has arrived when it is over.
     spans = (
-        (x + 1, command[0], "silence"),
+        (x + 1, command[1], "silence"),
         (command[3] + CHARACTER, command[4] + CHARACTER, "TzA"),
         (command[-1], reaction[1], "TrS"),
-        (again[-1], repeat[0], "no reaction: TwM"),
+        (again[-1], repeat[1], "no reaction: TwM"),
     )
     for begin, end, words in spans:
         page.span(begin, end, base - 1.5, words, SIZE)
-    page.text(x, base + 12, "A telegram begins after a silence longer than TzA. A slave never speaks first.", SIZE)
+    page.text(
+        x, base + 12, "After a silence longer than TzA a receiver looks for a start. A slave never speaks first.", SIZE
+    )
     page.text(x, base + 15.5, "Character: 11 bits (8E1), 1.146 ms at 9600 Bd, 0.0955 ms at 115200 Bd.", SIZE)
     for number, words in enumerate(TIMES):
         page.text(x + 155, y + 5.5 + 4 * number, words, SIZE)

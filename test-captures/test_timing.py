@@ -28,6 +28,7 @@ FIELDS = {
     "timing-pauses": f"silence_before tza.interval_max tza.position {TZA}",
     "timing-reads": f"{TZA} {TRS}",
     "timing-reactions": f"reaction_time {TRS} twm.wait {TZA}",
+    "timing-told": f"{TZA} {TRS}",
     "timing-cycle": "tmas.cycle tmas.limit tmas.set_in tmas.verdict",
 }
 

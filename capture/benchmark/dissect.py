@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What does a telegram cost in tshark, beside a Modbus RTU frame of the same size?
+"""What does a telegram cost in tshark, compared with a Modbus RTU frame of the same size?
 
-    python3 dissect.py [--count 200000] [--rounds 5]
+python3 dissect.py [--count 200000] [--rounds 5]
 
-The cost of a record is the increase: the time for all of them less the time for one, divided by their number. The two
-protocols take turns, and the best of the rounds counts. README.md says more. Exit code 1 if something broke; a goal
-that is not met is only said.
+The cost of a record is the increase: the time for all of them minus the time for one, divided by their number. The two
+protocols take turns, and the best of the rounds counts. README.md says more. Exit code 1 if something broke; a missed
+goal is only reported.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ UNCERTAINTY_NS = 100_000
 GOALS = {"list": 1.0, "-Y FILTER": 1.1, "-V": 2.0}  # times that of Modbus RTU
 GOAL_MEMORY = 1.6
 
-# How tshark shows it, and the part of the packets that is enough for a way that is slow.
+# The options of tshark, and the share of the packets that is enough for a slow way.
 MODES: dict[str, tuple[list[str], int]] = {
     "list": ([], 1),
     "-Y FILTER": (["-Y", "frame.number == 0"], 1),
@@ -52,13 +52,13 @@ class Protocol(NamedTuple):
 
     name: str
     link_type: int
-    packet: Callable[[int, bytes, int], bytes]  # number, telegram, time in ns
+    packet: Callable[[int, bytes, int], bytes]  # arguments: number, telegram, time in ns
     options: list[str]
     layers: str  # as Wireshark lists them for every packet
 
 
 def sis_packet(number: int, telegram: bytes, time_ns: int) -> bytes:
-    """Make the record of a telegram without a pause."""
+    """Return the record of a telegram without a pause."""
     intervals = [SILENCE_NS] + [SETTINGS.character_ns] * (len(telegram) - 1)
     flags = bytes([Flag.INTERVAL_UNKNOWN if number == 0 else 0]) + bytes(len(telegram) - 1)
     record = Record(time_ns, Type.FRAME, 0, SETTINGS, telegram, intervals, flags, UNCERTAINTY_NS)
@@ -66,16 +66,16 @@ def sis_packet(number: int, telegram: bytes, time_ns: int) -> bytes:
 
 
 def modbus_packet(number: int, telegram: bytes, time_ns: int) -> bytes:
-    """Make a Modbus RTU frame as long as the telegram, behind the header of LINKTYPE_RTAC_SERIAL."""
+    """Return a Modbus RTU frame as long as the telegram, after the header of LINKTYPE_RTAC_SERIAL."""
     seconds, rest = divmod(time_ns, 1_000_000_000)
     header = struct.pack(">IIBBH", seconds, rest // 1000, 1 + number % 2, 0, 0)  # sent and received take turns
-    receiver = telegram[7:8]  # 3 and 4 take turns: so every response has its query a few frames before
+    receiver = telegram[7:8]  # 3 and 4 take turns, so every response has its query a few frames before
     frame = receiver + modbus_body(number, len(telegram) - 3)
     return header + frame + struct.pack("<H", crc(frame, 0xA001, 0xFFFF))
 
 
 def modbus_body(number: int, size: int) -> bytes:
-    """Make function and data: read registers (query, response), write registers (query), or diagnostics."""
+    """Return function and data: read registers (query, response), write registers (query), or diagnostics."""
     registers = bytes((number + i) & 0xFF for i in range(size))
     if size == 5:
         return struct.pack(">BHH", 3, number % 1000, 7)
@@ -99,7 +99,7 @@ PROTOCOLS = [
 
 
 def write_capture(file: Path, protocol: Protocol, count: int) -> None:
-    """Write so many packets."""
+    """Write that many packets."""
     time_ns = START_NS
     with file.open("wb") as out:
         out.write(pcapng.section_header("dissect.py", ""))
@@ -113,19 +113,19 @@ class Benchmark:
     """Captures of each protocol, and the tshark that reads them."""
 
     def __init__(self, folder: Path, tshark: Tshark) -> None:
-        """Make captures in `folder` as they are needed."""
+        """Make captures in `folder` when they are needed."""
         self._folder = folder
         self._tshark = tshark
 
     def capture(self, protocol: Protocol, count: int) -> str:
-        """Return the path of a capture with so many packets."""
+        """Return the path of a capture with that many packets."""
         file = self._folder / f"{protocol.link_type}-{count}.pcapng"
         if not file.exists():
             write_capture(file, protocol, count)
         return str(file)
 
     def check(self, protocol: Protocol) -> None:
-        """Raise TsharkError unless every packet is decoded by the right dissectors, and nothing is wrong with it."""
+        """Raise TsharkError unless the right dissectors decode every packet without a problem."""
         fields = ["-T", "fields", "-e", "frame.protocols", "-e", "_ws.expert"]
         said = self._tshark.output("-r", self.capture(protocol, 1000), *protocol.options, *fields)
         if set(said.splitlines()) != {f"{protocol.layers}\t"}:
@@ -147,7 +147,9 @@ class Benchmark:
         ]
 
     def memory(self, count: int) -> list[float]:
-        """Return the bytes that a packet adds to the memory of tshark, for each protocol, from half of them to all."""
+        """Return the bytes of memory that a packet adds to tshark, for each protocol, from half of the packets to
+        all.
+        """
         sizes = [
             [self._usage(protocol, number, []).kilobytes for number in (count // 2, count)] for protocol in PROTOCOLS
         ]
@@ -170,7 +172,7 @@ def compare(benchmark: Benchmark, count: int, rounds: int) -> None:
     for mode in MODES:
         row(mode, benchmark.cost_us(mode, count, rounds), GOALS.get(mode))
     print("bytes a packet")
-    for packets in (count, 5 * count):  # the same, if it grows with their number and no faster
+    for packets in (count, 5 * count):  # equal if memory grows in proportion to their number
         row(f"of {packets}", benchmark.memory(packets), GOAL_MEMORY)
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Does the work of the dissector grow with the traffic, or faster, when somebody means it to?
+"""Does the work of the dissector grow faster than hostile traffic?
 
-    python3 hostile.py [--script] [SHAPE...]
+python3 hostile.py [--script] [SHAPE...]
 
-Each shape is traffic that makes the dissector remember as much as it can of one kind. Its packets are dissected 5,000
-and 40,000 at a time, and the processor time that a packet takes is compared. Work that grows with the traffic has a
-ratio near 1; work that grows with its square has one near 8. --script measures sis.lua instead of the plugin.
+Each shape is traffic that makes the dissector remember as much as possible of one kind. Its packets are dissected 5,000
+and 40,000 at a time, and the processor time for each packet is compared. Work that grows with the traffic has a ratio
+near 1; work that grows with its square has one near 8. --script measures sis.lua instead of the plugin.
 
 Exit code 1 if a shape has a ratio above 2.
 """
@@ -34,7 +34,7 @@ from sistap.wireshark.tshark import Tshark  # noqa: E402
 
 FEW, MANY = 5_000, 40_000
 LIMIT = 2.0
-ASKING = ["-Y", 'sis.sequence.whole_in == 0 || sis.value == "-"']  # else the bodies are not dissected
+ASKING = ["-Y", 'sis.sequence.whole_in == 0 || sis.value == "-"']  # otherwise the bodies are not dissected
 START_NS = 1_700_000_000_000_000_000
 STEP_NS = 20_000_000
 SIS_LUA = HERE.parent.parent / "lua-fallback" / "sis.lua"
@@ -44,7 +44,7 @@ WHOLE, PIECE = 0x3C, 0x38  # parameter control: operating data; bit 2: the last 
 
 
 def _ident(number: int) -> bytes:
-    """Return a parameter in so many ways: 8 types and 65,536 numbers."""
+    """Return one of the possible parameters: 8 types and 65,536 numbers."""
     return struct.pack("<BH", number >> 16 & 7, number & 0xFFFF)
 
 
@@ -84,7 +84,7 @@ def _flash() -> Iterator[bytes]:
 
 
 def _routes() -> Iterator[bytes]:
-    """Send commands through routers that send none of them on."""
+    """Send commands through routers that do not forward them."""
     for number in itertools.count():
         yield build(READ, 16, 3, bytes([WHOLE, 3]) + _ident(number), subaddresses=bytes([number >> 8 & 0x7F, 7]))
 
@@ -108,13 +108,13 @@ def _streams() -> Iterator[bytes]:
 
 
 def _marks() -> Iterator[bytes]:
-    """Set everything that is worth a note."""
+    """Trigger every note of the dissector."""
     for number in itertools.count():
         yield build(0x60 + number % 32, 128 + number % 100, 200, bytes(200), subaddresses=bytes(range(7)))
 
 
 def _names() -> Iterator[bytes]:
-    """Say the names of more parameters than there are."""
+    """Send the names of more parameters than the dissector remembers."""
     for number in itertools.count():
         control = 0x14  # element 2, the name
         yield build(READ, 16, 3, bytes([control, number >> 13 & 0xFF]) + _ident(number))
@@ -123,14 +123,14 @@ def _names() -> Iterator[bytes]:
 
 
 def _rates() -> Iterator[bytes]:
-    """Tell every station limits and rates without end."""
+    """Set limits and rates at every station endlessly."""
     for number in itertools.count():
         yield build(0x03, 16, number & 0x7F, bytes([number & 0x7F, 1 + number % 3, number >> 7 & 0xFF, 0]))
         yield build(0x03, 16, number & 0x7F, bytes([0, number & 0x7F, 0xFF]), reaction=True)
 
 
 def _unanswered() -> Iterator[bytes]:
-    """Ask with a telegram number, and never answer."""
+    """Ask with a telegram number, without any answer."""
     for number in itertools.count():
         yield build(READ, 16, 3, bytes([WHOLE, 3]) + _ident(number), number=number & 0xFF)
 
@@ -170,7 +170,7 @@ def write_capture(file: Path, telegrams: Iterator[bytes], count: int) -> None:
 
 
 def growth(tshark: Tshark, folder: Path, shape: str) -> tuple[float, float, float]:
-    """Return the times in s that FEW and MANY packets take, and how many times more a packet costs among MANY."""
+    """Return the times in s for FEW and MANY packets, and the ratio of the cost of a packet."""
     times = []
     for count in (1, FEW, MANY):
         file = folder / f"{shape}-{count}.pcapng"
@@ -188,7 +188,7 @@ def main() -> int:
     parser.add_argument("--script", action="store_true", help="measure sis.lua instead of the plugin")
     args = parser.parse_args()
     if unknown := set(args.shapes) - set(SHAPES):
-        parser.error(f"no shape {', '.join(sorted(unknown))}; there are {', '.join(SHAPES)}")
+        parser.error(f"no shape {', '.join(sorted(unknown))}; the shapes are {', '.join(SHAPES)}")
     worst = 0.0
     print(f"{'shape':16} {FEW:>9,} {MANY:>9,}   a packet among {MANY:,} costs")
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How exact are the times of other public tools that capture a serial line, beside those of `sistap capture`?
+"""How exact are the times of other public tools that capture a serial line, compared with `sistap capture`?
 
-    python3 others.py --mstpcap bacnet-stack/bin/mstpcap --modbus-sniffer modbus-sniffer/sniffer [--seconds 60]
+python3 others.py --mstpcap bacnet-stack/bin/mstpcap --modbus-sniffer modbus-sniffer/sniffer [--seconds 60]
 
 One writer plays BACnet MS/TP frames at 115200 Bd, with a pause before each, through a pseudo terminal for each tool.
 mstpcap is part of the project bacnet-stack (`make mstpcap`), the sniffer is the project modbus-sniffer of alerighi
-(`make`); both are on GitHub, and get the priority that sistap gives itself. README.md says how to read the table.
+(`make`); both are on GitHub. They run with the priority that sistap gives itself. README.md explains the table.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from recorded import Packet, pcap_packets, sistap_packets  # noqa: E402
 from sistap.line import priority  # noqa: E402
 
 PAUSE_NS = 5_000_000  # before each frame
-SILENCE_US = 1500  # ends one, for those who go by silence: the sniffer's default
+SILENCE_US = 1500  # ends a frame for tools that cut by silence: the sniffer's default
 
 # ANSI/ASHRAE 135, clause 9 and annex G: preamble, type, destination, source, length, check; data and their check.
 _PREAMBLE = b"\x55\xff"
@@ -55,7 +55,7 @@ _DATA_CHECK = 0x8408, 0xFFFF  # X^16 + X^12 + X^5 + 1; start
 
 
 class Tool(NamedTuple):
-    """A program that listens, and how to read what it has written."""
+    """A program that listens, and how to read its file."""
 
     name: str
     program: Program
@@ -63,7 +63,7 @@ class Tool(NamedTuple):
 
 
 class Matched(NamedTuple):
-    """What a tool made of the stream; errors of the time of a packet against its first and last character, in ns."""
+    """What a tool captured of the stream; errors of a packet's time against its first and last character, in ns."""
 
     name: str
     packets: int
@@ -75,21 +75,21 @@ class Matched(NamedTuple):
 
 
 def mstp_frame(kind: int, destination: int, source: int, data: bytes = b"") -> bytes:
-    """Make an MS/TP frame."""
+    """Return an MS/TP frame."""
     header = struct.pack(">BBBH", kind, destination, source, len(data))
     header += struct.pack("<B", ~crc(header, *_HEADER_CHECK) & 0xFF)
     return _PREAMBLE + header + (data + struct.pack("<H", ~crc(data, *_DATA_CHECK) & 0xFFFF) if data else b"")
 
 
 def frames() -> Iterator[bytes]:
-    """Yield frames without end, of 8 to 60 characters: tokens, and test requests with numbers, so that none repeats."""
+    """Yield frames endlessly, of 8 to 60 characters: tokens, and numbered test requests, so that none repeats."""
     for number in itertools.count():
         yield mstp_frame(_TOKEN, 4, 3)
         yield mstp_frame(_TEST_REQUEST, 3, 4, struct.pack(">I", number) * (1 + number % 12))
 
 
 def stream(seconds: float) -> list[Character]:
-    """Make as many frames as fit into the time."""
+    """Return as many frames as fit into the time."""
     characters, left_ns = list[Character](), int(seconds * 1e9)
     for frame in frames():
         pauses_ns = [PAUSE_NS] + [SETTINGS.character_ns] * (len(frame) - 1)
@@ -108,7 +108,7 @@ def sistap_tool(folder: Path, port: str) -> Tool:
 
 
 def mstpcap_tool(path: Path, folder: Path, port: str) -> Tool:
-    """Start mstpcap, which writes a file with a name of its own into the folder that it runs in."""
+    """Start mstpcap, which writes a file with its own name into the working folder."""
     program = start([str(path), port, str(SETTINGS.baud)], folder)
     file = written(program, folder, "mstp_*.cap")
     return Tool("mstpcap", program, lambda: pcap_packets(file))
@@ -123,13 +123,13 @@ def sniffer_tool(path: Path, folder: Path, port: str) -> Tool:
 
 
 def start(command: list[str], folder: Path) -> Program:
-    """Start a program with the priority that sistap gives itself."""
+    """Start a program with the priority of sistap."""
     with priority.real_time():
         return subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def written(program: Program, folder: Path, pattern: str) -> Path:
-    """Wait for the file of a program: it is made when the port is open, and nothing else tells."""
+    """Wait for the file of a program: it appears when the port is open, the only sign."""
     end_s = time.monotonic() + PATIENCE_S
     while not (files := list(folder.glob(pattern))):
         if program.poll() is not None or time.monotonic() > end_s:
@@ -151,7 +151,7 @@ def measure(folder: Path, seconds: float, mstpcap_path: Path, sniffer_path: Path
         tools = list[Tool]()
         for starter, end in zip(starters, ends, strict=True):
             tools.append(starter(folder, end.path))
-            killed.callback(tools[-1].program.kill)  # mstpcap would turn for ever when its terminal closes
+            killed.callback(tools[-1].program.kill)  # mstpcap would loop endlessly after its terminal closes
         played = play(folder, characters, ends, [tool.program for tool in tools])
         for tool in tools[:-1]:
             tool.program.terminate()
@@ -172,7 +172,7 @@ def match(tool: Tool, data: bytes, instants_ns: list[int], share: float) -> Matc
     for packet in tool.packets():
         packets += 1
         start_at = data.find(packet.data, at)
-        if start_at >= 0 and instants_ns[start_at] <= packet.times_ns[-1]:  # else it is not what was played there
+        if start_at >= 0 and instants_ns[start_at] <= packet.times_ns[-1]:  # otherwise it is not what was played there
             at = start_at + len(packet.data)
             found += len(packet.data)
             times += len(packet.times_ns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Plays characters into pseudo terminals by writer.c, and looks after the programs that listen there."""
+"""Plays characters into pseudo terminals with writer.c, and manages the programs that listen there."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from sistap.line.settings import LineSettings
 
 HERE = Path(__file__).parent
 SETTINGS = LineSettings(115200, 8, "E", 2)
-PATIENCE_S = 20  # for what takes no time
+PATIENCE_S = 20  # for actions that take no time
 
 Program = subprocess.Popen[str]
 
 
 class Broken(Exception):
-    """The benchmark cannot be run, or a character is missing; the text is the one line to show."""
+    """The benchmark cannot run, or a character is missing; the text is the line to show."""
 
 
 class Terminal(NamedTuple):
@@ -38,14 +38,14 @@ class Terminal(NamedTuple):
 
 
 class Character(NamedTuple):
-    """What is played: a character, and how long after the one before it, in ns."""
+    """A character to play, and its interval from the one before, in ns."""
 
     value: int
     pause_ns: int
 
 
 class Played(NamedTuple):
-    """When each terminal got each character (wall clock, ns), and what share of a core each listener had."""
+    """When each terminal got each character (wall clock, ns), and each listener's share of a core."""
 
     elapsed_s: float
     instants_ns: list[list[int]]
@@ -54,7 +54,7 @@ class Played(NamedTuple):
 
 @contextmanager
 def terminals(count: int) -> Iterator[list[Terminal]]:
-    """Open so many; whoever still listens when they close sees the end of the line."""
+    """Open that many; when they close, a remaining listener sees the end of the line."""
     opened = [pty.openpty() for _ in range(count)]
     try:
         for _, slave in opened:
@@ -66,14 +66,14 @@ def terminals(count: int) -> Iterator[list[Terminal]]:
 
 
 def compile_into(folder: Path, name: str) -> str:
-    """Compile NAME.c; give the program's path."""
+    """Compile NAME.c; return the program's path."""
     program = str(folder / name)
     subprocess.run(["gcc", "-O2", "-Wall", "-Wextra", "-Werror", "-o", program, str(HERE / f"{name}.c")], check=True)
     return program
 
 
 def start_sistap(file: Path, ports: Sequence[str], *options: str) -> tuple[Program, str]:
-    """Start a capture of these ports; it is listening when this returns. Give, too, what it says of its times."""
+    """Start a capture of these ports; return, when it listens, the process and its description of the times."""
     command = [sys.executable, "-m", "sistap", "capture", "-w", str(file), *options]
     command += ["--baud", str(SETTINGS.baud), "--format", SETTINGS.format]
     for port in ports:
@@ -93,7 +93,7 @@ def listening(process: Program, says: Iterable[str] | None, expected: str) -> st
 
 
 def stop_sistap(process: Program) -> None:
-    """End a capture. Broken if it had not gone well."""
+    """End a capture. Raise Broken if it failed."""
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=PATIENCE_S)
     if process.returncode != 0:
@@ -119,12 +119,12 @@ def play(folder: Path, characters: Iterable[Character], ends: Sequence[Terminal]
 
 
 def columns(file: Path, count: int) -> list[list[int]]:
-    """Read rows of so many 64-bit numbers."""
+    """Read rows of that many 64-bit numbers."""
     numbers = array("q", file.read_bytes())
     return [list(numbers[i::count]) for i in range(count)]
 
 
 def _cpu_s(process: Program) -> float:
-    """How long a running process has had a core, user and system."""
+    """Return the processor time of a running process, user and system."""
     fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Quantiles as the tables show them."""
+"""The quantiles in the tables."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "max": 1.0}
 
 
 def quantiles(values: Sequence[int]) -> dict[str, int]:
-    """Return each of QUANTILES, by its name."""
+    """Return each of QUANTILES, keyed by its name."""
     ordered = sorted(values)
     return {name: ordered[min(int(share * len(ordered)), len(ordered) - 1)] for name, share in QUANTILES.items()}

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How exact are the times of `sistap capture`, and what do they cost, beside the plainest reader in C?
+"""How exact are the times of `sistap capture`, and what do they cost, compared with a minimal reader in C?
 
-    python3 reader.py [--seconds 60] [--lines 2]
+python3 reader.py [--seconds 60] [--lines 2]
 
-One writer plays back-to-back SIS telegrams at 115200 Bd 8E1 through pseudo terminals: into sistap, and into reader.c;
-with two lines, both at once into each. README.md says how to read the table. Exit code 1 if a character was lost or
-something broke; a goal that is not met is only said.
+One writer plays back-to-back SIS telegrams at 115200 Bd 8E1 through pseudo terminals, into sistap and into reader.c;
+with two lines, into both at once. README.md explains the table. Exit code 1 if a character was lost or something broke;
+a missed goal is only reported.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ from telegrams import telegrams  # noqa: E402
 from sistap.line import priority  # noqa: E402
 from sistap.line.settings import Flag  # noqa: E402
 
-LINE_NUMBERS = {1: (0,), 2: (1, 2)}  # as a capture of so many lines has them
+LINE_NUMBERS = {1: (0,), 2: (1, 2)}  # line numbers in a capture of that many lines
 GOAL_QUANTILES = ("p50", "p99")
 GOAL_RATIO = 1.5
 
 
 class Received(NamedTuple):
-    """What a reader made of a line, one of each a character; the C reader declares no uncertainty."""
+    """What a reader received on a line, one entry for each character; the C reader declares no uncertainty."""
 
     data: bytes
     times_ns: list[int]
@@ -60,16 +60,16 @@ class Received(NamedTuple):
 
 
 class Line(NamedTuple):
-    """What was measured of a line: for each character how late its time is, and what sistap declared, in ns."""
+    """The results for a line: for each character its delay, and what sistap declared, in ns."""
 
     sistap_ns: list[int]
     uncertainties_ns: list[int]
-    margins_ns: list[int]  # how late the record says that it can be
+    margins_ns: list[int]  # the delay that the record allows
     c_ns: list[int]
 
 
 class Measured(NamedTuple):
-    """One run: its lines, what sistap says of its times, and the shares of one core."""
+    """One run: its lines, sistap's description of its times, and the shares of one core."""
 
     elapsed_s: float
     timing: str
@@ -79,7 +79,7 @@ class Measured(NamedTuple):
 
 
 def stream(seconds: float) -> bytes:
-    """Make as many whole telegrams as fit into the time."""
+    """Return as many whole telegrams as fit into the time."""
     size = int(seconds * 1e9 / SETTINGS.character_ns)
     lengths = accumulate(map(len, telegrams()))
     count = sum(1 for _ in itertools.takewhile(lambda length: length <= size, lengths))
@@ -87,7 +87,7 @@ def stream(seconds: float) -> bytes:
 
 
 def start_c_reader(folder: Path, file: Path, ports: list[str]) -> Program:
-    """Start the C reader, with the priority that sistap gives itself; it is listening when this returns."""
+    """Start the C reader with the priority of sistap; return when it listens."""
     program = compile_into(folder, "reader")
     with priority.real_time():
         process = subprocess.Popen([program, str(file), *ports], stdout=subprocess.PIPE, text=True)
@@ -96,7 +96,7 @@ def start_c_reader(folder: Path, file: Path, ports: list[str]) -> Program:
 
 
 def from_sistap(file: Path, line: int) -> Received:
-    """Take the characters of a line out of a capture."""
+    """Return the characters of a line in a capture."""
     data, times_ns, uncertainties_ns, same_read = bytearray(), list[int](), list[int](), list[bool]()
     for taken in sistap_records(file):
         if taken.line == line:
@@ -108,13 +108,15 @@ def from_sistap(file: Path, line: int) -> Received:
 
 
 def from_c_reader(file: Path, port: int) -> Received:
-    """Take the characters of a port out of what the C reader wrote."""
+    """Return the characters of a port in the C reader's output."""
     rows = [(character, time_ns) for of, character, time_ns in zip(*columns(file, 3), strict=True) if of == port]
     return Received(bytes(character for character, _ in rows), [time_ns for _, time_ns in rows], [], [])
 
 
 def margins_ns(received: Received) -> list[int]:
-    """How late each time can be: the uncertainty, and a character time for each that followed in the same read."""
+    """Return the largest delay of each time: the uncertainty, plus a character time for each later one of the same
+    read.
+    """
     margins, following, next_is_same = list[int](), 0, False
     for uncertainty_ns, same in zip(reversed(received.uncertainties_ns), reversed(received.same_read), strict=True):
         following = following + 1 if next_is_same else 0
@@ -124,7 +126,7 @@ def margins_ns(received: Received) -> list[int]:
 
 
 def errors_ns(name: str, written: bytes, received: Received, instants_ns: list[int]) -> list[int]:
-    """How late each character's time is. Broken if not exactly the written characters came."""
+    """Return the delay of each character's time. Broken unless exactly the written characters came."""
     if received.data != written:
         same = len(os.path.commonprefix([received.data, written]))
         raise Broken(
@@ -135,7 +137,7 @@ def errors_ns(name: str, written: bytes, received: Received, instants_ns: list[i
 
 
 def measure(folder: Path, written: bytes, numbers: tuple[int, ...]) -> Measured:
-    """Play to both readers and measure; sistap's lines have these numbers."""
+    """Play to both readers and measure; `numbers` are those of sistap's lines."""
     with terminals(2 * len(numbers)) as ends:
         paths = [end.path for end in ends]  # sistap's and the C reader's take turns
         c_reader = start_c_reader(folder, folder / "c", paths[1::2])
@@ -166,7 +168,7 @@ def report(measured: Measured) -> None:
 def report_line(line: Line, elapsed_s: float) -> None:
     """Print the table of one line."""
     count = len(line.sistap_ns)
-    pace = count * SETTINGS.character_ns / 1e9 / elapsed_s  # a writer that is kept waiting is slower than the line
+    pace = count * SETTINGS.character_ns / 1e9 / elapsed_s  # a writer that must wait is slower than the line
     print(f"\n{count} characters in {elapsed_s:.1f} s ({pace:.0%} of a busy line), 0 lost\n")
     print(f"{'late by, us':<14}{'sistap':>10}{'C reader':>10}{'ratio':>8}")
     plain = quantiles(line.c_ns)
@@ -182,7 +184,7 @@ def report_line(line: Line, elapsed_s: float) -> None:
 
 
 def exceeding(errors: list[int], bounds: list[int]) -> float:
-    """What share of the errors is above its bound."""
+    """Return the share of the errors that exceed their bounds."""
     return sum(error > bound for error, bound in zip(errors, bounds, strict=True)) / len(errors)
 
 

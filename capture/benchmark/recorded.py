@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a program has captured: packets with their times, out of sistap's pcapng or anybody's pcap."""
+"""What a program has captured: packets with their times, from sistap's pcapng or any pcap."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sistap.records.record import Record, Type
 
 
 class Packet(NamedTuple):
-    """Characters and their times, in ns: one for each, or a single one for all."""
+    """Characters and their times, in ns: one for each character, or one for all."""
 
     data: bytes
     times_ns: Sequence[int]
@@ -37,9 +37,9 @@ def sistap_packets(file: Path) -> Iterator[Packet]:
 
 
 def pcap_packets(file: Path) -> Iterator[Packet]:
-    """Read a pcap file with microseconds (0xA1B2C3D4), written on this machine."""
+    """Read a pcap file with microseconds (0xA1B2C3D4), written on this computer."""
     data = file.read_bytes()
-    at = 24  # of the file's header nothing more is needed
+    at = 24  # the file's header is not needed
     while at + 16 <= len(data):
         seconds, microseconds, size, _ = struct.unpack_from("=IIII", data, at)
         at += 16

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Does the recorder run for months? Its memory over simulated traffic that comes without pauses, row by row.
+"""Can the recorder run for months? Its memory during simulated traffic without pauses, row by row.
 
-A virtual bus plays as fast as the tap reads; a full ring is beside the kept files. Exit code 1 if the memory of sistap
-grows, if a record was not looked at, or if a capture failed.
+A virtual bus plays as fast as the tap reads; a full ring is written beside the kept files. Exit code 1 if the memory of
+sistap grows, if a record was not looked at, or if a capture failed.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-GROWTH = 1.1  # from a quarter of the time to its end; that is none
+GROWTH = 1.1  # from a quarter of the time to its end; up to this the memory counts as constant
 
 
 class Row(NamedTuple):
-    """What was at one time."""
+    """A measurement."""
 
     seconds: float
     sistap_mb: float
-    tshark_mb: float  # of all together
+    tshark_mb: float  # of all tsharks together
     tsharks: int
     kept: int  # files
 
 
 def main() -> int:
-    """Play, look, judge."""
+    """Play, measure, judge."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--telegrams", type=float, default=1e6, help="so many (1e6); a busy week has 1e7")
+    parser.add_argument("--telegrams", type=float, default=1e6, help="number of telegrams (1e6); a busy week has 1e7")
     parser.add_argument("--keep", default="faults", help="as capture's --keep (faults)")
     parser.add_argument("--faults", default="checksum=0.0005", help="as bus's --faults (checksum=0.0005)")
     parser.add_argument("--rows", type=float, default=10, metavar="SECONDS", help="between two rows (10)")
@@ -60,7 +60,7 @@ def _measure(args: argparse.Namespace, folder: Path) -> tuple[str, list[Row], in
 
 
 class Bus:
-    """The virtual bus; if somebody ends it, another one begins: an adapter can be unplugged, too."""
+    """The virtual bus; if somebody ends it, another one begins, as when an adapter is unplugged."""
 
     def __init__(self, path: Path, faults: str) -> None:
         """Begin."""
@@ -74,7 +74,7 @@ class Bus:
         self._process.stdout.readline()
 
     def look(self) -> None:
-        """Begin anew if it has ended."""
+        """Start again if it has ended."""
         if self._process.poll() is not None:
             print("another bus")
             self._begin()

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the five questions of `sistap tables` cost on one machine with DuckDB, and how that grows with the telegrams.
+"""What the five queries of `sistap tables` cost on one computer with DuckDB, and how the cost grows with the telegrams.
 
-A day of a bus is put into tables as `sistap tables` does it, and then copied: to other days, and to other taps. Each
-question is a process of its own.
+A day of a bus is put into tables with `sistap tables`, and then copied to other days and other taps. Each query has a
+process of its own.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ README = PACKAGE / "tables" / "README.md"
 QUESTIONS = dict(re.findall(r"### (.+?)\n.*?```sql\n(.*?)```", README.read_text("utf-8"), re.DOTALL))
 NAMES = ("telegrams", "values", "events")
 DAY_S = 86_400
-DAYS = 100  # of a tap; then comes the next tap
+DAYS = 100  # for each tap; then the next tap follows
 
-# Three drives that are read all day, one of them with errors now and then; a limit is written once in a while.
+# Three drives that are read all day, one of them with occasional errors; a limit is written now and then.
 SCENARIO = """\
 title = "a day"
 [line]
@@ -73,7 +73,7 @@ probability = 0.0002
 
 
 class Used(NamedTuple):
-    """What a process has used."""
+    """The resources that a process has used."""
 
     seconds: float  # of the clock
     cores: float  # seconds of all cores
@@ -129,7 +129,7 @@ def _sistap(*arguments: str | Path) -> None:
 
 
 def _multiply(day: Path, many: Path, size: int) -> int:
-    """Copy the day until there are so many telegrams; return how many there are. What is there is kept."""
+    """Copy the day until there are enough telegrams; return how many there are. Existing files stay."""
     tables = {name: pq.ParquetDataset(day / name).read() if (day / name).exists() else None for name in NAMES}
     telegrams = tables["telegrams"]
     assert telegrams is not None
@@ -153,7 +153,7 @@ def _copy(table: pa.Table, tap: Path, later: int) -> None:
         column = table[name]
         moved = pc.add(column.cast(pa.int64()), later * DAY_S * unit).cast(column.type)
         table = table.set_column(table.schema.get_field_index(name), name, moved)
-    if "reaction_s" in table.schema.names:  # no two days are alike
+    if "reaction_s" in table.schema.names:  # make the days different
         factor = pc.add(pc.multiply(pc.random(len(table), initializer=later), 0.2), 0.9)
         place = table.schema.get_field_index("reaction_s")
         table = table.set_column(place, "reaction_s", pc.multiply(table["reaction_s"], factor))
@@ -165,7 +165,7 @@ def _megabytes(folder: Path) -> float:
 
 
 def _ask(asking: str, tables: Path, question: str) -> Used:
-    """Ask in a process of its own; with Spark, in that and in its Java."""
+    """Query in a process of its own; with Spark, also in its Java process."""
     began = time.monotonic()
     process = subprocess.Popen(
         [sys.executable, __file__, "--ask", asking, str(tables), question], stdout=subprocess.PIPE
@@ -185,7 +185,7 @@ def _answer(asking: str, tables: Path, question: str) -> None:
 
 
 def _answer_with_duckdb(tables: Path, question: str) -> None:
-    import duckdb  # noqa: PLC0415 - in the process that asks it
+    import duckdb  # noqa: PLC0415 - in the process that runs the query
 
     duckdb.sql("SET TimeZone = 'UTC'")
     for name in NAMES:

@@ -23,7 +23,7 @@ _EXCHANGES = [
 
 
 def telegrams() -> Iterator[bytes]:
-    """Yield telegrams without end, always the same ones; commands and reactions take turns."""
+    """Yield telegrams endlessly, always the same; commands and reactions take turns."""
     for service, number, command, reaction in itertools.cycle(_EXCHANGES):
         for drive in (3, 4):
             for is_reaction, body in enumerate((command, reaction)):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is in the bundle for Windows, and how it becomes a zip that has the same bytes each time.
+"""The contents of the bundle for Windows, and a reproducible zip of it.
 
-contents.py FOLDER PYTHON PYSERIAL : makes SIS.zip in FOLDER, the folder of the bundle, and the zip of that. PYTHON is
-the folder of a Python for Windows, PYSERIAL that of an unpacked wheel.
+contents.py FOLDER PYTHON PYSERIAL makes SIS.zip in FOLDER, the folder of the bundle, and the zip of that. PYTHON is the
+folder of a Python for Windows, PYSERIAL that of an unpacked wheel.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ sys.path.insert(0, str(CAPTURE))
 from sistap import __version__  # noqa: E402 - of the checkout
 
 NAME = f"sistap-{__version__}"
-TIME = (1980, 1, 1, 0, 0, 0)  # of every file: the first that a zip can have
+TIME = (1980, 1, 1, 0, 0, 0)  # of every file: the earliest time in a zip
 
-# Wireshark imports those files of a profile whose names it has met when it started. It meets plots only when their
-# window opens. 4.0 has never met dmacros; later ones make it of dfilter_macros.
+# Wireshark imports only those files of a profile whose names it knew when it started. It learns plots when their window
+# opens. 4.0 does not know dmacros; later versions make it from dfilter_macros.
 NOT_IMPORTED = ("dmacros", "plots")
 
-# Where a file comes from, and its place in the bundle.
+# The source of each file, and its place in the bundle.
 FILES = {
     "LICENSE": "LICENSE.txt",
     "capture/bundle/README.html": "README.html",
@@ -43,26 +43,27 @@ FILES = {
 MODULES = "build/windows/module"  # VERSION/sis.dll in it
 TEXTS = (".cmd", ".txt")  # with the line ends of Windows
 
-# Debian's packages that say how Python and pyserial may be passed on: their binaries do not.
+# Debian's packages with the licences of Python and pyserial, which the binaries lack.
 LICENCES = {"libpython3.*-minimal": "LICENSE-python.txt", "python3-serial": "LICENSE-pyserial.txt"}
 DOCUMENTS = Path("/usr/share/doc")
 
-# What sistap and pyserial use of Python's modules in C, with their libraries: OpenSSL, SQLite and Tcl are large.
+# Python's C modules that sistap and pyserial need, with their libraries. OpenSSL, SQLite and Tcl are large and left
+# out.
 BINARIES = (
     "vcruntime140*.dll libffi-*.dll _ctypes.pyd _decimal.pyd _queue.pyd _socket.pyd select.pyd unicodedata.pyd"
 ).split()
-# What nothing here uses of Python's modules in Python.
+# Python modules that nothing here needs.
 LEFT_OUT = (
     "test idlelib tkinter turtle* ensurepip pip* venv sqlite3 dbm curses unittest pydoc* doctest.py asyncio "
     "multiprocessing concurrent wsgiref xmlrpc site-packages _pyrepl __phello__ __pycache__"
 ).split()
 
-# Python takes its path from this file alone: no variable and no other Python of this Windows changes what runs.
+# Python takes its path from this file alone: no variable and no other Python of this Windows can change it.
 PATH = "lib\r\n..\\app\r\n"
 
 
 def profile() -> list[Path]:
-    """List the files of SIS.zip."""
+    """Return the files of SIS.zip."""
     return [file for file in sorted((CAPTURE / "sistap/profile/SIS").iterdir()) if file.name not in NOT_IMPORTED]
 
 
@@ -77,7 +78,7 @@ def write_zip(target: Path, files: Iterable[tuple[str, Path]]) -> None:
 
 
 def put(target: Path, content: bytes) -> None:
-    """Write a file, and the folders above it."""
+    """Write a file, and its parent folders."""
     target.parent.mkdir(parents=True, exist_ok=True)
     if target.suffix in TEXTS:
         content = content.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n")
@@ -85,18 +86,18 @@ def put(target: Path, content: bytes) -> None:
 
 
 def put_tree(source: Path, target: Path, files: Iterable[Path]) -> None:
-    """Copy files of one folder into another, each to the place that it had."""
+    """Copy files of one folder into another, each to the same relative place."""
     for file in files:
         put(target / file.relative_to(source), file.read_bytes())
 
 
 def modules(folder: Path) -> Iterator[Path]:
-    """Find all files below a folder but what Python has compiled."""
+    """Return all files below a folder, except compiled Python."""
     return (file for file in folder.rglob("*") if file.is_file() and "__pycache__" not in file.parts)
 
 
 def of_python(folder: Path) -> Iterator[Path]:
-    """Find what the bundle needs of a Python for Windows."""
+    """Return the files of a Python for Windows that the bundle needs."""
     yield folder / "python.exe"
     yield from folder.glob("python3*.dll")
     for entry in (folder / "lib").iterdir():
@@ -108,7 +109,7 @@ def of_python(folder: Path) -> Iterator[Path]:
 
 
 def licences() -> Iterator[tuple[str, Path]]:
-    """Find the texts that have to be passed on, each with its name. FileNotFoundError."""
+    """Return the licence texts to include, each with its name. Raise FileNotFoundError."""
     for package, name in LICENCES.items():
         found = sorted(DOCUMENTS.glob(f"{package}/copyright"))
         if not found:
@@ -117,7 +118,7 @@ def licences() -> Iterator[tuple[str, Path]]:
 
 
 def make_folder(bundle: Path, python: Path, pyserial: Path) -> None:
-    """Put everything where it is in the bundle."""
+    """Put everything in its place in the bundle."""
     shutil.rmtree(bundle, ignore_errors=True)
     put_tree(python, bundle / "python", of_python(python))
     # Python looks for its libraries beside itself and in the folders of its path.

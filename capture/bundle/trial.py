@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tries the bundle under wine as its README.html says, with nothing of the checkout, and times the first telegram.
+"""Tries the bundle under wine as its README.html describes, without the checkout, and times the first telegram.
 
-Exit code: 0 all is as it should be; 1 something is not; 77 it cannot be tried here, and why.
+Exit code: 0 everything works; 1 something does not; 77 it cannot be tried here, with the reason.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from sistap.records.record import Type  # noqa: E402
 MADE = CAPTURE.parent / "build/windows"
 FOLDER = MADE / "try"
 DRIVE = FOLDER / "prefix/drive_c"
-PLACE = "Übung 1"  # a blank and a letter that is not ASCII
+PLACE = "Übung 1"  # a blank and a letter outside ASCII
 PROGRAMS = "Program Files/Wireshark"
 NOT_RUN = 77
 TIMEOUT_S = 180
 
-# Stands for the tshark of a Wireshark for Windows, as far as `sistap install` asks it.
+# Replaces the tshark of a Wireshark for Windows, as far as `sistap install` calls it.
 TSHARK = r"""
 import os, sys
 own = os.environ["APPDATA"] + r"\Wireshark"
@@ -50,7 +50,7 @@ elif "plugins" in sys.argv and os.path.exists(script):
 
 
 def wine(*command: str, code: int = 0, cwd: Path = DRIVE) -> str:
-    """Run a program of Windows; return what it said."""
+    """Run a Windows program; return its output."""
     with started(*command, cwd=cwd) as process:
         said, _ = process.communicate(timeout=TIMEOUT_S)
     text = said.decode("utf-8", "replace")
@@ -60,7 +60,7 @@ def wine(*command: str, code: int = 0, cwd: Path = DRIVE) -> str:
 
 @contextlib.contextmanager
 def started(*command: str, cwd: Path = DRIVE) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a program of Windows with nothing in its environment that leads to the checkout."""
+    """Run a Windows program whose environment has nothing of the checkout."""
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     own |= {"WINEPREFIX": str(DRIVE.parent), "WINEDEBUG": "-all", "WINEARCH": "win64"}
     own["BUNDLE"] = f"C:\\{PLACE}\\sistap-{__version__}"  # for tshark.cmd
@@ -81,7 +81,7 @@ def app_data() -> Path:
 
 
 def installed() -> set[str]:
-    """Say which files are there."""
+    """Return which files are there."""
     return {file.relative_to(app_data()).as_posix() for file in app_data().rglob("*") if file.is_file()}
 
 
@@ -95,7 +95,7 @@ def unpack() -> Path:
 
 
 def mend(bundle: Path) -> None:
-    """Take out what wine lacks: pyserial asks for this function, and wine's ports need it not."""
+    """Remove what wine lacks: pyserial asks for this function, and wine's ports do not need it."""
     file = bundle / "app/serial/tools/list_ports_windows.py"
     lines = [line for line in file.read_text().splitlines(True) if not line.startswith("CM_MapCrToWin32Err")]
     file.write_text("".join(lines))
@@ -125,7 +125,7 @@ def first_telegram() -> None:
 
 
 def from_zip() -> None:
-    """Go the way of README.html."""
+    """Follow README.html."""
     begin = time.monotonic()
     bundle = unpack()
     put_tshark()
@@ -148,12 +148,12 @@ def from_zip() -> None:
 
 
 def from_installer() -> None:
-    """Install silently into a folder, and remove it; what is not of the bundle stays."""
+    """Install silently into a folder, and uninstall; files that are not of the bundle stay."""
     place = DRIVE / "elsewhere"
     wine(str(MADE / f"sistap-{__version__}-setup.exe"), "/S", "/D=C:\\elsewhere")
     assert "plugins/sis.lua" in installed(), installed()
     (place / "mine.pcapng").touch()
-    # Else it goes on as a copy of its own, and nothing here would know when that has ended; so it stays itself.
+    # _?= keeps the uninstaller from running as a copy, whose end nobody would notice; so it cannot delete itself.
     wine(str(place / "uninstall.exe"), "/S", "_?=C:\\elsewhere")
     assert not installed(), installed()
     left = {file.name for file in place.iterdir()}

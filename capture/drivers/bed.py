@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The checks of capture/drivers/check: every driver, then the pulled plug; a table of it into capture/README.md."""
+"""The checks of capture/drivers/check: every driver, then the power cut; writes a table into README.md."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TRACE = ("-trace", "serial_write", "-D", "trace")
 
 
 def judged(guest: Guest, driver: Driver, usbmon: Program, words: str) -> dict[str, str]:
-    """Judge a driver; return the result of each check whose function has these words in its name."""
+    """Judge a driver; return the result of each check whose function name contains `word`."""
     results: dict[str, str] = {}
     bench = Bench(guest, driver, driver.watch(guest, usbmon))
     checks = {name: check for name, check in CHECKS.items() if words in check.__name__}
@@ -56,7 +56,7 @@ def drivers(folder: Path, runs_on: str, words: str, only: str) -> dict[str, dict
 
 
 def main() -> int:
-    """Do it; return the exit code."""
+    """Run the checks; return the exit code."""
     parser = argparse.ArgumentParser(description="Judge drivers, then pull the plug; without options, write the table.")
     parser.add_argument("folder", type=Path, help="where guest/make has put the guest")
     parser.add_argument("--check", default="", metavar="WORD", help="only checks whose function has this in its name")
@@ -76,7 +76,7 @@ def main() -> int:
         print(f"drivers: not run: {error}", file=sys.stderr)
         return NOT_RUN
     if results and pulled:
-        table.write(CAPTURE / "README.md", results, pulled)
+        table.write(CAPTURE / "drivers" / "README.md", results, pulled)
     failed = table.FAILED in [pulled.partition(".")[0], *(one for row in results.values() for one in row.values())]
     return FAILED if failed else 0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is judged of a driver: bytes, flags, messages and exit codes of sistap in the guest, never times."""
+"""The checks of a driver: bytes, flags, messages and exit codes of sistap in the guest, never times."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from sistap.files.reading import NotCaptured, records
 from sistap.line.settings import ERROR_FLAGS, Flag
 from sistap.records.record import Event, Type
 
-# A telegram that reads S-0-0036 of station 3: with zeros in it, which a false break would take for breaks.
+# A telegram that reads S-0-0036 of station 3. It has zeros, which a wrong break detection would take for breaks.
 TELEGRAM = bytes.fromhex("02 71 05 05 00 10 10 03 3c 00 24 00 00")
-EVERY_VALUE = bytes(range(256))  # FF among them, which a terminal doubles
+EVERY_VALUE = bytes(range(256))  # including FF, which a terminal doubles
 BREAKS = 20
 SHORT_SILENCE = "silence:20"
 FIFO = 16  # characters of a 16550
 
-# Rates and formats, and whether each driver has to open with them. The others may be refused; what is not refused is
-# what the device was really set to.
+# Rates and formats, and whether each driver must support them. It may refuse the others. If it accepts one, the device
+# must really have it.
 MUST_OPEN = (
     *("9600 8E1", "9600 8N1", "9600 8O1", "9600 7E1", "9600 8N2"),
     *("19200 8E1", "38400 8E1", "57600 8N1", "115200 8E1"),
 )
 MAY_OPEN = ("9600 8M1", "9600 8S1", "9600 6E1", "12000 8E1", "76800 8E1", "187500 8E1", "4000000 8E1")
 CHANGES = ("19200 8E1", "187500 8E1", "12345 8N1", "76800 8E1", "115200 8E1", "9600 6E1", "9600 8E1")
-BEARABLE = 0.03  # how far a rate may be off
+BEARABLE = 0.03  # largest error of a rate
 
 
 class NotJudged(Exception):
-    """The device that the driver has here cannot do it."""
+    """The device of this driver cannot do it here."""
 
 
 @dataclass
@@ -62,7 +62,7 @@ class Bench:
         return line
 
     def can(self, what: str) -> None:
-        """NotJudged if the device cannot do this."""
+        """Raise NotJudged if the device cannot do this."""
         if what not in self.driver.can:
             raise NotJudged(what)
 
@@ -71,7 +71,7 @@ class Capture:
     """A capture that runs in the guest."""
 
     def __init__(self, guest: Guest, *ports: str, user: str = "tap", framing: str = SHORT_SILENCE) -> None:
-        """Start it, and wait until it listens. Cut by short silences, its records are in the file at once."""
+        """Start it, and wait until it listens. Short silences cut its records, so they are in the file at once."""
         self._guest = guest
         self.file = "/tmp/capture.pcapng"
         guest.run("rm", "-f", self.file)
@@ -81,11 +81,11 @@ class Capture:
         self.program.until("capturing on")
 
     def read(self) -> Captured:
-        """Return what is in the file by now."""
+        """Return what is in the file so far."""
         return Captured.of(self._guest.read(self.file))
 
     def until(self, count: int, line: int = 0) -> None:
-        """Wait for so many characters."""
+        """Wait for that many characters."""
         eventually(
             lambda: len(self.read().data(line)) >= count,
             lambda: f"{len(self.read().data(line))} of {count} characters came; {self.program.look()}",
@@ -100,7 +100,7 @@ class Capture:
 
 @dataclass
 class Captured:
-    """What a capture file has."""
+    """The contents of a capture file."""
 
     characters: dict[int, list[tuple[int, Flag]]]
     events: list[tuple[Event, str]]
@@ -142,7 +142,7 @@ def ports(bench: Bench) -> None:
 
 
 def doctor(bench: Bench) -> None:
-    """It opens the port for who may, and says what to do to who may not."""
+    """It opens the port for a permitted user, and tells others the cure."""
     done = bench.guest.run("sistap", "doctor", "-i", bench.line.port, user="tap")
     of_port = done.said.partition("good  port  ")[2]
     assert "bad  " not in of_port, done.said
@@ -153,7 +153,7 @@ def doctor(bench: Bench) -> None:
 
 
 def capture(bench: Bench) -> None:
-    """Every character is in the capture, without an error, and no other."""
+    """The capture has exactly the played characters, without an error."""
     bench.states = [_state(bench)]
     bench.watch.mark()
     running = Capture(bench.guest, bench.line.port, user="root", framing="sis")  # root may set a FIFO's trigger
@@ -170,7 +170,7 @@ def capture(bench: Bench) -> None:
 
 
 def formats(bench: Bench) -> None:
-    """What is not refused is what the device is set to; the settings of SIS are not refused."""
+    """A setting that is not refused is what the device has; the settings of SIS are not refused."""
     program = bench.guest.start("opened", bench.line.port)
     program.until("{}")
     wrong = []
@@ -217,12 +217,12 @@ def parity(bench: Bench) -> None:
 
 
 def framing(bench: Bench) -> None:
-    """A framing error, too."""
+    """The same for a framing error."""
     _packet_error(bench, FRAMING)
 
 
 def overrun(bench: Bench) -> None:
-    """Lost characters are told: at the character behind them, and in the last line."""
+    """Lost characters are reported: at the character after them, and in the last line."""
     bench.can("overrun")
     running = Capture(bench.guest, bench.line.port)
     bench.line.play(TELEGRAM)
@@ -243,7 +243,7 @@ def overrun(bench: Bench) -> None:
 
 
 def unplug(bench: Bench) -> None:
-    """A port that goes ends the capture with 1, an event and a file that is whole; it comes back by the same name."""
+    """A lost port ends the capture with code 1, an event and a complete file; it comes back by the same name."""
     running = Capture(bench.guest, bench.line.port)
     bench.line.play(TELEGRAM * 3)
     running.until(3 * len(TELEGRAM))
@@ -288,23 +288,25 @@ def two_lines(bench: Bench) -> None:
 
 
 def selftest(bench: Bench) -> None:
-    """With its lines joined, all that it sends comes back; without --transmit it sends nothing."""
+    """With its lines joined, everything it sends comes back; without --transmit it sends nothing."""
     done = bench.guest.run("sistap", "selftest", "-i", bench.line.port)
     assert done.code == 2 and "add --transmit" in done.said, done
     before = len(bench.line.sent)
     bench.line.loop(on=True)
     options = "--transmit --baud 115200 --format 8N1 --duration 1".split()
-    # At real-time priority it would leave nothing to an adapter that is a program.
+    # At real-time priority it would leave no time to an adapter in software.
     done = bench.guest.run("sistap", "selftest", "-i", bench.line.port, *options, user="tap")
     bench.line.loop(on=False)
     bench.looped[0] += len(bench.line.sent) - before
-    counted = int(next((line.split()[0] for line in done.said.splitlines() if "so late were they" in line), "0"))
+    counted = int(next((line.split()[0] for line in done.said.splitlines() if "how late they were" in line), "0"))
     assert counted > 0 and counted == bench.looped[0], f"{bench.looped[0]} were sent: {done}"
     assert done.code == 0 or "are too few for p99.9" in done.said, done
 
 
 def extcap(bench: Bench) -> None:
-    """Wireshark's way: listed, captured into its pipe, ended by it; who may not open the port gets 3 and a reason."""
+    """As Wireshark uses it: listed, captured into its pipe, ended by it. A user without rights gets code 3 and a
+    reason.
+    """
     guest = bench.guest
     device = Path(bench.line.port).name
     listed = guest.run("sistap", "extcap", "--extcap-interfaces", user="tap").said
@@ -330,7 +332,7 @@ def extcap(bench: Bench) -> None:
 
 
 def restored(bench: Bench) -> None:
-    """The latency timer, low latency and the FIFO trigger are set for a capture, and as before afterwards."""
+    """The latency timer, low latency and the FIFO trigger are set for a capture, and restored afterwards."""
     before, during, after = bench.states
     assert before == after, f"before {before}, after {after}"
     for what, (was, tuned) in bench.driver.tuned.items():
@@ -338,7 +340,7 @@ def restored(bench: Bench) -> None:
 
 
 def passive(bench: Bench) -> None:
-    """In all of this, but for the self-test, not one byte was sent."""
+    """In all of this, except the self-test, not one byte was sent."""
     for line, looped in zip(bench.driver.lines, bench.looped, strict=True):
         assert len(line.sent) == looped, f"{len(line.sent) - looped} characters were sent: {line.sent[:20].hex(' ')}"
 
@@ -404,7 +406,7 @@ def _settings(text: str) -> Settings:
 
 
 def _is_set(watch: Watch, wished: Settings) -> bool:
-    """Tell whether the device has these settings, or none that are new; requests may be on their way."""
+    """Tell whether the device has these settings, or no new ones; requests may be on their way."""
     end = time.monotonic() + 2
     while True:
         now = watch.settings()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The drivers that are judged: how each gets its ports, what happens on their lines, what devices were told."""
+"""The drivers to judge: how each gets its ports, what happens on their lines, what the devices were told."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from typing import Any, NamedTuple, Protocol
 
 from machine import Guest, Program, eventually
 
-# Error bits of a FTDI adapter's line status, of which a software FT232R is told.
+# Error bits in the line status of an FTDI adapter, as a software FT232R takes them.
 OVERRUN, PARITY, FRAMING, BREAK = 0x02, 0x04, 0x08, 0x10
 
 UART_RATE = 115200  # of divisor 1
 FTDI_RATE = 3_000_000
-# FTDI's AN232B-05: eighths of a divisor, by their code.
+# FTDI's AN232B-05: eighths of a divisor, keyed by their code.
 FTDI_EIGHTHS = (0, 4, 2, 1, 3, 5, 6, 7)
 SPECIAL_DIVISORS: dict[float, float] = {0: 1, 1: 1.5}
 STOPS = ("1", "1.5", "2")
@@ -29,36 +29,36 @@ PARITIES = "NOEMS"  # as FTDI and CDC number them
 
 
 class Settings(NamedTuple):
-    """What a device was set to."""
+    """The settings of a device."""
 
     baud: float
     format: str
 
 
 class Line(Protocol):
-    """What is behind one port."""
+    """The line behind a port."""
 
     port: str
 
     @property
     def sent(self) -> bytes:
-        """What the guest has sent."""
+        """Return what the guest has sent."""
 
     def play(self, data: bytes, errors: int = 0) -> None:
-        """Let characters come in; `errors` are of all of them, for one that knows errors."""
+        """Send characters to the guest; `errors` apply to all of them, on a line that supports errors."""
 
     def settle(self) -> None:
         """Wait until the driver has taken what was played."""
 
     def send_break(self) -> None:
-        """Let a break come in."""
+        """Send a break to the guest."""
 
     def loop(self, *, on: bool) -> None:
-        """Send what is sent back."""
+        """Return to the guest what it sends."""
 
 
 class SocketLine:
-    """A line that QEMU has at a socket."""
+    """A line that QEMU connects to a socket."""
 
     def __init__(self, guest: Guest, name: str, port: str) -> None:
         """Connect to it."""
@@ -71,23 +71,23 @@ class SocketLine:
 
     @property
     def sent(self) -> bytes:
-        """What the guest has sent."""
+        """Return what the guest has sent."""
         return self._sent
 
     def play(self, data: bytes, errors: int = 0) -> None:
-        """Let characters come in as fast as the guest takes them."""
+        """Send characters as fast as the guest takes them."""
         assert not errors
         self._socket.sendall(data)
 
     def settle(self) -> None:
-        """Do nothing: nobody waits for these lines."""
+        """Do nothing: this line needs no wait."""
 
     def send_break(self) -> None:
-        """Let a break come in at once: it may overtake characters."""
+        """Send a break at once: it may overtake characters."""
         self._guest.monitor("chardev-send-break", id=self._name)
 
     def loop(self, *, on: bool) -> None:
-        """Send what is sent back."""
+        """Return to the guest what it sends."""
         self._loop = on
 
     def _read(self) -> None:
@@ -99,12 +99,12 @@ class SocketLine:
 
 
 class UartLine(SocketLine):
-    """The line of a UART of QEMU. It does not keep a break with its character: it marks what is first in the FIFO."""
+    """The line of a UART of QEMU. It does not store a break with its character: it marks the first one in the FIFO."""
 
     _due = 0
 
     def play(self, data: bytes, errors: int = 0) -> None:
-        """Let characters come in; the driver has taken all that were played before."""
+        """Send characters after the driver has taken all earlier ones."""
         self._due = received(self._guest, self.port) + len(data)
         super().play(data, errors)
 
@@ -114,10 +114,10 @@ class UartLine(SocketLine):
 
 
 class ProgramLine:
-    """A line whose other end is a program of the guest."""
+    """A line whose other end is a program in the guest."""
 
     def __init__(self, program: Program, port: str, *, has_status: bool) -> None:
-        """Tell it by its input; `has_status`: it knows line errors."""
+        """Control the program by its input; `has_status`: it supports line errors."""
         self.port, self.program = port, program
         self._has_status = has_status
         self._played = 0
@@ -125,55 +125,55 @@ class ProgramLine:
 
     @property
     def sent(self) -> bytes:
-        """What the guest has sent."""
+        """Return what the guest has sent."""
         told = [json.loads(line) for line in self.program.look().splitlines()]
         return self._sent_before + b"".join(bytes.fromhex(one["sent"]) for one in told if "sent" in one)
 
     def renew(self, program: Program) -> None:
-        """Go on with another program: the adapter was unplugged, and plugged in again."""
+        """Continue with another program: the adapter was unplugged and plugged in again."""
         self._sent_before, self._played = self.sent, 0
         self.program = program
 
     def play(self, data: bytes, errors: int = 0) -> None:
-        """Let characters come in together; return when the computer has taken them."""
+        """Send characters together; return when the computer has taken them."""
         self.say(play=[(value, errors) for value in data])
         self._played += len(data)
         self.program.until(f'{{"played": {self._played}}}')
 
     def settle(self) -> None:
-        """Do nothing: it has."""
+        """Do nothing: play waits already."""
 
     def send_break(self) -> None:
-        """Let a break come in; to a FTDI adapter it is a character."""
+        """Send a break; for an FTDI adapter it is a character."""
         if self._has_status:
             self.play(b"\0", BREAK | FRAMING)
         else:
             self.say(**{"break": True})
 
     def loop(self, *, on: bool) -> None:
-        """Send what is sent back."""
+        """Return to the guest what it sends."""
         self.say(loop=on)
 
     def say(self, **message: Any) -> None:
-        """Tell the program something."""
+        """Send the program a message."""
         self.program.say(json.dumps(message))
 
 
 class Watch(Protocol):
-    """Sees what a device is told."""
+    """Observes the settings of a device."""
 
     def mark(self) -> None:
-        """Forget what was told before."""
+        """Forget earlier settings."""
 
     def lines(self) -> list[tuple[bool, bool]]:
-        """Return the states of DTR and RTS since the mark, from both low on."""
+        """Return the states of DTR and RTS since the mark, beginning with both low."""
 
     def settings(self) -> Settings | None:
-        """Return what it is set to now."""
+        """Return its present settings."""
 
 
 class UartWatch:
-    """Registers of a 16550, as QEMU's trace shows them being written."""
+    """The registers of a 16550: QEMU's trace shows writes to them."""
 
     def __init__(self, guest: Guest) -> None:
         """Read the trace of the guest."""
@@ -181,7 +181,7 @@ class UartWatch:
         self._from = 0
 
     def mark(self) -> None:
-        """Forget what was written before."""
+        """Forget earlier writes."""
         self._from = self._file.stat().st_size
 
     def lines(self) -> list[tuple[bool, bool]]:
@@ -211,22 +211,22 @@ class UartWatch:
 
 
 class UsbWatch:
-    """Requests that adapters get, as usbmon in the guest shows them."""
+    """The requests to adapters: usbmon in the guest shows them."""
 
     def __init__(self, usbmon: Program) -> None:
-        """Read what guest/usbmon.py says."""
+        """Read the output of guest/usbmon.py."""
         self._usbmon = usbmon
         self._from = 0
 
     def mark(self) -> None:
-        """Forget what was asked before."""
+        """Forget earlier requests."""
         self._from = len(self._usbmon.look())
 
     def lines(self) -> list[tuple[bool, bool]]:
         """Return the states of DTR and RTS."""
         state, states = 0, []
         for (kind, request, value, _), _data in self._requests(self._from):
-            if (kind, request) == (0x40, 1):  # FTDI: the high byte says which of them it is about
+            if (kind, request) == (0x40, 1):  # FTDI: the high byte selects the lines
                 state = state & ~(value >> 8) | value & (value >> 8)
                 states.append((bool(state & 1), bool(state & 2)))
             elif (kind, request) == (0x21, 0x22):  # CDC: SET_CONTROL_LINE_STATE
@@ -256,7 +256,7 @@ class UsbWatch:
 
 
 def _changes(states: list[tuple[bool, bool]]) -> list[tuple[bool, bool]]:
-    """Return each state that is another than the one before, from both low on."""
+    """Return each state that differs from the one before, beginning with both low."""
     changes = [(False, False)]
     for state in states:
         if state != changes[-1]:
@@ -266,35 +266,35 @@ def _changes(states: list[tuple[bool, bool]]) -> list[tuple[bool, bool]]:
 
 @dataclass
 class Driver:
-    """A driver with two ports; what it cannot do with the device it has here is not judged."""
+    """A driver with two ports; checks that its device cannot do here are not judged."""
 
     name: str
     devices: tuple[str, ...]  # for QEMU
-    described: tuple[str, ...]  # what `sistap ports` says of it
+    described: tuple[str, ...]  # its description in `sistap ports`
     can: frozenset[str] = frozenset()  # "break", "errors", "overrun"
-    apart: bool = True  # each port is unplugged alone
+    apart: bool = True  # each port can be unplugged alone
     tuned: dict[str, tuple[object, object]] = field(default_factory=dict)  # before and during a capture
     lines: list[Any] = field(default_factory=list)
 
     def start(self, guest: Guest) -> None:
         """Make the ports; then `lines` has them."""
 
-    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - of a USB adapter, it is another
-        """Return what sees its devices."""
+    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - USB adapters override this
+        """Return the observer of its devices."""
         return UartWatch(guest)
 
     def unplug(self, guest: Guest) -> None:
-        """Take the first port away."""
+        """Unplug the first port."""
 
     def plug(self, guest: Guest) -> None:
-        """Give it back."""
+        """Plug it in again."""
 
 
 class Uart(Driver):
-    """The driver 8250, its UARTs in QEMU. Unplugged is: taken away from the driver."""
+    """The driver 8250 with UARTs of QEMU. Unplugging removes the device from the driver."""
 
     def __init__(self, name: str, chardevs: tuple[str, str], device: str, bus: str, ports: tuple[str, str]) -> None:
-        """Have the chardevs as ports."""
+        """Use the chardevs as ports."""
         sockets = " ".join(_socket(one) for one in chardevs)
         super().__init__(
             name,
@@ -311,13 +311,13 @@ class Uart(Driver):
         self.lines = [UartLine(guest, *one) for one in zip(self._chardevs, self._ports, strict=True)]
 
     def unplug(self, guest: Guest) -> None:
-        """Let the driver go."""
+        """Remove the device from the driver."""
         (link,) = guest.find(f"/sys/bus/{self._bus}/drivers/serial/{self._bound(guest)}")
         self._place = Path(link).name
         guest.write(f"/sys/bus/{self._bus}/drivers/serial/unbind", self._place)
 
     def plug(self, guest: Guest) -> None:
-        """Give it to the driver again."""
+        """Give the device to the driver again."""
         guest.write(f"/sys/bus/{self._bus}/drivers/serial/bind", self._place)
         eventually(lambda: guest.run("port", self.lines[0].port).code == 0, lambda: "the port does not come back")
 
@@ -331,20 +331,20 @@ class Uart(Driver):
 class Usb(Driver):
     """A driver of adapters."""
 
-    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - of a UART, it is another
-        """Return what sees its devices."""
+    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - a UART has another one
+        """Return the observer of its devices."""
         return UsbWatch(usbmon)
 
 
 class QemuFtdi(Usb):
-    """ftdi_sio, its adapters in QEMU: no line errors, and a break without a character, which Linux drops."""
+    """ftdi_sio with adapters of QEMU: no line errors, and a break without a character, which Linux drops."""
 
     def __init__(self) -> None:
-        """Have two adapters."""
+        """Create two adapters."""
         arguments = ["-device", "qemu-xhci,id=xhci"]
         for number in range(2):
             arguments += [*_socket(f"ftdi{number}").split(), "-device", ",".join(_pairs(self._device(number)))]
-        # QEMU's adapter says at first that its timer is 0.
+        # QEMU's adapter first reports a timer of 0.
         tuned: dict[str, tuple[object, object]] = {"latency timer": ("0", "1")}
         super().__init__(
             "ftdi_sio, QEMU's adapter",
@@ -368,7 +368,7 @@ class QemuFtdi(Usb):
         def added() -> bool:
             try:
                 guest.monitor("device_add", **self._device(0))
-            except OSError:  # the old one is not gone yet
+            except OSError:  # the old one is still there
                 return False
             return True
 
@@ -382,12 +382,12 @@ class QemuFtdi(Usb):
 
 
 class SoftwareFtdi(Usb):
-    """ftdi_sio, its adapters programs of the guest (guest/ft232r.py), with all line errors."""
+    """ftdi_sio with adapters in software (guest/ft232r.py), with all line errors."""
 
     SERIALS = ("A6008isP", "A6008isQ")
 
     def __init__(self) -> None:
-        """Have two adapters."""
+        """Create two adapters."""
         super().__init__(
             "ftdi_sio, FT232R in software",
             (),
@@ -417,10 +417,10 @@ class SoftwareFtdi(Usb):
 
 
 class Cdc(Usb):
-    """cdc_acm; its adapter with two ports is the guest itself (g_serial at dummy_hcd)."""
+    """cdc_acm; its adapter with two ports is the guest itself (g_serial on dummy_hcd)."""
 
     def __init__(self) -> None:
-        """Have an adapter."""
+        """Create an adapter."""
         super().__init__("cdc_acm", (), ("Gadget Serial", "cdc_acm"), frozenset({"break"}), apart=False)
 
     def start(self, guest: Guest) -> None:
@@ -469,7 +469,7 @@ def _pairs(device: dict[str, Any]) -> list[str]:
 
 
 def _by_id(guest: Guest, pattern: str) -> str:
-    """Wait for a port that udev names so; return the name."""
+    """Wait for a port with this udev name; return its device."""
     return _appears(guest, f"/dev/serial/by-id/{pattern}")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The guest: QEMU is started, and told things; programs are run in it through its agent (guest/agent.py)."""
+"""The guest: starts QEMU and controls it; runs programs in it through its agent (guest/agent.py)."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 
 Message = dict[str, Any]
 
-PATIENCE_S = 60  # for anything that has to happen; a machine with other work to do is slow
+PATIENCE_S = 60  # for anything that must happen; a busy computer is slow
 BOOT_S = 240
-FIRST_WORD_S = 8  # under KVM a kernel has said something by then, or never will
+FIRST_WORD_S = 8  # under KVM a kernel prints something within this time, or never
 KVM = Path("/dev/kvm")
 
 
@@ -38,7 +38,7 @@ class Done(NamedTuple):
 
 
 class Channel:
-    """JSON lines over a socket of QEMU's; answers are found by their number."""
+    """JSON lines over a socket of QEMU; answers are matched by their number."""
 
     def __init__(self, path: Path) -> None:
         """Connect. OSError while nobody listens there."""
@@ -50,7 +50,7 @@ class Channel:
         threading.Thread(target=self._read, daemon=True).start()
 
     def ask(self, message: Message) -> tuple[int, queue.Queue[Message]]:
-        """Send a command; return its number, and where its answers come."""
+        """Send a command; return its number, and the queue of its answers."""
         number = next(self._numbers)
         answers = self._waiting[number] = queue.Queue()
         self._socket.sendall(json.dumps(message | {"id": number}).encode() + b"\n")
@@ -77,7 +77,7 @@ class Channel:
 
 
 class Program:
-    """A program that runs in the guest."""
+    """A running program in the guest."""
 
     def __init__(self, guest: Guest, number: int, answers: queue.Queue[Message]) -> None:
         """Belong to what started it."""
@@ -86,7 +86,7 @@ class Program:
         self.code: int | None = None
 
     def until(self, words: str) -> str:
-        """Wait for words in what it says; return all that it has said."""
+        """Wait for words in its output; return all of the output so far."""
         while words not in self.said:
             assert self.code is None, f"it ended with {self.code} before it said '{words}':\n{self.said}"
             self._take(words)
@@ -99,7 +99,7 @@ class Program:
         return Done(self.code, self.said)
 
     def look(self) -> str:
-        """Return all that it has said by now."""
+        """Return its output so far."""
         while not self._answers.empty():
             self._take("")
         return self.said
@@ -126,7 +126,9 @@ class Program:
         try:
             message = self._answers.get(timeout=PATIENCE_S)
         except queue.Empty:
-            raise AssertionError(f"no word for {PATIENCE_S} s while waiting for '{what}' after:\n{self.said}") from None
+            raise AssertionError(
+                f"no output for {PATIENCE_S} s while waiting for '{what}' after:\n{self.said}"
+            ) from None
         self.said += message.get("said", "")
         self.code = message.get("code", self.code)
 
@@ -141,7 +143,7 @@ class Guest:
         for name in ("agent", "qmp", "console", "trace"):
             (folder / name).unlink(missing_ok=True)
         command = [
-            *"setpriv --pdeathsig KILL".split(),  # however this ends, no machine stays
+            *"setpriv --pdeathsig KILL".split(),  # however this ends, no virtual machine stays
             *"qemu-system-x86_64 -nodefaults -display none -no-reboot -machine pc -m 512 -smp 1 -accel".split(),
             accelerator,
             *("-cpu", "qemu64", "-kernel", "vmlinuz", "-initrd", "guest.cpio", "-append"),
@@ -164,14 +166,14 @@ class Guest:
             raise
 
     def agent(self, **message: Any) -> Message:
-        """Let the agent do something; OSError with its words if it could not."""
+        """Send the agent a command; OSError with its message if it failed."""
         answer = self._agent.call(message)
         if answer["code"]:
             raise OSError(answer["text"])
         return answer
 
     def monitor(self, command: str, **arguments: Any) -> Any:
-        """Tell QEMU something; OSError with its words if it cannot do it."""
+        """Send QEMU a command; OSError with its message if it failed."""
         answer = self._monitor.call({"execute": command, "arguments": arguments})
         if "error" in answer:
             raise OSError(answer["error"]["desc"])
@@ -190,7 +192,7 @@ class Guest:
         return base64.b64decode(self.agent(do="read", path=path)["data"])
 
     def write(self, path: str, text: str) -> None:
-        """Write a file of the guest, of sysfs perhaps."""
+        """Write a file of the guest, also of sysfs."""
         self.agent(do="write", path=path, text=text)
 
     def find(self, pattern: str) -> list[str]:
@@ -199,7 +201,7 @@ class Guest:
         return found
 
     def kill(self) -> None:
-        """Pull the plug."""
+        """Cut the power."""
         self._qemu.kill()
         self._qemu.wait()
 
@@ -232,7 +234,7 @@ class Guest:
 
 
 def eventually(what: Callable[[], bool], why: Callable[[], str]) -> None:
-    """Wait until something is so; AssertionError with the reason if it never is."""
+    """Wait until a condition holds; AssertionError with the reason if it never does."""
     end = time.monotonic() + PATIENCE_S
     while not what():
         assert time.monotonic() < end, why()
@@ -240,7 +242,7 @@ def eventually(what: Callable[[], bool], why: Callable[[], str]) -> None:
 
 
 def accelerator(folder: Path) -> str:
-    """Tell what a guest can run on: KVM if a kernel really boots on it, else QEMU's own translator."""
+    """Return the accelerator for a guest: KVM if a kernel really boots on it, else QEMU's translator."""
     if os.access(KVM, os.R_OK | os.W_OK):
         try:
             Guest(folder, "kvm", ()).kill()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The plug pulled while a capture is written to a disk: what the file has is the beginning of what came.
+"""Cuts the power while a capture is written to a disk: the file must have the beginning of what came.
 
-QEMU is killed, so that all that the guest's kernel had not yet written is gone. The machine that looks at the disk
-afterwards is one that has never seen it: a guest that booted once, and was saved before the disk was plugged in.
+QEMU is killed, so everything that the guest's kernel had not written yet is lost. Another guest then examines the disk.
+It booted earlier and was saved before the disk was plugged in, so it has no cached data of the disk.
 """
 
 from __future__ import annotations
@@ -20,36 +20,36 @@ from machine import Guest, eventually
 from drivers import SocketLine, received
 
 PULLS = 10
-FIRST_S, STEP_S = 4.5, 0.13  # until the plug is pulled, and how much later each time
+FIRST_S, STEP_S = 4.5, 0.13  # time until the power cut, and its increase each time
 PROMISED_S = 1.0  # the README: at most the characters of the last second
-OF_SYNC_S = 2.0  # and those that came while that was being written, slow as an emulated machine is
+OF_SYNC_S = 2.0  # and those that came during the slow write of the emulated computer
 _SLACK = f"It lacks no more than the last second; to write that, the emulated machine is given {OF_SYNC_S:g} s more."
 CHARACTERS_S = 870  # at 9600 Bd
-PACE_S = 0.1  # between looks at what has come: who looks all the time leaves no time to the capture
-BURST = bytes(range(256)) * 256  # no stretch of 87 characters is twice in a row
+PACE_S = 0.1  # interval between looks: constant looking would leave no time to the capture
+BURST = bytes(range(256)) * 256  # no stretch of 87 characters repeats in a row
 
 DISK_MB = 32
-# Nothing has to reach the disk of this machine: only the guest dies.
+# Nothing needs to reach this computer's disk: only the guest dies.
 DISK = {"driver": "file", "node-name": "disk", "filename": "disk", "cache": {"no-flush": True}}
 PORT, FILE = "/dev/ttyS1", "/mnt/capture.pcapng"
 DEVICES = "-chardev socket,id=isa0,path=isa0,server=on,wait=off -device isa-serial,chardev=isa0,index=1".split()
 
 
 class Pull(NamedTuple):
-    """What had come when the plug was pulled."""
+    """What had come when the power was cut."""
 
     played: bytes
     times_ns: list[int]  # of the guest's clock, at which ...
-    counts: list[int]  # ... so many characters had come
+    counts: list[int]  # ... this many characters had come
 
     def before(self, seconds: float) -> int:
-        """Return how many had come so long before the end."""
+        """Return how many had come that long before the end."""
         at = bisect_right(self.times_ns, self.times_ns[-1] - int(seconds * 1e9))
         return self.counts[at - 1] if at else 0
 
 
 def pulled(folder: Path, runs_on: str) -> str:
-    """Pull the plug again and again; return the result in words."""
+    """Cut the power again and again; return the result in words."""
     try:
         _pull_all(folder, runs_on)
     except (AssertionError, OSError) as error:
@@ -59,7 +59,7 @@ def pulled(folder: Path, runs_on: str) -> str:
 
 
 def _pull_all(folder: Path, runs_on: str) -> None:
-    """AssertionError says what a file lacks."""
+    """Raise AssertionError if a file lacks characters."""
     (folder / "disk").write_bytes(b"")
     subprocess.run(["/sbin/mke2fs", "-q", "-F", "-t", "ext4", "disk", f"{DISK_MB}M"], cwd=folder, check=True)
     _save(folder, runs_on)
@@ -77,7 +77,7 @@ def _pull_all(folder: Path, runs_on: str) -> None:
 
 
 def _save(folder: Path, runs_on: str) -> None:
-    """Boot a guest, and keep its state in a file."""
+    """Boot a guest, and save its state to a file."""
     guest = Guest(folder, runs_on, DEVICES)
     try:
         guest.monitor("stop")
@@ -88,7 +88,7 @@ def _save(folder: Path, runs_on: str) -> None:
 
 
 def _restored(folder: Path, runs_on: str) -> Guest:
-    """Go on from that state, with the disk mounted."""
+    """Continue from that state, with the disk mounted."""
     guest = Guest(folder, runs_on, [*DEVICES, "-incoming", "exec:cat state"])
     try:
         _mount(guest)
@@ -109,12 +109,12 @@ def _mount(guest: Guest) -> None:
 
 
 def _until_pulled(guest: Guest, seconds: float) -> Pull:
-    """Capture into the disk while characters come, for so long; then pull the plug."""
+    """Capture to the disk while characters come, for the given time; then cut the power."""
     guest.run("rm", "-f", FILE)
     guest.run("chmod", "777", "/mnt")
     guest.run("sync")
     line = SocketLine(guest, "isa0", PORT)
-    # At no real-time priority: on an emulated processor the capture would leave nothing to the kernel's own threads.
+    # Without real-time priority: on an emulated processor the capture would starve the kernel's threads.
     program = guest.start("sistap", "capture", "-i", PORT, "--framing", "silence:20", "-w", FILE, user="tap")
     program.until("capturing on")
     first = received(guest, PORT)
@@ -133,7 +133,7 @@ def _until_pulled(guest: Guest, seconds: float) -> Pull:
 
 
 def _judged(guest: Guest, pull: Pull) -> int:
-    """Judge what is on the disk; return how many characters it lacks."""
+    """Check the disk; return how many characters it lacks."""
     found = Captured.of(guest.read(FILE)).data() if guest.find(FILE) else b""
     assert pull.played.startswith(found), f"what is in the file ({len(found)} characters) is not what came"
     needed = pull.before(PROMISED_S + OF_SYNC_S)

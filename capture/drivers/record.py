@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Makes USB captures in the guest for the tests of `sistap import`: usbmon, both directions, with what was sent.
 
-record.py FOLDER puts them into tests/real-captures/, and the truth into truth.json there; FOLDER has the guest.
+record.py FOLDER puts them into tests/real-captures/, and the true contents into truth.json there. FOLDER has the guest.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ DAMAGED = [
 
 
 class Recording(NamedTuple):
-    """What is to be recorded: packets of characters with their errors."""
+    """A recording to make: packets of characters with their errors."""
 
     name: str
     adapter: Callable[[], Usb]

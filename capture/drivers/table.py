@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The table of drivers in capture/README.md."""
+"""The table of drivers in README.md."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ BEGIN, END = "<!-- drivers: written by drivers/check -->", "<!-- drivers: end --
 
 
 def write(file: Path, results: dict[str, dict[str, str]], pulled: str) -> None:
-    """Put what was found between the two marks."""
+    """Put the results between the two marks."""
     text = file.read_text()
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
@@ -22,7 +22,7 @@ def write(file: Path, results: dict[str, dict[str, str]], pulled: str) -> None:
 
 
 def rows(results: dict[str, dict[str, str]]) -> list[str]:
-    """Return the lines of the table: a driver a column."""
+    """Return the lines of the table, with a column for each driver."""
     names = list(results)
     judged = list(results[names[0]])
     lines = [["judged", *names], ["---"] * (len(names) + 1)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is mutated, and which tests have to notice: the table to edit when a module moves."""
+"""The mutated modules, and the tests that must catch their mutants. Edit this table when a module moves."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 
 class Part(NamedTuple):
-    """A module of the engine, and the tests that hold its promises. Choose fast ones: they run for every mutant."""
+    """A module of the engine, and the tests that cover it. Choose fast ones: they run for every mutant."""
 
     module: str  # in capture/
     tests: tuple[str, ...]  # in capture/tests/
-    functions: tuple[str, ...] = ()  # only inside these, if only a part of the module belongs to the engine
+    functions: tuple[str, ...] = ()  # mutate only these, if only a part of the module belongs to the engine
 
 
 # The part of a capture through which reads go.

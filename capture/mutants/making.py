@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Makes the mutants of a module: each is its source with one small fault (operators.py).
 
-What cannot change behaviour is left alone, and so is what cannot run here: rules below say what that is.
+It skips code that cannot change behaviour, and code that cannot run here. The rules below define both.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from typing import NamedTuple
 
 from operators import OPERATORS, is_named_number
 
-Step = tuple[str, int | None]  # a field of a piece of syntax, and the place in it if it is a list
+Step = tuple[str, int | None]  # a field of a syntax node, and the index in it if it is a list
 
-# Annotations and their like; operators and contexts have no fault of their own.
+# Annotations and the like; operators and contexts have no fault of their own.
 UNCHANGED_FIELDS = {"annotation", "returns", "decorator_list", "bases", "keywords", "op", "ops", "ctx", "type_params"}
 UNCHANGED_NAMES = {"__slots__", "__all__"}
 
 
 class Mutant(NamedTuple):
-    """One fault: where, and what stands there instead."""
+    """A fault: its place, and the replacement."""
 
     line: int
-    steps: tuple[Step, ...]  # from the module to what is replaced
+    steps: tuple[Step, ...]  # from the module to the replaced node
     new: ast.AST
 
 
@@ -39,21 +39,21 @@ def mutated(source: str, mutant: Mutant) -> str:
 
 
 def difference(source: str, mutant: Mutant) -> tuple[str, str]:
-    """Return the statement that has the fault, before and after; of a block, only its first line."""
+    """Return the statement with the fault, before and after; of a block, only its first line."""
     return _statement(_parsed(source), mutant), _statement(_replaced(source, mutant), mutant)
 
 
 class _Here(ast.NodeTransformer):
-    """Leaves of the code what can run here: nothing for another system, nothing for the type checker only."""
+    """Keeps only code that can run here: nothing for another system, nothing for the type checker only."""
 
     def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:  # noqa: N802 - a name of ast
-        """Put the branch that is run in the place of the `if`, where that is known."""
+        """Replace an `if` by the branch that runs, if that is known."""
         self.generic_visit(node)
         is_run = False if "TYPE_CHECKING" in ast.unparse(node.test) else _platform_is(node.test)
         return node if is_run is None else node.body if is_run else node.orelse or [ast.Pass()]
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:  # noqa: N802 - a name of ast
-        """Leave out the system where it decides nothing."""
+        """Remove tests of the system that are constant here."""
         self.generic_visit(node)
         neutral = isinstance(node.op, ast.And)
         node.values = [value for value in node.values if _platform_is(value) is not neutral]
@@ -91,7 +91,7 @@ def _statement(tree: ast.Module, mutant: Mutant) -> str:
 
 
 def _visit(node: ast.AST, steps: tuple[Step, ...], wanted: Collection[str], function: str) -> Iterator[Mutant]:
-    """Yield the mutants of a piece of syntax and of all in it; `function` is where it is, `wanted` where to begin."""
+    """Yield the mutants of a node and its descendants; `function` is its function, `wanted` the functions to mutate."""
     if _does_nothing(node):
         return
     if isinstance(node, ast.FunctionDef):
@@ -100,7 +100,7 @@ def _visit(node: ast.AST, steps: tuple[Step, ...], wanted: Collection[str], func
     if not wanted and type(node) in OPERATORS:
         assert isinstance(node, ast.expr | ast.stmt)
         for new in OPERATORS[type(node)](node):
-            # Nothing ever passes without an attribute that __init__ sets.
+            # A missing attribute of __init__ is always noticed.
             if not (function == "__init__" and isinstance(node, ast.Assign) and isinstance(new, ast.Pass)):
                 yield Mutant(node.lineno, steps, new)
     for step, child in _children(node):
@@ -108,8 +108,8 @@ def _visit(node: ast.AST, steps: tuple[Step, ...], wanted: Collection[str], func
 
 
 def _children(node: ast.AST) -> Iterator[tuple[Step, ast.AST]]:
-    """Yield what is inside a piece of syntax and can run."""
-    if is_named_number(node) or isinstance(node, ast.Raise):  # raised are messages
+    """Yield the child nodes that can run."""
+    if is_named_number(node) or isinstance(node, ast.Raise):  # texts of exceptions are messages
         return
     for field, value in ast.iter_fields(node):
         if field in UNCHANGED_FIELDS:
@@ -122,7 +122,7 @@ def _children(node: ast.AST) -> Iterator[tuple[Step, ast.AST]]:
 
 
 def _does_nothing(node: ast.AST) -> bool:
-    """Tell whether no fault in this can change what the program does."""
+    """Tell whether no fault in this node can change the program's behaviour."""
     match node:
         case ast.Import() | ast.ImportFrom() | ast.Assert() | ast.Expr(ast.Constant()):  # the last: a docstring
             return True
@@ -132,7 +132,7 @@ def _does_nothing(node: ast.AST) -> bool:
 
 
 def _platform_is(test: ast.AST) -> bool | None:
-    """Return what `sys.platform == "..."` is here; None if this is something else."""
+    """Return the value of `sys.platform == "..."` here; None for any other expression."""
     if not isinstance(test, ast.Compare) or not isinstance(test.comparators[0], ast.Constant):
         return None
     if ast.unparse(test.left) != "sys.platform":
@@ -141,5 +141,5 @@ def _platform_is(test: ast.AST) -> bool | None:
 
 
 def _is_getattr(node: ast.AST) -> bool:
-    """Tell whether this is a getattr: what it has to fall back on is for other systems."""
+    """Tell whether this is a getattr: its fallback is for other systems."""
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "getattr"

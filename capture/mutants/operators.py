@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a mutant changes: small faults that a tired person could write, one in each mutant.
+"""The changes of mutants: small faults that a tired programmer could make, one in each mutant.
 
-An operator takes a piece of the syntax tree and yields what could stand there instead. It never changes the piece that
-it was given.
+An operator takes a syntax node and yields possible replacements. It never changes the node itself.
 """
 
 from __future__ import annotations
@@ -40,14 +39,14 @@ OPPOSITES = (ast.Eq, ast.NotEq, ast.Is, ast.IsNot, ast.In, ast.NotIn)  # of each
 
 
 def compared(node: ast.Compare) -> Iterator[ast.expr]:
-    """Swap a comparison: at its border, or for its opposite."""
+    """Change a comparison at its border, or to its opposite."""
     for i, old in enumerate(node.ops):
         new = COMPARISONS[type(old)]()
         yield ast.Compare(node.left, [*node.ops[:i], new, *node.ops[i + 1 :]], node.comparators)
 
 
 def calculated(node: ast.BinOp) -> Iterator[ast.expr]:
-    """Swap an arithmetic or bit operator, or leave out one of several flags."""
+    """Replace an arithmetic or bit operator, or remove one of several flags."""
     if not any(_is_text(side) for side in (node.left, node.right)) and type(node.op) in ARITHMETIC:
         yield ast.BinOp(node.left, ARITHMETIC[type(node.op)](), node.right)
     if isinstance(node.op, ast.BitOr):
@@ -55,14 +54,14 @@ def calculated(node: ast.BinOp) -> Iterator[ast.expr]:
 
 
 def assigned_with(node: ast.AugAssign) -> Iterator[ast.stmt]:
-    """Swap the operator of `+=` and its like, or leave the statement out."""
+    """Replace the operator of `+=` and the like, or remove the statement."""
     if type(node.op) in ARITHMETIC and not _is_text(node.value):
         yield ast.AugAssign(node.target, ARITHMETIC[type(node.op)](), node.value)
     yield ast.Pass()
 
 
 def joined(node: ast.BoolOp) -> Iterator[ast.expr]:
-    """Swap `and` and `or`, or leave out one of the conditions."""
+    """Swap `and` and `or`, or remove one of the conditions."""
     yield ast.BoolOp(ast.Or() if isinstance(node.op, ast.And) else ast.And(), node.values)
     for i in range(len(node.values)):
         rest = [*node.values[:i], *node.values[i + 1 :]]
@@ -70,7 +69,7 @@ def joined(node: ast.BoolOp) -> Iterator[ast.expr]:
 
 
 def unary(node: ast.UnaryOp) -> Iterator[ast.expr]:
-    """Leave out `not`, `-` or `~`."""
+    """Remove `not`, `-` or `~`."""
     yield node.operand
 
 
@@ -86,7 +85,7 @@ def constant(node: ast.Constant) -> Iterator[ast.expr]:
 
 
 def named_number(node: ast.Assign) -> Iterator[ast.stmt]:
-    """Double or halve a round number with a name: somebody chose it, and one more or less would be as good."""
+    """Double or halve a round number with a name: one more or less would be as good."""
     if is_named_number(node) and isinstance(node.value, ast.Constant):
         for value in _scaled(node.value.value):
             yield ast.Assign(node.targets, value)
@@ -112,18 +111,18 @@ def negated(node: ast.If | ast.While | ast.IfExp) -> Iterator[ast.AST]:
 
 
 def left_out(node: ast.stmt) -> Iterator[ast.stmt]:
-    """Leave a statement out."""
+    """Remove a statement."""
     yield ast.Pass()
 
 
 def called(node: ast.Expr) -> Iterator[ast.stmt]:
-    """Leave out a call whose value nobody takes."""
+    """Remove a call whose value is not used."""
     if isinstance(node.value, ast.Call):
         yield ast.Pass()
 
 
 def kept(node: ast.Assign) -> Iterator[ast.stmt]:
-    """Leave out an assignment to what lives longer than the function; a name without a value never passes."""
+    """Remove an assignment to something that outlives the function; a missing local is always noticed."""
     yield from named_number(node)
     if all(isinstance(target, ast.Attribute | ast.Subscript) for target in node.targets):
         yield ast.Pass()
@@ -135,7 +134,7 @@ def jumped(node: ast.Break | ast.Continue) -> Iterator[ast.stmt]:
 
 
 def returned(node: ast.Return) -> Iterator[ast.stmt]:
-    """Return the opposite of a condition, else nothing."""
+    """Return the opposite of a condition, otherwise nothing."""
     value = node.value
     if value is None or isinstance(value, ast.Constant) or _is_swapped(value):
         return
@@ -171,7 +170,7 @@ def _is_swapped(condition: ast.expr) -> bool:
 
 
 def _is_text(node: ast.expr) -> bool:
-    """Tell whether this is text or bytes for certain: what is joined to it cannot be subtracted from it."""
+    """Tell whether this is certainly text or bytes, from which nothing can be subtracted."""
     return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str | bytes))
 
 

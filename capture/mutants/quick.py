@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A plugin of pytest for the tests of a mutant: the first failure counts, nobody reads it, and nothing may run wild."""
+"""A pytest plugin for the tests of a mutant: stop at the first failure, print nothing, limit the resources."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ import sistap
 
 GIGABYTE = 1 << 30
 
-# A mutant that never stops collecting must not take the machine with it.
+# A mutant that never stops collecting must not exhaust the computer.
 resource.setrlimit(resource.RLIMIT_AS, (2 * GIGABYTE, 2 * GIGABYTE))
 
-# The same examples for every mutant, and no search for the smallest one that fails.
+# The same examples for every mutant, and no search for the smallest failing one.
 settings.register_profile(
     "mutant", derandomize=True, database=None, deadline=None, phases=(Phase.explicit, Phase.generate)
 )
@@ -24,7 +24,7 @@ settings.load_profile("mutant")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Refuse to test another copy of the package than the one that is mutated."""
+    """Refuse to test another copy of the package than the mutated one."""
     found = Path(sistap.__file__).parents[1]
     if found != config.rootpath:
         raise pytest.UsageError(f"sistap is imported from {found}, not from {config.rootpath}")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Do the tests notice small faults in the engine? Makes some (mutants) and counts those that a test catches."""
+"""Do the tests notice small faults in the engine? Makes mutants and counts those that a test catches."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from making import Mutant, difference, mutants, mutated
 
 DESCRIPTION = """\
 Make mutants of the engine, each with one small fault, and run the tests that cover it. Print each mutant that no test
-catches, with its line before and after, and the share caught. A mutant whose tests do not end counts as caught.
+catches, with its line before and after, and the share caught. A mutant whose tests hang counts as caught.
 """
 
 EPILOG = """\
@@ -41,26 +41,26 @@ exit status:
 
 HERE = Path(__file__).resolve().parent
 CAPTURE = HERE.parent
-GOAL, ENOUGH = 0.95, 0.90  # the goal of the project; below the second the exit code is 1, as a sample varies
+GOAL, ENOUGH = 0.95, 0.90  # the goal of the project; below ENOUGH the exit code is 1, because a sample varies
 WORKERS = 2
-PATIENCE, PATIENCE_S = 4, 15  # a mutant may take this many times as long as the tests without a fault, and this longer
+PATIENCE, PATIENCE_S = 4, 15  # time limit: PATIENCE times as long as the tests without a fault, plus PATIENCE_S
 SURVIVED, INTERNAL = 0, 3  # exit codes of pytest; above the second: wrong usage, no tests
 
 
 class Broken(Exception):
-    """The tests cannot be run; str() is the one line to show."""
+    """The tests cannot be run; str() is the line to show."""
 
 
 class Fate(enum.Enum):
-    """What has become of a mutant."""
+    """The result of a mutant."""
 
     CAUGHT = enum.auto()
-    NO_END = enum.auto()  # caught, too, as somebody would notice
+    NO_END = enum.auto()  # counts as caught, because somebody would notice
     NOT_CAUGHT = enum.auto()
 
 
 class Chosen(NamedTuple):
-    """A mutant, and the part it is of."""
+    """A mutant, and its part."""
 
     part: Part
     source: str  # of the module, without the fault
@@ -76,7 +76,7 @@ class Copy:
     """A copy of the package and its tests in which one module at a time is a mutant."""
 
     def __init__(self, folder: Path, of: Path = CAPTURE) -> None:
-        """Copy everything; what is beside capture/ is only read, and linked."""
+        """Copy everything; the folders beside capture/ are only read, so link them."""
         self.capture = folder / "capture"
         self._temporary = folder / "temporary"
         self._running: subprocess.Popen[bytes] | None = None
@@ -86,9 +86,9 @@ class Copy:
             (folder / beside).symlink_to(CAPTURE.parent / beside)
 
     def run(self, part: Part, limit_s: float | None = None, *, compiled: bool = False) -> int | None:
-        """Run the tests of a part; return the exit code of pytest, None if they did not end within the limit.
+        """Run the tests of a part; return the exit code of pytest, None if they exceed the limit.
 
-        `compiled`: keep what Python has compiled; of a mutant it must not stay.
+        `compiled`: keep the compiled Python files; those of a mutant must not stay.
         """
         tests = [f"tests/{name}" for name in part.tests]
         options = ["-x", "-q", "-p", "quick", "-p", "no:cacheprovider", "--basetemp", str(self._temporary)]
@@ -116,14 +116,14 @@ class Copy:
             self._running = None
 
     def stop(self) -> None:
-        """End what runs, and what that has started."""
+        """End what runs, including its children."""
         if self._running:
             with suppress(ProcessLookupError):
                 os.killpg(self._running.pid, signal.SIGKILL)
 
     @contextmanager
     def with_fault(self, chosen: Chosen) -> Iterator[None]:
-        """Put the mutant in the place of its module."""
+        """Replace the module by the mutant."""
         module = self.capture / chosen.part.module
         Path(importlib.util.cache_from_source(str(module))).unlink(missing_ok=True)
         module.write_text(mutated(chosen.source, chosen.mutant))
@@ -134,7 +134,7 @@ class Copy:
 
 
 def choose(parts: Iterable[Part], count: int | None, seed: int) -> list[Chosen]:
-    """Choose so many of all mutants; all without a count."""
+    """Choose that many mutants; all without a count."""
     sources = {part: (CAPTURE / part.module).read_text() for part in parts}
     every = [
         Chosen(part, source, mutant) for part, source in sources.items() for mutant in mutants(source, part.functions)
@@ -153,7 +153,7 @@ def named(names: list[str]) -> list[Chosen]:
 
 
 def usual_times(copy: Copy, parts: set[Part]) -> dict[Part, float]:
-    """Run the tests of each part without a fault; return how long they take. Broken if they fail."""
+    """Run the tests of each part without a fault; return how long they take. Raise Broken if they fail."""
     times = {}
     for part in sorted(parts):
         begun = time.monotonic()
@@ -175,7 +175,7 @@ def fate(copy: Copy, chosen: Chosen, usual_s: float) -> Fate:
 
 
 def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]:
-    """Try all mutants, as many at a time as there are workers; print those that no test catches, count all."""
+    """Try all mutants, with as many workers; print those that no test catches, and count all."""
     first = Copy(folder / "0")
     times = usual_times(first, {chosen.part for chosen in all_chosen})
     copies = [first, *(Copy(folder / str(number), first.capture) for number in range(1, workers))]
@@ -204,14 +204,14 @@ def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]
 
 
 def positive(text: str) -> int:
-    """Read a number above 0."""
+    """Parse a number above 0."""
     if int(text) < 1:
         raise ValueError
     return int(text)
 
 
 def arguments() -> argparse.Namespace:
-    """Read the command line; `chosen` are the mutants to try."""
+    """Parse the command line; `chosen` are the mutants to try."""
     parser = argparse.ArgumentParser(
         description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A screen that nobody sees, and the windows on it."""
+"""A virtual screen, and the windows on it."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from contextlib import suppress
 from user import PATIENCE_S, Broken, User
 
 SIZE = "1600x1000x24"
-COLOURS = 128  # of a picture: text stays as it is, and the file small
+COLOURS = 128  # of a picture: text stays sharp, and the file small
 _BETWEEN_SHOTS_S = 0.2
-_A_SECOND = 5  # of them
+_A_SECOND = 5  # number of looks in a second
 _ATTEMPTS = 10
 
 
 class Screen:
-    """The screen of a user, with a window manager: windows get titles, and keys."""
+    """The screen of a user, with a window manager, so that windows have titles and get keys."""
 
     def __init__(self, user: User) -> None:
-        """Start both; the user's programs appear on it from now on. Broken."""
+        """Start both; the user's programs appear on it from now on. May raise Broken."""
         self._user = user
         reading, writing = os.pipe()
         with open(reading) as display:
@@ -37,7 +37,7 @@ class Screen:
         user.start(["openbox"])
 
     def window(self, title: str, patience_s: float = PATIENCE_S) -> str:
-        """Wait for a window whose title matches; give its number, when it has the keys. Broken."""
+        """Wait for a window whose title matches; return its number when it has the focus. May raise Broken."""
         search = ("xdotool", "search", "--sync", "--onlyvisible", "--limit", "1", "--name", title)
         try:
             window = self._user.run(*search, patience_s=patience_s).decode().strip()
@@ -47,7 +47,7 @@ class Screen:
         return window
 
     def window_after(self, words: str, title: str) -> str:
-        """Do something until a window comes up: a program that is still busy passes keys over. Broken."""
+        """Repeat an action until a window appears: a busy program ignores keys. May raise Broken."""
         for _ in range(_ATTEMPTS - 1):
             self.do(words)
             with suppress(Broken):
@@ -56,13 +56,13 @@ class Screen:
         return self.window(title, PATIENCE_S / _ATTEMPTS)
 
     def do(self, words: str) -> None:
-        """Do what xdotool can: keys, mouse, windows. Broken."""
+        """Do what xdotool can: keys, mouse, windows. May raise Broken."""
         self._user.run("xdotool", *words.split())
 
     def until_steady(self, window: str, unlike: bytes = b"") -> bytes:
-        """Wait until a window has changed, and is as it was a second ago; give its pixels. Broken.
+        """Wait until a window has changed and then been steady for a second; return its pixels. May raise Broken.
 
-        A second, as that is how long a cursor takes to come back.
+        The second is the period of a blinking cursor.
         """
         shots: list[bytes] = []
 
@@ -74,7 +74,7 @@ class Screen:
         return shots[-1]
 
     def until(self, condition: Callable[[], bool], what_else: str) -> None:
-        """Wait until something is so. Broken."""
+        """Wait until a condition holds. May raise Broken."""
         deadline = time.monotonic() + PATIENCE_S
         while not condition():
             if time.monotonic() > deadline:
@@ -82,7 +82,7 @@ class Screen:
             time.sleep(_BETWEEN_SHOTS_S)
 
     def picture(self, window: str) -> bytes:
-        """Take a window with its frame, or `root`, the whole screen; give a PNG."""
+        """Take a picture of a window with its frame, or of `root`, the whole screen; return a PNG."""
         colours = ["+dither", "-colors", str(COLOURS), "-strip", "-define", "png:compression-level=9"]
         return self._user.run("import", "-silent", "-frame", "-window", window, *colours, "PNG8:-")
 

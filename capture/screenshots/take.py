@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Takes the pictures of Wireshark that the READMEs show: what somebody sees after `sistap install`."""
+"""Takes the pictures of Wireshark in the READMEs: what a user sees after `sistap install`."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from screen import Screen
 from user import Broken, User
 
 DESCRIPTION = """\
-Take pictures of Wireshark as somebody sees it after `sistap install`, with the plugin that is built, into
-build/screenshots. Fails if a window does not come up; whether the pictures are good, a person has to say.
+Take pictures of Wireshark as a user sees it after `sistap install`, with the plugin from the build, into
+build/screenshots. Fails if a window does not appear. Whether the pictures are good, a person must judge.
 
-The telegrams are always the same: those of the virtual bus, with faults, in simulated time. What is shown live differs.
+The telegrams are always the same: those of the virtual bus, with faults, in simulated time. A live capture differs.
 """
 
 EPILOG = """\
@@ -42,20 +42,20 @@ PROGRAMS = {  # and their packages
 }
 PLUGIN = "build/plugin/plugin/sis.so"
 INSTALLED_FROM = ("capture/sistap", "lua-fallback/sis.lua", PLUGIN)
-PYTHON = "/usr/bin/python3"  # everybody may run it, and it has pyserial
+PYTHON = "/usr/bin/python3"  # every user may run it, and it has pyserial
 DEMO_BUS = "sistap-demo"
 
 DEMO = "demo.pcapng"
 RECORDS = 1200  # 40 s of the bus
 BUS = "--listen 127.0.0.1:0 --fast --seed 3 --faults checksum=0.015,pause=0.001,parity=0.001"
-# A reaction with a value and a pause that is too long; with this seed there are other faults below it.
+# A reaction with a value and too long a pause; with this seed, other faults follow it.
 LATE = 'sis.tza.verdict == 1 && sis.control.reaction == 1 && sis.value contains "rpm"'
 
 LIVE_FAULTS = "extcap.sistap_demo.faults:checksum=0.04,parity=0.003,pause=0.001"
-LIVE_BYTES = 45_000  # of a capture: about 9 s, after which names and units are known
+LIVE_BYTES = 45_000  # of a capture: about 9 s, when names and units are known
 
-# In the tree: open the last protocol, SIS, and in it the last branch, Timing; go to what is before that, the value;
-# show the end, by the wheel; leave, as what is under the mouse has another colour.
+# In the tree: open the last protocol, SIS, and in it the last branch, Timing. Go to the item before, the value. Scroll
+# to the end. Move the mouse away, because the item below it has another colour.
 OPEN_TREE = (
     "mousemove --window {window} 300 820 click 1 key Home End Right End Right Up click --repeat 20 5 mousemove 0 0"
 )
@@ -63,23 +63,23 @@ THE_GEAR = "mousemove --window {window} 53 78 click 1"
 
 
 class Step(NamedTuple):
-    """A window, and what is done there."""
+    """A window, and the action in it."""
 
     title: str  # a regular expression
     do: str  # words of xdotool; {window}: its number
 
 
 class Picture(NamedTuple):
-    """A window: how one comes there, and how it is shown."""
+    """A picture of a window: how to get there, and how to show it."""
 
-    file: str  # where a README has it, from the top folder
+    file: str  # its path in the repository
     arguments: str  # of wireshark
     title: str
     width: int
     height: int
     way: tuple[Step, ...] = ()  # through other windows
-    do: str = ""  # before the picture is taken, words of xdotool
-    is_live: bool = False  # taken in motion
+    do: str = ""  # words of xdotool, before the picture is taken
+    is_live: bool = False  # taken during a live capture
 
 
 MAIN = f"^{DEMO}$"
@@ -100,7 +100,7 @@ PICTURES = (
 
 
 def main() -> int:
-    """Take them all; return the exit code."""
+    """Take all pictures; return the exit code."""
     parser = argparse.ArgumentParser(
         description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -137,7 +137,7 @@ def _check() -> None:
 
 
 def _install(user: User) -> None:
-    """Do what a person does, out of a copy that this person may read."""
+    """Install as a user does, from a copy that this user may read."""
     checkout = user.folder / "checkout"
     for part in INSTALLED_FROM:
         (checkout / part).parent.mkdir(parents=True, exist_ok=True)
@@ -159,9 +159,9 @@ def _capture(user: User) -> None:
 
 
 def _take(user: User, screen: Screen, picture: Picture) -> bytes:
-    """Start Wireshark, as if for the first time; go to the window; give the picture. Broken names it."""
+    """Start a fresh Wireshark, go to the window, and return the picture. Broken names the picture."""
     with user.in_a_copy_of_home():
-        hidden = ("-o", f"capture.devices_hide:{_others(user)}")  # nothing of this machine is to be seen
+        hidden = ("-o", f"capture.devices_hide:{_others(user)}")  # hide the interfaces of this computer
         wireshark = user.start(["wireshark", "-C", "SIS", *hidden, *shlex.split(picture.arguments)])
         try:
             window = _go(screen, picture)
@@ -181,7 +181,7 @@ def _take(user: User, screen: Screen, picture: Picture) -> bytes:
 
 
 def _go(screen: Screen, picture: Picture) -> str:
-    """Go through other windows to that of a picture; give its number, when it has its size."""
+    """Go through other windows to that of a picture; return its number when it has its size."""
     titles = (*(step.title for step in picture.way), picture.title)
     window = screen.window(titles[0])
     for step, title in zip(picture.way, titles[1:], strict=True):
@@ -191,20 +191,20 @@ def _go(screen: Screen, picture: Picture) -> str:
 
 
 def _save(file: Path, picture: bytes) -> Path:
-    """Write a picture; give its name as seen from the top folder."""
+    """Write a picture; return its name relative to the top folder."""
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_bytes(picture)
     return file.relative_to(REPOSITORY)
 
 
 def _others(user: User) -> str:
-    """List the interfaces of this machine but for the demo bus."""
+    """Return the interfaces of this computer except the demo bus."""
     lines = user.run("tshark", "-D").decode().splitlines()
     return ",".join(name for name in (line.split()[1] for line in lines) if name != DEMO_BUS)
 
 
 def _bytes_captured(user: User) -> int:
-    """Say how long the file is into which Wireshark captures."""
+    """Return the size of the file into which Wireshark captures."""
     return sum(file.stat().st_size for file in user.folder.glob("wireshark_*.pcapng"))
 
 

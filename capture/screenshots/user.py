@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Somebody with an empty home, for whom programs run: an ordinary user, also if root runs this."""
+"""A user with an empty home, for whom programs run: an ordinary user, also if root runs this."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from types import TracebackType
 from typing import Any
 
 NOBODY = 65534
-PATIENCE_S = 30  # for whatever a program has to do
+PATIENCE_S = 30  # longest wait for a program
 FAREWELL_S = 5
 
 Program = subprocess.Popen[bytes]
 
 
 class Broken(Exception):
-    """Something does not run or does not appear; the text is the one line to show."""
+    """Something does not run or does not appear; the text is the line to show."""
 
 
 class User:
-    """A home, in `folder`, and the programs that were started there. All is gone after the `with`."""
+    """A home in `folder`, and the programs started there. Everything is removed after the `with`."""
 
     def __init__(self) -> None:
         """Make the home."""
@@ -46,7 +46,6 @@ class User:
         self.owns(self.folder)
 
     def __enter__(self) -> User:
-        """Nothing more to do."""
         return self
 
     def __exit__(
@@ -59,7 +58,7 @@ class User:
 
     @contextmanager
     def in_a_copy_of_home(self) -> Iterator[None]:
-        """Let programs leave their traces in a copy of the home."""
+        """Let programs change only a copy of the home."""
         copy = self.folder / "copy"
         shutil.copytree(self.home, copy)
         self.owns(copy)
@@ -71,13 +70,13 @@ class User:
             shutil.rmtree(copy, ignore_errors=True)
 
     def owns(self, folder: Path) -> None:
-        """Give a folder in the home, and all in it, to the user."""
+        """Give a folder in the home, with its contents, to the user."""
         if os.geteuid() == 0:
             for path in (folder, *folder.rglob("*")):
                 os.chown(path, NOBODY, NOBODY)
 
     def start(self, command: Sequence[str], *, stdout: int = subprocess.DEVNULL, keep: Sequence[int] = ()) -> Program:
-        """Start a program, as the first of a process group. What it says goes into a file named after it."""
+        """Start a program as the leader of a process group. Its output goes into a file named after it."""
         rights: dict[str, Any] = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.geteuid() == 0 else {}
         with self.said(command[0]).open("wb") as said:
             program = subprocess.Popen(
@@ -95,7 +94,7 @@ class User:
         return program
 
     def stop(self, program: Program) -> None:
-        """Stop a program and all that it has started."""
+        """Stop a program with all its children."""
         with suppress(ProcessLookupError):
             os.killpg(program.pid, signal.SIGTERM)
         with suppress(subprocess.TimeoutExpired):
@@ -108,7 +107,7 @@ class User:
         self._programs.remove(program)
 
     def run(self, *command: str, patience_s: float = PATIENCE_S) -> bytes:
-        """Run a program to its end; give its stdout. Broken if it fails or does not end."""
+        """Run a program to its end; return its stdout. Broken if it fails or does not end."""
         program = self.start(command, stdout=subprocess.PIPE)
         try:
             output, _ = program.communicate(timeout=patience_s)
@@ -121,10 +120,10 @@ class User:
         return output
 
     def said(self, name: str) -> Path:
-        """Name the file with what a program said."""
+        """Return the file with a program's output."""
         return self.folder / f"{Path(name).name}.log"
 
     def last_words(self, name: str) -> str:
-        """Return the last line that a program said."""
+        """Return the last line of a program's output."""
         lines = self.said(name).read_text(errors="replace").strip().splitlines()
         return lines[-1] if lines else "it did not say why"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""So that `python3 -m sistap` is the command, as what pip installs is."""
+"""Make `python3 -m sistap` the same command as the one that pip installs."""
 
 import sys
 
@@ -7,9 +7,9 @@ from sistap.terminal.stop import Stop
 
 
 def main() -> int:
-    """Be the command `sistap` in a process of its own; return the exit code."""
+    """Run the command `sistap` in a process of its own; return the exit code."""
     stop = Stop()
-    stop.begin()  # before the imports: they take a third of a second, and Ctrl-C must not show what they are at
+    stop.begin()  # before the imports: they take a third of a second, and Ctrl-C in that time must not show a traceback
     from sistap.cli import main as command
 
     return command(stop=stop)

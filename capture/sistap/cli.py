@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap`: finds the subcommand, and turns what went wrong into one line and an exit code."""
+"""The command `sistap`: finds the subcommand, and turns an error into one line and an exit code."""
 
 from __future__ import annotations
 
@@ -20,52 +20,52 @@ from sistap.terminal.stop import Stop, Stopped
 from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_standard_output
 from sistap.terminal.visible import visible
 
-# The module of each command, imported only when it is called, and its line in the list.
+# The module of each command, imported only when it is called, and its line in the list of commands.
 COMMANDS = {
-    "ports": ("sistap.line.ports", "list the serial ports of this machine"),
+    "ports": ("sistap.line.ports", "list the serial ports of this computer"),
     "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
-    "serve": ("sistap.serve.command", "let other computers hear a line of this one"),
-    "report": ("sistap.report.command", "put a whole capture on one page, with pictures and the worst moments"),
-    "parameters": ("sistap.parameters.command", "list what was read and written of parameters, and what has changed"),
-    "compare": ("sistap.compare.command", "say what has changed between a good time and a bad one"),
-    "tables": ("sistap.tables.command", "put captures into tables, for questions about months and many machines"),
-    "annotate": ("sistap.annotate.command", "explain a log of another program, telegram by telegram"),
-    "log": ("sistap.annotate.log", "write a capture as such a log, explained"),
-    "import": ("sistap.imports.command", "make a capture of what another tool has recorded"),
-    "install": ("sistap.install.command", "put the dissector, the interfaces and the profile where Wireshark looks"),
-    "uninstall": ("sistap.install.uninstall", "remove what install has put there"),
-    "doctor": ("sistap.doctor", "say whether a capture would work, and what is missing"),
-    "selftest": ("sistap.selftest", "measure how exactly this machine tells when a character came"),
-    "extcap": ("sistap.extcap.command", "be an interface of Wireshark, which calls this itself"),
-    "bus": ("sistap.bus.command", "play a bus in software, to try everything without a drive"),
-    "replay": ("sistap.bus.replay", "play a capture again, with its own timing"),
+    "serve": ("sistap.serve.command", "share a line of this computer with other computers"),
+    "report": ("sistap.report.command", "summarize a capture on one page, with pictures and the worst moments"),
+    "parameters": ("sistap.parameters.command", "list the parameters that were read and written, and their changes"),
+    "compare": ("sistap.compare.command", "show what changed between a good capture and a bad one"),
+    "tables": ("sistap.tables.command", "collect captures in tables, to query months of many machines"),
+    "annotate": ("sistap.annotate.command", "explain another program's log, telegram by telegram"),
+    "log": ("sistap.annotate.log", "write a capture as a log with explanations"),
+    "import": ("sistap.imports.command", "convert a recording of another tool into a capture"),
+    "install": ("sistap.install.command", "install the dissector, the interfaces and the profile for Wireshark"),
+    "uninstall": ("sistap.install.uninstall", "remove what `sistap install` has installed"),
+    "doctor": ("sistap.doctor", "check whether a capture would work, and what is missing"),
+    "selftest": ("sistap.selftest", "measure how exact the times of this computer are"),
+    "extcap": ("sistap.extcap.command", "serve as an interface of Wireshark; only Wireshark calls this"),
+    "bus": ("sistap.bus.command", "simulate a bus, to try everything without a drive"),
+    "replay": ("sistap.bus.replay", "play a capture again with its original timing"),
 }
 
 DESCRIPTION = """\
-A passive tap for the SIS serial protocol of Rexroth and Indramat drives: records every character on the line with its
-time, for Wireshark. It only listens.
+A passive tap for the SIS serial protocol of Rexroth and Indramat drives. It records every character on the line with
+its time, for Wireshark. It only listens.
 """
 
 EPILOG = """\
 `sistap COMMAND --help` describes a command.
 
 examples:
-  sistap ports                                             which ports there are
+  sistap ports                                             list the ports
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -  watch a line live in Wireshark
-  sistap bus                                               a bus on the desk: listen to the port that it prints
+  sistap bus                                               start a simulated bus; then listen to the port it prints
 
 exit status:
   0  done; also when stopped by Ctrl-C or SIGTERM
-  1  failed while running: what came before is saved
+  1  failed while running; what came before is saved
   2  wrong usage
   3  a port cannot be opened
 """
 
 
 def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> int:
-    """Run `sistap` with these arguments (those of the process); return the exit code.
+    """Run `sistap` with these arguments (default: those of the process); return the exit code.
 
-    `stop` is that of a process that ends with the command. Without it, signals are as before when this returns.
+    `stop` belongs to a process that ends with the command. Without it, main restores the signal handlers on return.
     """
     stop = stop or Stop()
     _open_standard_streams()
@@ -74,13 +74,13 @@ def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> in
     except Stopped:
         return _stopped(stop)
     except Exception as error:
-        if stop.asked and stop.at_once:  # C code of libraries makes an ImportError and the like of Stopped
+        if stop.asked and stop.at_once:  # C code of libraries may turn Stopped into an ImportError or another error
             return _stopped(stop)
         return _failed(error)
 
 
 def _failed(error: Exception) -> int:
-    """Say in one line what went wrong; return the exit code. Raise it again if that is nothing to be expected."""
+    """Report an error in one line and return the exit code. Raise an unexpected error again."""
     if isinstance(error, OSError):
         leave_standard_output()
         if not is_reader_gone(error, is_file=error.filename is not None):
@@ -96,14 +96,14 @@ def _failed(error: Exception) -> int:
 
 
 def _stopped(stop: Stop) -> int:
-    """End it without another word; return the exit code."""
+    """End the process without a message."""
     stop.end()
     end_standard_output()
     return DONE
 
 
 def _flushed(arguments: Sequence[str], stop: Stop) -> int:
-    """Run, then write what is left in the buffer of standard output, unless it was stopped: that may not wait."""
+    """Run, then flush standard output. Do not flush after a stop: flushing may block."""
     try:
         code = _run(arguments, stop)
     except Stopped:
@@ -116,15 +116,15 @@ def _flushed(arguments: Sequence[str], stop: Stop) -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Refuses in lines that a file with whatever name cannot change."""
+    """An argument parser that makes file names safe to print in its error messages."""
 
     def error(self, message: str) -> NoReturn:
-        """Say it and end."""
+        """Print the error and exit."""
         super().error(visible(message))
 
 
 def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
-    """Return the parser of `sistap`. Only the commands in `called` have their options: their modules are imported."""
+    """Return the parser of `sistap`. Only the commands in `called` get their options: others are not imported."""
     whole = _Parser(
         "sistap", description=DESCRIPTION, epilog=examples(EPILOG), formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -149,7 +149,7 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
     try:
         with stop:
             code: int = args.run(args)
-            sys.stdout.flush()  # while a signal can still end the waiting for whoever reads
+            sys.stdout.flush()  # while a signal can still interrupt waiting for a slow reader
     except (PortError, PortLost) as error:
         Console().say(str(error))
         code = PORT if isinstance(error, PortError) else FAILED
@@ -157,9 +157,9 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
 
 
 def _open_standard_streams() -> None:
-    """Let no port get the number of a closed standard stream: what is printed would be written to it.
+    """Open closed standard streams, so that no port gets the descriptor of one and receives what is printed.
 
-    Only for reading: so it still cannot be written to.
+    They are opened for reading only, so writing to them still fails.
     """
     while (descriptor := os.open(os.devnull, os.O_RDONLY)) <= 2:
         pass

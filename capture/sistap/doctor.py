@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap doctor`: would a capture work here, would it be readable, and how good would its times be?"""
+"""The command `sistap doctor`: checks whether a capture works here, is readable, and has exact times."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, program, version
 
 DESCRIPTION = """\
-Say in a line each what a capture needs and whether it is there; with -i, of this port, too.
+Check what a capture needs. Print one line for each point. With -i, check the port as well.
 """
 
 EPILOG = """\
 good  as it should be
-poor  a capture works, but could be better: the line says how
-bad   a capture would not work here or in Wireshark, or could not be read: the line says what to do
+poor  a capture works, but could be better; the line says how
+bad   a capture does not work, or Wireshark cannot read it; the line says what to do
 
-With -i the port is opened for a moment as a capture opens it: nothing is written to it, RTS and DTR are lowered, and
-what was tuned is put back.
+With -i, sistap opens the port for a moment, as a capture does. It writes nothing to the port and lowers RTS and DTR. It
+restores the settings that it tuned.
 
 examples:
-  sistap doctor                                         this machine
-  sistap doctor -i /dev/ttyUSB0                         and this port
-  sistap doctor -i 'sigrok:fx2lafw?rx=D0'               and this logic analyser
+  sistap doctor                                         this computer
+  sistap doctor -i /dev/ttyUSB0                         this computer and one port
+  sistap doctor -i 'sigrok:fx2lafw?rx=D0'               this computer and a logic analyser
 
 exit status:
-  0  a capture would work and be readable
+  0  a capture works and can be read
   1  something is missing
   2  wrong usage
   3  the port cannot be opened
@@ -49,7 +49,7 @@ PROC = Path("/proc")
 UNITS = (Path("/etc/systemd/system"), Path("/usr/local/lib/systemd/system"), Path("/lib/systemd/system"))
 RECORDER = "sistap-recorder.service"
 
-# Programs that open every new serial port to see what is there, and how to keep them away.
+# Programs that open every new serial port, and how to keep them away.
 _GRABBERS = {
     "ModemManager": "it writes to new ports, looking for modems: `sudo systemctl stop ModemManager`",
     "brltty": "it takes adapters for braille displays: `sudo apt-get remove brltty`, or stop it",
@@ -59,23 +59,22 @@ _AS_ROOT = "run as root, Wireshark skips personal plugins and WIRESHARK_PLUGIN_D
 
 
 class Point(NamedTuple):
-    """One thing that was looked at."""
+    """One thing that was checked."""
 
     mark: str  # "good", "poor" or "bad"
     subject: str
-    text: str  # what is; what to do if that is not good
+    text: str  # what was found, and the cure if that is not good
 
     def __str__(self) -> str:
-        """One line."""
         return f"{self.mark:5} {self.subject:10} {visible(self.text)}"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument(
-        "-i", dest="port", metavar="PORT", type=ports.short, help="look at this port, too (as capture's -i)"
+        "-i", dest="port", metavar="PORT", type=ports.short, help="check this port as well (written as for capture)"
     )
 
 
@@ -97,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def port_points(port: str) -> Iterator[Point]:
-    """Open a port as a capture does, and say what that showed."""
+    """Open a port as a capture does and yield what that showed."""
     if ports.is_own_terminal(port):
         yield Point("bad", "port", f"{port} is the terminal that sistap itself reads or writes: choose another port")
         return
@@ -119,8 +118,8 @@ def port_points(port: str) -> Iterator[Point]:
         yield Point("poor", "times", note)
 
 
-# What can keep a device from being opened, in this order: subject, what it is when it is well, and whether it is.
-# A port of Windows is no file that could be looked at.
+# What can keep a device from being opened, in this order: subject, text when it is well, and the check. A port of
+# Windows is not a file, so these checks do not apply there.
 _HURDLES: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
     ("port", "it exists", lambda port: Path(port).exists()),
     ("rights", "you may open it", lambda port: os.access(port, os.R_OK | os.W_OK)),
@@ -141,7 +140,7 @@ def _up_to_the_trouble(port: str, trouble: str) -> Iterator[Point]:
 
 
 def _before_samples(port: str) -> Iterator[Point]:
-    """Say what an analyser needs before it can be opened."""
+    """Yield what an analyser needs before it can be opened."""
     path = analyser.program()
     yield Point("good", "sigrok-cli", path) if path else Point("bad", "sigrok-cli", analyser.MISSING)
     if port.removeprefix(analyser.PREFIX).startswith(analyser.DRIVER) and not any(_analysers()):
@@ -183,7 +182,7 @@ def _grabbers() -> Iterator[Point]:
     for file in PROC.glob("[0-9]*/comm"):
         try:
             names.add(file.read_text().strip())
-        except OSError:  # it has ended
+        except OSError:  # the process has ended
             continue
     for name, cure in _GRABBERS.items():
         if name in names:
@@ -201,7 +200,7 @@ def _clock() -> Iterator[Point]:
         text = f"of {result.date}: 99.9 % of {result.characters} characters within {result.p999_ns / 1e6:.2f} ms"
         yield Point("good", "self-test", text)
     else:
-        cure = "none: `sistap selftest` tells how exact the times are; until then, every capture measures for 0.2 s"
+        cure = "none: `sistap selftest` measures how exact the times are; until then, every capture measures for 0.2 s"
         yield Point("poor", "self-test", trouble or misfit or cure)
 
 
@@ -227,16 +226,16 @@ def _wireshark() -> Iterator[Point]:
 def _version(text: str) -> Point:
     found = version(text)
     if not found:
-        return Point("bad", "tshark", "it does not say its version: install tshark 4.0 or later")
+        return Point("bad", "tshark", "it does not print its version: install tshark 4.0 or later")
     if (found.major, found.minor) < OLDEST_WIRESHARK:
         return Point("bad", "tshark", f"{found.text} is too old: install 4.0 or later")
     if not program("wireshark"):
-        return Point("poor", "tshark", f"{found.text}, no Wireshark beside it: {advice().wireshark}")
-    return Point("good", "tshark", f"{found.text}, Wireshark beside it")
+        return Point("poor", "tshark", f"{found.text}, but no Wireshark: {advice().wireshark}")
+    return Point("good", "tshark", f"{found.text}, with Wireshark")
 
 
 def _recorder() -> Iterator[Point]:
-    """See whether the service of a recorder runs, where there is one."""
+    """Check whether the service of a recorder runs, if it is installed."""
     if not any((folder / RECORDER).exists() for folder in UNITS):
         return
     try:
@@ -252,8 +251,8 @@ def _recorder() -> Iterator[Point]:
 
 
 def _dumpcap() -> Iterator[Point]:
-    """See whether Wireshark may start dumpcap: it captures through it from serial ports, too."""
-    path = shutil.which("dumpcap", mode=os.F_OK)  # one that may not be run is found as well
+    """Check whether Wireshark may start dumpcap, which it needs for serial ports, too."""
+    path = shutil.which("dumpcap", mode=os.F_OK)  # F_OK: find one that this user may not run as well
     if sys.platform != "win32" and path and not os.access(path, os.X_OK):
         group = Path(path).group()
         cure = f"`sudo usermod -aG {group} $USER`, then log in again"
@@ -263,7 +262,7 @@ def _dumpcap() -> Iterator[Point]:
 
 
 def _plugin(listed: str, complaints: str) -> Point:
-    """Judge by what `tshark -G plugins` prints."""
+    """Judge the output of `tshark -G plugins`."""
     found = [f"{plugin.name} {plugin.version}".strip() for plugin in loaded(listed)]
     as_root = f"; {_AS_ROOT}" if hasattr(os, "geteuid") and os.geteuid() == 0 else ""
     if found:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap selftest`: how exactly this machine, or a port, tells when a character came."""
+"""The command `sistap selftest`: measures how exact the times of this computer or of a port are."""
 
 from __future__ import annotations
 
@@ -25,53 +25,53 @@ from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
 from sistap.terminal.writing import Incomplete, NotOpened, opened
 
-if TYPE_CHECKING:  # it is loaded only where it is needed
+if TYPE_CHECKING:  # loaded only where it is needed
     from sistap.beside.comparing import Comparison
 
 DESCRIPTION = """\
-Measure how late characters are seen: through a pseudo terminal of its own (on Windows, which has none, a socket), or on
-a port whose transmit and receive lines are joined. The result is kept, and later captures say their times with the
-bound that it found. With --beside, compare a capture with another one of the same traffic whose times are true.
+Measure how late sistap sees characters. It uses a pseudo terminal of its own (a socket on Windows), or a port whose
+transmit and receive lines are joined. sistap keeps the result, and later captures state it as the bound of their times.
+With --beside, compare two captures of the same traffic. The times of one of them must be true.
 """
 
 EPILOG = """\
-The bound is p99.9: of a thousand characters, one is seen later. A capture uses it for sertap.uncertainty while machine,
-kernel and priority are those of the self-test, and, for a port, its adapter, tuning, rate and format, too. What a port
-was measured to add only ever makes the uncertainty larger: the way out is in it, too.
+The bound is p99.9: one character in a thousand is later. A capture uses it for sertap.uncertainty as long as computer,
+kernel and priority are the same. For a port, its adapter, tuning, rate and format must be the same, too. A measurement
+at a port includes the way out, so it overstates the uncertainty and never understates it.
 
-With -i (not on Windows), characters are SENT (@ to ~, one by one): take the port off the bus first and join its
-transmit and receive lines (RS232: pins 2 and 3; RS422: TxD+ and RxD+, TxD- and RxD-).
+With -i (not on Windows), sistap SENDS characters (@ to ~, one by one). Take the port off the bus first, then join its
+transmit and receive lines (RS232: pins 2 and 3; RS422: TxD+ to RxD+, TxD- to RxD-).
 
-With --beside, TRUE is the capture of a logic analyser, OTHER that of an adapter at the same bus at the same time. What
-all characters of OTHER are late by cannot be seen; it changes no interval.
+With --beside, TRUE is the capture of a logic analyser. OTHER is that of an adapter at the same bus at the same time. A
+delay that all characters of OTHER share cannot be seen; it changes no interval.
 
 examples:
-  sistap selftest                                       this machine, 5 seconds
-  sistap selftest --duration 60                         a minute: the rare long delays, too
+  sistap selftest                                       this computer, 5 seconds
+  sistap selftest --duration 60                         a minute; finds rare long delays, too
   sistap selftest -i /dev/ttyUSB0 --transmit --baud 115200
                                                         an adapter whose lines are joined
   sistap selftest --beside analyser.pcapng adapter.pcapng --plot late.png
-                                                        how honest the times of an adapter are
+                                                        how true the times of an adapter are
 
 exit status:
-  0  measured and kept; also when stopped by Ctrl-C or SIGTERM, then nothing is kept
+  0  measured and kept; or stopped by Ctrl-C or SIGTERM, with nothing kept
   1  what was sent did not come back, or the result cannot be kept
-  2  wrong usage, also -i without --transmit, or captures that have nothing in common
+  2  wrong usage, such as -i without --transmit, or captures with nothing in common
   3  the port cannot be opened
 """
 
 LONGEST_S = 3600
 OWN = "a socket" if sys.platform == "win32" else "a pseudo terminal"
-ENOUGH = 1000  # characters; of fewer, p99.9 is only the longest
+ENOUGH = 1000  # characters; with fewer, p99.9 is only the longest delay
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 
-# The rows of the histogram: up to so many ms.
+# The upper bounds of the rows of the histogram, in ms.
 _ROWS_MS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, math.inf)
 _BAR = 40
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
@@ -80,12 +80,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="port",
         metavar="PORT",
         type=ports.short,
-        help="measure this port, its transmit and receive lines joined",
+        help="measure this port; join its transmit and receive lines first",
     )
-    add("--transmit", action="store_true", help="allow sending characters on PORT; without it nothing is ever sent")
+    add("--transmit", action="store_true", help="allow sending characters on PORT; without it, sistap sends nothing")
     add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")
     add("--format", default="8E1", metavar="FORMAT", help="data bits, parity and stop bits of PORT (8E1)")
-    add("--beside", nargs=2, type=Path, metavar=("TRUE", "OTHER"), help="compare two captures; nothing is measured")
+    add("--beside", nargs=2, type=Path, metavar=("TRUE", "OTHER"), help="compare two captures instead of measuring")
     add("--plot", type=Path, metavar="FILE", help="with --beside: draw the times into FILE (.png or .svg)")
     add("--duration", type=float, default=5, metavar="SECONDS", help="how long to measure (5)")
 
@@ -115,7 +115,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _beside(args: argparse.Namespace, console: Console) -> int:
     """Compare two captures; return the exit code."""
-    from sistap.beside.comparing import Comparison  # here, as only this needs what it needs
+    from sistap.beside.comparing import Comparison  # imported here: only --beside needs it
 
     try:
         if args.port or args.transmit or not args.beside:
@@ -144,7 +144,7 @@ def _beside(args: argparse.Namespace, console: Console) -> int:
 
 
 def _drawing(path: Path) -> Callable[[Comparison], None]:
-    """Return what draws into a file. ImportError without matplotlib; ValueError: no such kind of picture."""
+    """Return a function that draws into a file. ImportError without matplotlib; ValueError for an unknown kind."""
     with held():
         from sistap.beside.plot import kind_of, picture
     kind = kind_of(path)
@@ -158,7 +158,7 @@ def _drawing(path: Path) -> Callable[[Comparison], None]:
 
 
 def _checked(args: argparse.Namespace) -> LineSettings:
-    """Check the options; ValueError says what is wrong and what to do."""
+    """Check the options. Raise ValueError with the fault and its cure."""
     if not 1 <= args.duration <= LONGEST_S:
         raise ValueError(f"--duration {args.duration:g} is not a number of seconds from 1 to {LONGEST_S}")
     if sys.platform == "win32" and args.port:
@@ -182,14 +182,14 @@ def _checked(args: argparse.Namespace) -> LineSettings:
 def _measure(
     args: argparse.Namespace, settings: LineSettings, console: Console
 ) -> tuple[str, measurement.Conditions, Sequence[int]]:
-    """Return what was measured, under which conditions, and the delays in ns. May raise PortError or OSError."""
+    """Return what was measured, the conditions, and the delays in ns. May raise PortError or OSError."""
     duration_ns = int(args.duration * 1e9)
     if sys.platform == "win32":
         from sistap.line.reader import loopback
 
         with _undisturbed():
             return measurement.MACHINE, measurement.conditions(), loopback.through_socket(duration_ns)
-    from sistap.line.reader import delay  # here, as Windows has no such modules
+    from sistap.line.reader import delay  # imported here: Windows has no such modules
     from sistap.line.reader.latency import port_conditions
     from sistap.line.reader.opening import open_device
     from sistap.line.reader.tuning import Tuning
@@ -213,7 +213,7 @@ def _measure(
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Keep the collector away, as a capture does."""
+    """Switch the garbage collector off, as a capture does."""
     gc.disable()
     try:
         yield
@@ -253,12 +253,12 @@ def _short(path: Path) -> str:
 
 
 def report(delays: Sequence[int]) -> list[str]:
-    """Say in lines how late the characters were seen (sorted, in ns), and what that means on a line."""
-    lines = [f"{len(delays)} characters; so late were they seen:", ""]
+    """Describe how late the characters were seen (sorted, in ns), and what that means on a line."""
+    lines = [f"{len(delays)} characters; how late they were seen:", ""]
     lines += [f"  {name:8} {quantile(delays, share) / 1e6:8.3f} ms" for name, share in QUANTILES.items()]
     lines += ["", *histogram(delays), ""]
     bound_ns = quantile(delays, QUANTILES["p99.9"])
-    lines.append("p99.9 in character times of 8E1; an interval that is closer to its limit stays unresolved:")
+    lines.append("p99.9 in character times of 8E1; an interval closer to its limit stays unresolved:")
     lines.append("")
     for rate in RATES:
         character_ns = LineSettings(rate).character_ns
@@ -267,7 +267,7 @@ def report(delays: Sequence[int]) -> list[str]:
 
 
 def histogram(delays: Sequence[int]) -> list[str]:
-    """Draw how often which delay was seen, without the empty rows at both ends."""
+    """Draw how often each delay occurred, without the empty rows at both ends."""
     counts = [0] * len(_ROWS_MS)
     for value in delays:
         counts[next(row for row, end_ms in enumerate(_ROWS_MS) if value <= end_ms * 1e6)] += 1

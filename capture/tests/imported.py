@@ -50,7 +50,7 @@ def run(source: Path, *options: str) -> Imported:
     """Import a file."""
     out = source.with_name(source.name + ".imported")
     with _each_reading_once():
-        code = cli.main(["import", str(source), "-w", str(out), *options])
+        code = cli.main(["import", str(source), "-w", str(out), "--force", *options])
     records = list(filter(None, map(record_of, packets(out)))) if out.exists() else []
     events = [record.data.decode() for record in records if record.type == Type.EVENT]
     return Imported(code, [record for record in records if record.type != Type.EVENT], events)

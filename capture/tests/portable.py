@@ -24,7 +24,7 @@ _REASONS = {
     "test_extcap_tshark.py": "tshark finds an extcap that is a shell script",
 }
 
-SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
 
 
 def posix(reason: str) -> pytest.MarkDecorator:

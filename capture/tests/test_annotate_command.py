@@ -307,7 +307,7 @@ def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     assert len(telegrams) == (LONGEST_LINE - 3) // len(telegram) + 1
 
 
-@pytest.mark.attack("dates that no capture can have", "left out")
+@pytest.mark.attack("dates that no capture can hold", "left out")
 @pytest.mark.parametrize("year", [1400, 2260, 2999, 9999])
 def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, year: int) -> None:
     line = f"{year}-12-31 23:59:59.{{}} RX 02 56 02 02 10 92 00 00 00 02\n"
@@ -318,7 +318,7 @@ def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, ye
     assert second.time_ns - first.time_ns == 300_000_000
 
 
-@pytest.mark.attack("an expression that never ends", "given up after two seconds")
+@pytest.mark.attack("a `--regex` that never ends", "stopped after two seconds")
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a timer of POSIX")
 def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("02 " * 40 + "!\n")

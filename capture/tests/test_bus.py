@@ -577,7 +577,7 @@ def test_simulated_time_ends_with_the_last_tap() -> None:
         assert finish(process) == (0, "")
 
 
-@pytest.mark.attack("a tap that never reads", "let go; the others hear everything")
+@pytest.mark.attack("a tap that never reads", "disconnected; the others hear everything")
 def test_a_silent_tap_is_let_go_and_the_others_hear_everything(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -641,7 +641,7 @@ def test_more_connections_than_it_takes(capsys: pytest.CaptureFixture[str]) -> N
             with contextlib.suppress(OSError):  # it was turned away
                 connection.shutdown(socket.SHUT_WR)
         taps.close()
-    assert capsys.readouterr().err == "sistap bus: refused a connection: 32 are there already\n"
+    assert capsys.readouterr().err == "sistap bus: refused a connection: 32 are connected already\n"
 
 
 # -- At a pseudo terminal -------------------------------------------------------------------------------------------

@@ -210,8 +210,10 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pyte
     assert statistics.options["isb_ifrecv"] == statistics.options["isb_filteraccept"] == 20
     assert statistics.options["isb_osdrop"] == 4
     characters = sum(len(read.data) for read in what)
-    counted = f"18 telegrams, {characters} characters, 4 faulty characters, 1 wrong checksum"
-    assert capfd.readouterr().err.endswith(f"sistap: 20 records ({counted}) written to {path}\n")
+    counted = f"19 telegrams, 1 of them damaged, {characters} characters, 4 faulty characters"
+    assert capfd.readouterr().err.endswith(
+        f"sistap: 20 records ({counted}) written to {path}; open it with: wireshark {path}\n"
+    )
 
 
 @pytest.mark.attack("the disk is full, at several places", "whole packets are saved; the last line counts them")
@@ -246,11 +248,12 @@ def test_what_a_full_disk_leaves_is_what_the_summary_counts(
     faults = sum(bool(flags & ERROR_FLAGS) for record in taken for flags in record.flags)
     wrong = sum(record.type == Type.FRAME for record in taken) - good
     numbers = [int(number) for number in re.findall(r"\d+", said.partition(" written to ")[0])]
-    of_received = [numbers.pop(1)] if " of " in said else []
-    assert numbers == [len(taken), good, sum(len(record.data) for record in taken), faults, wrong]
+    of_received = [numbers.pop(1)] if re.search(r"\d of \d", said) else []
+    assert numbers == [len(taken), good + wrong, wrong, sum(len(record.data) for record in taken), faults]
     assert all(number > len(taken) for number in of_received)
     names = [str(path) for path in there]
-    written_to = names[0] if len(names) == 1 else f"{len(names)} files: {names[0]} to {names[-1]}"
+    one = f"{names[0]}; open it with: wireshark {names[0]}"
+    written_to = one if len(names) == 1 else f"{len(names)} files: {names[0]} to {names[-1]}"
     assert said.endswith(f" written to {written_to}")
 
 
@@ -322,6 +325,17 @@ def test_ring_files_begin_with_the_event_and_end_with_statistics(run: Run, tmp_p
         assert isinstance(blocks(file)[-1], InterfaceStatistics)
     kept = [data for file in files for data in frames(file)]
     assert kept == (ALL * 3)[-len(kept) :]
+
+
+def test_limits_that_the_user_tells_are_in_each_file(run: Run, tmp_path: Path) -> None:
+    arguments = ("-w", str(tmp_path / "x.pcapng"), "-b", "filesize:2", "--tza", "8", "--trs", "40")
+    assert run(FakeReader(reads(*ALL * 3)), *arguments) == 0
+    files = sorted(tmp_path.iterdir())
+    assert len(files) > 1
+    for file in files:
+        _, told, first, *_ = records(file)
+        assert (told.event, told.data) == (Event.LIMITS_TOLD, b"TzA = 8 ms, TrS = 40 ms")
+        assert first.event == Event.NONE
 
 
 def test_files_stops(run: Run, tmp_path: Path) -> None:
@@ -412,7 +426,7 @@ def test_if_the_next_file_cannot_be_opened_all_is_in_the_one_before(
     assert isinstance(blocks(path)[-1], InterfaceStatistics)
     err = capfd.readouterr().err
     assert "/missing/x cannot be written: No such file or directory" in err
-    assert err.endswith(f"written to {path}\n")
+    assert err.endswith(f"written to {path}; open it with: wireshark {path}\n")
 
 
 def test_what_had_arrived_before_a_stop_is_saved(run: Run, tmp_path: Path) -> None:
@@ -484,9 +498,22 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     monkeypatch.setattr(capture_ports, "open_reader", open_reader)
     path = tmp_path / "x"
     path.write_bytes(b"old")
-    assert cli.main(["capture", "-i", "/dev/x", "-w", str(path)]) == 3
+    assert cli.main(["capture", "-i", "/dev/x", "-w", str(path), "--force"]) == 3
     assert path.read_bytes() == b"old"
     assert capfd.readouterr().err == "sistap: /dev/x does not exist: try another\n"
+
+
+def test_an_older_capture_is_overwritten_only_by_force(
+    run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(*ALL)), "-w", str(path)) == 0
+    older = path.read_bytes()
+    capfd.readouterr()
+    assert run(FakeReader(reads(*ALL[:1])), "-w", str(path)) == 2
+    assert (path.read_bytes(), capfd.readouterr().err.count("\n")) == (older, 1)
+    assert run(FakeReader(reads(*ALL[:1])), "-w", str(path), "--force") == 0
+    assert frames(path) == ALL[:1]
 
 
 @pytest.mark.parametrize(
@@ -501,6 +528,8 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
         (["-w", "x", "-b", "files:5"], "-b files: does not say when a file is full"),
         (["-w", "x", "-a", "files:5"], "-a files: needs several files"),
         (["--link-type", "rtac"], "need a file"),
+        (["--link-type", "rtac", "-w", "x", "--tza", "8"], "--tza and --trs are kept only with"),
+        (["--framing", "3964r", "--trs", "8"], "--tza and --trs are kept only with"),
         (["-w", ".", "-b", "duration:1"], "cannot be written: " + NO_FOLDER),
         (["-w", "/", "-b", "duration:1"], "cannot be written: " + NO_FOLDER),
     ],
@@ -525,6 +554,9 @@ def test_wrong_options_are_one_line(
         ["capture", "-i", "x", "--framing", "silence:"],
         ["capture", "-i", "x", "--link-type", "user16"],
         ["capture", "-i", "x", "--baud", "fast"],
+        ["capture", "-i", "x", "--tza", "0"],
+        ["capture", "-i", "x", "--tza", "8.5"],
+        ["capture", "-i", "x", "--trs", "65536"],
         ["capture", "-i", "x", "--baud", "4294967296"],
         ["capture", "-i", "x", "-a", "duration:1e300"],
         ["capture", "-i", "x", "--framing", "silence:1e305"],
@@ -606,7 +638,7 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
     assert err.count("\r\x1b[Ksistap: nothing received for 5 s") == 1  # not behind the progress
     assert (
         err.count(
-            "\r\x1b[K0 characters, 0 telegrams, 0 faulty characters, 0 wrong checksums, longest interval not known"
+            "\r\x1b[K0 telegrams, 0 of them damaged, 0 characters, 0 faulty characters, longest interval not known"
         )
         == 7
     )
@@ -738,7 +770,8 @@ def test_the_telegrams_of_the_specification(tap: Tap, tmp_path: Path) -> None:
     code, _, err = tap.end()
     after = time.time()
     assert code == 0
-    assert err.endswith(f" checksums) written to {path}\n") and f"{len(ALL)} records ({len(ALL)} telegrams, " in err
+    assert err.endswith(f" characters) written to {path}; open it with: wireshark {path}\n")
+    assert f"{len(ALL)} records ({len(ALL)} telegrams, " in err
     out = subprocess.run(
         ["tshark", "-r", str(path), "-T", "fields", "-e", "frame.time_epoch", "-e", "frame.packet_flags"],
         capture_output=True,
@@ -1062,7 +1095,7 @@ def test_progress_on_a_terminal(tap: Tap, tmp_path: Path) -> None:
     while b"written to" not in said:
         said += os.read(master, 4096)
     assert b"\r\x1b[Ksistap: 0 records" in said and b"not known\r\x1b[K" in said
-    assert b"\r\x1b[K0 characters, 0 telegrams, 0 faulty characters" in said
+    assert b"\r\x1b[K0 telegrams, 0 of them damaged, 0 characters, 0 faulty characters" in said
     assert tap.process.wait(DEADLINE_S) == 0
     os.close(master)
 

@@ -100,7 +100,7 @@ def test_all_is_well(capsys: pytest.CaptureFixture[str]) -> None:
         "priority": ("good", "a capture gets real-time priority"),
         "self-test": ("good", "of 2026-11-20: 99.9 % of 5000 characters within 0.25 ms"),
         "libpcap": ("good", "capture filters work (-f)"),
-        "tshark": ("good", "4.2.5, Wireshark beside it"),
+        "tshark": ("good", "4.2.5, with Wireshark"),
         "plugin": ("good", "sis.so 0.1.0"),
         "dumpcap": ("good", "Wireshark may capture"),
     }
@@ -142,7 +142,7 @@ def test_no_self_test(capsys: pytest.CaptureFixture[str], state: Path) -> None:
     file.write_text("{")
     assert "is not what `sistap selftest` writes" in examined(capsys)[1]["self-test"][1]
     file.unlink()
-    assert "`sistap selftest` tells how exact the times are" in examined(capsys)[1]["self-test"][1]
+    assert "`sistap selftest` measures how exact the times are" in examined(capsys)[1]["self-test"][1]
 
 
 @pytest.mark.parametrize(

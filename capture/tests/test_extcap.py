@@ -166,6 +166,7 @@ def test_rate_and_format_are_chosen_from_what_sis_and_the_field_have(capsys: pyt
             ["pi:5000", "192.168.7.1:5000", "[fd00::1]:5000"],
             ["pi", "bus://pi:5000", ":"],
         ),
+        ("sistap-ttyS0", "--tza", ["5", "65535"], ["0", "5 ms", "0.5"]),
         ("sistap-demo", "--faults", ["checksum=0.02", "parity=0.5,break=1"], ["checksum", "checksum=0.02,", "pause=x"]),
     ],
 )
@@ -180,14 +181,14 @@ def test_fields_are_checked_as_they_are_filled_in(
 @pytest.mark.usefixtures("plugged")
 def test_a_distant_tap_has_an_address_and_nothing_that_is_set_there(capsys: pytest.CaptureFixture[str]) -> None:
     distant = fields(capsys, "sistap-distant")
-    assert list(distant) == ["--address", "--framing"]
+    assert list(distant) == ["--address", "--framing", "--tza", "--trs"]
     assert distant["--address"]["required"] == "true"  # a double click shows the dialog first
 
 
 @pytest.mark.usefixtures("plugged")
 def test_ports_and_the_demo_bus_have_fields_of_their_own(capsys: pytest.CaptureFixture[str]) -> None:
     port, demo = set(fields(capsys, "sistap-ttyS0")), set(fields(capsys, "sistap-demo"))
-    assert port - demo == {"--framing", "--second-port", "--uncertainty"}
+    assert port - demo == {"--framing", "--second-port", "--uncertainty", "--tza", "--trs"}
     assert demo - port == {"--scenario", "--faults"}
 
 

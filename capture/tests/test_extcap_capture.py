@@ -198,7 +198,7 @@ NO_MESSAGES = {
 }
 
 
-@pytest.mark.attack("the pipe of the toolbar brings what is no message", "passed over; the next message is done")
+@pytest.mark.attack("the pipe of the toolbar delivers something that is no message", "ignored; the next message works")
 def test_messages_that_no_wireshark_sends_end_nothing(demo: Wireshark) -> None:
     demo.say(INITIALIZED)
     for text, sent in NO_MESSAGES.items():
@@ -244,7 +244,7 @@ def test_a_rate_is_looked_for_only_with_sis(tmp_path: Path, started: list[Wiresh
     wireshark.event(Event.CAPTURE_STARTED)
     wireshark.say(INITIALIZED)
     wireshark.say(SET, RATE, "auto")
-    assert any("a rate can be looked for only with SIS telegrams" in text for text in wireshark.told(LOG, ADD))
+    assert any("sistap can search for the rate of SIS telegrams only" in text for text in wireshark.told(LOG, ADD))
 
 
 def test_counters_and_log_are_shown(demo: Wireshark) -> None:
@@ -291,6 +291,14 @@ def test_both_directions_are_lines_of_one_capture(
     assert (frame.line, frame.data) == (2, TELEGRAM)
     os.close(other)
     os.close(slave)
+
+
+def test_limits_of_the_dialog_are_in_the_capture(
+    tmp_path: Path, line: tuple[int, str], started: list[Wireshark]
+) -> None:
+    _, interface = line
+    started.append(wireshark := Wireshark(tmp_path, interface, "--tza", "8", toolbar=False))
+    assert wireshark.event(Event.LIMITS_TOLD).data == b"TzA = 8 ms"
 
 
 def test_3964r_is_cut_where_it_is_chosen(tmp_path: Path, line: tuple[int, str], started: list[Wireshark]) -> None:

@@ -364,7 +364,7 @@ def test_a_read_without_characters_is_nothing() -> None:
     assert frame(Read(0, START_NS, b"", b"")) == []
 
 
-@pytest.mark.attack("characters that are nearly telegrams", "each costs the same, however many come")
+@pytest.mark.attack("characters that almost form telegrams", "each costs the same, however many arrive")
 @pytest.mark.parametrize(
     "pattern", [b"\x02", b"\xff", b"\x02\xff\xff", b"\x02\x02\xff\xff", b"\x02\x01" + b"\xff" * 2 + b"\x02" * 250]
 )

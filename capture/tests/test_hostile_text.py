@@ -36,8 +36,8 @@ HOSTILE = f"<b>&\"'${ODD}$ %s {{0}}"
 
 
 of_others = pytest.mark.attack(
-    "control characters, marks of direction, no UTF-8 in markers, comments, logs, names of adapters and interfaces",
-    "visible escapes; a page stays a page, JSON JSON",
+    "control characters, marks of direction, invalid UTF-8 in markers, comments, logs, adapter and interface names",
+    "visible escapes; HTML and JSON stay valid",
 )
 
 

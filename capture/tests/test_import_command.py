@@ -53,7 +53,7 @@ def test_the_last_line_says_how_good_it_is(tmp_path: Path, capfd: pytest.Capture
     host.receive(30, 32, STATUS + b"A")
     assert run(host.save(tmp_path / "usb.pcap")).code == 0
     lines = capfd.readouterr().err.splitlines()
-    assert lines[0].startswith("sistap: 12 characters, 1 telegrams")
+    assert lines[0].startswith("sistap: 1 telegrams, 0 of them damaged, 12 characters")
     assert lines[1].startswith(
         "sistap: 9600 Bd 8E1, as the adapter was set; times of USB transfers, latency timer 16 ms, and a USB frame: "
         "characters can have come up to 17 ms earlier, and a verdict needs"
@@ -77,7 +77,7 @@ def test_a_file_of_another_kind(tmp_path: Path, capfd: pytest.CaptureFixture[str
     source = tmp_path / "other"
     source.write_bytes(content)
     assert run(source, "--baud", "9600").code == 2
-    refused(capfd, "is none of the files that can be imported", *NAMES)
+    refused(capfd, "is none of the files that can be imported", "sistap annotate", *NAMES)
 
 
 def test_a_capture_of_sistap_is_one_already(table: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -110,7 +110,7 @@ def test_what_is_put_is_taken_away_and_nothing_else_is_touched(root: Root) -> No
     assert found["changed again"] == []
 
 
-@pytest.mark.attack("as root: a list of what was installed names others", "none is touched; a line for each")
+@pytest.mark.attack("as root: the list of installed files names foreign files", "none is touched; a line for each")
 def test_a_list_that_names_what_is_not_ours(root: Root) -> None:
     """With the right sums, links and dots on the way, folders that are the system's, and names that move a terminal."""
     names = [
@@ -142,7 +142,7 @@ LIST
     assert [line.split()[0] for line in found["changed again"]] == [LEDGER]
 
 
-@pytest.mark.attack("as root: links where install writes", "not followed")
+@pytest.mark.attack("as root: links in the folders of install", "not followed")
 def test_links_in_the_way(root: Root) -> None:
     """Whatever root is led to is not written, and what can be put is put."""
     make = """
@@ -168,7 +168,7 @@ def test_a_file_where_a_folder_is_to_be(root: Root) -> None:
     assert [line.split()[0] for line in found["changed again"]] == ["/usr/local/share/zsh"]
 
 
-@pytest.mark.attack("as root: `sudo -E` with folders of somebody else", "not believed, and nothing written there")
+@pytest.mark.attack("as root: `sudo -E` with folders of another user", "ignored, and nothing written there")
 def test_an_environment_of_somebody_else(root: Root) -> None:
     """`sudo -E` brings the folders of whoever calls it: root neither believes a list in them nor writes there."""
     make = """

@@ -9,7 +9,8 @@ import pytest
 
 from sistap.explain.relay import Entry
 from sistap.recorder import keeper
-from sistap.recorder.keeper import Around, Keeper
+from sistap.recorder.keeper import Around, Beginning, Keeper
+from sistap.sis import telegram
 
 SECOND = 1_000_000_000
 
@@ -21,8 +22,8 @@ class Files:
         self.begun: list[Kept] = []
         self.said: list[str] = []
 
-    def begin(self, heading: bytes, first_ns: int, time_ns: int, reason: str) -> Kept:
-        self.begun.append(Kept(heading, first_ns // SECOND, time_ns // SECOND, reason))
+    def begin(self, beginning: Beginning) -> Kept:
+        self.begun.append(Kept(beginning))
         return self.begun[-1]
 
     @property
@@ -31,8 +32,9 @@ class Files:
 
 
 class Kept:
-    def __init__(self, heading: bytes, first: int, time: int, reason: str) -> None:
-        self.heading, self.first, self.time, self.reason = heading, first, time, reason
+    def __init__(self, beginning: Beginning) -> None:
+        self.heading, self.known, self.reason = beginning.heading, beginning.known, beginning.reason
+        self.first, self.time = beginning.first_ns // SECOND, beginning.time_ns // SECOND
         self.blocks: list[bytes] = []
         self.complete = False
 
@@ -73,6 +75,23 @@ def test_a_file_has_what_is_around_its_reason(files: Files) -> None:
 def test_what_matters_first_has_nothing_before_it(files: Files) -> None:
     play(keep(files), range(100), {1})
     assert files.contents == [[0, 1, 2, 3]]
+
+
+TOLD = telegram.build(0x03, 16, 255, b"\0\1\0\2")  # a limit, to all
+NAME = [telegram.build(0x10, 16, 3, b"\x14\x03\x24\0"), telegram.build(0x10, 3, 16, b"\0\x14\x03N", reaction=True)]
+VALUE = [telegram.build(0x10, 16, 3, b"\x3c\x03\x24\0"), telegram.build(0x10, 3, 16, b"\0\x3c\x03V", reaction=True)]
+
+
+def test_a_file_begins_with_what_was_told_before_it(files: Files) -> None:
+    """Limits and names, not values; and not what the file has itself."""
+    keeper = keep(files)
+    telegrams = {1: TOLD, 2: NAME[0], 3: NAME[1], 4: VALUE[0], 5: VALUE[1], 20: VALUE[0], 49: TOLD}
+    for second in range(60):
+        entry = Entry(second * SECOND, b"%d " % second, telegrams.get(second, b""))
+        keeper.take(entry, "late" if second in (3, 30, 50) else "")
+    assert [kept.known for kept in files.begun] == [b"", b"1 2 3 ", b"1 2 3 "]
+    keeper.take(Entry(90 * SECOND, b"90 "), "late")
+    assert files.begun[-1].known == b"2 3 49 "
 
 
 @pytest.mark.parametrize(

@@ -266,7 +266,7 @@ def test_without_a_pseudo_terminal_nobody_knows(monkeypatch: pytest.MonkeyPatch,
 
     monkeypatch.setattr(delay, "through_pty", through_pty)
     monkeypatch.setattr(latency, "measured_latency_ns", MEASURING)
-    how = "uncertainty unknown: there is no pseudo terminal to measure it with"
+    how = "uncertainty unknown: there is no pseudo terminal to measure with"
     assert bound(FTDI) == (UNCERTAINTY_UNKNOWN, how, ())
 
 

@@ -72,12 +72,24 @@ def test_no_space_left(full: Path) -> None:
 def test_a_file_is_emptied_only_when_the_capture_begins(tmp_path: Path) -> None:
     path = tmp_path / "x"
     path.write_bytes(b"an older capture")
-    Output(str(path)).close()
+    Output(str(path), force=True).close()
     assert path.read_bytes() == b"an older capture"
-    output = Output(str(path))
+    output = Output(str(path), force=True)
     output.begin()
     output.close()
     assert path.read_bytes() == b""
+
+
+@pytest.mark.parametrize("limits", [NO_LIMITS, Limits(size=10)])
+def test_a_file_that_holds_something_is_not_overwritten(tmp_path: Path, limits: Limits) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(b"an older capture")
+    with pytest.raises(OutputRefused, match="x holds data already: choose another file with -w, or overwrite it with"):
+        Output(str(path), limits)
+    assert path.read_bytes() == b"an older capture"
+    path.write_bytes(b"")
+    Output(str(path), limits).close()
+    assert path.exists()
 
 
 def test_a_new_file_is_gone_if_the_capture_does_not_begin(tmp_path: Path) -> None:
@@ -192,7 +204,7 @@ def test_two_captures_do_not_write_one_file(tmp_path: Path) -> None:
     first.begin()
     first.write(b"abc")
     first.close()
-    Output(str(path)).close()
+    Output(str(path), force=True).close()
     assert path.read_bytes() == b"abc"
 
 
@@ -462,6 +474,18 @@ def test_names_are_those_of_dumpcap(utc: None) -> None:
     assert file_name("day", 23, 1_700_000_000) == "day_00023_20231114221320"
     assert file_name("day", 99_999, 1_700_000_000) == "day_99999_20231114221320"
     assert file_name("day", 100_000, 1_700_000_000) == "day_00000_20231114221320"
+
+
+def test_a_capture_started_anew_in_the_same_second_empties_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(time, "time", lambda: 1_700_000_000.5)
+    for content in (b"before", b"after"):
+        output = Output(str(tmp_path / "x"), Limits(duration_s=5, several=True))
+        output.begin()
+        output.write(content)
+        output.close()
+    assert [path.read_bytes() for path in sorted(tmp_path.iterdir())] == [b"before", b"after"]
 
 
 def test_several_files_and_only_the_newest_kept(tmp_path: Path) -> None:

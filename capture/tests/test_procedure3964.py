@@ -473,7 +473,7 @@ def test_an_s5_of_low_priority_gives_way(tmp_path: Path) -> None:
         ('"low"', '"medium"', "[s5]: priority"),
         ("axis = 2 },", "axis = 2, words = -1 },", "[s5], step 1: words"),
         ("axis = 2 },", "axes = 2 },", "[s5], step 1: unknown key axes"),
-        ("read = ", "reads = ", "[s5], step 1: none of the keys it needs is there"),
+        ("read = ", "reads = ", "[s5], step 1: a key is missing"),
         ('"S-0-0237", axis = 2, word', '"X-0-0237", axis = 2, word', "'X-0-0237' is not a parameter"),
         ("word = 7", 'data = "07"', "data has 1 bytes: use whole words"),
         ('"both"', '"noise"', "use one of refused, unheard, lost, late, bcc, broken, both"),

@@ -990,7 +990,7 @@ def test_refused_connection(server: socket.socket) -> None:
     ],
 )
 def test_wrong_url(url: str) -> None:
-    assert refused(url).startswith(f"{url} is not the URL of a port: it is written bus://HOST:PORT, ")
+    assert refused(url).startswith(f"{url} is not the URL of a port: write bus://HOST:PORT, ")
 
 
 def test_a_url_of_a_device() -> None:
@@ -1007,7 +1007,7 @@ def test_a_url_of_a_device() -> None:
     "url", ["bus://", "bus://host", "bus://host:0x7", "bus://host:99999", "bus://[x", "bus://a..b:5000"]
 )
 def test_wrong_bus_address(url: str) -> None:
-    assert refused(url) == f"{url} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET"
+    assert refused(url) == f"{url} is not the address of a bus: write bus://HOST:PORT or bus:///SOCKET"
 
 
 def test_no_bus_at_the_socket(tmp_path: Path) -> None:
@@ -1049,7 +1049,7 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
         ),
         (bus_socket.pack_settings(LineSettings()), "it does not say what it is"),
         (bus_socket.pack_hello(HELLO._replace(version=2)), "version 2 of the wire, and this sistap 1"),
-        (b"", "it ends the connection at once"),
+        (b"", "the other end closes the connection at once"),
     ],
 )
 def test_a_stranger_at_the_socket(tmp_path: Path, said: bytes, cure: str) -> None:

@@ -69,6 +69,7 @@ CODES = {
         "CHARACTERS_LOST": 3,
         "ADAPTER_LOST": 4,
         "MARKER": 5,
+        "LIMITS_TOLD": 6,
     },
 }
 WIRESHARKS_LARGEST_PACKET = 262_144
@@ -82,6 +83,11 @@ def test_the_layout() -> None:
 @pytest.mark.parametrize("codes", CODES, ids=lambda codes: codes.__name__)
 def test_the_codes_are_those_of_the_layout(codes: type[IntEnum]) -> None:
     assert {code.name: code.value for code in codes} == CODES[codes]
+
+
+def test_an_event_of_a_later_version_keeps_its_number_and_text() -> None:
+    later = unpack(event(0, 0, LineSettings(), Event(99), "later").pack())
+    assert (later.event, later.data) == (99, b"later")
 
 
 def test_an_interval_has_32_bits() -> None:

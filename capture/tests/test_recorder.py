@@ -118,8 +118,12 @@ def test_each_file_has_its_window_and_each_record_once(
     for file, (since, until) in zip(files, windows, strict=True):
         started, *content = map(identity, reading.records(file))
         inside = [identity(record) for record in traffic[1:] if since <= record.time_ns <= until]
-        assert content == inside
-        assert started[0] == content[0][0] and b"; kept: sis.checksum.status-0 at " in started[1]
+        earlier = content[: -len(inside)]
+        assert content == earlier + inside
+        assert earlier == [old for old in map(identity, traffic) if old in earlier and old[0] < since]
+        assert started[0] == (traffic[0].time_ns if earlier else inside[0][0])
+        assert b"; kept: sis.checksum.status-0 at " in started[1]
+        assert started[1].endswith(b"told limits and names") is bool(earlier)
 
 
 def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
@@ -200,7 +204,7 @@ def test_commands_that_never_end_are_not_started_for_ever(tmp_path: Path, monkey
     tells = Telling("exec sleep 1000; #", said.append)
     for _ in range(3):
         tells.tell(tmp_path / "x")
-    assert said == [f"--on-keep was not started for {tmp_path}/x: 2 of it are still running"]
+    assert said == [f"--on-keep was not started for {tmp_path}/x: 2 earlier ones are still running"]
     for process, _ in tells._running:
         process.kill()
         process.wait()

@@ -227,8 +227,8 @@ DAMAGED = frame(0, b"abc", [0, 1, 1])
     ("content", "line"),
     [
         (b"", "has no records of sistap"),
-        (b"hello, this is a text", "is no pcapng file: open it in Wireshark and save it as pcapng"),
-        (bytes.fromhex("D4C3B2A1") + bytes(20), "is no pcapng file"),  # pcap
+        (b"hello, this is a text", "is not a pcapng file: open it in Wireshark and save it as pcapng"),
+        (bytes.fromhex("D4C3B2A1") + bytes(20), "is not a pcapng file"),  # pcap
         (
             pcapng.section_header("", "") + struct.pack("<II", 6, 13) + bytes(5),
             "is damaged: a block says it has 13 bytes",
@@ -305,7 +305,7 @@ def test_a_record_that_is_damaged(tmp_path: Path) -> None:
         (["/nowhere/x"], 2, f"cannot read {Path('/nowhere/x')}: No such file or directory; name a capture file"),
         pytest.param(["/"], 2, "cannot read /: Is a directory", marks=posix("a folder is not opened at all")),
         pytest.param(["x", "--fast"], 2, "--fast needs --listen", marks=listening_only_if_asked),
-        (["x", "--transmit"], 2, "say it with --port"),
+        (["x", "--transmit"], 2, "name it with --port"),
     ],
 )
 def test_wrong_options_get_one_line_with_the_cure(options: list[str], code: int, cure: str) -> None:

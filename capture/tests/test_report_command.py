@@ -20,6 +20,8 @@ from sistap import cli
 from sistap.report import command
 from sistap.terminal.advice import advice
 
+TOLD = Path(__file__).parents[2] / "test-captures" / "timing-told.pcapng"
+
 
 def report(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
     return run(folder, "report", *arguments, **environment)
@@ -51,6 +53,29 @@ def test_text_and_json_go_to_standard_output(tmp_path: Path, capture: Path) -> N
     text = report(tmp_path, capture, "--format", "text").stdout
     assert "frame.number in {9, 10}" in text
     assert list(tmp_path.iterdir()) == []
+
+
+def test_limits_told_to_the_report_go_before_those_of_the_bus(tmp_path: Path, capture: Path) -> None:
+    arguments = (capture, "--tza", "8", "--trs", "100")
+    figures = json.loads(report(tmp_path, *arguments, "--format", "json").stdout)
+    assert {name: figures["limits"][name]["limits_s"] for name in ("tza", "trs")} == {"tza": [0.008], "trs": [0.1]}
+    text = report(tmp_path, *arguments, "--format", "text").stdout
+    assert "Judged by TzA = 8 ms, TrS = 100 ms" in text
+
+
+def test_limits_told_to_the_capture_are_named(tmp_path: Path) -> None:
+    text = report(tmp_path, TOLD, "--format", "text").stdout
+    assert "Whoever captured told the limits TzA = 8 ms, TrS = 40 ms." in text
+
+
+@drawing
+def test_a_title_and_a_note_stand_above(tmp_path: Path, capture: Path) -> None:
+    words = ("--title", "Press <4>", "--note", "Stops at night\nsince May")
+    assert report(tmp_path, capture, *words).returncode == 0
+    page = (tmp_path / "report.html").read_text()
+    assert "<h1>Press &lt;4&gt;</h1>" in page and "<p>Stops at night</p><p>since May</p>" in page
+    text = report(tmp_path, capture, *words, "--format", "text").stdout
+    assert text.startswith("Press <4>\n\nStops at night\nsince May\n\nFound: ")
 
 
 def test_a_capture_that_is_cut_is_reported_up_to_there(tmp_path: Path, capture: Path) -> None:

@@ -31,7 +31,7 @@ def test_the_list_of_packages_has_all_that_is_asked_for_with_sums() -> None:
 
 
 def test_the_licence_of_each_library_is_said() -> None:
-    table = (ROOT / "README.md").read_text("utf-8").partition("## Licence")[2]
+    table = (ROOT / "CONTRIBUTING.md").read_text("utf-8").partition("## Licences")[2]
     asked = [*PROJECT["dependencies"], *(name for names in PROJECT["optional-dependencies"].values() for name in names)]
     for name in {re.split("[=>]", text)[0] for text in asked}:
         assert re.search(rf"\b{name}\b", table), name

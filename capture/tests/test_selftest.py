@@ -137,7 +137,7 @@ def test_report() -> None:
     delays = sorted([15_000] * 900 + [45_000] * 98 + [2_291_666, 30 * MS])  # 2.29 ms: two characters at 9600 Bd 8E1
     text = "\n".join(selftest.report(delays))
     for line in (
-        "1000 characters; so late were they seen:",
+        "1000 characters; how late they were seen:",
         "  p50         0.015 ms",
         "  p90         0.015 ms",
         "  p99         0.045 ms",

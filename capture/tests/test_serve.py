@@ -199,14 +199,14 @@ def test_who_never_answers_makes_room(served: Listeners, told: list[str], monkey
                 pass
 
 
-@pytest.mark.attack("more connections than a line serves", "the next is sent away")
+@pytest.mark.attack("more connections than a line allows", "the next one is refused")
 def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "MOST", 2)
     with ExitStack() as opened:
         some = [opened.enter_context(connect(served)) for _ in range(5)]
         assert len(list(served._peers)) == 2
         assert [connection.recv(4096) != b"" for connection in some] == [True, True, False, False, False]
-    assert told == ["refused a connection: 2 are there already"]  # once: who knocks all day is no news
+    assert told == ["refused a connection: 2 are connected already"]  # once: repeated attempts are no news
 
 
 @pytest.mark.parametrize(
@@ -239,7 +239,7 @@ def test_only_whom_allow_names_is_let_in(
             listeners.attend(0)
             assert bool(connection.recv(4096)) is comes
     plain = address.removeprefix("::ffff:").partition("%")[0]
-    assert told == ([] if comes else [f"refused a connection: {plain} may not listen: --allow says who may"])
+    assert told == ([] if comes else [f"refused a connection: {plain} may not listen: name its network with --allow"])
 
 
 @pytest.mark.parametrize(
@@ -253,7 +253,7 @@ def test_only_whom_allow_names_is_let_in(
         (["--listen", "203.0.113.1:5000", "--allow", "203.0.113.0/24"], 3, "choose another address with --listen"),
         (["--listen", "127.0.0.1:0"], 3, "/dev/nowhere does not exist"),
         (["--listen", "127.0.0.1:0", "--format", "9X9"], 2, "format '9X9'"),
-        (["-i", "bus://127.0.0.1:5001"], 2, "can be heard by others already"),
+        (["-i", "bus://127.0.0.1:5001"], 2, "is already shared"),
     ],
 )
 def test_wrong_usage(tmp_path: Path, options: list[str], code: int, words: str) -> None:

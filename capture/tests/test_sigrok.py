@@ -230,9 +230,9 @@ def test_an_analyser_that_makes_its_samples_itself(tmp_path: Path) -> None:
         ("sigrok:nothing?rx=D0", "Driver nothing not found"),
         ("sigrok:demo?rx=D77", "D77"),
         ("sigrok:demo?rx=D0&samplerate=20k", "9600 Bd with 20000 samples a second"),
-        ("sigrok:demo?rx=D0&tx=D0", "it is written"),
-        ("sigrok:", "it is written"),
-        ("sigrok:--version", "it is written"),
+        ("sigrok:demo?rx=D0&tx=D0", "write it as"),
+        ("sigrok:", "write it as"),
+        ("sigrok:--version", "write it as"),
         ("sigrok:demo?rx=D0&samplerate=fast", "'fast'"),
         ("sigrok:demo?rx=D0&invert=maybe", "invert"),
         ("sigrok:demo?channel=D0", "channel"),
@@ -256,7 +256,7 @@ def test_without_sigrok_cli_it_says_what_to_install(
 def test_both_directions_leave_no_room_for_another_port(capfd: pytest.CaptureFixture[str]) -> None:
     port = "sigrok:demo?rx=D0&tx=D1"
     assert cli.main(["capture", "-i", port, "-i", "sigrok:demo?rx=D2"]) == 3
-    assert "leave out the other -i" in capfd.readouterr().err
+    assert "remove the other -i" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(

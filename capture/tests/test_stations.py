@@ -835,7 +835,7 @@ def test_noise_raises_nothing(asked: Station, noise: bytes) -> None:
         ({}, "station 1: address is missing"),
         ({"address": 127}, "station 1: address = 127: use a whole number from 0 to 126"),
         ({"address": 3, "kind": "pump"}, 'station 1: kind = "pump": use one of drive, indradrive, clc, synax'),
-        ({"address": 3, "kinds": 1}, "station 1: unknown key kinds; there are address, kind, "),
+        ({"address": 3, "kinds": 1}, "station 1: unknown key kinds; the keys are address, kind, "),
         ({"address": 3, "rates": [4800]}, "use one of 9600, 19200, 38400, 57600, 115200"),
         ({"address": 3, "type_key": "x" * 41}, "use a text of up to 40 ASCII characters"),
         ({"address": 3, "refuse": {"0x100": 1}}, "use a table of services and status bytes"),

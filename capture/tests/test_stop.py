@@ -26,7 +26,7 @@ from sistap.terminal import temporary
 from sistap.terminal.stop import Stop, Stopped, held
 from sistap.wireshark.tshark import Tshark
 
-NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 BURST = NUMBERS * 10
 
 
@@ -128,7 +128,7 @@ def test_the_end_of_a_command_ends_a_process_for_good() -> None:
     stop.begin()
     with stop:
         pass
-    assert [signal.getsignal(number) for number in NUMBERS] == [signal.SIG_IGN] * 3
+    assert [signal.getsignal(number) for number in NUMBERS] == [signal.SIG_IGN] * 4
 
 
 def test_during_the_imports_it_just_ends() -> None:

@@ -162,7 +162,7 @@ def test_a_pseudo_terminal_is_used_or_refused() -> None:
     args = places()
     choice.settle(args, has_ptys=True)
     assert args.listen is None
-    with pytest.raises(ValueError, match="leave out --pty"):
+    with pytest.raises(ValueError, match="omit --pty"):
         choice.settle(places(pty=True), has_ptys=False)
 
 

@@ -241,7 +241,7 @@ def test_a_port_that_cannot_be_opened(device: Device, monkeypatch: pytest.Monkey
         raise OSError("could not open port 'COM5': PermissionError(13, 'Access is denied.', None, 5)")
 
     monkeypatch.setattr(device, "open", refuse)
-    with pytest.raises(PortError, match="^COM5 is in use by another program: close that one first$"):
+    with pytest.raises(PortError, match="^COM5 is in use by another program: close that program first$"):
         opened(Win32())
 
 

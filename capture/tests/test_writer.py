@@ -85,7 +85,7 @@ def test_after_the_last_file_no_other_is_begun(tmp_path: Path) -> None:
 def test_what_an_older_capture_left_is_gone(tmp_path: Path) -> None:
     path = tmp_path / "x"
     path.write_bytes(b"older" * 1000)
-    output = Output(str(path))
+    output = Output(str(path), force=True)
     writer = PcapngWriter(output, {0: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "/dev/ttyS0")}, Counters())
     writer.begin(started(0, FIRST_NS))
     output.close()

@@ -23,26 +23,26 @@ import on_wireshark  # noqa: E402
 from proxy import Proxy  # noqa: E402
 from wine import CAPTURE, ROOT, Wine  # noqa: E402
 
-SUITE_S = 1200
+SUITE_S = 3600
 SUITE = "-m pytest -q -rs -c capture/pyproject.toml --rootdir . -p no:cacheprovider --tb=short"
 
 
 class Done(NamedTuple):
-    """What came of a part with one Python."""
+    """The result of a part with one Python."""
 
     amount: str
     good: bool
 
     def __str__(self) -> str:
-        """A cell of the table."""
+        """Return a cell of the table."""
         result = "good" if self.good else "FAILED"
         return f"{self.amount}: {result}" if self.amount else result
 
 
 def suite(wine: Wine) -> str:
-    """Run the tests that are for Windows, too, a share of the files on each processor; suite-*.txt says what is not.
+    """Run the tests that also apply to Windows, a share of the files on each processor; suite-*.txt has their output.
 
-    (Without pytest-xdist: under wine it now and then does not hear that a worker has ended.)
+    (Without pytest-xdist: under wine it sometimes misses the end of a worker.)
     """
     files = sorted(path.relative_to(ROOT) for path in (CAPTURE / "tests").glob("test_*.py"))
     count = os.cpu_count() or 1
@@ -52,7 +52,7 @@ def suite(wine: Wine) -> str:
 
 
 def share(wine: Wine, number: int, files: list[Path]) -> Counter[str]:
-    """Run some files of tests; return how many passed and were skipped."""
+    """Run some test files; return how many passed and were skipped."""
     own = [f"--basetemp=C:\\suite{number}", "-m", "not thorough", *map(str, files)]
     said = wine.run(wine.python, *SUITE.split(), *own, code=None, timeout_s=SUITE_S)
     log = wine.folder / f"suite-{wine.version}-{number}.txt"
@@ -90,7 +90,7 @@ PARTS: dict[str, Callable[[Wine], str]] = {
 
 
 def results(wine: Wine, wanted: list[str]) -> Iterator[tuple[str, Done]]:
-    """Do all parts, or those wanted, and yield what came of each."""
+    """Run all parts, or the chosen ones, and yield the results."""
     for part, do in PARTS.items():
         if wanted and part not in wanted:
             continue
@@ -115,7 +115,7 @@ def table(columns: dict[str, dict[str, Done]]) -> Iterator[str]:
 
 
 def main(folder: str, versions: str, *wanted: str) -> int:
-    """Do all parts, or those wanted, with each Python; return the exit code."""
+    """Run all parts, or the chosen ones, with each Python; return the exit code."""
     columns: dict[str, dict[str, Done]] = {}
     place = Path(folder)
     plugins = {"WIRESHARK_PLUGIN_DIR": os.environ["WIRESHARK_PLUGIN_DIR"]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What needs no port: what sistap says and writes under Windows is what it does here."""
+"""Checks without a port: sistap prints and writes the same under Windows as here."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ LARGE_KB, KEPT, CYCLES = 5, 3, "4"
 
 
 def version(wine: Wine) -> str:
-    """Start."""
+    """Start sistap."""
     said = wine.sistap("--version")
     assert said.startswith("sistap "), said
     return ""
 
 
 def ports(wine: Wine) -> str:
-    """List the ports, or say what to do in the words of Windows. (wine tells pyserial of none.)"""
+    """List the ports, or print the cure for Windows. (wine lists no ports for pyserial.)"""
     said = wine.sistap("ports")
     assert "Device Manager" in said, said
     return ""
 
 
 def doctor(wine: Wine) -> str:
-    """Look at a port, and say what could be better in the words of Windows."""
+    """Check a port, and print the cures for Windows."""
     with wine.terminal("COM15"):
         said = wine.sistap("doctor", "-i", "COM15")
     assert "good  opens" in said, said
@@ -40,19 +40,19 @@ def doctor(wine: Wine) -> str:
 
 
 def own_bus(wine: Wine) -> str:
-    """Play a bus that nobody told where to be: it listens, and says where."""
+    """Play a bus without naming a place: it listens, and prints where."""
     process = wine.start(wine.python, "-m", "sistap", "bus", "--cycles", "1")
     assert process.stdout
     url = process.stdout.readline().strip()
     assert url.startswith("bus://127.0.0.1:"), url
     said = wine.sistap("capture", "-i", url, "-c", "9")
     process.communicate(timeout=TIMEOUT_S)
-    assert "16 -> 3     Command   Node identification" in said, said
+    assert re.search(r"16 -> 3 +Command +Node identification", said), said
     return ""
 
 
 def ring(wine: Wine) -> str:
-    """Keep the last files of a row; together they are one piece of what was on the bus."""
+    """Keep the last files of a ring; together they are one contiguous piece of the traffic."""
     folder = emptied(wine.folder / "ring")
     whole = wine.folder / "whole.pcapng"
     here("bus", "--cycles", CYCLES, "-w", whole)
@@ -74,7 +74,7 @@ def _characters(file: Path) -> bytes:
 
 
 def annotate(wine: Wine) -> str:
-    """Explain a log as here."""
+    """Explain a log with the same result as here."""
     log = wine.folder / "master.txt"
     here("bus", "--cycles", "2", "-w", wine.folder / "master.pcapng", "--log", log)
     said = wine.sistap("annotate", drive(log))
@@ -83,14 +83,14 @@ def annotate(wine: Wine) -> str:
 
 
 def report(wine: Wine) -> str:
-    """Report on a capture as here."""
+    """Report on a capture with the same result as here."""
     said = wine.sistap("report", "--format", "text", drive(DAY))
     assert said.replace(drive(DAY), str(DAY)) == here("report", "--format", "text", DAY)
     return f"{said.count(chr(10))} lines"
 
 
 def selftest(wine: Wine) -> str:
-    """Measure this machine."""
+    """Measure this computer."""
     said = wine.sistap("selftest", "--duration", "10")
     assert "p99.9" in said, said
     assert "kept in" in said, said

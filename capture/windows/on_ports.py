@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Captures from COM5 and COM15: every character and its time, a rate that is looked for, one that is followed."""
+"""Captures from COM5 and COM15: every character and its time, a search for the rate, a followed rate change."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ FORMAT = ("--format", "8N1")
 
 
 class Sending(NamedTuple):
-    """When a character was sent, in ns: between these."""
+    """The bounds of the time when a character was sent, in ns."""
 
     begun_ns: int
     done_ns: int
 
 
 def capture(wine: Wine, port: str) -> str:
-    """Send characters one by one: each is in the capture, and no other, at its time."""
+    """Send characters one by one: the capture has exactly these, at their times."""
     file = wine.folder / "out.pcapng"
     with wine.terminal(port) as ours:
         command = ["-m", "sistap", "capture", "-i", port, *FORMAT, "-w", drive(file), "-a", "duration:6"]
@@ -54,7 +54,7 @@ def _send(ours: int, character: bytes) -> Sending:
 
 
 def _timed(heard: Sequence[Record], sent: Sequence[Sending]) -> str:
-    """Hold the times of all characters against the record's own words: it came at its time, or up to so much before."""
+    """Check the times of all characters against the bounds in the record."""
     if all(record.uncertainty_ns == UNCERTAINTY_UNKNOWN for record in heard):
         return ", times without a bound"
     judged = list(zip(_times(heard), sent, strict=True))
@@ -76,7 +76,7 @@ def _times(heard: Sequence[Record]) -> Iterator[tuple[int, int]]:
 
 
 def looked_for(wine: Wine) -> str:
-    """Find the rate of a bus that nobody named."""
+    """Find the rate of a bus without --baud."""
     file = wine.folder / "auto.pcapng"
     with wine.bus("COM15", "--baud", "19200", "--format", "8N1"):
         said = wine.sistap(
@@ -88,7 +88,7 @@ def looked_for(wine: Wine) -> str:
 
 
 def followed(wine: Wine) -> str:
-    """Go on at the rate that the bus is told."""
+    """Follow a rate change of the bus."""
     file = wine.folder / "follow.pcapng"
     with wine.bus("COM5", "--rates", "38400,9600", "--format", "8N1"):
         said = wine.sistap(

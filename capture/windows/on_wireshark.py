@@ -15,12 +15,12 @@ from sistap.records.record import Event, Type
 
 FILTER = 'link[5]==0x10&&link[6]==16 %PATH% "a  b" \\'
 PROGRAM = Path(".config/wireshark/extcap/sistap.exe")  # in a home
-OWN_FOLDERS = {"WIRESHARK_PLUGIN_DIR": ""}  # Wireshark looks for plugins in its own
+OWN_FOLDERS = {"WIRESHARK_PLUGIN_DIR": ""}  # Wireshark looks for plugins in its own folders
 ORDERS = ("data", "toolbar")
 
 
 def launcher(wine: Wine) -> str:
-    """Pass every argument on as it was, and the exit code back: a package shows its arguments."""
+    """Check that the launcher passes on every argument, and the exit code."""
     folder, stub = emptied(wine.folder / "ex tcap"), emptied(wine.folder / "stub")
     (stub / "sistap").mkdir()
     (stub / "sistap/__init__.py").touch()
@@ -34,7 +34,7 @@ def launcher(wine: Wine) -> str:
 
 
 def install(wine: Wine) -> str:
-    """Put everything where Wireshark looks, and again: nothing changes."""
+    """Install everything, twice: the second time changes nothing."""
     emptied(wine.home)
     said = wine.sistap("install", more=OWN_FOLDERS)
     assert "Wireshark loads sis.lua" in said, said
@@ -46,7 +46,7 @@ def install(wine: Wine) -> str:
 
 
 def uninstall(wine: Wine) -> str:
-    """Take everything away again."""
+    """Remove everything again."""
     said = wine.sistap("uninstall")
     assert not _files(wine.home), said
     return ""
@@ -57,7 +57,7 @@ def _files(folder: Path) -> set[Path]:
 
 
 def asked(wine: Wine) -> str:
-    """Answer what Wireshark asks before a capture."""
+    """Answer Wireshark's questions before a capture."""
     program = wine.home / PROGRAM
     said = wine.run(program, "--extcap-interfaces", "--extcap-version=4.0")
     assert "{value=sistap-demo}" in said, said
@@ -80,7 +80,7 @@ def port(wine: Wine, first: str) -> str:
 
 
 def _captured(wine: Wine, first: str, interface: str, *more: str) -> str:
-    """Capture until Wireshark closes its pipes, that named first before the others; a marker comes from the toolbar."""
+    """Capture until Wireshark closes its pipes, `first` before the others; a marker comes from the toolbar."""
     file = wine.folder / "piped.pcapng"
     said = wine.run(
         wine.python,

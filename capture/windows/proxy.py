@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The programs of this system's Wireshark, for the Windows under wine: what proxy.c asks for runs here.
+"""Lets Windows programs under wine run this system's Wireshark programs: proxy.c asks, this module runs them.
 
-Paths of Windows become those of here on the way in, and in what `-G` prints those of here become Windows' again.
+It converts Windows paths to paths of this system on the way in. In the output of `-G` it converts them back.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from typing import IO
 OUT, ERR, CODE = 1, 2, 3  # as in proxy.c
 _LENGTH = struct.Struct("<I")
 
-# Of its variables, those that matter to Wireshark.
+# Those environment variables that matter to Wireshark.
 _PASSED_ON = re.compile("(WIRESHARK_|XDG_|LC_)|(HOME|TZ)$")
-_DRIVE = re.compile(r"(?:^|(?<=[:=]))([A-Za-z]:)[\\/]")  # also behind lua_script: and NAME=
+_DRIVE = re.compile(r"(?:^|(?<=[:=]))([A-Za-z]:)[\\/]")  # also after lua_script: and NAME=
 
 
 class Proxy(socketserver.ThreadingTCPServer):
@@ -31,7 +31,7 @@ class Proxy(socketserver.ThreadingTCPServer):
     daemon_threads = True
 
     def __init__(self, prefix: Path, environment: dict[str, str]) -> None:
-        """Take the folder of the Windows, and what is in an environment unless a program says otherwise."""
+        """Take the folder of the Windows, and variables that apply unless a program sets them."""
         super().__init__(("127.0.0.1", 0), _Asked)
         self._drives = prefix / "dosdevices"
         inherited = {name: value for name, value in os.environ.items() if not name.startswith("WIRESHARK_")}
@@ -40,13 +40,13 @@ class Proxy(socketserver.ThreadingTCPServer):
 
     @property
     def port(self) -> int:
-        """Where it listens."""
+        """Return the port where it listens."""
         return int(self.server_address[1])
 
     def start(self, cwd: str, variables: list[str], words: list[str]) -> subprocess.Popen[bytes]:
-        """Start what a program of Windows asks for."""
+        """Start the program that a Windows program asks for."""
         named = (variable.partition("=")[::2] for variable in variables if _PASSED_ON.match(variable.partition("=")[0]))
-        own = {name: self._here(value) for name, value in named if value}  # to Windows an empty one is none
+        own = {name: self._here(value) for name, value in named if value}  # to Windows an empty variable does not exist
         return subprocess.Popen(
             [*_NO_ROOT, PureWindowsPath(words[0]).stem, *map(self._here, words[1:])],
             cwd=self._here(cwd),
@@ -57,7 +57,7 @@ class Proxy(socketserver.ThreadingTCPServer):
         )
 
     def _here(self, text: str) -> str:
-        """Return a word with a path of Windows in it, if it has one, as this system has it."""
+        """Convert the Windows path in a word, if it has one, to a path of this system."""
         drive = _DRIVE.search(text)
         if not drive:
             return text
@@ -65,17 +65,18 @@ class Proxy(socketserver.ThreadingTCPServer):
         return text[: drive.start()] + str(root / text[drive.end() :].replace("\\", "/"))
 
 
-# As root Wireshark loads no plugin that an environment names. So root is somebody else to it, with the same rights.
+# As root Wireshark loads no plugin that the environment names. So root runs it under another user name with the same
+# rights.
 _NO_ROOT = ["unshare", "--user", "--map-user=1000", "--map-group=1000"] if os.geteuid() == 0 else []
 
 
 class _Asked(socketserver.StreamRequestHandler):
-    """One program that runs, from its question to its exit code."""
+    """One running program, from its request to its exit code."""
 
     server: Proxy
 
     def handle(self) -> None:
-        """Run it; whoever asked may end before it does."""
+        """Run it; the requester may end first."""
         cwd, *rest = self._piece().decode().split("\0")[:-1]
         end = rest.index("")
         words = rest[end + 1 :]
@@ -98,7 +99,7 @@ class _Asked(socketserver.StreamRequestHandler):
 
     @staticmethod
     def _feed(stdin: IO[bytes], piece: bytes) -> None:
-        """Write a piece, an empty one closes; a program need not read all of it."""
+        """Write a piece to the program, an empty one closes; a program need not read all of it."""
         with suppress(BrokenPipeError):
             if piece:
                 stdin.write(piece)
@@ -107,7 +108,7 @@ class _Asked(socketserver.StreamRequestHandler):
                 stdin.close()
 
     def _answer(self, process: subprocess.Popen[bytes], lists_files: bool) -> None:
-        """Send both streams as they come, then the exit code."""
+        """Return both streams live, then the exit code."""
         assert process.stdout
         assert process.stderr
         errors = threading.Thread(target=self._send_all, args=(ERR, _pieces(process.stderr)))
@@ -121,7 +122,7 @@ class _Asked(socketserver.StreamRequestHandler):
             self._send(kind, piece)
 
     def _send(self, kind: int, data: bytes) -> None:
-        with suppress(OSError), self._lock:  # whoever asked may have ended
+        with suppress(OSError), self._lock:  # the requester may have ended
             self.wfile.write(bytes([kind]) + _LENGTH.pack(len(data)) + data)
 
 
@@ -131,5 +132,5 @@ def _pieces(stream: IO[bytes]) -> Iterator[bytes]:
 
 
 def of_windows(text: bytes) -> bytes:
-    """Return what `-G folders` and `-G plugins` print with the paths at the ends of lines as Windows has them."""
+    """Convert paths at the ends of lines of `-G folders` and `-G plugins` to Windows paths."""
     return re.sub(rb"(?m)(?<=\t)/\S.*$", lambda path: b"Z:" + path[0].replace(b"/", b"\\"), text)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A Windows of our own under wine, with a Python for it, and two ports whose other ends are here."""
+"""A separate Windows under wine, with a Python for it, and two ports whose other ends are here."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from types import MappingProxyType
 ROOT = Path(__file__).resolve().parents[2]
 CAPTURE = ROOT / "capture"
 TIMEOUT_S = 180
-GRACE_S = 5  # for the rest of what was said: what wine itself starts on the way may hold the pipe open, and stay
-PORTS = ("COM5", "COM15")  # names above COM9 are another kind to Windows
-NOTHING: Mapping[str, str] = MappingProxyType({})  # beside the variables that all programs see
+GRACE_S = 5  # for the rest of the output: processes that wine starts may hold the pipe open, and stay
+PORTS = ("COM5", "COM15")  # Windows handles names above COM9 differently
+NOTHING: Mapping[str, str] = MappingProxyType({})  # no variables besides those of all programs
 
-# COM5 is an adapter of FTDI with a latency timer of 1 ms, as its driver would write that: so its times have a bound.
+# COM5 is an FTDI adapter with a latency timer of 1 ms, registered as its driver does it, so its times have a bound.
 _FTDI = r"HKLM\SYSTEM\CurrentControlSet\Enum\FTDIBUS\VID_0403+PID_6001+A50285BIA\0000"
 _REGISTRY = (
     *((r"HKLM\Software\Wine\Ports", port, "REG_SZ", f"{{ports}}/{port}") for port in PORTS),
@@ -31,7 +31,7 @@ _REGISTRY = (
     (_FTDI + r"\Device Parameters", "LatencyTimer", "REG_DWORD", "1"),
 )
 
-# wine's own: no menus, no .NET, no browser; and its wpcap.dll ends the process that asks it for a filter.
+# For wine: no menus, no .NET, no browser. Its wpcap.dll is off, because it ends any process that asks for a filter.
 _OVERRIDES = "winemenubuilder.exe,mscoree,mshtml,wpcap="
 
 
@@ -39,7 +39,7 @@ class Wine:
     """One Windows, and one Python in it."""
 
     def __init__(self, folder: Path, python: Path, **more: str) -> None:
-        """Take the folder of everything, the Python, and variables that its programs see."""
+        """Take the folder for everything, the Python, and variables for its programs."""
         self.folder = folder
         self.python = python
         self.version = python.relative_to(folder).parts[0].partition("-")[0]
@@ -61,7 +61,7 @@ class Wine:
         self.environment.pop("PYTHONDONTWRITEBYTECODE", None)
 
     def start_up(self) -> None:
-        """Make the Windows, if it is new, and put what we need into its registry."""
+        """Make the Windows, if it is new, and add the registry entries."""
         self._ports.mkdir(exist_ok=True)
         self._ports.joinpath("COM5").unlink(missing_ok=True)
         self.run("wineboot", "-i")
@@ -71,7 +71,7 @@ class Wine:
         for port in PORTS:
             self._lead(port, "/dev/null")
         for state in self.prefix.glob("drive_c/users/*/.local/state/sistap"):
-            shutil.rmtree(state)  # of the Python before
+            shutil.rmtree(state)  # from another Python
         self.shut_down()
 
     def shut_down(self) -> None:
@@ -80,7 +80,7 @@ class Wine:
             subprocess.run(["wineserver", option], env=self.environment, check=False, timeout=TIMEOUT_S)
 
     def start(self, *command: str | Path, more: Mapping[str, str] = NOTHING) -> subprocess.Popen[str]:
-        """Start a program of Windows; what it says comes together."""
+        """Start a Windows program; its output streams are joined."""
         return subprocess.Popen(
             ["wine", *map(str, command)],
             env={**self.environment, **more},
@@ -100,7 +100,7 @@ class Wine:
         timeout_s: float = TIMEOUT_S,
         more: Mapping[str, str] = NOTHING,
     ) -> str:
-        """Run a program of Windows to its end, which has this exit code (None: any); return what it said."""
+        """Run a Windows program to its end, check its exit code (None: any); return its output."""
         process = self.start(*command, more=more)
         assert process.stdout
         said: list[str] = []
@@ -115,12 +115,12 @@ class Wine:
         return "".join(said)
 
     def sistap(self, *arguments: str | Path, code: int = 0, more: Mapping[str, str] = NOTHING) -> str:
-        """Run sistap; return what it said."""
+        """Run sistap; return its output."""
         return self.run(self.python, "-m", "sistap", *arguments, code=code, more=more)
 
     @contextmanager
     def terminal(self, port: str) -> Iterator[int]:
-        """Put a new pseudo terminal behind a port and yield our end: wine does not open the same one twice."""
+        """Put a new pseudo terminal behind a port and return our end: wine does not open the same one twice."""
         ours, theirs = pty.openpty()
         tty.setraw(theirs)
         self._lead(port, os.ttyname(theirs))
@@ -132,7 +132,7 @@ class Wine:
 
     @contextmanager
     def bus(self, port: str, *arguments: str) -> Iterator[None]:
-        """Put a bus of ours behind a port."""
+        """Put a virtual bus behind a port."""
         command = [sys.executable, "-m", "sistap", "bus", *arguments]
         environment = os.environ | {"PYTHONPATH": str(CAPTURE)}
         with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
@@ -144,14 +144,14 @@ class Wine:
                 process.terminate()
 
     def _lead(self, port: str, device: str) -> None:
-        """Let a port lead to another device. Windows need not be started again for that."""
+        """Make a port lead to another device, without restarting Windows."""
         link = self._ports / port
         link.unlink(missing_ok=True)
         link.symlink_to(device)
 
 
 def here(*arguments: str | Path) -> str:
-    """Run sistap on this system; return what it said."""
+    """Run sistap on this system; return its output."""
     done = subprocess.run(
         [sys.executable, "-m", "sistap", *map(str, arguments)],
         env=os.environ | {"PYTHONPATH": str(CAPTURE)},
@@ -168,19 +168,19 @@ def here(*arguments: str | Path) -> str:
 
 
 def drive(path: Path) -> str:
-    """Return a path as Windows has it."""
+    """Return a path as a Windows path."""
     return "Z:" + str(path).replace("/", "\\")
 
 
 def emptied(folder: Path) -> Path:
-    """Return a folder with nothing in it."""
+    """Return an empty folder."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     return folder
 
 
 def until(process: subprocess.Popen[str], words: str) -> str:
-    """Read what a program says up to a line with these words; return all of it. AssertionError if it ends before."""
+    """Read a program's output up to a line with these words; return all of it. AssertionError if it ends before."""
     assert process.stdout
     said = ""
     for line in process.stdout:

@@ -2,9 +2,9 @@
 """Runs under Windows: an extcap as Wireshark runs it, with a pipe for the capture and two for the toolbar.
 
 python wireshark.py FILE FIRST LAUNCHER INTERFACE ... keeps the capture in FILE and asks for a marker as the toolbar
-does. When that is in the capture and the toolbar counts telegrams, it closes the pipe named FIRST ("data" or
-"toolbar"), then the other. It prints what the toolbar was told, a line for each message: control, command and text.
-Its exit code is that of the extcap.
+does. When the capture has the marker and the toolbar counts telegrams, it closes the pipe named FIRST ("data" or
+"toolbar"), then the other. It prints the messages to the toolbar, one in each line: control, command and text. Its exit
+code is that of the extcap.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator
 
 MARKER = "seen by Wireshark"
-# As Wireshark makes its pipes: both ways, bytes, one instance. (But each is used by one thread: none is overlapped.)
+# As Wireshark makes its pipes: both ways, bytes, one instance. But a single thread uses each, so none is overlapped.
 DUPLEX, BYTES, SIZE = 0x3, 0x0, 65536
 PATIENCE_S = 60
 
@@ -42,18 +42,18 @@ class Pipe:
         self._kernel.ConnectNamedPipe(self._handle, None)
 
     def read(self) -> bytes:
-        """Return what comes next; nothing if the extcap has closed it."""
+        """Return what comes next; empty if the extcap has closed it."""
         buffer = ctypes.create_string_buffer(SIZE)
         if not self._kernel.ReadFile(self._handle, buffer, SIZE, ctypes.byref(self._count), None):
             return b""
         return buffer.raw[: self._count.value]
 
     def write(self, data: bytes) -> None:
-        """Send this."""
+        """Send data."""
         self._kernel.WriteFile(self._handle, data, len(data), ctypes.byref(self._count), None)
 
     def close(self) -> None:
-        """Take it away from the extcap, whatever that does."""
+        """Close the pipe, whatever the extcap does."""
         self._kernel.DisconnectNamedPipe(self._handle)
         self._kernel.CloseHandle(self._handle)
 
@@ -64,7 +64,7 @@ def message(control: int, command: int, text: str = "") -> bytes:
 
 
 def messages(data: bytes) -> Iterator[tuple[int, int, str]]:
-    """Take messages apart."""
+    """Split the data into messages."""
     while data:
         end = 4 + int.from_bytes(data[1:4], "big")
         yield data[4], data[5], data[6:end].decode()
@@ -72,7 +72,7 @@ def messages(data: bytes) -> Iterator[tuple[int, int, str]]:
 
 
 def counts(heard: list[bytes]) -> bool:
-    """Tell whether the toolbar shows how many telegrams came, and some did."""
+    """Tell whether the toolbar counts telegrams, and more than 0."""
     shown = [text for control, _, text in messages(b"".join(heard)) if control == _COUNTERS]
     return bool(shown) and not shown[-1].startswith("0 ")
 
@@ -113,7 +113,7 @@ def _listen(pipe: Pipe, heard: list[bytes]) -> None:
 
 
 def _drain(pipe: Pipe) -> None:
-    """Take what still comes, as dumpcap does, until the extcap closes the pipe."""
+    """Read what still comes, as dumpcap does, until the extcap closes the pipe."""
     while pipe.read():
         pass
 

@@ -25,6 +25,7 @@ typedef struct sertap_line {
     uint64_t key;
     unsigned number;
     sertap_disturbance_t disturbance;
+    sertap_limits_t limits;
     window_t window;
 } line_t;
 
@@ -87,6 +88,21 @@ note_disturbance(line_t *line, packet_info *pinfo, const sertap_record_t *record
         line->disturbance.unframed_in = pinfo->num;
 }
 
+const sertap_limits_t *
+sertap_limits(const sertap_record_t *record)
+{
+    return &record->known->limits;
+}
+
+static void
+note_limits(line_t *line, const packet_info *pinfo, const sertap_record_t *record)
+{
+    uint8_t *text =
+        tvb_get_string_enc(wmem_file_scope(), record->tvb, record->data_offset, record->count, ENC_UTF_8);
+
+    line->limits = (sertap_limits_t){pinfo->num, (const char *)text};
+}
+
 /* Room for one more spell: those that have left the window make it, else the window grows. */
 static void
 make_room(window_t *window)
@@ -128,6 +144,8 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
     line_t *line = record->known = find_line(pinfo);
 
     note_disturbance(line, pinfo, record);
+    if (record->type == SERTAP_EVENT && record->event == SERTAP_LIMITS_TOLD)
+        note_limits(line, pinfo, record);
     if (record->type != SERTAP_EVENT)
         note_spell(&line->window, pinfo, record);
 }

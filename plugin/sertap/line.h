@@ -14,6 +14,14 @@ typedef struct {
 
 sertap_disturbance_t sertap_disturbance(const sertap_record_t *record);
 
+/* First pass: the limits that the user told of this record's interface, as the event says them. */
+typedef struct {
+    uint32_t told_in; /* the last such event; 0: none */
+    const char *text;
+} sertap_limits_t;
+
+const sertap_limits_t *sertap_limits(const sertap_record_t *record);
+
 /* First pass: in which part of the last second, or of the time since the line's first character, there were
  * characters on the line, in percent; negative: not known. */
 float sertap_load(const sertap_record_t *record);

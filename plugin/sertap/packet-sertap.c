@@ -100,6 +100,7 @@ static const value_string events[] = {
     {SERTAP_CHARACTERS_LOST, "Characters lost"},
     {SERTAP_ADAPTER_LOST, "Adapter lost"},
     {5, "Marker"},
+    {SERTAP_LIMITS_TOLD, "Limits told by the user"},
     {0, NULL},
 };
 

@@ -12,6 +12,9 @@ typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
 #define SERTAP_CHARACTERS_LOST 3
 #define SERTAP_ADAPTER_LOST    4
 
+/* Its text is for the dissector of what travels on the line. */
+#define SERTAP_LIMITS_TOLD 6
+
 #define SERTAP_SAME_READ          0x01
 #define SERTAP_CHARACTER_ERROR    0x02
 #define SERTAP_BREAK              0x04

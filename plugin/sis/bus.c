@@ -22,6 +22,7 @@ struct sis_told {
     station_t *stations[256];
     test_t tests[256];
     const sis_settings_t *known[256]; /* sis_bus_settings() of each; NULL: to be made */
+    uint32_t limits_in;               /* the event that brought the user's limits; 0: none */
 };
 
 /* What the bus has told; made when it tells something for the first time. */
@@ -97,7 +98,7 @@ static void
 learn(struct sis_told *told, uint8_t address, const sis_request_t *request, uint32_t command, uint32_t frame,
       int64_t now)
 {
-    sis_setting_t setting = {request->setting, command, 0};
+    sis_setting_t setting = {.value = request->setting, .set_in = command};
 
     forget_known(told);
     find_station(told, address);
@@ -142,6 +143,53 @@ sis_bus_learn(sis_body_t *body)
         learn(told, address, request, exchange->command_in, body->pinfo->num, telegram->times.end);
         if (body->is_reaction && request->subservice == SIS_ACCEPT)
             body->record->settings = sis_bus_settings(exchange->stream->bus, address, telegram->times.begin);
+    }
+}
+
+/* "TzA = 8 ms" in a text; 0: it is not there, or no time that a bus can be told. */
+static uint32_t
+find_limit(const char *text, const char *name)
+{
+    const char *found = strstr(text, name);
+    uint64_t value = 0;
+
+    if (found != NULL && g_ascii_isdigit(found[strlen(name)]))
+        value = g_ascii_strtoull(found + strlen(name), NULL, 10);
+    return value <= UINT16_MAX ? (uint32_t)value : 0;
+}
+
+static void
+learn_limit(struct sis_told *told, sis_setting_kind_t kind, uint32_t value)
+{
+    for (unsigned i = 0; i < array_length(told->stations); i++) {
+        station_t *station = told->stations[i];
+        sis_setting_t *valid = station != NULL ? &station->valid.of[kind] : NULL;
+
+        if (valid != NULL && (valid->set_in == 0 || valid->is_by_user))
+            *valid = (sis_setting_t){value, told->limits_in, told->limits_in, true};
+    }
+}
+
+void
+sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits)
+{
+    static const struct {
+        const char *name;
+        sis_setting_kind_t kind;
+    } names[] = {{"TzA = ", SIS_TZA}, {"TrS = ", SIS_TRS}};
+    struct sis_told *told;
+
+    if (limits->told_in == 0 || (bus->told != NULL && bus->told->limits_in == limits->told_in))
+        return;
+    told = told_of(bus);
+    told->limits_in = limits->told_in;
+    forget_known(told);
+    find_station(told, SIS_ALL_STATIONS);
+    for (unsigned i = 0; i < array_length(names); i++) {
+        uint32_t value = find_limit(limits->text, names[i].name);
+
+        if (value != 0)
+            learn_limit(told, names[i].kind, value);
     }
 }
 

@@ -4,6 +4,7 @@
 #ifndef SIS_BUS_H
 #define SIS_BUS_H
 
+#include "sertap/line.h"
 #include "sis/body.h"
 
 /* Subservices (chapter 6.1). */
@@ -21,8 +22,9 @@ typedef enum { SIS_TRS, SIS_TZA, SIS_TMAS, SIS_BAUD, SIS_SETTINGS } sis_setting_
 
 typedef struct {
     uint32_t value;       /* ms or Bd */
-    uint32_t set_in;      /* the command; 0: was not set */
+    uint32_t set_in;      /* the command, or the event; 0: was not set */
     uint32_t accepted_in; /* 0: not yet */
+    bool is_by_user;      /* told by whoever captured, not on the bus */
 } sis_setting_t;
 
 /* What is valid for one station at one time. Never changed once made. */
@@ -32,6 +34,10 @@ typedef struct sis_settings {
 
 /* First pass: a command or reaction of service 0x03 whose body has been taken apart. */
 void sis_bus_learn(sis_body_t *body);
+
+/* First pass: takes over what the user told of this bus. It counts for stations that the bus has told
+ * nothing. */
+void sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits);
 
 /* First pass: what is valid for a station, or for all, now (ns since 1970); NULL where nothing was told. */
 const sis_settings_t *sis_bus_settings(const sis_bus_t *bus, uint8_t address, int64_t now);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
- * A limit comes from a preference, else from what the bus has told (bus.c), else there is none, and no
- * verdict; nor is there one where only packets have times. Which verdict: times.c. */
+ * A limit comes from a preference, else from what the bus has told (bus.c), else from what the user told when
+ * capturing, else there is none, and no verdict; nor is there one where only packets have times. Which
+ * verdict: times.c. */
 
 #include "sis/timing.h"
 
@@ -151,7 +152,9 @@ show_verdict(const timing_t *t, const judgement_t *judgement, const sis_setting_
     const char *limit_text = wmem_strdup_printf(pool, "%u ms", (unsigned)(limit_ns / MS));
     proto_item *item;
 
-    add_time(t, *judgement->hf_limit, limit_ns, limit_text);
+    item = add_time(t, *judgement->hf_limit, limit_ns, limit_text);
+    if (told != NULL && told->is_by_user)
+        proto_item_append_text(item, ", told by the user");
     if (told != NULL && told->set_in != 0)
         add_uint(t, *judgement->hf_set_in, told->set_in);
     item = add_uint(t, *judgement->hf_verdict, verdict);
@@ -478,12 +481,14 @@ void
 sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_info *pinfo)
 {
     uint8_t address = record->exchange != NULL ? record->exchange->path[0] : telegram->receiver;
-    const sis_bus_t *bus = record->exchange != NULL ? record->exchange->stream->bus : sis_exchange_bus(pinfo);
+    sis_bus_t *bus = record->exchange != NULL ? record->exchange->stream->bus : sis_exchange_bus(pinfo);
 
     if (pinfo->fd->visited)
         return;
     if (!telegram->is_good || !sis_is_answered(address))
         address = SIS_ALL_STATIONS;
+    if (telegram->times.record != NULL)
+        sis_bus_learn_limits(bus, sertap_limits(telegram->times.record));
     record->settings = sis_bus_settings(bus, address, telegram->times.begin);
     record->load = telegram->times.record != NULL ? sertap_load(telegram->times.record) : -1;
 }

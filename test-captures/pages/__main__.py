@@ -11,7 +11,7 @@ from pathlib import Path
 from sharkd import Sharkd
 
 from pages import COURSE, HERE, page, questions
-from pages.dissection import dissection
+from pages.dissection import capture, dissection
 from sistap.wireshark.tshark import TsharkError
 
 BUILT = HERE.parents[1] / "build" / "course"
@@ -31,7 +31,7 @@ def build(folder: Path) -> list[Path]:
         if not sharkd.has_field("sis.start"):
             raise TsharkError("tshark does not load the plugin: run ./bootstrap demo, or set WIRESHARK_PLUGIN_DIR")
         for lesson in known:
-            text = page.lesson_page(lesson, known, dissection(sharkd, lesson))
+            text = page.lesson_page(lesson, known, dissection(sharkd, lesson, capture(lesson, folder)))
             written[folder / f"{lesson.path.stem}.html"] = text
     for path, text in written.items():
         page.write(path, text)

@@ -69,11 +69,6 @@ class Lesson(NamedTuple):
     claims: list[Claim]
 
     @property
-    def capture(self) -> Path:
-        """Where its packets are."""
-        return self.path.with_suffix(".pcapng")
-
-    @property
     def aim(self) -> str:
         """What the reader can do after it."""
         return self.text.strip().split("\n\n")[0].replace("\n", " ")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The guest's side of ../machine.py: starts programs, passes on what they say, and hands files over.
+"""The guest's side of ../machine.py: starts programs, returns their output, and transfers files.
 
-Commands come as lines of JSON through a virtio-serial port, and so do the answers. sistap is a fork of this process,
-which has it loaded: to load it takes seconds on an emulated processor.
+Commands and answers are lines of JSON through a virtio-serial port. sistap runs as a fork of this process, which has
+imported it: importing takes seconds on an emulated processor.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Message = dict[str, Any]
 
 
 class Agent:
-    """Serves the commands of the host, one after the other; programs run beside."""
+    """Executes the commands of the host one after the other; programs run in parallel."""
 
     def __init__(self, port: int) -> None:
         """Serve at a descriptor."""
@@ -40,11 +40,12 @@ class Agent:
         self._rest = b""
         self._selector = selectors.DefaultSelector()
         self._selector.register(port, selectors.EVENT_READ)
-        self._programs: dict[int, tuple[int, int, int]] = {}  # by number of the command: process, its output, its input
+        # keyed by the number of the command: process, its output, its input
+        self._programs: dict[int, tuple[int, int, int]] = {}
         self._tell({"id": 0})
 
     def serve(self) -> NoReturn:
-        """Serve for ever."""
+        """Serve endlessly."""
         while True:
             for key, _ in self._selector.select(0.02):
                 if key.fd == self._port:
@@ -55,7 +56,7 @@ class Agent:
 
     def _take(self) -> None:
         data = os.read(self._port, 1 << 16)
-        if not data:  # nobody is at the other end
+        if not data:  # the other end is not connected
             time.sleep(0.02)
         *lines, self._rest = (self._rest + data).split(b"\n")
         for line in lines:
@@ -91,26 +92,26 @@ class Agent:
         return {"code": 0}
 
     def do_signal(self, message: Message) -> Message:
-        """Send a program a signal."""
+        """Send a signal to a program."""
         if message["to"] in self._programs:
             os.kill(self._programs[message["to"]][0], message["signal"])
         return {"code": 0}
 
     def do_read(self, message: Message) -> Message:
-        """Hand a file over."""
+        """Return a file."""
         return {"code": 0, "data": base64.b64encode(Path(message["path"]).read_bytes()).decode()}
 
     def do_write(self, message: Message) -> Message:
-        """Write a file, of sysfs perhaps."""
+        """Write a file, also of sysfs."""
         Path(message["path"]).write_text(message["text"])
         return {"code": 0}
 
     def do_find(self, message: Message) -> Message:
-        """List what there is by a pattern."""
+        """Return the files that match a pattern."""
         return {"code": 0, "found": sorted(map(str, Path("/").glob(message["pattern"].lstrip("/"))))}
 
     def do_clock(self, _: Message) -> Message:
-        """Say what time it is here, in ns."""
+        """Return the time of the guest, in ns."""
         return {"code": 0, "ns": time.time_ns()}
 
     def _pass_on(self, number: int, output: int) -> None:
@@ -137,7 +138,7 @@ class Agent:
 
 
 def _become(command: list[str], user: int, groups: list[int]) -> NoReturn:
-    """Go on as a program and a user."""
+    """Turn this fork into a program of a user."""
     code = 1
     try:
         os.setgroups(groups)

@@ -40,21 +40,21 @@ SUBMITTED, UNLINKED = 3, 4
 
 
 class Chip:
-    """The adapter; a coroutine for each of its ends."""
+    """The adapter, with a coroutine for each of its ends."""
 
     def __init__(self, number: int) -> None:
-        """Be the first (0) or the second."""
+        """Create the first (0) or the second adapter."""
         self._strings = ["", "FTDI", "FT232R USB UART", SERIALS[number]]
         self._latency_s = 0.016
         self._received: deque[tuple[int, int, bool]] = deque()  # characters, errors, and whether they were played
-        self._asked: deque[int] = deque()  # numbers of its requests for them
+        self._asked: deque[int] = deque()  # numbers of the computer's requests for characters
         self._something = asyncio.Event()
         self._loop = self._idle = False
         self._played = 0
         self._to_computer: asyncio.StreamWriter | None = None
 
     async def run(self, number: int) -> None:
-        """Plug it in, and work until the computer lets it go."""
+        """Plug it in, and work until the computer releases it."""
         ours, theirs = socket.socketpair()
         from_computer, self._to_computer = await asyncio.open_connection(sock=ours)
         ATTACH.write_text(f"{number} {theirs.fileno()} {0x10002 + number} {FULL_SPEED}")
@@ -117,7 +117,7 @@ class Chip:
             self._something.set()
 
     async def _pour(self) -> None:
-        """Give the computer what came, a packet at a time; the timer starts anew with each."""
+        """Send the computer what came, a packet at a time; the timer restarts with each."""
         now = asyncio.get_running_loop().time
         last = now()
         while True:
@@ -168,7 +168,7 @@ def _tell(message: dict[str, object]) -> None:
 
 
 def main(number: str) -> int:
-    """Be an adapter until it is unplugged or this ends."""
+    """Run an adapter until it is unplugged or this ends."""
     os.environ.pop("PYTHONASYNCIODEBUG", None)
     asyncio.run(Chip(int(number)).run(int(number)))
     return 0

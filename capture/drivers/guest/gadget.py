@@ -15,7 +15,7 @@ import tty
 
 
 def main(port: str) -> int:
-    """Be it until this ends."""
+    """Run the other end until this ends."""
     terminal = os.open(port, os.O_RDWR | os.O_NOCTTY)
     tty.setraw(terminal)
     loop, played, rest = False, 0, b""

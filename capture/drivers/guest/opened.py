@@ -15,7 +15,7 @@ from sistap.line.settings import LineSettings
 
 
 def main(port: str) -> int:
-    """Do what the input says."""
+    """Execute the input."""
     reader: Reader | None = None
     print("{}", flush=True)
     for line in sys.stdin:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is set at a port and its driver, so that it can be compared: prints a JSON object.
+"""Prints the settings of a port and its driver as a JSON object, for a comparison.
 
-All of it is from sysfs. To open a port that is open, without waiting for a carrier, raises DTR and RTS once more.
+All of it comes from sysfs. Opening an open port, without waiting for a carrier, would raise DTR and RTS again.
 """
 
 from __future__ import annotations

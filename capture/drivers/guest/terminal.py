@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Opens a port as any terminal program does, and talks: sends each line of the input, which is hexadecimal.
+"""Opens a port as any terminal program does, and sends each line of its input, which is hexadecimal.
 
 Prints {} when the port is open, and {"received": hex} for what comes.
 """
@@ -15,7 +15,7 @@ import serial
 
 
 def main(port: str, baud: str, text: str) -> int:
-    """Talk until the input ends."""
+    """Send until the input ends."""
     device = serial.Serial(port, int(baud), int(text[0]), text[1], float(text[2:]))
     print("{}", flush=True)
     while True:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes what the .deb has and the sources have not: manual pages, changelogs, completion, and what starts sistap.
+"""Makes the parts of the .deb that the sources lack: manual pages, changelogs, completion, and the launchers.
 
-usage: make.py ROOT EXTCAP VERSION MAINTAINER; capture/ has to be on PYTHONPATH, and help2man (Debian) on PATH.
+usage: make.py ROOT EXTCAP VERSION MAINTAINER; capture/ must be on PYTHONPATH, and help2man (Debian) on PATH.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _files(extcap: str, version: str, maintainer: str) -> Iterator[tuple[str, by
     )
     yield "usr/share/doc/sistap/changelog.Debian.gz", _packed(entry.encode())
     yield "usr/share/doc/sistap/changelog.gz", _packed((HOUSE / "CHANGELOG.md").read_bytes())
-    os.environ["COLUMNS"] = "1000"  # argparse breaks no line: a reader of manual pages does
+    os.environ["COLUMNS"] = "1000"  # keep argparse from breaking lines: the reader of manual pages does that
     commands = next(action for action in whole._actions if isinstance(action, argparse._SubParsersAction)).choices
     pages = {"sistap": ("a passive tap for the SIS serial protocol of Rexroth and Indramat drives", whole)}
     pages |= {f"sistap-{name}": (cli.COMMANDS[name][1], command) for name, command in commands.items()}
@@ -73,9 +73,9 @@ def _files(extcap: str, version: str, maintainer: str) -> Iterator[tuple[str, by
 
 
 def _page(name: str, text: str, said: str, others: set[str]) -> bytes:
-    """Make a manual page of what --help says."""
+    """Return a manual page made from the output of --help."""
     with tempfile.TemporaryDirectory() as folder:
-        program = Path(folder, name)  # help2man takes names from what it runs
+        program = Path(folder, name)  # help2man takes the name from the program that it runs
         Path(folder, "help").write_text(_as_help2man_reads(said))
         Path(folder, "more").write_text(f"[see also]\n{_see_also(others)}\n")
         program.write_text(f'#!/bin/sh\ncat "{folder}/help"\n')
@@ -92,7 +92,7 @@ def _see_also(others: set[str]) -> str:
 
 
 def _as_help2man_reads(said: str) -> str:
-    """Return what argparse says with its headings as help2man knows them."""
+    """Convert argparse's headings to those that help2man knows."""
     said = re.sub(r"^usage: ", "Usage: ", said)
     said = said.replace("positional arguments:\n  COMMAND\n", "commands:\n").replace(
         "positional arguments:", "arguments:"

@@ -22,12 +22,12 @@ class Parameter(NamedTuple):
 
 
 class Access(NamedTuple):
-    """A reading or a writing that was answered. What is not known is None, texts are empty."""
+    """A read or write that was answered. Unknown values are None, missing texts are empty."""
 
     parameter: Parameter
     is_write: bool
-    master: int  # who has asked
-    error: str  # why it was refused; empty: it was not
+    master: int  # the station that asked
+    error: str  # why it was refused; empty if it was not
     value: str  # as the dissector shows it
     number: float | None  # of the value
     data: str | None  # all bytes, in hexadecimal
@@ -38,9 +38,9 @@ class Access(NamedTuple):
 
 
 def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
-    """Yield what a packet's row says was read and written: in a list of services, or over TCP, several."""
+    """Yield the accesses in the row of a packet. A list of services, or TCP, may have several."""
     for text in filter(None, columns.get(FIELD, "").split(JOINT)):
-        # tshark escapes what it prints once more
+        # tshark escapes its output once more
         said = json.loads(text.replace("\\\\", "\\"))
         port = columns.get("frame.interface_name", "")
         yield Access(

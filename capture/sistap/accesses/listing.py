@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The list of parameters: how often each was read and written, its values, and which writings have changed it.
+"""The list of parameters: how often each was read and written, its values, and the writes that changed it.
 
 It counts as the dissector's own statistics does (`tshark -z sis,parameters`), over several captures.
 """
@@ -18,7 +18,7 @@ MOST = 10_000  # parameters in the list
 
 
 class Place(NamedTuple):
-    """Where something stands."""
+    """A packet of a capture."""
 
     file: str
     packet: int
@@ -26,16 +26,16 @@ class Place(NamedTuple):
 
 
 class Change(NamedTuple):
-    """A writing that was accepted and has changed something, or may have."""
+    """An accepted write that changed something, or may have."""
 
     place: Place
     access: Access
-    before: str | None  # the value that was known, from a reading or a writing; None: unknown
+    before: str | None  # the value known from a read or a write; None: unknown
 
 
 @dataclass
 class Listed:
-    """What is known of a parameter."""
+    """What is known about a parameter."""
 
     parameter: Parameter
     name: str = ""
@@ -44,18 +44,18 @@ class Listed:
     maximum: str = ""
     reads: int = 0
     writes: int = 0
-    errors: int = 0  # readings and writings that were refused
+    errors: int = 0  # refused reads and writes
     first: str = ""
     last: str = ""
     least: Access | None = None
     greatest: Access | None = None
-    written_by: int | None = None  # the last time
+    written_by: int | None = None  # the station that wrote it last
     written_in: Place | None = None
-    value: str | None = None  # that it has now; None: not known
+    value: str | None = None  # its present value; None: unknown
     digest: bytes = b""  # of that value's bytes
 
     def add(self, place: Place, access: Access) -> Change | None:
-        """Count an access; return the change that it was."""
+        """Count an access; return the change that it made."""
         self.name = access.name or self.name
         self.unit = access.unit or self.unit
         self.minimum = access.minimum or self.minimum
@@ -84,7 +84,7 @@ class Listed:
             self.greatest = access
 
     def _follow(self, place: Place, access: Access) -> Change | None:
-        """Remember the value that the parameter has now. Bytes are compared: a text may be cut."""
+        """Remember the present value of the parameter. Bytes are compared: a text may be cut off."""
         before, digest_before = self.value, self.digest
         if access.data is not None:
             self.value, self.digest = access.value, hashlib.blake2b(access.data.encode(), digest_size=16).digest()
@@ -98,12 +98,11 @@ class Listing:
     """All parameters, in bounded memory."""
 
     def __init__(self) -> None:
-        """Start with none."""
         self._listed: dict[Parameter, Listed] = {}
-        self.left_out = 0  # accesses to parameters for which there was no more room
+        self.left_out = 0  # accesses to parameters that did not fit
 
     def add(self, place: Place, access: Access) -> Change | None:
-        """Count an access; return the change that it was."""
+        """Count an access; return the change that it made."""
         listed = self._listed.get(access.parameter)
         if listed is None:
             if len(self._listed) == MOST:
@@ -117,12 +116,11 @@ class Listing:
         yield from sorted(self._listed.values(), key=lambda listed: _order(listed.parameter))
 
     def __len__(self) -> int:
-        """Count the parameters."""
         return len(self._listed)
 
     @property
     def errors(self) -> int:
-        """Count what was refused."""
+        """Return the number of refusals."""
         return sum(listed.errors for listed in self._listed.values())
 
 

@@ -2,6 +2,6 @@
 """Logs of other programs, explained.
 
 Where a log comes from (sources, textlog), what a line holds (reading, with stamps, hexadecimal, marks, pattern), its
-telegrams (cutting), what tshark says of them (explaining, meanings), and the log again (weaving, page). A capture as
-such a log (log). It may use all rooms but the other products.
+telegrams (cutting), what tshark says about them (explaining, meanings), and the log again (weaving, page). A capture as
+a log of this kind (log). It may use all rooms but the other products.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Leads a log from its lines to its explanation: a file by way of a spool and a capture, a pipe as it comes."""
+"""Turns the lines of a log into its explanation: a file by way of a spool and a capture, a pipe as it comes."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from sistap.records.record import Type
 LONGEST_LINE = 1_000_000  # characters; each takes 350 bytes of memory while they are read
 
 Batches = Iterable[list[LogLine]]  # lines that came together; an empty one: nothing came for a moment
-Trouble = Callable[[int, str], None]  # told the number of a line, and why it cannot be read
+Trouble = Callable[[int, str], None]  # called with the number of a line and the reason why it cannot be read
 
 
 class Found(NamedTuple):
-    """What a line holds, and what is complete by it."""
+    """What a line holds, and the telegrams that it completes."""
 
     pieces: list[Piece]
     cuts: list[Cut]
@@ -39,7 +39,7 @@ class Passage:
     """The reading of a log, from its first line to its last."""
 
     def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None, framing: Framing = SIS) -> None:
-        """Read with this reader; `trouble` is told of lines that cannot be read; `framing` says what a frame is."""
+        """Read with this reader; call `trouble` for lines that cannot be read; `framing` says what a frame is."""
         self._reader = reader
         self._trouble = trouble
         self._cutter = Cutter(framing)
@@ -110,7 +110,7 @@ def weave_recorded(batches: Iterable[list[Entry]], sayer: Sayer, weaver: Weaver,
 def weave(
     batches: Batches, passage: Passage, explainer: Explainer, weaver: Weaver, flush: Callable[[], object]
 ) -> None:
-    """Write a log with its explanations while it comes. May raise TsharkError."""
+    """Write a log with its explanations live. May raise TsharkError."""
     for batch in batches:
         cuts: list[Cut] = []
         for line in batch:
@@ -126,7 +126,7 @@ def weave(
 
 
 def _explain(cuts: list[Cut], explainer: Explainer, weaver: Weaver) -> None:
-    """Ask for all before the first answer is waited for."""
+    """Send all records of a batch before waiting for the first answer."""
     for cut in cuts:
         explainer.put(cut.record)
     for cut in cuts:

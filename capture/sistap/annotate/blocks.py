@@ -11,7 +11,7 @@ from sistap.files import pcapng, writer
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, Record, event
 
-# The number of an interface is that of its line; an exchange is looked for on one, or on the pair of directions.
+# The number of an interface is that of its line. An exchange stays on one line, or on the pair of directions.
 _INTERFACES = {SHARED: "log", RECEIVED: "log, received", SENT: "log, sent"}
 
 
@@ -24,7 +24,7 @@ class Blocks:
         self._begun = False
 
     def packet(self, record: Record) -> bytes:
-        """Return the block of a record; before the first, those that begin a file."""
+        """Return the block of a record, preceded by the blocks that begin a file if it is the first."""
         block = _packet(record)
         if self._begun:
             return block

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap annotate`: the command line."""
+"""The command `sistap annotate`: its options, and how it runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
-from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.files.output import FORCE, Output, OutputError, OutputRefused, ReaderGone
 from sistap.records.cut import HELP, SIS, WORDS, framing
 from sistap.terminal import temporary
 from sistap.terminal.console import Console
@@ -29,31 +29,32 @@ from sistap.terminal.writing import Incomplete, NotOpened, opened
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Explain a log. Any text with the bytes of SIS telegrams in it becomes the same text with a line under each telegram that
-says what it is. Wireshark's dissector explains, through tshark, which has to be installed with the plugin or sis.lua.
+Explain a log. The input is any text with the bytes of SIS telegrams. The output is the same text with an explanation
+below each telegram. The explanations come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 
-Bytes are found as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225", with offsets, with a column
-of characters, telegrams split over lines or several on one. Time stamps and marks of the direction are read where they
-are. What is no telegram stays as it is: without the lines that begin with "^--" the output is the input, byte for byte.
+sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225". Lines may have offsets
+and a column of characters. A telegram may span several lines, and a line may hold several telegrams. Time stamps and
+direction marks are used if present. All other text stays as it is: without the lines that begin with "^--", the output
+is the input, byte for byte.
 """
 
 EPILOG = """\
-A FILE is explained when all of it has been read, so that a command without a reaction is known; what is written to it
-later is not in the output. A pipe (-) is explained while it is written, each telegram as soon as it is complete.
+A FILE is read to its end before it is explained, so that a command without a reaction is known. Lines added
+later are not in the output. A pipe (-) is explained live, each telegram as soon as it is complete.
 
 examples:
   sistap annotate docklight.txt                    the log and its explanation
   sistap annotate --format html docklight.txt -o log.html
-                                                   as a page: what a byte means is under the pointer
+                                                   as a page: point at a byte to see its meaning
   sistap annotate docklight.txt -w log.pcapng      as a capture, for Wireshark and `sistap report`
-  tail -f trace.log | sistap annotate -            while it is written
+  tail -f trace.log | sistap annotate -            live, while another program writes the log
   sistap annotate --regex '(?<time>[^;]*);(?<dir>[^;]*);(?<data>.*)' plc.csv
-                                                   a form that is not found by itself
+                                                   a layout that sistap does not recognise itself
 
 exit status:
-  0  done; also stopped by Ctrl-C, and with lines that could not be read: they are named on standard error
+  0  done; also when stopped by Ctrl-C; standard error names lines that could not be read
   1  failed while running: tshark or the plugin is missing, disk full
-  2  wrong usage, a LOG that cannot be read or has no bytes in it, a FILE that cannot be written
+  2  wrong usage, a LOG that cannot be read or has no bytes, or a FILE that cannot be written
 """
 
 
@@ -66,7 +67,7 @@ def _reader(pattern: str) -> Callable[[], LogReader]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument("log", metavar="LOG", help="a text file, or - for standard input")
@@ -75,6 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "-w", dest="capture", metavar="FILE", help="write a capture (pcapng) instead; - is standard output"
     )
+    parser.add_argument("--force", action="store_true", help=FORCE)
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument(
         "--regex",
@@ -82,8 +84,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="REGEX",
         type=_reader,
         default=AnyReader,
-        help="where bytes are in a line, with the named groups of text2pcap: (?<data>...) hexadecimal, and if there "
-        "are any (?<time>...) and (?<dir>...); lines that do not match have none",
+        help="how to find the bytes in a line, with the named groups of text2pcap: (?<data>...) in hexadecimal, and "
+        "optional (?<time>...) and (?<dir>...); other lines are skipped",
     )
     parser.add_argument("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
 
@@ -124,7 +126,7 @@ def _is_same(path: str, log: str) -> bool:
 
 
 def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
-    """Say so if there was nothing to explain."""
+    """Report it if there was nothing to explain."""
     log = _name(args)
     if not passage.bytes:
         console.say(f"{log} has no bytes in hexadecimal; log in hexadecimal, or say with --regex where they are")
@@ -150,14 +152,14 @@ def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable
 
 
 def _batches(args: argparse.Namespace, console: Console) -> annotating.Batches:
-    """Read the log, once: it may grow meanwhile."""
+    """Read the log once only: it may grow meanwhile."""
     return sources.from_pipe(args.log) if _is_pipe(args) else sources.from_file(args.log, _progress(console, "read"))
 
 
 def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> None:
     """Write the capture."""
     batches = _batches(args, console)
-    output = Output(args.capture)
+    output = Output(args.capture, force=args.force)
     try:
         output.begin()
         annotating.record(batches, passage, _name(args), output.write)
@@ -168,7 +170,7 @@ def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> No
 def _explain(args: argparse.Namespace, passage: Passage, console: Console) -> None:
     """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
 
-    A page has what only a later telegram tells, so it waits for the end of a pipe.
+    A page also shows what only a later telegram tells, so it waits for the end of a pipe.
     """
     with ExitStack() as stack:
         tshark = stack.enter_context(Tshark())
@@ -191,6 +193,6 @@ def _explain_whole(args: argparse.Namespace, passage: Passage, console: Console,
         weaver: Weaver = TextWeaver(file.write)
         if args.format == "html":
             weaver = PageWeaver(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))
-        # On a terminal that shows the log itself, it would stand in between.
+        # Not on a terminal that shows the log itself: it would stand in between.
         batches = spool.batches(_progress(console, "explained", is_shown=not file.isatty()))
         annotating.weave_recorded(batches, sayer, weaver, file.flush)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Telegrams out of the bytes of a log, by the framer of a capture, and where in the log they stand.
+"""Cuts the bytes of a log into telegrams with the framer of a capture, and remembers where in the log they stand.
 
-How exact the times are is what the log allows to say: a stamp goes on in steps, and nothing tells whether it is that of
-the first or the last character of a line. So the uncertainty is a step and the time that the longest line took at the
-slowest rate.
+The log limits how exact the times are. Its stamps advance in steps, and nothing tells whether a stamp belongs to the
+first or the last character of a line. So the uncertainty is one step plus the time of the longest line at the slowest
+rate.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from sistap.records.cut import Cut as Framing
 from sistap.records.record import Record
 from sistap.sis.rates import RATES
 
-_SETTINGS = LineSettings(baud=0)  # nobody has written it down
+_SETTINGS = LineSettings(baud=0)  # a log does not state the settings
 _SLOWEST_CHARACTER_NS = LineSettings(min(RATES)).character_ns
-_NEW_TIME_NS = 1_000_000_000  # a clock that goes back by more begins anew
+_NEW_TIME_NS = 1_000_000_000  # a clock that goes back by more than this starts again
 
 
 class Part(NamedTuple):
-    """Bytes of a piece: from `first` up to, not including, `end`."""
+    """Bytes of a piece, from `first` up to but not including `end`."""
 
     piece: Piece
     first: int
@@ -33,15 +33,14 @@ class Part(NamedTuple):
 
     @property
     def data(self) -> bytes:
-        """The bytes."""
+        """Return the bytes."""
         return self.piece.run.data[self.first : self.end]
 
 
 class Pieces:
-    """The pieces of one direction of which no record has been made, in their order."""
+    """The pieces of one direction that are not in a record yet, in order."""
 
     def __init__(self) -> None:
-        """Begin without any."""
         self._parts: deque[Part] = deque()
 
     def add(self, piece: Piece) -> None:
@@ -49,7 +48,7 @@ class Pieces:
         self._parts.append(Part(piece, 0, len(piece.run.data)))
 
     def take(self, count: int) -> list[Part]:
-        """Return where the next bytes stand, and forget them."""
+        """Remove the next bytes and return where they stand."""
         parts = []
         while count:
             piece, first, end = self._parts.popleft()
@@ -62,7 +61,7 @@ class Pieces:
 
 
 class Cut(NamedTuple):
-    """A record, and the bytes of the log of which it is made."""
+    """A record, and the bytes of the log that it is made of."""
 
     record: Record
     parts: list[Part]
@@ -95,7 +94,7 @@ class _Stream:
 
 
 class Cutter:
-    """Makes records of pieces. Each direction is cut by itself: no telegram goes in both."""
+    """Makes records of pieces. Each direction is cut by itself: a telegram goes one way only."""
 
     def __init__(self, framing: Framing = SIS) -> None:
         """Nothing has come yet; `framing` says what a frame is."""
@@ -104,7 +103,7 @@ class Cutter:
         self._longest = 0
 
     def feed(self, piece: Piece) -> list[Cut]:
-        """Take what a line has; give what is complete by it, also after a second without a character."""
+        """Take what a line has; return what it completes. A second without a character completes a record, too."""
         self._longest = max(self._longest, len(piece.run.data))
         cuts = self._silent(piece)
         stream = self._streams.setdefault(piece.direction, _Stream(piece.direction, self._framing))
@@ -120,7 +119,7 @@ class Cutter:
         return min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
 
     def _silent(self, piece: Piece) -> list[Cut]:
-        """Return what no longer waits for its rest, in both directions; the time can also have been set back."""
+        """Return what no longer waits for its rest, in both directions. The time can also have been set back."""
         cuts = []
         if piece.stamp:
             for direction, stream in list(self._streams.items()):

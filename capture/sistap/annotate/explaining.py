@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tshark says of each record of a log.
+"""What tshark says about each record of a log.
 
-A log that is there as a whole is dissected in two passes, which know what only a later telegram tells; one that is
-still being written goes through one running tshark, record by record.
+A complete log is dissected in two passes. These know what only a later telegram tells. A log that is still being
+written goes through one running tshark, record by record.
 """
 
 from __future__ import annotations
@@ -18,34 +18,33 @@ from sistap.explain.running import Running as Process
 from sistap.records.record import Record
 from sistap.wireshark.tshark import Tshark, TsharkError
 
-_ANSWER_S = 30  # so long, at most, does a running tshark take
+_ANSWER_S = 30  # longest time that a running tshark takes for an answer
 
 
 class Sayer(Protocol):
-    """Says of records what they are, in their order."""
+    """Explains records, in their order."""
 
     def get(self) -> Said:
-        """Return what is said of the next record. May raise TsharkError."""
+        """Return the explanation of the next record. May raise TsharkError."""
 
 
 class Explainer(Sayer, Protocol):
-    """A sayer that has to be told the records first."""
+    """A sayer that first has to receive the records."""
 
     def put(self, record: Record) -> None:
         """Take the next record."""
 
 
 class WholeCapture:
-    """Explains the records of a capture file that is complete, its event left out."""
+    """Explains the records of a complete capture file, without its event."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Start reading it."""
         self._fields = Fields(tshark)
         self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
         next(self._lines, None)
 
     def get(self) -> Said:
-        """Return what is said of the next record."""
+        """Return the explanation of the next record."""
         try:
             return self._fields.said(next(self._lines))
         except StopIteration:
@@ -56,7 +55,6 @@ class Running:
     """Explains records as they come, in one pass. Use it in a `with`."""
 
     def __init__(self, tshark: Tshark, log: str) -> None:
-        """Start tshark."""
         self._fields = Fields(tshark)
         self._blocks = Blocks(log)
         self._process = Process(tshark, self._fields.arguments)
@@ -67,10 +65,10 @@ class Running:
         self._process.put(self._blocks.packet(record))
 
     def get(self) -> Said:
-        """Wait for what it says of the next record."""
+        """Wait for the explanation of the next record."""
         if self._first:
             self._first = False
-            self._answer()  # the event
+            self._answer()  # skip the answer to the event
         return self._fields.said(self._answer())
 
     def _answer(self) -> str:
@@ -85,13 +83,11 @@ class Running:
         return line
 
     def __enter__(self) -> Running:
-        """Nothing more to do."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """End tshark."""
         if kind is not None:
             self._process.kill()
         self._process.end()

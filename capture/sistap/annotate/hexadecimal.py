@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bytes in the text of a log: hex digits in all the ways in which programs write them, decimal numbers, literals."""
+"""Finds bytes in the text of a log: hexadecimal digits in all usual forms, decimal numbers, literals."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ _GROUP = r"(?:[0-9A-Fa-f]{2}){2,}"
 _NUMBER = r"(?:1\d\d|2[0-4]\d|25[0-5]|[1-9]\d|\d)"
 _BETWEEN_NUMBERS = r"(?:\s*[,;]\s*|\s+)"
 _ABOVE_99 = r"(?=\d)(?=[\d\s,;]*\b[12]\d\d\b)"
-# In languages that print what is text as such: b'\x02l\x00', "\2l\0". Without an escape only where a b says what it is.
+# Literals of languages that print text as such: b'\x02l\x00', "\2l\0". Without an escape only with a b in front.
 _ESCAPE = r"\\(?:x[0-9A-Fa-f]{2}|[0-3]?[0-7]{1,2}|[abfnrtv\\'\"])"
-# 2, 225, 5, 5: among pairs of digits one number has to be above 99, until a log has such a line.
+# Decimal, as in 2, 225, 5, 5. It looks like pairs of digits, so one number must be above 99 until a log has such a
+# line.
 _NUMBERS = rf"(?P<numbers>{_ABOVE_99}{_NUMBER}(?:{_BETWEEN_NUMBERS}{_NUMBER}){{7,}})(?!{_BETWEEN_NUMBERS}\d)"
 _FORMS = (
     *(
@@ -46,12 +47,12 @@ _BYTE = {
 _STYLE = re.compile(rf"({_PREFIX}?)[0-9A-Fa-f]{{1,2}}([hH]?)")
 _PLAIN = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
 
-# As most programs write it: pairs up to the end of the line, and in front nothing that could be bytes.
+# The usual form: pairs up to the end of the line, with nothing in front that could be bytes.
 _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
 
 BITS = re.compile(r"[01]{8}(?:\s+[01]{8})+")
 
-# Fewer bytes than these, among other words, may be words and numbers themselves.
+# Fewer bytes than this, among other words, may be words and numbers themselves.
 _ENOUGH = {"single": 1, "double": 1, "numbers": 8, "decimal": 4, "escaped": 1, "groups": 8, "pairs": 4}
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
@@ -59,7 +60,7 @@ _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
 
 
 class Run(NamedTuple):
-    """Bytes that are written in one go, and the place of this text in its line."""
+    """A run of bytes in the text, and its place in the line."""
 
     start: int
     end: int
@@ -68,26 +69,26 @@ class Run(NamedTuple):
     data: bytes
 
     def spans(self) -> list[tuple[int, int]]:
-        """Say where in the line each byte is written."""
+        """Return where in the line each byte is written."""
         return [
             (self.start + match.start(), self.start + match.end()) for match in _BYTE[self.form].finditer(self.text)
         ]
 
     @property
     def certain(self) -> bool:
-        """Whether this can hardly be anything but bytes, whatever stands beside it."""
+        """Tell whether this is almost certainly bytes, whatever stands beside it."""
         return len(self.data) >= _ENOUGH[self.form]
 
     @property
     def style(self) -> tuple[str, ...]:
-        """How they are written: what is in one line, and data, is written in one way."""
+        """Return how the bytes are written: all in one group or not, prefix, separator."""
         match = _STYLE.match(self.text) if self.form == "pairs" else None
         return (self.form, *(match.groups() if match else ()))
 
     def is_possible(self, form: str) -> bool:
-        """Tell whether it can be bytes where nothing stands beside it, in a log that has bytes of such a form.
+        """Tell whether it can be bytes if nothing stands beside it, in a log that has bytes of this form.
 
-        A digit alone, or three decimal ones, may count something.
+        A single digit, or three decimal ones, may be a counter.
         """
         if self.form in ("decimal", "numbers"):
             return form == self.form
@@ -95,12 +96,12 @@ class Run(NamedTuple):
 
 
 def runs(text: str, style: tuple[str, ...] = ()) -> list[Run]:
-    """Find all that can be bytes; without the column in which a dump shows them as characters, and what follows it.
+    """Find all that can be bytes, without the text column of a dump and what follows it.
 
-    `style` is that of the bytes before: where they were decimal numbers, all are.
+    `style` is that of the bytes before: if they were decimal numbers, all are.
     """
     is_decimal = style == ("numbers",)
-    if not is_decimal and (match := _NOTHING_ELSE.fullmatch(text)):  # the rest would find the same, and takes longer
+    if not is_decimal and (match := _NOTHING_ELSE.fullmatch(text)):  # the rest would find the same, more slowly
         return [Run(match.start(1), match.end(1), "pairs", match[1], bytes.fromhex(match[1]))]
     return _runs(text, _DECIMAL_RUN if is_decimal else _RUN)
 
@@ -124,7 +125,7 @@ def _runs(text: str, pattern: re.Pattern[str]) -> list[Run]:
 
 
 def parse(text: str, start: int = 0) -> Run:
-    """Read what is said to be bytes; `start` is its place in the line. ValueError says why it cannot be."""
+    """Parse text that is known to be bytes; `start` is its place in the line. ValueError says why that fails."""
     match = _RUN.fullmatch(text)
     run = _run(match) if match else None
     if run and (run.certain or run.form != "decimal"):
@@ -162,7 +163,7 @@ def _run(match: re.Match[str]) -> Run | None:
 
 
 def _character(unit: str) -> int:
-    """Return the byte that is written so in a literal."""
+    """Return the byte that a literal writes like this."""
     if len(unit) == 1:
         return ord(unit)
     if unit[1] == "x":
@@ -171,10 +172,10 @@ def _character(unit: str) -> int:
 
 
 def _own(text: str) -> tuple[int, int]:
-    """Say where pairs begin and end without a number in front of them or behind, which counts lines or bytes.
+    """Return where the pairs begin and end without a number at either side that counts lines or bytes.
 
-    It is written with fewer digits than they are, or set apart: in front by something else than spaces, behind it also
-    has to be their number.
+    Such a number has fewer digits than the bytes, or another separator. At the end of a line it must also equal their
+    count.
     """
     items = list(_BYTE["pairs"].finditer(text))
     if len(items) < _ENOUGH["pairs"] + 1:
@@ -190,11 +191,11 @@ def _own(text: str) -> tuple[int, int]:
 
 
 def _before_column(text: str, length: int, run: Run) -> int | None:
-    """Say where the bytes end if what follows, or the end of the run, is the same bytes as characters."""
+    """Return where the bytes end if the text behind them, or the end of the run, shows the same bytes as characters."""
     if run.form not in ("pairs", "groups") or len(run.data) > _WIDEST:
         return None
     spans = None
-    # It is no wider than there are bytes, and ends the line.
+    # The column is no wider than the number of bytes, and ends the line.
     for gap in _COLUMN.finditer(text, max(run.start, length - len(run.data) - _BORDERS)):
         column = text[gap.end() :].rstrip().rstrip("|'\"*").rstrip()
         if not column or len(column) > len(run.data):

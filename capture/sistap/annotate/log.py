@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap log`: a capture as a log, to be read without Wireshark or sent by mail.
+"""The command `sistap log`: a capture as a log, to read without Wireshark or to send by mail.
 
-It is what annotate makes of the log of another program: a line with time, direction and bytes, under it what they are.
+It looks like the output of annotate: a line with time, direction and bytes, and its explanation below.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Write a capture of sistap as a log: a line for each telegram, with its time, its direction and its bytes, and under it
-what it is. `sistap annotate` reads such a log back to the same telegrams at the same times. Wireshark's dissector
-explains, through tshark, which has to be installed with the plugin or sis.lua.
+Write a capture as a log: one line for each telegram with its time, its direction and its bytes, and its explanation
+below. `sistap annotate` reads such a log and finds the same telegrams at the same times. The explanations come from
+Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
-Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; on a shared bus there are none.
-Line errors and the times inside a telegram do not fit into a log: keep the capture, too.
+Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; a shared bus has none. A log
+has no line errors and no times inside a telegram, so keep the capture as well.
 
 examples:
-  sistap log day.pcapng                  on standard output
-  sistap log day.pcapng -o day.txt       for a mail
+  sistap log day.pcapng                  to standard output
+  sistap log day.pcapng -o day.txt       to a file, for example for a mail
 
 exit status:
-  0  done; also of a capture that is cut, which is said on standard error
+  0  done; a message on standard error tells if the capture is cut off
   1  failed while running: tshark or the plugin is missing, disk full
-  2  wrong usage, a CAPTURE that cannot be read or has no records of sistap, a FILE that cannot be written
+  2  wrong usage, a CAPTURE that cannot be read or has no records of sistap, or a FILE that cannot be written
 """
 
 _TIME, _TYPE, _LINE, _CHARACTER = "frame.time_epoch", "sertap.type", "sertap.line", "sertap.character"
@@ -43,10 +43,10 @@ _NS = 1  # resolution of the times
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture of sistap")
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture that sistap wrote")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
 
 
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
-    """Write the log; give how many packets are in it, and how many are not."""
+    """Write the log; return how many packets are in it, and how many are not."""
     _check(args)
     written = left_out = 0
     with Tshark() as tshark, opened(args.output) as file:
@@ -89,7 +89,7 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterator[str]:
-    """Yield the lines of each packet; an empty text for one that is no record."""
+    """Yield the lines of each packet; an empty text for a packet that is not a record."""
     fields = Fields(tshark, (_TIME, _TYPE, _LINE, _CHARACTER))
     came = False
     try:
@@ -101,7 +101,7 @@ def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterato
 
 
 def _entry(columns: dict[str, str]) -> str:
-    """Return the line of a packet and its explanation; events are nothing but an explanation."""
+    """Return the line of a packet and its explanation. An event has only an explanation."""
     seconds, _, decimals = columns[_TIME].partition(".")
     stamp = entries.stamp(int(seconds), int(decimals.ljust(9, "0")))
     text = sentence(said(columns), _NS if stamp else None)

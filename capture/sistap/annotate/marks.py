@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Who sent: the marks by which programs tell the two directions of a line apart."""
+"""Finds who sent the bytes: the marks by which programs tell the two directions of a line apart."""
 
 from __future__ import annotations
 
@@ -20,17 +20,15 @@ _ARROWS = {SENT: "→ -> --> => ==> >> >>> >", RECEIVED: "← <- <-- <= <== << <
 _LINE_OF = {mark: line for table in (_WORDS, _ARROWS) for line, marks in table.items() for mark in marks.split()}
 _WORD = "|".join(sorted(" ".join(_WORDS.values()).split(), key=len, reverse=True))
 _ARROW = "|".join(re.escape(arrow) for arrow in sorted(" ".join(_ARROWS.values()).split(), key=len, reverse=True))
-MASK = (
-    "\u3164"  # stands where something was recognized: in no log, and part of a word, so that no bytes begin behind it
-)
+MASK = "\u3164"  # replaces recognised text. It is in no log, and it is part of a word, so no bytes begin behind it
 
-# A word may be joined to others, as in "IRP_MJ_READ", and have the number of a port behind it, as in "RX1"; an arrow is
-# no part of a bracket around the data.
+# A word may be joined to others, as in "IRP_MJ_READ", or be followed by a port number, as in "RX1". An arrow is not
+# part of a bracket around the data.
 _MARK = re.compile(
     rf"(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:({_WORD}))\d?(?![^\W_{MASK}])|(?<![<>=\"'/-])({_ARROW})(?=[\s\]:◇◆]|$))|(发|收)"
 )
 
-# Where two ports were tapped, their names are the marks.
+# If two ports were tapped, their names are the marks.
 PORT = re.compile(r"(?<![\w/])(?:/dev/[\w./-]+|(?i:COM)\d+|tty[A-Z]+\d+)(?![\w/])")
 
 
@@ -38,11 +36,10 @@ class Marks:
     """Finds the marks of one log. Ports are told apart by their order: the first is line 1, the second line 2."""
 
     def __init__(self) -> None:
-        """No port has been named."""
         self._ports: dict[str, int] = {}
 
     def find(self, text: str) -> tuple[int, int, int] | None:
-        """Find the last mark in a text: its line, and where it begins and ends."""
+        """Find the last mark in a text; return its line, and where it begins and ends."""
         if mark := _last_mark(text):
             return mark
         port = PORT.search(text)
@@ -52,7 +49,7 @@ class Marks:
         return None
 
 
-# What stands in front of the bytes of a log is the same few texts, once their stamps are masked.
+# The texts in front of the bytes of a log repeat, once their stamps are masked.
 @lru_cache(256)
 def _last_mark(text: str) -> tuple[int, int, int] | None:
     last = None
@@ -66,7 +63,9 @@ def _line(match: re.Match[str]) -> int:
 
 
 def joined(text: str) -> int | None:
-    """Find the first mark that is joined to others, as in "IRP_MJ_READ", which is so in any sentence."""
+    """Find the first mark that is joined to other words, as in "IRP_MJ_READ". Other text has such marks in any
+    sentence.
+    """
     for match in _MARK.finditer(text):
         if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
             return _line(match)
@@ -74,5 +73,5 @@ def joined(text: str) -> int | None:
 
 
 def direction(mark: str) -> int | None:
-    """Read a mark that stands alone, None if it is none: also the I and O, < and > of text2pcap."""
+    """Return the direction of a mark that stands alone; None if it is none. It may be I, O, < or > of text2pcap."""
     return _LINE_OF.get(mark.strip().strip("[]():").lower())

@@ -14,7 +14,7 @@ from sistap.wireshark.tshark import Tshark
 FRAME, CONTROL, SERVICE, ADDRESS = "frame", "control", "service", "address"
 STATUS, OBJECT, DATA = "status", "object", "data"
 
-_PROTOCOLS = ("sis", "3964r", "rk512i")  # in whose trees a byte has a meaning, from the outside in
+_PROTOCOLS = ("sis", "3964r", "rk512i")  # protocols that give a byte a meaning, from the outside in
 
 # Fields that are not listed are useful data.
 KINDS = {
@@ -68,7 +68,6 @@ class Meanings:
     """The meanings of the bytes of each record of a capture, in their order, its event left out."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Start reading it."""
         self._packets = _packets(tshark.lines(["-r", str(capture), "-2", "-T", "pdml", "-J", " ".join(_PROTOCOLS)]))
         next(self._packets, None)
 
@@ -98,14 +97,13 @@ def _packets(lines: Iterator[str]) -> Iterator[Element]:
 def _note(
     parent: Element, data: bytes, start: int, meanings: list[Meaning | None], above: tuple[str, ...] = ()
 ) -> None:
-    """Note the fields below one; those further down are more exact, and have what is above them in their text.
+    """Note the fields below one. Deeper fields are more exact, and their text includes the fields above.
 
-    A field counts where it holds the very bytes of the telegram: what was put together from pieces has its places in
-    the whole.
+    A field counts only if it holds the very bytes of the telegram. A reassembled whole has places of its own.
     """
     for field in parent.iterfind("field"):
         if field.get("unmaskedvalue") is not None:
-            continue  # bits: they are in the text of their field
+            continue  # bits: the text of their field has them
         first, size = int(field.get("pos", 0)) - start, int(field.get("size", 0))
         text = (*above, field.get("showname") or field.get("show") or "")
         if size and first >= 0 and field.get("value") == data[first : first + size].hex():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The log as one HTML page that needs nothing else: bytes marked by field, what each means under the pointer."""
+"""The log as one self-contained HTML page: bytes are marked by field; point at a byte to see its meaning."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, plac
 from sistap.explain.fields import Said
 from sistap.terminal.visible import visible
 
-# Colours that eyes without one kind of cone tell apart (Okabe and Ito); the stroke under the bytes tells them apart
-# without any colour. Text is the same ink on all of them.
+# Colours for colour-blind readers (Okabe and Ito). The stroke under the bytes distinguishes them without colour. The
+# text has the same ink on all colours.
 KINDS = {
     meanings.FRAME: ("start, checksum, lengths", "#7f8a95", "dotted"),
     meanings.CONTROL: ("telegram control, number", "#cc79a7", "dashed"),
@@ -29,7 +29,7 @@ KINDS = {
     meanings.DATA: ("useful data", "#56b4e9", "dotted"),
 }
 _OTHER = "other"
-# What a page cannot show: pictures of control characters.
+# Characters that a page cannot show become pictures of control characters.
 _CONTROLS = {code: 0x2400 + code for code in range(0x20) if code != ord("\t")} | {0x7F: 0x2421}
 _TINT = "33"  # of 255, over the paper
 
@@ -56,7 +56,6 @@ class PageWeaver:
     """Writes the page."""
 
     def __init__(self, write: Callable[[bytes], object], name: str, found: Meanings) -> None:
-        """Begin the page of a log."""
         self._write = write
         self._meanings = found
         self._waitings = Waitings()
@@ -64,11 +63,11 @@ class PageWeaver:
         self._write(_head(name).encode())
 
     def add(self, line: LogLine, count: int) -> None:
-        """Take the next line."""
+        """Add the next line."""
         self._waitings.add(line, count)
 
     def explain(self, parts: list[Part], said: Said) -> None:
-        """Mark the bytes in their lines, and put the explanation under the last."""
+        """Mark the bytes in their lines, and put the explanation below the last."""
         found = iter(self._meanings.get(b"".join(part.data for part in parts)))
         for piece, first, end in parts:
             spans = piece.spans[first:end]
@@ -81,7 +80,7 @@ class PageWeaver:
             waiting.explanations.append(place(parts, text))
 
     def release(self, *, everything: bool = False) -> None:
-        """Write the lines that wait for nothing more, or all."""
+        """Write the lines that wait for nothing more, or all lines."""
         for waiting in self._waitings.release(everything=everything):
             self._write(self._line(waiting).encode(errors="backslashreplace"))
 
@@ -110,7 +109,7 @@ class PageWeaver:
 
 
 def _plain(text: str) -> str:
-    """Show what is in a log so that none of it changes how the page shows the rest."""
+    """Escape text of the log so that it cannot change how the page shows the rest."""
     return visible(text.translate(_CONTROLS), keep="\t")
 
 

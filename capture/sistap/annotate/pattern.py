@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a line holds where its form is said by a regular expression, with the named groups that text2pcap has."""
+"""Finds what a line holds by a regular expression with the named groups of text2pcap."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ LONGEST_S = 2.0  # for a line
 
 
 class TooSlow(Exception):
-    """An expression that takes too long for a line; the text is the one line to show."""
+    """An expression takes too long for a line; the text is the line to show."""
 
 
 @contextmanager
 def _time_limit(line: LogLine) -> Iterator[None]:
-    """Raise TooSlow after LONGEST_S, where the system has timers: an expression can take years for a line."""
+    """Raise TooSlow after LONGEST_S, if the system has timers: an expression can take years for a line."""
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -45,7 +45,7 @@ class PatternReader:
     """Reads lines by a regular expression with the groups of text2pcap: data, time and dir."""
 
     def __init__(self, pattern: str) -> None:
-        """Compile it. ValueError says what is wrong with it."""
+        """Compile the expression. ValueError says what is wrong with it."""
         try:
             self._pattern = re.compile(re.sub(r"\(\?<(?=[A-Za-z_])", "(?P<", pattern))
         except re.error as error:
@@ -59,7 +59,7 @@ class PatternReader:
         self._state = State()
 
     def contents(self, line: LogLine) -> Contents:
-        """Find the bytes of a line, each time the expression matches. May raise TooSlow."""
+        """Find the bytes of a line at each match of the expression. May raise TooSlow."""
         pieces = []
         trouble = ""
         if not is_explanation(line.text):
@@ -77,7 +77,7 @@ class PatternReader:
         return Contents(pieces, trouble)
 
     def _set(self, groups: dict[str, str | None]) -> str:
-        """Take time and direction over; give what is wrong with them."""
+        """Take over time and direction; return what is wrong with them."""
         trouble = ""
         if time := groups.get("time"):
             stamps = self._timestamps.find(time)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a line of a log holds: bytes, and when and by whom they were sent.
+"""Finds what a line of a log holds: bytes, their time and their sender.
 
-No program is asked for by its name. Each line is taken apart in the same order: time stamps, the offset of a dump,
-bytes, the mark of a direction in front of them. What a line does not say holds on from the line before.
+The name of the program does not matter. Each line is taken apart in the same order: time stamps, the offset of a dump,
+bytes, the direction mark in front of them. What a line does not state is carried over from the line before.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from sistap.annotate.stamps import Stamp, Stamped, TimestampParser
 from sistap.annotate.textlog import LogLine
 from sistap.explain.fields import EXPLANATION
 
-# Lines that annotate or log has added, behind spaces, are never read.
+# Lines that annotate or log added, after spaces, are never read.
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
-# In front of the bytes of a dump: "0010:", "12)", or without a mark in steps of eight.
+# In front of the bytes of a dump: "0010:", "12)", or a number without a mark that advances in steps of eight.
 _OFFSET = re.compile(r"(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")
 _LAST_OFFSET = re.compile(r"\s*[0-9A-Fa-f]{6,8}\s*$")
-_BRACKETS = "<[({"  # right in front of bytes these are no marks
+_BRACKETS = "<[({"  # directly in front of bytes these are not marks
 _MASKED = re.compile(rf"\A.*{MASK}\w*")
-# In front of an offset, behind the stamps: nothing, or a word such as "TX".
+# In front of an offset, after the stamps: nothing, or a word such as "TX".
 _LEAD = re.compile(r"\s*(?:[\[(]?[A-Za-z]+[\])]?:?\s+)?")
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 _LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload)\b")
@@ -36,7 +36,7 @@ _COUNT = re.compile(r"[\[(]\d+[\])](?=:|\s+\w)")
 _COUNT_IN_WORDS = re.compile(
     r"(?i)\b(?:len|length|count|size|dlc)\b\s*[:=]?\s*\d+|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b"
 )
-# One of these is in each of its words: nearly no line has one, and to look for them is quick.
+# Each of its words has one of these. They are quick to find, and hardly any line has one.
 _IN_COUNTS = ("len", "count", "ze", "dlc", "byte", "char")
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
@@ -44,17 +44,17 @@ _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
 @dataclass(eq=False)
 class Piece:
-    """Bytes that one line has in one go."""
+    """Consecutive bytes of one line."""
 
     line: LogLine
     run: Run
     direction: int  # SHARED, RECEIVED or SENT
     stamp: Stamp | None
-    continues: bool  # the stamp is that of the piece before
+    continues: bool  # the stamp belongs to the piece before
 
     @cached_property
     def spans(self) -> list[tuple[int, int]]:
-        """Where in the line each byte is written."""
+        """Return where in the line each byte is written."""
         return self.run.spans()
 
 
@@ -78,31 +78,29 @@ class LogReader(Protocol):
 
 
 class State:
-    """What holds on from line to line."""
+    """What is carried over from line to line."""
 
     def __init__(self) -> None:
-        """Nothing has been said yet."""
         self.direction = marks.SHARED
         self.stamp: Stamp | None = None
         self._used: Stamp | None = None
 
     def piece(self, line: LogLine, run: Run) -> Piece:
-        """Make a piece of bytes, with what is known of when and by whom they were sent."""
+        """Make a piece of bytes, with their time and sender as far as known."""
         continues = self.stamp is not None and self.stamp is self._used
         self._used = self.stamp
         return Piece(line, run, self.direction, self.stamp, continues)
 
 
 class AnyReader:
-    """Reads lines of whatever form."""
+    """Reads lines of any form."""
 
     def __init__(self) -> None:
-        """Nothing is known of the log."""
         self._timestamps = TimestampParser()
         self._marks = Marks()
         self._state = State()
-        self._dumped = False  # the line before was one of a dump
-        self._style: tuple[str, ...] = ("",)  # of the last bytes
+        self._dumped = False  # whether the line before belonged to a dump
+        self._style: tuple[str, ...] = ("",)  # style of the last bytes
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
@@ -120,7 +118,7 @@ class AnyReader:
             return Contents([], _trouble(masked))
         state = self._state
         if stamps and stamps[0].start > data[-1].start:
-            state.stamp = stamps[0].stamp  # behind the bytes
+            state.stamp = stamps[0].stamp  # the stamp stands behind the bytes
         pieces = []
         end = 0
         left = deque(stamps)
@@ -134,7 +132,7 @@ class AnyReader:
         return Contents(pieces, _foreign(masked, found, data) if len(found) > 1 else "")
 
     def _certain(self, masked: str, found: list[Run]) -> list[Run]:
-        """Return those that are bytes: by themselves, or because nothing else is in the line."""
+        """Return the runs that are certainly bytes: by themselves, or because the line has nothing else."""
         certain = [run for run in found if run.certain]
         if len(found) == 1:
             data = certain or [
@@ -150,9 +148,9 @@ class AnyReader:
         return data
 
     def _alike(self, masked: str, found: list[Run], certain: list[Run]) -> list[Run]:
-        """Return those that are written as the bytes of this log are; numbers beside them count or name something.
+        """Return the runs in the style of this log's bytes. Numbers beside them are counters or names.
 
-        Few bytes need a mark in front of them, or a time and nothing behind them.
+        A few bytes need a mark in front of them, or a time in front and nothing behind.
         """
         before = [*_gaps(masked, found)]
         behind = [*before[1:], masked[found[-1].end :]]
@@ -170,7 +168,7 @@ class AnyReader:
         ]
 
     def _mask_offset(self, text: str, stamps: list[Stamped]) -> str:
-        """Mask the offset of a dump, also that which ends it."""
+        """Mask the offset of a dump, also the one that ends it."""
         match = _OFFSET.match(text, len(text) - len(text.lstrip()))
         if not match and (lead := _LEAD.match(text, stamps[-1].end if stamps else 0)):
             match = _OFFSET.match(text, lead.end())
@@ -182,7 +180,7 @@ class AnyReader:
         return text[: match.start()] + MASK * (match.end() - match.start()) + text[match.end() :]
 
     def _heading(self, masked: str, stamps: list[Stamped]) -> None:
-        """Keep what a line without bytes says of those that follow: when and by whom they were sent."""
+        """Keep the time and sender that a line without bytes states for the following lines."""
         if stamps:
             self._state.stamp = stamps[-1].stamp
             direction = self._marked(masked[stamps[-1].end :], shows=True) or self._marked(masked[: stamps[0].start])
@@ -194,7 +192,7 @@ class AnyReader:
             self._state.direction = direction
 
     def _marked(self, text: str, *, shows: bool = False) -> int | None:
-        """Return the direction of a text that says nothing else; `shows`: an arrow may have characters behind it."""
+        """Return the direction of a text that says nothing else. With `shows`, characters may follow an arrow."""
         mark = self._marks.find(text)
         if not mark:
             return None
@@ -227,7 +225,7 @@ def _masked(match: re.Match[str]) -> str:
 
 
 def _gaps(text: str, found: list[Run]) -> Iterator[str]:
-    """Yield what stands before and between runs."""
+    """Yield the text before and between runs."""
     end = 0
     for run in found:
         yield text[end : run.start]
@@ -243,7 +241,7 @@ def _has_letters(text: str) -> bool:
 
 
 def _is_marked(gap: str) -> bool:
-    """Tell whether the mark of a direction stands right in front of bytes."""
+    """Tell whether a direction mark stands directly in front of bytes."""
     gap = gap.rstrip(_BRACKETS)
     mark = Marks().find(gap)
     return mark is not None and not _has_words(_LABEL.sub("", gap[mark[2] :]))
@@ -256,7 +254,7 @@ def _is_clean(gap: str) -> bool:
 
 
 def _trouble(masked: str) -> str:
-    """Say why a line that should have bytes has none, empty if it need not have any."""
+    """Return why a line that should have bytes has none; empty if it need not have any."""
     if _TEXT.search(masked):
         return "characters are shown as text, which loses most of them: log in hexadecimal"
     if hexadecimal.BITS.search(masked):
@@ -267,7 +265,7 @@ def _trouble(masked: str) -> str:
 
 
 def _foreign(masked: str, found: list[Run], data: list[Run]) -> str:
-    """Name what stands between bytes and is none."""
+    """Name text between bytes that is not a byte."""
     for before, after in zip(found, found[1:], strict=False):
         gap = masked[before.end : after.start].strip()
         is_short = re.fullmatch(r"\w{1,3}", gap) is not None

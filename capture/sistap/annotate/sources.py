@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where a log comes from: a file, which can be read again, or a pipe that somebody still writes."""
+"""Where a log comes from: a file, which can be read again, or a pipe that another program still writes."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from sistap.annotate.textlog import UTF_16, LineCutter, LogLine
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
-_NULS = 10  # of so many bytes one may be 0: some programs write what they received
-# How captures begin: pcapng, and pcap in both byte orders with us and with ns.
+_NULS = 10  # one byte in this many may be 0: some programs write what they received
+# The first bytes of captures: pcapng, and pcap in both byte orders with us and with ns.
 _CAPTURES = tuple(map(bytes.fromhex, ("0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d")))
 
 
 class SourceError(Exception):
-    """The log cannot be read; the text is the one line to show."""
+    """The log cannot be read; the text is the line to show."""
 
 
 def is_file(log: str) -> bool:
@@ -28,7 +28,7 @@ def is_file(log: str) -> bool:
     try:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
-            return False  # to open it would wait for somebody who writes it
+            return False  # opening it would wait for a writer
         with open(log, "rb") as file:
             _check_text(log, file.read(_PIECE))
         return True
@@ -37,7 +37,7 @@ def is_file(log: str) -> bool:
 
 
 def _check_text(log: str, beginning: bytes) -> None:
-    """Raise SourceError for what no editor would show: a capture, or a file of bytes."""
+    """Raise SourceError for a file that no editor would show: a capture or a binary file."""
     if beginning.startswith(_CAPTURES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
     if beginning.count(0) > len(beginning) / _NULS and not beginning.startswith(UTF_16):
@@ -45,7 +45,7 @@ def _check_text(log: str, beginning: bytes) -> None:
 
 
 def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
-    """Yield the lines of a file, many at a time; `progress` is told the part that has been read, 0 to 1."""
+    """Yield the lines of a file in batches; call `progress` with the part that has been read, 0 to 1."""
     lines = LineCutter()
     with open(log, "rb") as file:
         size = os.fstat(file.fileno()).st_size or 1
@@ -58,10 +58,10 @@ def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogL
 
 
 def from_pipe(log: str) -> Iterator[list[LogLine]]:
-    """Yield the lines of a pipe as they come; an empty list where nothing came for a moment."""
+    """Yield the lines of a pipe as they come; an empty list if nothing came for a moment."""
     pieces: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     descriptor = 0 if log == "-" else os.open(log, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-    # A thread, because on Windows nothing tells whether a pipe has something to read.
+    # A thread, because Windows cannot tell whether a pipe has something to read.
     threading.Thread(target=_read, args=(descriptor, pieces), daemon=True).start()
     lines = LineCutter()
     waits = None
@@ -86,5 +86,5 @@ def _read(descriptor: int, pieces: queue.SimpleQueue[bytes]) -> None:
         while piece := os.read(descriptor, _PIECE):
             pieces.put(piece)
     except OSError:
-        pass  # what came is all that there is
+        pass  # the log ends here
     pieces.put(b"")

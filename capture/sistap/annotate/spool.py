@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A log and what was found in it, kept on disk until all of it has been dissected.
+"""Keeps a log and what was found in it on disk until all of it has been dissected.
 
-A log is read only once: it may grow meanwhile, and finding the bytes is most of the work. What is kept is enough to
-write the log again with its explanations. It is one blob a batch, of plain tuples, because they are read back fastest.
+A log is read only once, because it may grow meanwhile, and because finding the bytes is most of the work. The spool
+holds enough to write the log again with its explanations. Each batch is a blob of plain tuples, which load fastest.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from sistap.terminal.temporary import Blobs
 
 
 class Entry(NamedTuple):
-    """A line with its number of bytes, and where the telegrams and other characters stand that are complete by it."""
+    """A line with its number of bytes, and the places of the telegrams and other characters that it completes."""
 
-    line: LogLine | None  # None: behind the last one
+    line: LogLine | None  # None: after the last line
     size: int
     complete: list[list[Part]]
 
@@ -32,23 +32,20 @@ class Spool:
     """Keeps a log. Use it in a `with`."""
 
     def __init__(self) -> None:
-        """Nothing has been kept yet."""
         self._blobs = Blobs("the log")
 
     def __enter__(self) -> Spool:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget everything."""
         self._blobs.__exit__(*error)
 
     def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[Cut]]]) -> None:
-        """Keep a batch: lines with their pieces, and what is complete by them. Incomplete if there is no room."""
+        """Keep a batch: lines with their pieces, and the records that they complete. Incomplete if there is no room."""
         self._blobs.put(pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL))
 
     def batches(self, progress: Callable[[float], None]) -> Iterator[list[Entry]]:
-        """Return the batches as they were put; `progress` is told the part that has been read, 0 to 1."""
+        """Return the batches in order; call `progress` with the part that has been read, 0 to 1."""
         unpacker = _Unpacker()
         for blob, part in self._blobs.all():
             yield [unpacker.entry(packed) for packed in pickle.loads(blob)]
@@ -67,13 +64,13 @@ def _packed(line: LogLine | None, pieces: list[Piece], cuts: list[Cut]) -> _Pack
             (piece.direction, piece.continues, tuple(piece.run), tuple(piece.stamp) if piece.stamp else None)
             for piece in pieces
         ],
-        # Where its bytes stand is counted again: each record has the next bytes of its direction.
+        # The places of the bytes are counted again: each record has the next bytes of its direction.
         [(cut.record.line, len(cut.record.data)) for cut in cuts],
     )
 
 
 class _Unpacker:
-    """Makes entries of what was packed, in the same order."""
+    """Restores packed entries, in the same order."""
 
     def __init__(self) -> None:
         self._number = 0

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 _SECOND_NS = 1_000_000_000
 _HALF_DAY_NS = 43_200 * _SECOND_NS
-# Of stamps without one, until a date comes: the second day, for in the east the first began before 1970.
+# The date of stamps without one, until a date comes. It is the second day: in the east the first began before 1970.
 _NO_DATE = (1970, 1, 2)
 _CENTURY = 2000
 
@@ -29,21 +29,21 @@ _CLOCK = (
     r"(?P<hour>\d\d?):(?P<minute>\d\d):(?P<second>\d\d)(?:\.(?P<fraction>\d{1,9})|[,:](?P<thousandths>\d{3,9}|\d\d?(?=[;\])]|\s+[^\w\s]|\s+[G-Zg-z])))?"
     r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
 )
-# Not inside other numbers, nor a piece of bytes that are joined with colons.
+# Not inside other numbers, nor part of bytes that are joined with colons.
 _BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
 _STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
 _SECONDS = re.compile(r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
 
-_LATEST_S = 9_150_000_000  # in the year 2259: the dissectors know no later time
-_YEARS = range(1970, 2259)  # a date of another year is left out: its clock holds
+_LATEST_S = 9_150_000_000  # in the year 2259: the dissectors have no later time
+_YEARS = range(1970, 2259)  # a date of another year is ignored; its time of day is used
 
 _Date = tuple[int, int, int]
 _Minute = tuple[_Date, int, int, str | None]  # hour, minute, zone
 
 
 class Stamp(NamedTuple):
-    """When something was logged, and the step in which such stamps go on; both in ns."""
+    """When something was logged, and the step between such stamps; both in ns."""
 
     time_ns: int
     resolution_ns: int
@@ -58,19 +58,18 @@ class Stamped(NamedTuple):
 
 
 class TimestampParser:
-    """Reads the stamps of one log, in order: one without a date needs those before it."""
+    """Reads the stamps of one log, in order: a stamp without a date needs those before it."""
 
     def __init__(self) -> None:
-        """Begin with no date known."""
         self._date = _NO_DATE
         self._last_ns = 0
-        self._minute: tuple[_Minute, int | None] | None = None  # the last one: a log has many stamps a minute
+        self._minute: tuple[_Minute, int | None] | None = None  # the last one: a log has many stamps in a minute
 
     def find(self, text: str) -> list[Stamped]:
-        """Find all stamps of a line. What has the form of one, but is no time, is none."""
+        """Find all stamps of a line. Text in the form of a stamp that is no valid time is ignored."""
         found = []
         end = 0
-        # Most of a line are bytes behind its last stamp: without a colon there is none.
+        # Most of a line are bytes behind its last stamp. Without a colon there is none.
         while text.find(":", end) >= 0 and (match := _STAMP.search(text, end)):
             end = match.end()
             if stamp := self._stamp(match):
@@ -78,7 +77,7 @@ class TimestampParser:
         return found or self._seconds(text)
 
     def find_date(self, text: str) -> Stamped | None:
-        """Find a date without a time, as the heading of a log may have it, and keep it; its stamp is its midnight."""
+        """Find and keep a date without a time, such as in the heading of a log; its stamp is its midnight."""
         match = _DATE_ALONE.search(text)
         date = _date(match) if match else None
         if not match or not date or not (midnight := _seconds_of((date, 0, 0, None))):
@@ -132,7 +131,7 @@ def _date(match: re.Match[str]) -> _Date | None:
     elif match["year_german"]:
         form = match["year_german"], match["month_german"], match["day_german"]
     elif match["year_slash"]:
-        # American, unless there are not so many months.
+        # American order, unless the month would be above 12.
         one, other = match["one"], match["other"]
         form = (match["year_slash"], other, one) if int(one or 0) > 12 else (match["year_slash"], one, other)
     elif match["month_name"]:
@@ -146,7 +145,7 @@ def _date(match: re.Match[str]) -> _Date | None:
 
 
 def _seconds_of(of: _Minute) -> int | None:
-    """Return s since 1970, None if there is no such minute."""
+    """Return seconds since 1970; None if there is no such minute."""
     date, hour, minute, zone = of
     try:
         at = datetime(*date, hour, minute, tzinfo=_zone(zone) if zone else None)

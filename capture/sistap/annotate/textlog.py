@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The lines of a log, as bytes to be written again exactly and as text to be read, whatever their encoding."""
+"""The lines of a log, as bytes to write again exactly and as text to read, in any encoding."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import codecs
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-# UTF-16 only with a mark: Windows programs write it so. Longer marks would come first.
+# UTF-16 only with a byte order mark, as Windows programs write it. Longer marks would come first.
 _MARKS = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be", codecs.BOM_UTF8: "utf-8"}
 _LONGEST_MARK = 3
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -16,31 +16,32 @@ _UTF_8, _LATIN_1 = "utf-8", "latin-1"
 
 @dataclass(slots=True, eq=False)
 class LogLine:
-    """One line; `raw` + `ending` are its bytes, with whatever mark a file begins with."""
+    """One line; `raw` + `ending` are its bytes, including a byte order mark."""
 
     number: int  # from 1
     raw: bytes
-    ending: bytes  # empty where a file ends without one
-    text: str  # what raw says
+    ending: bytes  # empty at the end of a file without one
+    text: str  # decoded raw
     encoding: str
 
     def encode(self, text: str) -> bytes:
-        """Return text as bytes that fit to this line."""
+        """Return text as bytes in the encoding of this line."""
         return text.encode(self.encoding, "backslashreplace")
 
 
 class LineCutter:
-    """Cuts pieces of a log into lines. What is not UTF-8 makes the rest of the log Latin-1: hex is the same in both."""
+    """Cuts pieces of a log into lines. If a line is not UTF-8, the rest of the log is Latin-1: hex is the same in
+    both.
+    """
 
     def __init__(self) -> None:
-        """Nothing has come yet."""
         self._rest = b""
         self._number = 0
         self._encoding = ""
         self._mark = b""
 
     def feed(self, piece: bytes) -> Iterator[LogLine]:
-        """Take the next bytes; give the lines that end in them."""
+        """Take the next bytes; return the lines that they complete."""
         self._rest += piece
         if not self._encoding and len(self._rest) >= _LONGEST_MARK:
             self._recognize()
@@ -49,7 +50,7 @@ class LineCutter:
             yield from map(self._line, whole)
 
     def end(self) -> Iterator[LogLine]:
-        """Yield what is left: a last line that does not end."""
+        """Yield what is left: a last line without an ending."""
         if not self._encoding:
             self._recognize()
         *whole, last = self._split(self._rest)
@@ -64,7 +65,7 @@ class LineCutter:
         self._encoding = _UTF_8
 
     def _split(self, data: bytes) -> list[bytes]:
-        """Split behind each end of line; the last piece has none, and may be empty."""
+        """Split after each line ending; the last piece has none, and may be empty."""
         end = "\n".encode(self._encoding)
         if len(end) == 1:
             pieces = data.split(end)
@@ -98,7 +99,7 @@ class LineCutter:
 
 
 def lines(pieces: Iterable[bytes]) -> Iterator[LogLine]:
-    """Yield all lines of a log that is there as a whole."""
+    """Yield all lines of a complete log."""
     cutter = LineCutter()
     for piece in pieces:
         yield from cutter.feed(piece)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What could not be read: the first lines one by one, the others counted."""
+"""Reports lines that could not be read: the first ones individually, the others as a count."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ _SHOWN = 10
 
 
 class Troubles:
-    """Tells of lines that could not be read."""
+    """Reports lines that could not be read."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
-        """Nothing is wrong yet."""
         self._say = say
         self._count = 0
 
     def add(self, number: int, why: str) -> None:
-        """Tell of a line."""
+        """Report a line."""
         self._count += 1
         if self._count <= _SHOWN:
             self._say(f"line {number}: {why}")
 
     def end(self) -> None:
-        """Tell how many more there were."""
+        """Report how many more there were."""
         more = self._count - _SHOWN
         if more > 0:
             self._say(f"{more} more line{'' if more == 1 else 's'} could not be read")

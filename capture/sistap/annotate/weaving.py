@@ -13,21 +13,21 @@ from sistap.annotate.cutting import Part
 from sistap.annotate.textlog import LogLine
 from sistap.explain.fields import EXPLANATION, Said, sentence
 
-_WIDEST = 120  # what begins further to the right is not aligned
-_WAITING = 1000  # lines; one direction can keep silent for the rest of the log
+_WIDEST = 120  # a column further to the right is not aligned
+_WAITING = 1000  # lines; one direction can be silent for the rest of the log
 
 
 class Weaver(Protocol):
-    """Takes lines and what is said of the telegrams in them, and writes both in the order of the lines."""
+    """Takes lines and the explanations of their telegrams, and writes both in the order of the lines."""
 
     def add(self, line: LogLine, count: int) -> None:
-        """Take the next line and the number of bytes that were found in it."""
+        """Add the next line and the number of bytes that were found in it."""
 
     def explain(self, parts: list[Part], said: Said) -> None:
-        """Take what is said of a telegram, or of other characters: of parts that end in a line that was added."""
+        """Add the explanation of a telegram or of other characters, whose parts end in a line that was added."""
 
     def release(self, *, everything: bool = False) -> None:
-        """Write the lines that wait for nothing more, or all."""
+        """Write the lines that wait for nothing more, or all lines."""
 
     def end(self) -> None:
         """Write the rest."""
@@ -43,21 +43,20 @@ class Waiting:
 
 
 class Waitings:
-    """Lines that wait, in their order."""
+    """Waiting lines, in their order."""
 
     def __init__(self) -> None:
-        """None wait."""
         self._queue: deque[Waiting] = deque()
         self._by_line: dict[int, Waiting] = {}
 
     def add(self, line: LogLine, count: int) -> None:
-        """Let a line wait for so many bytes."""
+        """Make a line wait for this many bytes."""
         waiting = Waiting(line, count)
         self._queue.append(waiting)
         self._by_line[line.number] = waiting
 
     def take(self, parts: list[Part]) -> Waiting | None:
-        """Count what is explained now; return the line where it ends, None if that is written already."""
+        """Count newly explained bytes; return the line where they end, None if it is written already."""
         waiting = None
         for piece, first, end in parts:
             waiting = self._by_line.get(piece.line.number)
@@ -70,9 +69,9 @@ class Waitings:
         return self._queue[-1] if self._queue else None
 
     def release(self, *, everything: bool = False) -> Iterator[Waiting]:
-        """Yield the lines that wait for nothing more, or all; the first too many of them must go, too.
+        """Yield the lines that wait for nothing more, or all. If too many wait, the first must go, too.
 
-        A line without an ending stays until the end: nothing can be written behind it.
+        A line without an ending stays until the end: nothing can be written after it.
         """
         while self._queue and self._queue[0].line.ending:
             if not everything and self._queue[0].unexplained and len(self._queue) <= _WAITING:
@@ -91,10 +90,9 @@ class Waitings:
 
 
 class TextWeaver:
-    """Writes text. Without the lines that it adds it is what was read."""
+    """Writes text. Without the added lines it equals the input."""
 
     def __init__(self, write: Callable[[bytes], object]) -> None:
-        """Nothing has been written."""
         self._write = write
         self._waitings = Waitings()
         self._ending = b""  # of the first line
@@ -105,7 +103,7 @@ class TextWeaver:
         self._waitings.add(line, count)
 
     def explain(self, parts: list[Part], said: Said) -> None:
-        """Put it under its line; if that is written already, under the newest."""
+        """Put it below its line; if that is written already, below the newest."""
         waiting = self._waitings.take(parts)
         text = explanation(parts, said, late=waiting is None)
         if waiting:
@@ -117,7 +115,7 @@ class TextWeaver:
             self._write(line.encode(EXPLANATION + text) + self._ending)
 
     def release(self, *, everything: bool = False) -> None:
-        """Write lines with what explains them."""
+        """Write lines with their explanations."""
         for waiting in self._waitings.release(everything=everything):
             self._write(self._lines(waiting))
 
@@ -142,7 +140,7 @@ def explanation(parts: list[Part], said: Said, *, late: bool) -> str:
 
 
 def _note(parts: list[Part], *, late: bool) -> str:
-    """Say which lines it is of, where that is not to be seen."""
+    """Return a note that names its lines, if the reader cannot see which they are."""
     first, last = parts[0].piece.line.number, parts[-1].piece.line.number
     if first != last:
         return f"(lines {first} to {last}) "

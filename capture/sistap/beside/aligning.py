@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Finds the telegrams that two captures have both, by what is in them.
+"""Finds the telegrams that two captures have in common, by their contents.
 
-A bus says the same again and again. So first the offset between the two clocks is found that most telegrams agree on;
-of several that are as good, the smallest. From there on one telegram follows the other in both captures. Where they
-differ, or the times do, some are skipped in one of them, so that the next ones are alike and the offset is as before:
-that tells a telegram that is missing from one that is late.
+A bus repeats itself. So the first step finds the offset of the two clocks that most telegrams agree on; if several are
+as good, the smallest. From there on, one telegram follows the other in both captures. Where contents or times differ,
+telegrams of one capture are skipped until the next ones match at the same offset. This distinguishes a missing telegram
+from a late one.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ from sistap.files.reading import NotCaptured, packets, record_of
 from sistap.line.settings import Flag
 from sistap.records.record import Record, Type
 
-PROBES = 400  # telegrams, one after the other, by which the offset is found
-MOST = 2000  # places of one telegram that are looked at
+PROBES = 400  # consecutive telegrams by which the offset is found
+MOST = 2000  # places of one telegram that are examined
 BIN_NS = 50_000_000
 AS_GOOD = 0.95  # of the votes of the best offset
-CLOSE_NS = 20_000_000  # nobody doubts a telegram that is late by less
-SKIPPED, AHEAD = 64, 16  # telegrams, at most, that are missing in one capture, and those by which that is judged
-ENOUGH = 3  # alike ones, one after the other, are no accident
-_SLOW = 16  # so many telegrams does it take for the offset to follow
+CLOSE_NS = 20_000_000  # a telegram that is late by less is never in doubt
+SKIPPED, AHEAD = 64, 16  # most telegrams missing in one capture, and telegrams used to judge that
+ENOUGH = 3  # consecutive matches that are no accident
+_SLOW = 16  # telegrams until the offset follows a change
 
 
 class Frame(NamedTuple):
     """A telegram as one capture has it."""
 
-    number: int  # of its packet, as Wireshark counts
+    number: int  # number of its packet in Wireshark
     data: bytes
     times_ns: Sequence[int]  # as they are in the capture
-    latest_ns: Sequence[int]  # at which each character can have come: of several in a read, the last came last
+    latest_ns: Sequence[int]  # latest arrival of each character: of several in a read, the last came last
     uncertainty_ns: int
 
     @property
     def time_ns(self) -> int:
-        """The time of its first character."""
+        """Return the time of its first character."""
         return self.times_ns[0]
 
 
@@ -50,14 +50,14 @@ Pair = tuple[Frame, Frame]
 
 
 def frames(path: Path) -> list[Frame]:
-    """Read the telegrams of a capture. OSError or NotCaptured."""
+    """Read the telegrams of a capture. Raise OSError or NotCaptured."""
     records = []
     for number, packet in enumerate(packets(path), 1):
         try:
             if one := record_of(packet):
                 records.append((number, one))
         except (ValueError, IndexError) as error:
-            raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
+            raise NotCaptured(f"{path} has a damaged record: {error}; leave it out in Wireshark") from error
     latest = _latest([one for _, one in records])
     found = [
         Frame(number, one.data, _times(one), times, one.uncertainty_ns)
@@ -68,7 +68,7 @@ def frames(path: Path) -> list[Frame]:
 
 
 def aligned(true: Sequence[Frame], other: Sequence[Frame]) -> list[Pair]:
-    """Return the telegrams of both, in their order; none if the captures have not the same traffic."""
+    """Return the common telegrams of both, in order; empty if the captures have different traffic."""
     places: dict[bytes, list[Frame]] = defaultdict(list)
     for frame in true:
         places[frame.data].append(frame)
@@ -88,7 +88,7 @@ def aligned(true: Sequence[Frame], other: Sequence[Frame]) -> list[Pair]:
 
 
 def _offset_ns(places: dict[bytes, list[Frame]], probes: Sequence[Frame]) -> float | None:
-    """Return how much later than the true times those of the probes are, by the offset most of them have."""
+    """Return the offset that most probes agree on: how much later their times are than the true ones."""
     found = [probe.time_ns - one.time_ns for probe in probes for one in places.get(probe.data, [])[:MOST]]
     bins = Counter(offset // BIN_NS for offset in found)
     if sum(bins.values()) < min(ENOUGH, len(probes)):
@@ -102,7 +102,7 @@ def _offset_ns(places: dict[bytes, list[Frame]], probes: Sequence[Frame]) -> flo
 def _walk(
     true: Sequence[Frame], other: Sequence[Frame], here: int, there: int, offset_ns: float
 ) -> tuple[int, int, list[Pair]]:
-    """Pair the telegrams from these on, until many have none. Return behind which it ended, and the pairs."""
+    """Pair the telegrams from here on, until many have no partner. Return the ends and the pairs."""
     pairs: list[Pair] = []
     at = there
     while here < len(true) and at < len(other) and at - there < PROBES:
@@ -140,7 +140,7 @@ def _skipped(true: Sequence[Frame], other: Sequence[Frame], offset_ns: float) ->
 
 
 def _alike(true: Sequence[Frame], other: Sequence[Frame]) -> int:
-    """Count the telegrams that are alike from the first on."""
+    """Count the telegrams that match from the first on."""
     pairs = zip(true[:AHEAD], other[:AHEAD], strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0].data == pair[1].data, pairs))
 
@@ -160,9 +160,9 @@ def _times(record: Record) -> list[int]:
 
 
 def _latest(records: Sequence[Record]) -> list[list[int]]:
-    """Return the latest times of each record: a read can go on in the next record of its line."""
+    """Return the latest times of each record. A read can continue in the next record of its line."""
     latest: list[list[int]] = [[]] * len(records)
-    behind: Counter[int] = Counter()  # by line: characters of the same read that came later
+    behind: Counter[int] = Counter()  # for each line: characters of the same read that came later
     for index in reversed(range(len(records))):
         record = records[index]
         times = _times(record)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Two captures beside each other, as text: how late the times of one are, and which verdicts differ."""
+"""Compares two captures, as text: how late the times of one are, and which verdicts differ."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Comparison:
     """A capture whose times are true, and another one."""
 
     def __init__(self, true: Path, other: Path) -> None:
-        """Read and align them. UsageError if that is not possible."""
+        """Read and align both captures. UsageError if that is not possible."""
         self._paths = true, other
         try:
             self._true, self._other = frames(true), frames(other)

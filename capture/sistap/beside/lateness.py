@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How late the times of a capture are, compared with true ones of another clock.
+"""How late the times of a capture are, compared with true times of another clock.
 
-Where that clock stood when the other began nobody knows. So the quickest character counts as in time, and what all were
-late by is not seen. The drift of one clock against the other is taken out: the straight line that lies below all
-characters, and nearest to them (an edge of their convex hull).
+The offset of the two clocks is unknown. So the quickest character counts as in time, and a delay that all share is not
+seen. The drift of one clock against the other is removed: it is the straight line below all characters and nearest to
+them (an edge of their convex hull).
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import NamedTuple
 from sistap.beside.aligning import Pair
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 
-LARGEST_PPM = 500  # more is no drift of two clocks, but chance in a short capture
+LARGEST_PPM = 500  # more is not drift of two clocks, but chance in a short capture
 
-_Point = tuple[int, int]  # a true time, and how much later the other one is
+_Point = tuple[int, int]  # a true time, and how much later the other time is
 
 
 class Late(NamedTuple):
@@ -25,12 +25,12 @@ class Late(NamedTuple):
 
     true_ns: int
     late_ns: float  # its time in the capture
-    latest_ns: float  # the latest at which it can have come, as the capture says
+    latest_ns: float  # latest possible arrival, according to the capture
     uncertainty_ns: int | None  # of both captures; None: not known
 
     @property
     def is_outside(self) -> bool:
-        """Whether it came earlier than the capture says it can have."""
+        """Tell whether it came outside the bounds that the capture states."""
         return self.uncertainty_ns is not None and self.latest_ns > self.uncertainty_ns
 
 
@@ -43,7 +43,7 @@ class Lateness(NamedTuple):
 
 
 def measured(pairs: Sequence[Pair]) -> Lateness:
-    """Measure the characters of these telegrams; there is at least one."""
+    """Measure the characters of these telegrams (at least one)."""
     begin_ns = pairs[0][0].time_ns
     points = sorted(
         (true_ns - begin_ns, latest_ns - true_ns)
@@ -63,12 +63,12 @@ def measured(pairs: Sequence[Pair]) -> Lateness:
 
 
 def quantile(ordered: Sequence[float], share: float) -> float:
-    """Return the smallest of the sorted values that `share` of them do not exceed."""
+    """Return the smallest of the sorted values that is not below `share` of them."""
     return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
 
 
 def _below(points: Sequence[_Point]) -> tuple[_Point, float]:
-    """Return a point and the slope of the line below these points (sorted) that is nearest to all of them."""
+    """Return a point and the slope of the line below these sorted points that is nearest to all of them."""
     mean = sum(x for x, _ in points) / len(points)
     hull: list[_Point] = []
     for point in points:

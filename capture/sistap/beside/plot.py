@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The lateness of all characters as a picture, drawn by matplotlib."""
+"""Draws the lateness of all characters with matplotlib."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _INSIDE, _OUTSIDE, _BOUND = "#0072b2", "#d1350f", "#8b95a1"
 
 
 def picture(lateness: Lateness, title: str, kind: str) -> bytes:
-    """Draw when which character was how late, and how many were."""
+    """Draw the lateness of each character over time, and its distribution."""
     import io
 
     figure = Figure(figsize=(_WIDE_IN, _HIGH_IN), layout="constrained", dpi=150)
@@ -46,7 +46,7 @@ def picture(lateness: Lateness, title: str, kind: str) -> bytes:
 
 
 def kind_of(path: Path) -> str:
-    """Return what to draw by the ending of a file. ValueError: it is none that is known."""
+    """Return the kind of picture by the ending of a file. ValueError if it is unknown."""
     kind = path.suffix.removeprefix(".").lower()
     if kind not in ("png", "svg"):
         raise ValueError(f"'{path}' does not say what to draw: end it in .png or .svg")

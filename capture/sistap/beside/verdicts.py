@@ -21,7 +21,7 @@ Judged = dict[int, dict[str, str]]  # the verdict on each limit, by packet
 
 
 def judged(tshark: Tshark, capture: Path) -> Judged:
-    """Return the verdicts on the packets of a capture. TsharkError."""
+    """Return the verdicts on the packets of a capture. Raise TsharkError."""
     rows = (columns(_FIELDS, row) for row in tshark.lines(["-2", "-r", str(capture), *printing(_FIELDS)]))
     return {
         int(row["frame.number"]): {
@@ -32,7 +32,7 @@ def judged(tshark: Tshark, capture: Path) -> Judged:
 
 
 def compared(pairs: Iterable[Pair], true: Judged, other: Judged) -> dict[str, Counter[tuple[str, str]]]:
-    """Count, for each limit, how often which verdict stands beside which."""
+    """Count, for each limit, each pair of verdicts in both captures."""
     counts: dict[str, Counter[tuple[str, str]]] = {limit: Counter() for limit in LIMITS}
     for one, another in pairs:
         for limit, count in counts.items():
@@ -43,7 +43,7 @@ def compared(pairs: Iterable[Pair], true: Judged, other: Judged) -> dict[str, Co
 
 
 def lines(counts: dict[str, Counter[tuple[str, str]]]) -> Sequence[str]:
-    """Say it in lines, with what is wrong marked."""
+    """Return the counts as lines; mark the wrong verdicts."""
     said = []
     for limit, count in counts.items():
         for (true, other), number in sorted(count.items()):

@@ -20,7 +20,7 @@ from sistap.bus.wires import choice
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.serve import Wire, play
-from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.files.output import FORCE, Output, OutputError, OutputRefused
 from sistap.line.clock import CLOCK
 from sistap.line.settings import LineSettings
 from sistap.sis.rates import RATES
@@ -69,6 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--list", action="store_true", help="list the built-in scenarios")
     where = choice.add_arguments(parser)
     where.add_argument("-w", dest="file", metavar="FILE", help="into a capture file, at once; - is standard output")
+    add("--force", action="store_true", help=FORCE)
     add("--reads", type=int, default=1, metavar="N", help="up to so many characters a read (with --listen or -w)")
     add("--baud", type=int, help="rate of the line (default: the scenario's, usually 9600)")
     add("--format", help="character format (default: the scenario's, usually 8E1)")
@@ -208,7 +209,7 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
     elif not played.has_masters:
         _answer(args, settings, played, log)
     else:
-        pace = Pace(simulated=args.fast or bool(args.file))
+        pace = Pace(args.fast or bool(args.file), played.begin_ns)
         if args.file:
             wire = _recording(args, settings, played, stop)
         else:
@@ -240,13 +241,14 @@ def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, 
 
 
 def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Wire:
-    from sistap.bus.wires.recording import Recording
+    from sistap.bus.wires.recording import START_NS, Recording
 
     try:
         text = f"scenario {args.scenario}, seed {args.seed}"
-        output = Output(args.file, stopped=lambda: stop.asked)
+        output = Output(args.file, stopped=lambda: stop.asked, force=args.force)
         stop.at_once = False
-        return Recording(output, settings, text, args.seed, args.reads, played.cut, played.lines)
+        start_ns = START_NS if played.begin_ns is None else played.begin_ns
+        return Recording(output, settings, text, args.seed, args.reads, played.cut, played.lines, start_ns)
     except OutputRefused as error:
         raise Refusal(USAGE, str(error)) from error
     except OutputError as error:

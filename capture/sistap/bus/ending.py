@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a command that plays ends when it cannot go on: the one line for it."""
+"""The error that ends a playing command, with its one line."""
 
 from __future__ import annotations
 
 
 class Refusal(Exception):
-    """It does not begin or go on; the text is one line that names the cure."""
+    """The command does not begin or cannot continue; the text is one line with the cure."""
 
     def __init__(self, code: int, text: str) -> None:
-        """Say so, with an exit code."""
-        super().__init__(text.replace("\n", "\\n"))  # names of files can have several
+        super().__init__(text.replace("\n", "\\n"))  # file names can have several lines
         self.code = code

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap replay`: plays what a capture has, character by character, with its own timing."""
+"""The command `sistap replay`: plays a capture, character by character, with its original timing."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from sistap.terminal.exits import DONE, USAGE
 from sistap.terminal.visible import visible
 
 DESCRIPTION = """\
-Play a capture that sistap wrote: every character at its time, at a pseudo terminal, at a socket, or, if --transmit
-allows it, at a real port. It begins when somebody listens.
+Play a capture that sistap wrote: every character at its time. It goes to a pseudo terminal, to a socket, or, with
+--transmit, to a real port. Playing begins when a program listens.
 """
 
 EPILOG = """\
-What arrived in one read is played in one go. Characters of two lines (RS422, RS232) are played in the order of their
-times; at a socket each has the number of its line. Line errors go over a socket as they are; a pseudo terminal and a
-port carry the values alone, and a line at the end says how many errors there were. Captured again from a socket, all
-characters, intervals and errors are those of the first capture.
+Characters that arrived in one read are played at once. Characters of two lines (RS422, RS232) are played in the order
+of their times. A socket also carries the number of the line and line errors. A pseudo terminal and a port carry the
+values alone; a line at the end says how many errors there were. A capture of the replay, taken at a socket, has the
+characters, intervals and errors of the original.
 
 examples:
   sistap replay day.pcapng                                 at a pseudo terminal; its name is printed
   sistap replay day.pcapng --listen 127.0.0.1:5000         for `sistap capture -i bus://127.0.0.1:5000`
-  sistap replay day.pcapng --listen ./bus --fast           as fast as it is taken
+  sistap replay day.pcapng --listen ./bus --fast           as fast as the listener reads
   sistap replay day.pcapng --port /dev/ttyUSB0 --transmit  on a real line: take the machine off it first
 
 exit status:
@@ -45,11 +45,11 @@ exit status:
   3  the port cannot be opened
 """
 
-_UNKNOWN_RATE = 9600  # for a record that does not say one
+_UNKNOWN_RATE = 9600  # for a record without a rate
 
 
 class Content(NamedTuple):
-    """What a capture has."""
+    """What a capture contains."""
 
     settings: LineSettings  # of its first characters
     begin_ns: int  # since 1970, of the first character
@@ -59,10 +59,10 @@ class Content(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture file of sistap")
+    parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture that sistap wrote")
     choice.add_arguments(parser)
 
 
@@ -97,7 +97,7 @@ def _play(args: argparse.Namespace) -> None:
 
 
 def look(path: Path) -> Content:
-    """Read a capture once, to know that it can be played. OSError or NotCaptured."""
+    """Read a capture once, to check that it can be played. Raise OSError or NotCaptured."""
     first: Record | None = None
     lines: set[int] = set()
     characters = errors = 0
@@ -119,7 +119,7 @@ def played(path: Path, content: Content) -> Iterator[Played]:
 
 
 def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
-    """Yield what came in one read each; a read can be in several records."""
+    """Yield what came in one read; a read can span several records."""
     read: Played | None = None
     for record in _with_characters(path):
         if record.line != line:
@@ -132,7 +132,7 @@ def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
                 read = None
             read = read or Played(time_ns, b"", [], [], settings, line, record.uncertainty_ns)
             read.characters.append(Character(time_ns, value, flags & Flag.FROM_READER))
-            # A record has the largest uncertainty of its reads: the smaller one is this read's.
+            # A record has the largest uncertainty of its reads, so the smaller one belongs to this read.
             uncertainty_ns = min(read.uncertainty_ns, record.uncertainty_ns)
             read = read._replace(sent=read.sent + bytes([value]), uncertainty_ns=uncertainty_ns)
     if read:

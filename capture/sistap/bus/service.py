@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a service of a station is: command body in, reaction body out (IF02 chapter 2.3)."""
+"""The interface of a service of a station: command body in, reaction body out (IF02 chapter 2.3)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 
 class Status(enum.IntEnum):
-    """The status byte, as far as stations give it by themselves (fig. 2-18; from 0xF9 on: IndraDrive)."""
+    """The status bytes that stations send by themselves (fig. 2-18; from 0xF9 on: IndraDrive)."""
 
     OK = 0x00
     EXECUTION_ERROR = 0x01
@@ -39,16 +39,15 @@ class ServiceRefused(Exception):
     """Nothing was executed: the reaction has the status and the useful data header, but no useful data."""
 
     def __init__(self, status: int) -> None:
-        """Say why."""
         super().__init__(f"status 0x{status:02X}")
         self.status = status
 
 
 class ServiceFailed(Exception):
-    """The execution failed: the reaction has an error code in the place of useful data."""
+    """The execution failed: the reaction has an error code instead of useful data."""
 
     def __init__(self, code: bytes, status: int = Status.EXECUTION_ERROR, header: bytes | None = None) -> None:
-        """Say why; `code` goes behind the useful data header: that of the command, or `header`."""
+        """`code` follows the useful data header, which is that of the command, or `header`."""
         super().__init__(f"status 0x{status:02X}, {code.hex()}")
         self.code = code
         self.status = status
@@ -56,12 +55,12 @@ class ServiceFailed(Exception):
 
     @classmethod
     def in_channel(cls, error: ChannelError) -> ServiceFailed:
-        """Make that of the internal transmission channel."""
+        """Return the failure of the internal transmission channel."""
         return cls(error.to_bytes(2, "little"), Status.CHANNEL_ERROR)
 
 
 class Request(NamedTuple):
-    """A command as a service gets it; `body` is what follows header, subaddresses and telegram number."""
+    """A command for a service; `body` is what follows header, subaddresses and telegram number."""
 
     service: int
     sender: int
@@ -70,25 +69,25 @@ class Request(NamedTuple):
 
 
 class Service(NamedTuple):
-    """How a command is executed.
+    """A service and how it is executed.
 
-    `execute` gives the reaction's body after the status; it may raise ServiceRefused and ServiceFailed.
+    `execute` returns the reaction's body after the status; it may raise ServiceRefused and ServiceFailed.
     """
 
     repeated: int  # bytes of the useful data header that a reaction repeats
-    least: int  # bytes of body that a command must have
+    least: int  # smallest body of a command, in bytes
     execute: Callable[[Request], bytes]
 
 
 class Subservice(NamedTuple):
-    """How a subservice of 0x00, 0x02 or 0x03 is executed: its data and the time in, the reaction's data out."""
+    """A subservice of 0x00, 0x02 or 0x03: `execute` takes its data and the time, and returns the reaction's data."""
 
-    least: int  # bytes of data that a command must have
+    least: int  # smallest data of a command, in bytes
     execute: Callable[[bytes, int], bytes]
 
 
 def by_subservice(subservices: Mapping[int, Subservice]) -> Service:
-    """Make a service whose body is an address, a subservice and its data; the address is repeated, whatever it is.
+    """Return a service whose body is an address, a subservice and its data; any address is repeated.
 
     Fig. 6-14 and 7-1 address neither the station nor a device in it, and get a good answer.
     """

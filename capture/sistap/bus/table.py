@@ -1,56 +1,59 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads a table of a scenario key by key; what is wrong is one line that names the table, the key and the cure."""
+"""Reads a table of a scenario key by key. An error is one line with the table, the key and the cure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
 T = TypeVar("T")
-Reading = Callable[[Any], T]  # a value as TOML has it -> what it means; ValueError says what it has to be
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+Reading = Callable[[Any], T]  # converts a TOML value; ValueError says what is expected
 
 
 class Table:
-    """A table and what is known of its keys: those that were asked for."""
+    """A table, and the keys that were read."""
 
     def __init__(self, values: object, where: str) -> None:
-        """`where` names the table for people. ValueError if it is none."""
+        """`where` names the table in messages. ValueError if it is not a table."""
         if not isinstance(values, Mapping):
-            raise ValueError(f"{where} is no table: write {{ key = value }}")
+            raise ValueError(f"{where} is not a table: write {{ key = value }}")
         self.where = where
         self._values = values
         self._known: list[str] = []
 
     def __contains__(self, key: str) -> bool:
-        """Tell whether the key is there."""
         return key in self._values
 
     def take(self, key: str, reading: Reading[T], default: T) -> T:
-        """Return what a key says, `default` where it is missing. ValueError if the value cannot be read."""
+        """Return the value of a key, or `default` if it is missing. ValueError if the value is invalid."""
         self._known.append(key)
         return self._read(key, reading) if key in self._values else default
 
     def need(self, key: str, reading: Reading[T]) -> T:
-        """Return what a key says. ValueError if it is missing or cannot be read."""
+        """Return the value of a key. ValueError if it is missing or invalid."""
         self._known.append(key)
         if key not in self._values:
             raise ValueError(f"{self.where}: {key} is missing")
         return self._read(key, reading)
 
     def one_of(self, keys: Sequence[str]) -> str:
-        """Return the one of these keys that is there. ValueError if none or several are."""
+        """Return the value of the one key that is there. ValueError if none or several are."""
         found = [key for key in keys if key in self._values]
         self._known += found
         if len(found) != 1:
-            what = f"{found[0]} and {found[1]} do not go together" if found else "none of the keys it needs is there"
+            what = f"{found[0]} and {found[1]} do not go together" if found else "a key is missing"
             raise ValueError(f"{self.where}: {what}; give one of {', '.join(keys)}")
         return found[0]
 
     def end(self) -> None:
-        """Refuse keys that nobody asked for."""
+        """Refuse keys that were not read."""
         for key in self._values:
             if key not in self._known:
-                raise ValueError(f"{self.where}: unknown key {key}; there are {', '.join(dict.fromkeys(self._known))}")
+                raise ValueError(
+                    f"{self.where}: unknown key {key}; the keys are {', '.join(dict.fromkeys(self._known))}"
+                )
 
     def _read(self, key: str, reading: Reading[T]) -> T:
         value = self._values[key]
@@ -66,7 +69,7 @@ def _shown(value: object) -> str:
 
 
 def whole(least: int, most: int) -> Reading[int]:
-    """Read a whole number in these limits."""
+    """Return a reader of a whole number within limits."""
 
     def read(value: object) -> int:
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
@@ -78,11 +81,11 @@ def whole(least: int, most: int) -> Reading[int]:
 
 BYTE, WORD, LONG = whole(0, 0xFF), whole(0, 0xFFFF), whole(0, 0xFFFFFFFF)
 STATION = whole(0, 126)
-RATE = whole(75, 4_000_000)  # in Bd; at less, the times of a bus would not fit into service 0x03
+RATE = whole(75, 4_000_000)  # in Bd; below, the times of a bus would not fit into service 0x03
 
 
 def number(least: float, most: float) -> Reading[float]:
-    """Read a number in these limits."""
+    """Return a reader of a number within limits."""
 
     def read(value: object) -> float:
         if not isinstance(value, int | float) or isinstance(value, bool) or not least <= value <= most:
@@ -90,6 +93,13 @@ def number(least: float, most: float) -> Reading[float]:
         return float(value)
 
     return read
+
+
+def instant_ns(value: object) -> int:
+    """Return a date with time and zone as ns since 1970; the file has it without quotation marks."""
+    if not isinstance(value, datetime) or value.tzinfo is None:
+        raise ValueError(f"{_shown(value)} is no time with a zone (for example 2026-03-14T21:00:00Z)")
+    return int((value - _EPOCH) / timedelta(microseconds=1)) * 1000
 
 
 def flag(value: object) -> bool:
@@ -100,17 +110,17 @@ def flag(value: object) -> bool:
 
 
 def milliseconds(value: object) -> int:
-    """Read a time in ms, give it in ns."""
+    """Convert a time in ms to ns."""
     return int(number(0, 86_400_000)(value) * 1_000_000)
 
 
 def seconds(value: object) -> int:
-    """Read a time in s, give it in ns."""
+    """Convert a time in s to ns."""
     return int(number(0, 86_400)(value) * 1_000_000_000)
 
 
 def choice(meanings: Mapping[str, T]) -> Reading[T]:
-    """Read one of some words."""
+    """Return a reader of one of several words."""
 
     def read(value: object) -> T:
         if not isinstance(value, str) or value not in meanings:
@@ -128,7 +138,7 @@ def text(value: object) -> str:
 
 
 def ascii_text(longest: int = 0xFFFF) -> Reading[str]:
-    """Read text of ASCII characters, up to so many."""
+    """Return a reader of ASCII text up to that length."""
 
     def read(value: object) -> str:
         if not isinstance(value, str) or not value.isascii() or len(value) > longest:
@@ -139,7 +149,7 @@ def ascii_text(longest: int = 0xFFFF) -> Reading[str]:
 
 
 def characters(value: object) -> bytes:
-    """Read a text of characters that have one byte each."""
+    """Read a text whose characters have one byte each."""
     try:
         return text(value).encode("latin-1")
     except UnicodeEncodeError:
@@ -155,7 +165,7 @@ def octets(value: object) -> bytes:
 
 
 def several(reading: Reading[T]) -> Reading[list[T]]:
-    """Read a value, or a list of such values."""
+    """Return a reader of a value, or of a list of such values."""
 
     def read(value: object) -> list[T]:
         return [reading(item) for item in (value if isinstance(value, list) else [value])]
@@ -164,7 +174,7 @@ def several(reading: Reading[T]) -> Reading[list[T]]:
 
 
 def tables(where: str) -> Reading[list[Table]]:
-    """Read a list of tables; each is named by its place."""
+    """Return a reader of a list of tables; each is named by its position."""
 
     def read(value: object) -> list[Table]:
         if not isinstance(value, list):

@@ -13,11 +13,12 @@ from sistap.capture import sinks
 from sistap.capture.filter import FilterError
 from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions, checked, rate
 from sistap.capture.running import record
-from sistap.files.output import Output, OutputRefused
+from sistap.files.output import FORCE, Output, OutputRefused
 from sistap.files.writer import LINK_TYPES, UPPER_PDU
 from sistap.line import ports
 from sistap.recorder.reasons import PRESETS
 from sistap.records.cut import HELP, SIS, WORDS, framing
+from sistap.sis.limits import argument as limit
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import FAILED, USAGE, UsageError
@@ -52,6 +53,10 @@ an older telegram is still coming in on the other line, half a second at most.
 
 A capture filter is written as for tcpdump and sees the plain telegram: link[5] is the service, link[6] the sender
 address, link[7] the receiver address. Other characters and events always pass.
+
+A master sets the limits TzA and TrS when it starts the bus. Who joins later has not heard them, and Wireshark has no
+verdicts. Tell them with --tza and --trs. The capture keeps them, marked as told by the user, and they count until the
+bus itself says something else.
 
 With --framing 3964r the tap records what two partners of procedure 3964R say: handshake characters (STX, DLE, NAK), one
 a record, and blocks with their BCC. A filter then sees the block. A rate cannot be searched for or followed there.
@@ -174,6 +179,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write a pcapng file; - is standard output; with --keep, a folder. Without it, print text",
     )
+    add("--force", action="store_true", help=FORCE)
     add(
         "--baud",
         type=rate_argument,
@@ -244,6 +250,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="wait until the port is there, and when it is lost, until it is back",
     )
+    add(
+        "--tza",
+        dest="tza_ms",
+        type=limit,
+        metavar="MS",
+        help="TzA of this bus: longest interval allowed between two characters of a telegram",
+    )
+    add("--trs", dest="trs_ms", type=limit, metavar="MS", help="TrS of this bus: longest reaction time allowed")
     add("-f", dest="filter", metavar="FILTER", help="write only telegrams that pass this capture filter")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
@@ -259,7 +273,7 @@ def run(args: argparse.Namespace) -> int:
         sinks.check(options)
         if options.keep:
             _make_folder(options.file)
-        with closing(Output(options.output, limits, lambda: stop.asked, console.say)) as output:
+        with closing(Output(options.output, limits, lambda: stop.asked, console.say, force=args.force)) as output:
             return record(options, plan, output, stop, console)
     except (UsageError, FilterError, OutputRefused) as error:
         console.alarm(str(error))
@@ -299,6 +313,8 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         autostop=dict(args.autostop),
         ring=dict(args.ring),
         filter=args.filter,
+        tza_ms=args.tza_ms,
+        trs_ms=args.trs_ms,
         keep=tuple(args.keep),
         before_s=args.before_s,
         after_s=args.after_s,

@@ -21,7 +21,7 @@ _SNAPLEN = 0xFFFF
 
 
 class FilterError(Exception):
-    """The filter cannot be used; str() is the one line to show."""
+    """The filter cannot be used; str() is the line to show."""
 
 
 class _Program(ctypes.Structure):
@@ -38,16 +38,18 @@ class _PacketHeader(ctypes.Structure):
 
 
 def candidates(system: str = sys.platform) -> Iterator[str]:
-    """Yield what libpcap can be called; on Windows it is Npcap's, which is in a folder of its own beside Packet.dll."""
+    """Yield the possible names of libpcap; on Windows it is Npcap's, which is in a folder of its own beside
+    Packet.dll.
+    """
     if system == "win32":
         yield str(PureWindowsPath(os.environ.get("SYSTEMROOT", r"C:\Windows"), "System32", "Npcap", "wpcap.dll"))
-        yield "wpcap.dll"  # Npcap, installed in WinPcap's place
+        yield "wpcap.dll"  # Npcap, installed instead of WinPcap
     else:
         yield ctypes.util.find_library("pcap") or "libpcap.so.0.8"
 
 
 def opened(names: Iterable[str], load: Callable[[str], ctypes.CDLL] | None = None) -> ctypes.CDLL:
-    """Load the first that is there. FilterError."""
+    """Load the first library that exists. Raise FilterError."""
     for name in names:
         with suppress(OSError):
             return (load or ctypes.CDLL)(name)
@@ -77,7 +79,7 @@ def _load() -> ctypes.CDLL:
 
 
 class Filter:
-    """A compiled filter. It lives as long as the capture, so libpcap's memory for it is never given back."""
+    """A compiled filter. It lives as long as the capture, so libpcap's memory for it is never freed."""
 
     def __init__(self, text: str) -> None:
         """Compile; FilterError has libpcap's own message."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A capture as text: what `sistap log` makes of a capture file, while the records come."""
+"""Shows a capture as text: the lines of `sistap log`, while the records come."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from sistap.files.pcapng import Interface
 from sistap.records.record import Framing, Record, Type
 from sistap.wireshark.tshark import Tshark
 
-PATIENCE_S = 5.0  # at the end, for tshark: a person may be waiting
+PATIENCE_S = 5.0  # longest wait for tshark at the end: the user may be waiting
 _NS = 1  # resolution of the times
 _NEEDED = ("frame.number", "sis.control.reaction")
 
 
 class Colours(NamedTuple):
-    """How a terminal is told to write in another colour; empty: it is not."""
+    """The escape sequences of a terminal's colours; empty without colours."""
 
     trouble: str = ""
     command: str = ""
@@ -39,7 +39,7 @@ IN_COLOUR = Colours("\x1b[1;31m", "\x1b[36m", "\x1b[32m", "\x1b[33m", "\x1b[2m",
 
 
 def colours(stream: int = 1, environment: Mapping[str, str] = os.environ, system: str = sys.platform) -> Colours:
-    """Return colours for a terminal that has them, unless NO_COLOR (no-color.org) is set to something."""
+    """Return colours for a terminal that has them, unless NO_COLOR (no-color.org) is set."""
     has_them = environment.get("TERM", "") not in ("", "dumb") or (system == "win32" and "WT_SESSION" in environment)
     try:
         is_terminal = os.isatty(stream)
@@ -49,7 +49,7 @@ def colours(stream: int = 1, environment: Mapping[str, str] = os.environ, system
 
 
 class LiveText:
-    """Prints each record with what it is, as soon as tshark has said that. Events are told on standard error."""
+    """Prints each record with its explanation, as soon as tshark has one. Events go to standard error."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class LiveText:
         say: Callable[[str], None],
         colours: Colours = PLAIN,
     ) -> None:
-        """Ask tshark what it knows. TsharkError if it has no dissector for SIS."""
+        """Ask tshark for its fields. TsharkError if it has no dissector for SIS."""
         self._output = output
         self._tshark = tshark
         self._colours = colours
@@ -68,7 +68,7 @@ class LiveText:
         self._relay = Relay(self._start, self._fields.columns, say, finds=False)
 
     def begin(self, *started: Record) -> None:
-        """Begin, with events that say how the capture is taken."""
+        """Begin with events that describe how the capture is taken."""
         self._relay.begin(self._blocks.section(), [self._blocks.packet(record) for record in started])
 
     def write(self, record: Record) -> bool:

@@ -22,6 +22,7 @@ from sistap.recorder.reasons import Reasons
 from sistap.recorder.recorder import Wanted
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.record import LARGEST_RATE
+from sistap.sis import limits
 from sistap.sis.rates import RATES
 from sistap.terminal.exits import UsageError
 from sistap.terminal.streams import STANDARD_OUTPUT
@@ -46,6 +47,8 @@ class CaptureOptions:
     autostop: Mapping[str, float] = field(default_factory=dict)  # -a: duration, filesize, files
     ring: Mapping[str, float] = field(default_factory=dict)  # -b: the same
     filter: str | None = None
+    tza_ms: int | None = None  # of a bus that has not been heard telling it
+    trs_ms: int | None = None
     keep: Sequence[str] = ()  # display filters and presets: then `file` is a folder
     before_s: float | None = None
     after_s: float | None = None
@@ -65,6 +68,11 @@ class CaptureOptions:
         if self.baud:
             return ()
         return (self.format,) if self.format else FORMATS
+
+    @property
+    def limits_told(self) -> str:
+        """TzA and TrS as the dissector reads them in the capture; empty where the user told none."""
+        return limits.told({"tza": self.tza_ms, "trs": self.trs_ms})
 
     @property
     def output(self) -> str:
@@ -125,6 +133,8 @@ def checked(options: CaptureOptions) -> Plan:
             f"--link-type {options.link_type} is for SIS telegrams, and has no place for the handshakes of 3964R: "
             f"use {UPPER_PDU} or {RTAC}"
         )
+    if options.limits_told and (options.framing != SIS or options.link_type != UPPER_PDU):
+        raise UsageError("--tza and --trs are kept only with SIS telegrams and --link-type upper-pdu: leave them out")
     _check_ports(options)
     return Plan(settings, Filter(options.filter) if options.filter else None)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The ports of a capture: opened at its start, and again when they come back, if it waits for them."""
+"""The ports of a capture: opened at its start, and again when they come back, if the capture waits for them."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ PAUSE_S = 1.0
 
 
 class Ports:
-    """All that are open."""
+    """All open ports."""
 
     def __init__(self, options: CaptureOptions) -> None:
-        """Open none yet."""
         self._options = options
         self._open: list[Reader] = []
 
     def open(self, settings: LineSettings, say: Callable[[str], None]) -> list[Reader]:
-        """Open all. May raise PortError; if the capture waits for ports, only Stopped ends that."""
+        """Open all ports. May raise PortError; a capture that waits for ports ends only by Stopped."""
         for line, port in zip(self._options.lines, self._options.ports, strict=True):
             said = ""
             while True:
@@ -42,7 +41,7 @@ class Ports:
 
     def reopen(self, lost: Reader, settings: LineSettings) -> Reader:
         """Open a port again. PortError while it is not back."""
-        if lost in self._open:  # its device keeps its name only when nobody has the old one any more
+        if lost in self._open:  # its device gets the same name only after the old one is closed
             self._open.remove(lost)
             lost.close()
         reader = open_reader(lost.name, settings, lost.line)
@@ -50,7 +49,7 @@ class Ports:
         return reader
 
     def close(self) -> None:
-        """Let all go."""
+        """Close all ports."""
         while self._open:
             self._open.pop().close()
 
@@ -58,4 +57,4 @@ class Ports:
         options = self._options
         steered = "--follow-baud" if options.follow_baud else "--baud auto" if options.formats else ""
         if steered and isinstance(reader, Distant):
-            raise PortError(f"{reader.name}: the rate is set there: give {steered} to `sistap serve`, not here")
+            raise PortError(f"{reader.name}: the tap there sets the rate: give {steered} to `sistap serve`, not here")

@@ -19,14 +19,14 @@ class Marker(NamedTuple):
 class Rate(NamedTuple):
     """A request for another rate."""
 
-    baud: int | None  # None: look for it
+    baud: int | None  # None: search for it
 
 
 class Remote(Protocol):
-    """The program. By reading no more, it ends the capture."""
+    """The program. It ends the capture by no longer reading."""
 
     def requests(self) -> Iterable[Marker | Rate]:
-        """Return what was asked for since this was last called."""
+        """Return the requests since the last call."""
 
     def show(self, counters: Counters, settings: LineSettings) -> None:
-        """Take what was seen so far, and with which settings the line is read now."""
+        """Show the counters, and the settings with which the line is read now."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 from contextlib import ExitStack, closing
 
 from sistap.capture import sinks
@@ -79,7 +80,9 @@ def record(  # noqa: PLR0913 - it puts the parts together
 
 def _conditions(options: CaptureOptions, only: Filter | None) -> Conditions:
     duration_s = options.autostop.get("duration")
-    return Conditions(options.framing, only, options.count, duration_s, options.formats, options.follow_baud)
+    return Conditions(
+        options.framing, only, options.count, duration_s, options.formats, options.follow_baud, options.limits_told
+    )
 
 
 def _interface(options: CaptureOptions, reader: Reader) -> Interface:
@@ -98,7 +101,5 @@ def _summary(written: Counters, received: int, output: Output) -> str:
     """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
     records = written.received.total()
     of_received = f" of {received}" if records != received else ""
-    return (
-        f"{records}{of_received} records ({written.telegrams} telegrams, {written.characters} characters, "
-        f"{written.errors}) written to {output.summary}"
-    )
+    opened = f"; open it with: wireshark {shlex.quote(output.only_file)}" if output.only_file else ""
+    return f"{records}{of_received} records ({written.text}) written to {output.summary}{opened}"

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Looks for the settings of a line by listening, as a station does that has heard nothing for TDF (IF02 chapter 2.4).
+"""Searches for the settings of a line by listening, as a station does that has heard nothing for TDF (IF02 chapter
+2.4).
 
-It stays where a whole telegram comes without an error, and goes on where errors come, or characters that are none.
+It stays where a whole telegram comes without an error. It moves on after errors, or after characters without a
+telegram.
 """
 
 from __future__ import annotations
@@ -15,37 +17,37 @@ from sistap.records.record import Record
 from sistap.sis.rates import RATES
 from sistap.sis.telegram import MAX_LENGTH
 
-AUTO = "auto"  # in place of a rate: look for it
-FORMATS = ("8E1", "8N1")  # of the specification, and what drives in the field are often set to
+AUTO = "auto"  # instead of a rate: search for it
+FORMATS = ("8E1", "8N1")  # that of the specification, and a frequent setting of drives in the field
 
 ENOUGH_ERRORS = 8
-# One in so many may be an accident. Of 8E1 read as 8N1, or the other way round, about half are wrong, but short
-# telegrams exist in which none is.
+# One error in this many characters may be an accident. With 8E1 read as 8N1, or the reverse, about half are wrong. But
+# in some short telegrams none is.
 ACCIDENT = 16
-ENOUGH_CHARACTERS = 2 * MAX_LENGTH  # the rest of the telegram that was going on, and a whole one
-PAUSE_NS = 1_000_000_000  # after it what has come is no telegram any more
-# A line on which nothing comes is given up for the next settings, in each round after twice the time: a bus that speaks
-# only now and then would otherwise always meet the same few.
+ENOUGH_CHARACTERS = 2 * MAX_LENGTH  # the rest of the telegram under way, and a whole one
+PAUSE_NS = 1_000_000_000  # a telegram does not continue after such a pause
+# A silent line is left for the next settings, in each round after twice the time. Otherwise a bus that speaks rarely
+# would always meet the same few settings.
 SILENCE_NS = 3_000_000_000
 LONGEST_SILENCE_NS = 60_000_000_000
 
 
-ALIKE = 0.05  # so much, as a share, may a rate be off that was measured
+ALIKE = 0.05  # largest deviation of a measured rate, as a share
 
 
 @dataclass
 class _Try:
-    """What some settings have brought."""
+    """What a setting has brought."""
 
     settings: LineSettings
-    since_ns: int | None  # None: it is not known yet what time it is on the line
-    last_ns: int | None = None  # when the last character came
+    since_ns: int | None  # None: the time on the line is not known yet
+    last_ns: int | None = None  # time of the last character
     characters: int = 0
-    faulty: int = 0  # all that can be: these settings are not right
-    surely_faulty: int = 0  # those that are: these settings are wrong
+    faulty: int = 0  # upper bound: too many mean that these settings are not right
+    surely_faulty: int = 0  # lower bound: too many mean that these settings are wrong
 
     def in_vain(self, now_ns: int, silence_ns: int) -> bool:
-        """Tell whether to go on; a line without a character gets `silence_ns`."""
+        """Tell whether to move on; a line without a character gets `silence_ns`."""
         errors = self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters
         garbage = self.characters >= ENOUGH_CHARACTERS
         patience_ns = PAUSE_NS if self.characters else silence_ns
@@ -54,32 +56,33 @@ class _Try:
 
 
 class Scan:
-    """A bus, be it of one line or two. All times are those of its characters, in ns."""
+    """Searches on the line or lines of a bus. All times are those of its characters, in ns."""
 
     def __init__(self, formats: Sequence[str] = FORMATS, measure: Callable[[], float | None] = lambda: None) -> None:
-        """Begin with 9600 Bd: all stations have it after power-on (chapter 2.5). `measure` tells the rate, if it can.
+        """Begin with 9600 Bd, the rate of all stations after power-on (chapter 2.5). `measure` returns the rate, if it
+        can.
 
-        Where it does, only the format is left to look for.
+        If so, only the format must be searched for.
         """
         self._measure = measure
         self._all = [LineSettings.parse(baud, text) for baud in RATES for text in formats]
         self._tries = 1
         self._silence_ns = SILENCE_NS
-        self._brought = 0  # how many settings, one after the other, have brought something
+        self._brought = 0  # consecutive settings with characters
         self._try = _Try(self._all[0], None)
         self.found = False
-        self.in_vain = False  # all settings have brought something, and none a telegram
+        self.in_vain = False  # all settings had characters, and none a telegram
 
     @property
     def settings(self) -> LineSettings:
-        """The settings that are tried now."""
+        """Return the settings under test."""
         return self._try.settings
 
     def take(self, read: Read, records: Sequence[Record]) -> None:
-        """Take what was read and the records that it, or silence, completed."""
+        """Take what was read, and the records completed by it or by silence."""
         now = self._try
         if read.settings not in (None, now.settings):
-            return  # it was on its way when they changed
+            return  # it was read with the settings before
         if read.data:
             now.characters += len(read.data)
             now.faulty += faulty(read)
@@ -106,6 +109,6 @@ class Scan:
         return self.settings
 
     def _measured(self) -> int | None:
-        """Return the rate nearest to what is measured; None: it is not known."""
+        """Return the rate nearest to the measured one; None: unknown."""
         measured = self._measure()
         return next((baud for baud in RATES if measured and abs(measured - baud) <= baud * ALIKE), None)

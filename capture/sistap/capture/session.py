@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One running capture: the loop that reads, and what ends it or changes the settings; all in one thread."""
+"""One running capture: the loop that reads, and what ends it or changes the settings, all in one thread."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from sistap.terminal.console import Audience
 from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.stop import Stop
 
-READ_TIMEOUT_S = 0.1  # so long, at most, does a stop take
-TICK_NS = 1_000_000_000  # how often hints and progress are looked at
+READ_TIMEOUT_S = 0.1  # upper bound on the time to stop
+TICK_NS = 1_000_000_000  # how often hints and progress are updated
 
 _EVENTS = {
     Happening.MARKER: Event.MARKER,
@@ -39,21 +39,24 @@ _EVENTS = {
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a capture takes and when it ends by itself; None: does not apply."""
+    """What a capture accepts, and when it ends by itself; None: does not apply."""
 
     cut: Cut = SIS
-    only: Filter | None = None  # frames that it does not let pass are left out
-    count: int | None = None  # records written
+    only: Filter | None = None  # frames that do not pass are left out
+    count: int | None = None  # largest number of records
     duration_s: float | None = None
-    formats: Sequence[str] = ()  # rate and format are looked for: one of these
-    follow: bool = False  # the rate changes with what the bus is told
+    formats: Sequence[str] = ()  # search for the rate and one of these formats
+    follow: bool = False  # follow rate changes on the bus
+    limits: str = ""  # TzA and TrS as the user tells them
 
 
 EVERYTHING = Conditions()
 
 
 class Capture:
-    """From one reader or several to a sink whose blocks go to `output`. The clock is the monotonic one, in ns."""
+    """Reads from one or several readers into a sink whose blocks go to `output`. The clock is the monotonic one, in
+    ns.
+    """
 
     def __init__(  # noqa: PLR0913 - it puts the parts together
         self,
@@ -70,9 +73,9 @@ class Capture:
         reopen: Callable[[Reader, LineSettings], Reader] | None = None,
         clock_ns: Callable[[], int] = monotonic_ns,
     ) -> None:
-        """`quiet`: do not say that it runs; `progress`: show the counters every second; `remote`: who controls it.
+        """`quiet`: do not report that it runs; `progress`: show the counters every second; `remote`: who controls it.
 
-        `reopen` opens a lost port again, PortError while it is not back; without it, a lost port is lost.
+        `reopen` opens a lost port again, or raises PortError while it is not back. Without it, a lost port stays lost.
         """
         self._output = output
         self._counters = counters
@@ -82,9 +85,9 @@ class Capture:
         self._remote = remote
         self._clock_ns = clock_ns
         self._console = console
-        self._readers = list(readers)  # whose ports are not lost
+        self._readers = list(readers)  # those whose ports are not lost
         self._reopen = reopen
-        self._lost: dict[Reader, int] = {}  # they may come back; since when
+        self._lost: dict[Reader, int] = {}  # they may come back; the time of each loss
         self._tap = Tap(
             readers,
             sink,
@@ -95,14 +98,15 @@ class Capture:
             count=conditions.count,
         )
         self._steering = self._steering_of(readers[0].settings)
-        self._steps: list[Step] = []  # not yet done
-        self._why = "set where the tap is"  # the settings were changed; else nobody here has done it
+        self._steps: list[Step] = []  # not done yet
+        # the reason for new settings; without another reason the tap has changed them
+        self._why = "set where the tap is"
         self._port_lost = False
-        self._refused: set[str] = set()  # settings that a port cannot do, said once
+        self._refused: set[str] = set()  # settings that a port does not support, reported once
 
     def run(self, stop: Stop) -> int:
         """Capture until something ends it; return the exit code."""
-        # Nothing here makes reference cycles: the collector would only make a character wait now and then.
+        # The program makes no reference cycles here: the garbage collector would only delay characters.
         gc.freeze()
         gc.disable()
         try:
@@ -120,7 +124,7 @@ class Capture:
     def _run(self, stop: Stop) -> None:
         descriptions = {reader.line: self._description(reader) for reader in self._readers}
         said = f"sistap {sistap.__version__}; "
-        self._tap.begin({number: said + text for number, text in descriptions.items()})
+        self._tap.begin({number: said + text for number, text in descriptions.items()}, self._conditions.limits)
         stop.at_once = False
         if not self._quiet:
             for number, text in descriptions.items():
@@ -179,7 +183,7 @@ class Capture:
             return None
 
     def _lose(self, lost: PortLost) -> None:
-        """Note that a port is gone; if there is another, that one goes on."""
+        """Note that a port is gone; other ports continue."""
         reader = self._tap.reader(lost.line)
         self._readers.remove(reader)
         self._tap.lose(reader, lost.line, str(lost))
@@ -192,7 +196,7 @@ class Capture:
         self._console.alarm(f"{self._tap.which(lost.line)}{lost}{goes_on}")
 
     def _take_back(self) -> None:
-        """Go on with ports that are back."""
+        """Continue with ports that are back."""
         for lost, since_ns in list(self._lost.items()):
             assert self._reopen and isinstance(self._source, Several)
             try:
@@ -213,7 +217,7 @@ class Capture:
         return Steering(settings, formats, follow=follow, measure=self._measured) if formats or follow else None
 
     def _measured(self) -> float | None:
-        """Return the rate of the line, where a port sees it."""
+        """Return the rate of the line, if a port measures it."""
         rates = (reader.measured_baud() for reader in self._readers if isinstance(reader, Measuring))
         return next((rate for rate in rates if rate), None)
 
@@ -222,7 +226,7 @@ class Capture:
         return READ_TIMEOUT_S if due_ns is None else min(READ_TIMEOUT_S, max(0, due_ns - self._tap.wall_ns()) / 1e9)
 
     def _steer(self, steering: Steering) -> None:
-        """Do what is to be done about the line settings."""
+        """Change the line settings if steering demands it."""
         self._steps.extend(steering.look(self._tap.wall_ns()))
         steps, self._steps = self._steps, []
         for step in steps:
@@ -232,7 +236,7 @@ class Capture:
                 self._settle(f"{step.settings}: {step.why}")
 
     def _serve(self, remote: Remote) -> None:
-        """Do what was asked for from outside."""
+        """Act on remote requests."""
         for request in remote.requests():
             if not self._readers:  # lost while the rate was changed
                 return
@@ -242,12 +246,12 @@ class Capture:
                 self._set_rate(request.baud)
 
     def _set_rate(self, baud: int | None) -> None:
-        """Go on at a rate, or look for it."""
+        """Continue at a rate, or search for it."""
         if not baud and self._conditions.cut != SIS:
-            self._console.say("a rate can be looked for only with SIS telegrams: choose one")
+            self._console.say("sistap can search for the rate of SIS telegrams only: choose a rate")
             return
         if any(isinstance(reader, Distant) for reader in self._readers):
-            self._console.say("the rate of a distant tap is set there, with the options of `sistap serve`")
+            self._console.say("set the rate of a distant tap there, with the options of `sistap serve`")
             return
         formats = () if baud else self._conditions.formats or FORMATS
         self._conditions = replace(self._conditions, formats=formats)
@@ -260,14 +264,14 @@ class Capture:
             self._tap.renew_hints(reader)
 
     def _settle(self, text: str) -> None:
-        """Note that the settings of now are right."""
+        """Note that the present settings are right."""
         self._console.say(text)
         for reader in self._readers:
             self._tap.renew_hints(reader)
             self._tap.note(reader.line, Event.SETTINGS_CHANGED, text)
 
     def _change(self, step: Step) -> None:
-        """Change the line settings, after what has come with the old ones."""
+        """Change the line settings, after reading what came with the old ones."""
         self._take_waiting(self._read)
         self._why = step.why
         for reader in self._readers:
@@ -287,6 +291,8 @@ class Capture:
     def _take(self, read: Read, now: int) -> None:
         if not self._tap.has(read.line):
             self._tap.add_line(read.line, self._readers[0])
+            if self._conditions.limits:
+                self._tap.note(read.line, Event.LIMITS_TOLD, self._conditions.limits)
         for notice in read.notices:
             self._hear(notice, read)
         brings_settings = self._tap.brings_settings(read)
@@ -297,7 +303,7 @@ class Capture:
             self._steps.extend(self._steering.take(read, records))
 
     def _hear(self, notice: Notice, read: Read) -> None:
-        """Write down and say what the source of a read tells."""
+        """Write and report the notices of a read."""
         if notice.happening == Happening.GONE:
             self._tap.flush(self._tap.reader(read.line))
         elif notice.happening == Happening.ANEW:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where the records of a capture go: a file, a recorder, or text, with or without tshark's explanation."""
+"""The sinks of a capture: a file, a recorder, or text, with or without tshark's explanations."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ class PlainText:
         self._output = output
 
     def begin(self, *started: Record) -> None:
-        """Print nothing: standard error says it."""
+        """Print nothing: standard error has it."""
 
     def write(self, record: Record) -> bool:
-        """Print a record at once; not an event, that standard error tells."""
+        """Print a record at once, except an event, which goes to standard error."""
         if record.type == Type.EVENT:
             return False
         self._output.write(lines(record).encode())
         return True
 
     def look(self, time_ns: int) -> None:
-        """Do nothing: it is one output only."""
+        """Do nothing: there is only one output."""
 
     def end(self, time_ns: int) -> None:
         """Print nothing."""
 
 
 def check(options: CaptureOptions) -> None:
-    """Refuse what is not to be kept, before a port is opened or waited for. May raise UsageError or TsharkError."""
+    """Check the options of keeping before a port is opened. May raise UsageError or TsharkError."""
     if options.keep:
         with Tshark() as tshark:
             options.wanted.reasons.check(tshark)
@@ -60,7 +60,7 @@ def opened(
     counters: Counters,
     console: Audience,
 ) -> Iterator[Sink]:
-    """Make the sink that is wanted. May raise TsharkError, of a recorder."""
+    """Return the sink that the options demand. A recorder may raise TsharkError."""
     with ExitStack() as stack:
         if options.keep:
             tshark = stack.enter_context(Tshark())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which settings the lines of a capture are read with, where they are looked for or follow what the bus is told."""
+"""Chooses the settings with which the lines of a capture are read: found by a search, or following rate changes."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from sistap.line.settings import LineSettings, Read
 from sistap.records.record import Record
 from sistap.sis.follow import Change, Follow
 
-PATIENCE_NS = 5_000_000_000  # for a valid telegram after the rate changed
+PATIENCE_NS = 5_000_000_000  # longest wait for a valid telegram after a rate change
 
 
 class Step(NamedTuple):
-    """The lines are to be read with these settings; if they are already, they are right."""
+    """Read the lines with these settings; if they are so already, they are right."""
 
     settings: LineSettings
     why: str
 
 
 class Steering:
-    """The lines of one bus, which have the same settings. Times are those of the characters, in ns."""
+    """The lines of one bus, which share their settings. Times are those of the characters, in ns."""
 
     def __init__(
         self,
@@ -32,9 +32,9 @@ class Steering:
         follow: bool = False,
         measure: Callable[[], float | None] = lambda: None,
     ) -> None:
-        """Begin with `settings`; look for a rate and one of `formats`, if there are any; `follow` the bus.
+        """Begin with `settings`; search for a rate and one of `formats`, if there are any; `follow` the bus.
 
-        `measure` tells the rate of the line, where that can be seen.
+        `measure` returns the rate of the line, if it can be measured.
         """
         self._settings = settings
         self._formats = formats
@@ -45,16 +45,16 @@ class Steering:
         self._changed: Change | None = None  # followed, and no valid telegram since
         self._changed_ns = 0
         self._characters = 0  # since then
-        self._doubted = False  # it was said
-        self._hint: str | None = None  # not yet given
+        self._doubted = False  # the doubt was reported
+        self._hint: str | None = None  # not yet reported
 
     @property
     def searching(self) -> Scan | None:
-        """The search, None if there is none or it is over."""
+        """Return the search, None if there is none or it has ended."""
         return None if self._scan is None or self._scan.found else self._scan
 
     def take(self, read: Read, records: Sequence[Record]) -> Iterator[Step]:
-        """Take what was read and the records that it completed."""
+        """Take what was read, and the records that it completed."""
         scan = self.searching
         if scan:
             scan.take(read, records)
@@ -64,7 +64,7 @@ class Steering:
             yield from self._take_followed(read, records)
 
     def look(self, now_ns: int) -> Iterator[Step]:
-        """Yield what the time changes."""
+        """Yield the steps that are due by time."""
         scan = self.searching
         settings = scan.look(now_ns) if scan else None
         if settings:
@@ -75,13 +75,13 @@ class Steering:
             yield from self._doubt(self._changed)
 
     def take_hint(self) -> str | None:
-        """Give, once, what a person should know."""
+        """Return, once, a hint for the user."""
         hint, self._hint = self._hint, None
         return hint
 
     @property
     def due_ns(self) -> int | None:
-        """When look() has to be called at the latest."""
+        """Return the latest time of the next look()."""
         return self._follow.due_ns if self._follow else None
 
     def _take_followed(self, read: Read, records: Sequence[Record]) -> Iterator[Step]:
@@ -101,7 +101,7 @@ class Steering:
             yield self._step(self._settings._replace(baud=change.baud), change.why)
 
     def _doubt(self, change: Change) -> Iterator[Step]:
-        """Deal with a change that has brought nothing valid; a bus may be silent, but not speak so."""
+        """React to a rate change without valid telegrams since. The bus may be silent, but not damaged."""
         search = bool(self._formats) and self._characters > 0
         if search or not self._doubted:
             brought = "no valid telegram" if self._characters else "nothing received"

@@ -11,7 +11,7 @@ from sistap.capture.filter import Filter
 from sistap.capture.hints import Hints
 from sistap.capture.scan import Scan
 from sistap.line.clock import CLOCK
-from sistap.line.reader import Distant, Reader
+from sistap.line.reader import Distant, OwnTime, Reader
 from sistap.line.settings import Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
@@ -20,16 +20,16 @@ from sistap.records.record import Event, Record, Type, event
 
 
 class Sink(Protocol):
-    """Where records go."""
+    """The destination of records."""
 
     def begin(self, *started: Record) -> None:
-        """Begin, with an event for each port that says how the capture is taken."""
+        """Begin, with an event for each port that describes how the capture is taken."""
 
     def write(self, record: Record) -> bool:
-        """Take a record; tell whether it was written."""
+        """Take a record; return whether it was written."""
 
     def look(self, time_ns: int) -> None:
-        """Look, while nothing comes, whether the time for something has come."""
+        """Act on the time while nothing comes."""
 
     def end(self, time_ns: int) -> None:
         """End."""
@@ -37,7 +37,7 @@ class Sink(Protocol):
 
 @dataclass
 class _Line:
-    """One line: the port it comes from, what has come on it, and what was said of that."""
+    """A line: its port, what has come on it, and the hints given."""
 
     reader: Reader
     counters: Counters
@@ -45,7 +45,7 @@ class _Line:
 
 
 class Tap:
-    """From reads to a sink. `now` is the time of the monotonic clock, in ns; events have that of the line."""
+    """Brings reads to a sink. `now` is the time of the monotonic clock, in ns; events have the time of the line."""
 
     def __init__(  # noqa: PLR0913 - it puts the parts together
         self,
@@ -79,20 +79,23 @@ class Tap:
         self._lines[number] = _Line(reader, counters, self._new_hints(reader))
 
     def has(self, number: int) -> bool:
-        """Tell whether there is such a line: one port, a virtual bus, can bring several."""
+        """Tell whether the line exists: one port, a virtual bus, can bring several."""
         return number in self._lines
 
     def reader(self, number: int) -> Reader:
-        """Return what reads a line."""
+        """Return the reader of a line."""
         return self._lines[number].reader
 
     def which(self, number: int) -> str:
-        """Name a line for people, in front of what is said of it; with one port there is only one."""
+        """Return the prefix that names a line in messages; empty with a single port."""
         return f"line {number}: " if self._several else ""
 
-    def begin(self, started: Mapping[int, str]) -> None:
-        """Begin the sink, with how the capture is taken on each line."""
-        self._sink.begin(*(self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()))
+    def begin(self, started: Mapping[int, str], limits: str = "") -> None:
+        """Begin the sink, with how the capture is taken on each line, and the limits that the user told."""
+        events = [self._event(number, Event.CAPTURE_STARTED, text) for number, text in started.items()]
+        if limits:
+            events += [self._event(number, Event.LIMITS_TOLD, limits) for number in started]
+        self._sink.begin(*events)
 
     def end(self) -> None:
         """Write what is left, and end the sink."""
@@ -100,12 +103,12 @@ class Tap:
         self._sink.end(self.wall_ns())
 
     def lose(self, reader: Reader, number: int, text: str) -> None:
-        """Write what is left of the lines of a port that is gone, and why it is."""
+        """Write what is left of the lines of a port that is gone, and the reason."""
         self.flush(reader)
         self.note(number, Event.ADAPTER_LOST, text)
 
     def replace(self, lost: Reader, reader: Reader) -> None:
-        """Go on with the lines of a port that was lost, now that it is back."""
+        """Continue with the lines of a lost port that is back."""
         for number in self._lines_of(lost):
             self._assembler.restart(number, self._clock_ns())
             if reader.settings != self._assembler.settings(number):
@@ -117,15 +120,15 @@ class Tap:
         self._assembler.flush(self._lines_of(reader), self._clock_ns())
 
     def restart(self, number: int) -> None:
-        """Go on with another clock on a line."""
+        """Continue with another clock on a line."""
         self._assembler.restart(number, self._clock_ns())
 
     def note(self, number: int, code: Event, text: str, time_ns: int | None = None) -> None:
-        """Write an event that has nothing to do with what was read, of now or of that time."""
+        """Write an event that is not in what was read, at the present time or the given one."""
         self._assembler.emit([self._event(number, code, text, time_ns)], self._clock_ns())
 
     def note_clock_step(self, number: int) -> str:
-        """Write an event if the wall clock was set. Return what to say of it, or nothing."""
+        """Write an event if the wall clock was set. Return a message about it, or an empty text."""
         step_ns = CLOCK.step_ns()
         if not step_ns or isinstance(self.reader(number), Distant):
             return ""
@@ -141,7 +144,7 @@ class Tap:
         return self._assembler.brings_settings(read)
 
     def take(self, read: Read, now: int, why: str) -> list[Record]:
-        """Take what was read; `why` is said of other settings. Return the records that it completed."""
+        """Take what was read; `why` is the reason for new settings. Return the records that it completed."""
         self._last = read
         self._counters.add_read(read)
         if self._several:
@@ -149,15 +152,16 @@ class Tap:
         return self._assembler.take(read, now, why)
 
     def idle(self, now: int) -> list[tuple[int, list[Record]]]:
-        """Look which lines have been silent for long. Return the records that this completed, with their lines."""
+        """Check which lines have been silent for long. Return the records that this completed, with their lines."""
         completed = self._assembler.idle(now)
-        # What a framer holds is older than now, and a new file begins with the time now. Without it no record waits.
+        # What a framer holds is older than now, but a new file would begin with the time now. Without it no record
+        # waits.
         if self._assembler.empty:
             self._sink.look(self.wall_ns())
         return completed
 
     def renew_hints(self, reader: Reader) -> None:
-        """Begin the hints of a port again: it has other settings."""
+        """Restart the hints of a port, because it has other settings."""
         self._lines[reader.line].hints = self._new_hints(reader)
 
     def hints(self, reader: Reader, elapsed_s: float, searching: Scan | None) -> Iterator[str]:
@@ -167,10 +171,10 @@ class Tap:
             yield self.which(reader.line) + hint
 
     def wall_ns(self) -> int:
-        """Return the time now by the clock of the line: a virtual bus may have its own."""
+        """Return the present time of the line's clock: a virtual bus may have its own."""
         if self._last is None:
             first = next(iter(self._lines.values())).reader
-            return first.now_ns() if isinstance(first, Distant) else CLOCK.now_ns()
+            return first.now_ns() if isinstance(first, OwnTime) else CLOCK.now_ns()
         return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
 
     def _new_hints(self, reader: Reader) -> Hints:
@@ -190,6 +194,6 @@ class Tap:
         passes = only is None or record.type != Type.FRAME or only.matches(record.data)
         if passes and (count is None or counters.written < count):
             counters.accepted[record.line] += self._sink.write(record)
-        counters.add_record(record)  # after writing: that can end a file, whose statistics are without this one
+        counters.add_record(record)  # after writing: it can end a file, whose statistics exclude this record
         if self._several:
             self._lines[record.line].counters.add_record(record)

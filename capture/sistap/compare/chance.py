@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How likely chance alone makes a difference: exact rank tests, corrected for how many differences were looked for."""
+"""How likely chance alone makes a difference: exact rank tests, corrected for the number of comparisons."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from typing import Any, NamedTuple
 from sistap.compare.samples import Piece, Pieces, Samples
 
 TAIL = 0.99  # the share of all values that are not in the tail
-CERTAIN = 0.01  # a difference that chance makes less often than this is none of chance
-_FEW, _ENOUGH = 8, 16  # pieces of a side
-_EXACT = 1000  # events; of more, the normal distribution is as good
+CERTAIN = 0.01  # a difference that chance makes less often than this is certain
+_FEW, _ENOUGH = 8, 16  # pieces on each side
+_EXACT = 1000  # events; above this the normal distribution is as good
 
 
 def of_middle(good: Samples, bad: Samples) -> float:
-    """Return how likely the values of one side are larger than those of the other by chance."""
+    """Return how likely chance makes the values of one side larger than those of the other."""
     ranks = _middle_ranks(_together(good, bad))
     return rank_test(*([_average(piece, ranks) for piece in side] for side in _alike(good.pieces, bad.pieces)))
 
 
 def _alike(good: Pieces, bad: Pieces) -> list[list[Piece]]:
-    """Make equally long pieces of both sides, if neither has too few then, and no more than are needed.
+    """Cut both sides into pieces of equal length, no more than needed. None if a side then has too few.
 
-    The longer they are, the less has one to do with the next; and averages of shorter ones lie farther apart.
+    Longer pieces depend less on each other. Averages of shorter ones lie farther apart.
     """
     sides = (good, bad)
     length = max(side.length for side in sides)
@@ -41,7 +41,7 @@ def _alike(good: Pieces, bad: Pieces) -> list[list[Piece]]:
 
 
 def of_tail(good: Samples, bad: Samples) -> float:
-    """Return how likely one side has more of the largest values, those above TAIL of all, by chance."""
+    """Return how likely chance gives one side more of the largest values, those above TAIL of all."""
     together = _together(good, bad)
     passed, wanted = 0, TAIL * together.total()
     tail = set(together)
@@ -54,9 +54,9 @@ def of_tail(good: Samples, bad: Samples) -> float:
 
 
 def of_share(good: Pieces, bad: Pieces, kinds: Collection[Hashable]) -> float:
-    """Return how likely one side has more events of these kinds, as a share of its values, by chance.
+    """Return how likely chance gives one side more events of these kinds, as a share of its values.
 
-    Events in bursts are fewer events: as many times fewer as pieces differ more than single events would.
+    Events in bursts count as fewer events: divided by how much more pieces differ than single events would.
     """
     sides = [
         [_Count(sum(piece.counts[kind] for kind in kinds), piece.values) for piece in side.all] for side in (good, bad)
@@ -70,7 +70,7 @@ def of_share(good: Pieces, bad: Pieces, kinds: Collection[Hashable]) -> float:
 
 
 class _Count(NamedTuple):
-    """Of a piece."""
+    """Counts of a piece."""
 
     events: int
     values: int
@@ -95,9 +95,9 @@ def _burst(sides: Sequence[Sequence[_Count]]) -> float:
 
 
 def of_counts(good: int, bad: int, share: float) -> float:
-    """Return how likely events fall apart like this, or worse, by chance; the bad side has this share of the time.
+    """Return how likely chance distributes events like this, or worse; the bad side has this share of the time.
 
-    That is the exact test of the binomial distribution, upwards or downwards.
+    This is the exact test of the binomial distribution, upwards or downwards.
     """
     times = good + bad
     if not times or not 0 < share < 1:
@@ -117,7 +117,7 @@ def _log_choose(times: int, count: int) -> float:
 
 
 def corrected(chances: Sequence[float]) -> list[float]:
-    """Correct for how many they are (Holm): who looks for a hundred differences finds one in a hundred by chance."""
+    """Correct for the number of comparisons (Holm): among a hundred differences, chance makes one in a hundred."""
     order = sorted(range(len(chances)), key=chances.__getitem__)
     result = [1.0] * len(chances)
     most = 0.0
@@ -141,15 +141,15 @@ def _middle_ranks(counts: Counter[Any]) -> dict[Any, float]:
 
 
 def rank_test(good: Sequence[float], bad: Sequence[float]) -> float:
-    """Return how likely the ranks fall apart so far by chance, upwards or downwards: all ways to deal them are counted.
+    """Return how likely chance separates the ranks this far, upwards or downwards, by counting all ways to deal them.
 
-    That is the exact test of Wilcoxon, Mann and Whitney, also where values are equal.
+    This is the exact test of Wilcoxon, Mann and Whitney, also for equal values.
     """
     if not good or not bad:
         return 1.0
     values = sorted((*good, *bad))
     counts = Counter(values)
-    twice: dict[float, int] = {}  # their ranks, twice: those of equal values may be halves
+    twice: dict[float, int] = {}  # their ranks, twice: equal values may have half ranks
     passed = 0
     for value in sorted(counts):
         twice[value] = 2 * passed + counts[value] + 1
@@ -163,8 +163,8 @@ def rank_test(good: Sequence[float], bad: Sequence[float]) -> float:
 
 
 def _ways(ranks: Sequence[int], chosen: int) -> dict[int, int]:
-    """Return in how many ways so many ranks have each sum."""
-    # A list of counts is one long number with a field for each sum: so Python adds thousands of them at once.
+    """Return, for each sum, in how many ways that many ranks have it."""
+    # A list of counts is one long number with a field for each sum: Python adds thousands of them at once.
     width = len(ranks) + 1  # bits: no count is above 2 ** len(ranks)
     sums = [1] + [0] * chosen
     for rank in ranks:

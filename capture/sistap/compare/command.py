@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap compare`: the command line."""
+"""The command `sistap compare`: its options, and how it runs."""
 
 from __future__ import annotations
 
@@ -18,40 +18,40 @@ from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Say what has changed between a time when all was well and one when it was not: stations that appeared or left,
-parameters that differ and who wrote them, services and errors that are new, reaction times and intervals, faults of the
-line, rates and limits. The first five lines say it, tables below have all of it. Each difference says how likely chance
-alone makes it. All figures come from Wireshark's dissector, through tshark, which has to be installed with the plugin
-or sis.lua.
+Show what changed between a good time and a bad one: stations that appeared or left, parameters that differ and who
+wrote them, new services and errors, reaction times and intervals, faults of the line, rates and limits. The first five
+lines are the summary; the tables below have everything. Each difference says how likely chance alone would cause it.
+All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
-A side may be several files, such as those of a ring: then --good and --bad name them, in the order of their time. A
-shell's * does that.
+A side may have several files, such as those of a ring. Name them with --good and --bad, in the order of their time. The
+* of a shell does that.
 
-Chance: neighbours on a bus are alike, so the captures are cut into pieces of some length, and these are compared:
-medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Who compares a hundred
-things finds some by chance, which is taken into account. Certain is what chance makes less than once in 100 times.
+Chance: the captures are cut into pieces, because neighbouring telegrams are alike. Then the pieces are compared:
+medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Of a hundred comparisons,
+some differ by chance; this is taken into account. A difference is certain if chance causes it less than once in 100
+times.
 
 examples:
   sistap compare evening.pcapng night.pcapng                     good first, then bad
-  sistap compare --good monday-*.pcapng --bad friday-*.pcapng    several files
+  sistap compare --good monday-*.pcapng --bad friday-*.pcapng    several files on each side
   sistap compare evening.pcapng night.pcapng --format html -o changed.html
 
 exit status:
-  0  done, whatever has changed; also of a capture that is cut, which is said on standard error
+  0  done, whatever changed; a message on standard error tells if a capture is cut off
   1  failed while running: tshark or the plugin is missing, disk full
-  2  wrong usage, a capture that cannot be read, a FILE that cannot be written
+  2  wrong usage, a capture that cannot be read, or a FILE that cannot be written
 """
 
 FORMATS: dict[str, Callable[[Comparison], str]] = {"text": plain.as_text, "html": page, "json": plain.as_json}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("captures", metavar="GOOD BAD", type=Path, nargs="*", help="one capture of each side")
+    parser.add_argument("captures", metavar="GOOD BAD", type=Path, nargs="*", help="one capture for each side")
     for side, time in (("good", "all was well"), ("bad", "it was not")):
         parser.add_argument(
             f"--{side}", metavar="CAPTURE", type=Path, nargs="+", help=f"captures of the time when {time}"

@@ -16,39 +16,39 @@ from sistap.compare.side import FAULTS, LIMITS, SENT_AGAIN, Failure, Service, Si
 from sistap.packets.distribution import Distribution
 from sistap.sis.names import service_name
 
-SMALL = 0.05  # a time that differs by less than this part is the same
+SMALL = 0.05  # times that differ by less than this part count as equal
 
 
 @dataclass(frozen=True)
 class Count:
-    """Something that came so often on each side."""
+    """How often something came on each side."""
 
     what: str
     good: int
     bad: int
-    chance: float  # that it differs so much, 0 to 1
+    chance: float  # of a difference this large, 0 to 1
     filter: str = ""  # finds all of them in Wireshark
 
     @property
     def is_certain(self) -> bool:
-        """Whether chance is out of the question."""
+        """Tell whether chance is ruled out."""
         return self.chance < CERTAIN
 
     @property
     def is_new(self) -> bool:
-        """Whether it is on the bad side alone."""
+        """Tell whether it is on the bad side alone."""
         return not self.good
 
 
 class Quantile(NamedTuple):
-    """A time that a part of all times do not exceed, on each side, in s."""
+    """A time that a given part of all times do not exceed, on each side, in s."""
 
     good_s: float
     bad_s: float
     chance: float
 
     def differs(self, uncertainty_s: float) -> bool:
-        """Tell whether it differs by more than the clocks may be wrong, than anybody minds, and than chance."""
+        """Tell whether the difference exceeds the uncertainty of the clocks, SMALL, and chance."""
         apart_s = abs(self.bad_s - self.good_s)
         return apart_s > max(uncertainty_s, SMALL * self.good_s) and self.chance < CERTAIN
 
@@ -67,12 +67,12 @@ class Times:
 
     @property
     def differing(self) -> Quantile | None:
-        """The one of both that differs, if any."""
+        """Return the quantile of both that differs, if any."""
         return next((one for one in (self.middle, self.tail) if one.differs(self.uncertainty_s)), None)
 
     @property
     def ratio(self) -> float:
-        """How many times as long the one that differs is, or as short."""
+        """Return the ratio of the quantile that differs, as a factor above 1."""
         one = self.differing
         if not one or not min(one.good_s, one.bad_s):
             return 1.0
@@ -84,11 +84,11 @@ class Parameter(NamedTuple):
 
     good: Listed | None
     bad: Listed | None
-    moves: bool  # by itself, without being written
+    moves: bool  # changes by itself, without being written
 
     @property
     def listed(self) -> Listed:
-        """Whatever is known of it."""
+        """Return the side that knows it."""
         found = self.bad or self.good
         assert found is not None
         return found
@@ -103,17 +103,17 @@ class Setting(NamedTuple):
 
     @property
     def differs(self) -> bool:
-        """Whether it does."""
+        """Tell whether both sides differ."""
         return self.good != self.bad
 
 
 @dataclass
 class Comparison:
-    """All differences, and what is alike beside them."""
+    """All differences, and what is equal."""
 
     good: Side
     bad: Side
-    stations: list[Count]  # that are on one side alone
+    stations: list[Count]  # that are on one side only
     services: list[Count]  # as well
     failures: list[Count]  # reactions with an error
     faults: list[Count]
@@ -150,7 +150,7 @@ def failure_text(failure: Failure) -> str:
 
 
 def _sent(good: Side, bad: Side) -> float:
-    """Return the share of all telegrams that the bad side has."""
+    """Return the bad side's share of all telegrams."""
     return bad.telegrams / ((good.telegrams + bad.telegrams) or 1)
 
 
@@ -171,7 +171,7 @@ def _faults(good: Side, bad: Side) -> Iterator[Count]:
 
 
 def _times(good: Side, bad: Side) -> Iterator[Times]:
-    # A time is the difference of two that may each be late, and so is the other one.
+    # A time is the difference of two stamps that may each be late, and the other side's time is, too.
     uncertainty_s = good.uncertainty_s + bad.uncertainty_s
     for service in sorted(good.reactions.keys() & bad.reactions.keys()):
         what = f"answers {service_name(service.number)} (0x{service.number:02x})"
@@ -191,7 +191,7 @@ def _pair(what: str, station: int, good: Samples, bad: Samples, uncertainty_s: f
 
 
 def _parameters(good: Side, bad: Side) -> Iterator[Parameter]:
-    # Ports are left out: the tap may be at another one today.
+    # Ports are left out: the tap may be at another port today.
     sides = [{listed.parameter._replace(port=""): listed for listed in side.parameters} for side in (good, bad)]
     for key in dict.fromkeys([*sides[0], *sides[1]]):
         before, after = (side.get(key) for side in sides)
@@ -209,7 +209,7 @@ def _differ(before: Listed, after: Listed) -> bool:
 
 
 def _moves(listed: Listed) -> bool:
-    """Tell whether it has changed by itself: an actual position does, and its last value tells nothing."""
+    """Tell whether it changed by itself. An actual position does, so its last value tells nothing."""
     numbers = {access.number for access in (listed.least, listed.greatest) if access}
     return not listed.writes and (listed.first != listed.last or len(numbers) > 1)
 

@@ -10,7 +10,7 @@ from sistap.accesses.listing import Listed
 from sistap.compare.differences import Comparison, Count, Parameter, Quantile, Times
 from sistap.compare.side import Side
 
-_NAMED = 3  # things in a line; the others are counted
+_NAMED = 3  # things named in a line; the others are counted
 
 
 class Table(NamedTuple):
@@ -23,7 +23,7 @@ class Table(NamedTuple):
 
 
 class Line(NamedTuple):
-    """One of the five: what it is about, and what is to be said of it."""
+    """One of the five lines: its subject, and the findings."""
 
     subject: str
     text: str
@@ -31,7 +31,7 @@ class Line(NamedTuple):
 
 
 def side(one: Side) -> str:
-    """Say what a side is."""
+    """Describe a side."""
     first = one.names[0] if one.names else ""
     more = f" and {len(one.names) - 1} more" if len(one.names) > 1 else ""
     return f"{first}{more}: {one.telegrams} telegrams in {one.seconds:.1f} s"
@@ -56,7 +56,9 @@ def _first(texts: Sequence[str]) -> str:
 
 
 def _members(counts: Sequence[Count]) -> list[str]:
-    """Say what is certain, and what is new though it may be chance; what was seldom before need not come again."""
+    """Return members that are certain, and new ones that may be chance. Rare members of the good side need not come
+    again.
+    """
     told = [count for count in counts if count.is_certain or count.is_new]
     return [
         f"{'new' if one.is_new else 'gone'}: {one.what}, {_times_over(one.good or one.bad)} ({by_chance(one.chance)})"
@@ -109,7 +111,7 @@ def _time(times: Times, one: Quantile) -> str:
 
 
 def _errors(counts: Iterable[Count]) -> list[str]:
-    """Say what is certain, and what is new though it may be chance."""
+    """Return errors that are certain, and new ones that may be chance."""
     told = [count for count in counts if count.is_certain or (count.is_new and count.bad)]
     return [
         f"{count.what} {count.bad}, was {count.good} ({by_chance(count.chance)})"
@@ -118,7 +120,7 @@ def _errors(counts: Iterable[Count]) -> list[str]:
 
 
 def by_chance(likely: float) -> str:
-    """Say how likely it is that chance makes this."""
+    """Describe how likely chance makes this."""
     if likely > 0.2:
         return "may be chance"
     return f"by chance 1 in {1 / likely:.0f}" if likely > 1e-6 else "not by chance"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A comparison as one HTML page that needs nothing else: no script, no network, light and dark."""
+"""A comparison as one self-contained HTML page: no script, no network, light and dark."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; 
 
 
 def page(comparison: Comparison) -> str:
-    """Make the page."""
+    """Return the page."""
     lines = "\n".join(
         f'<tr{"" if line.is_finding else " class=same"}><th scope="row">{escape(line.subject)}</th>'
         f"<td>{escape(line.text)}</td></tr>"

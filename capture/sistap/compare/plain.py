@@ -15,7 +15,7 @@ from sistap.packets.distribution import Distribution
 
 
 def as_text(comparison: Comparison) -> str:
-    """Write what the sides are, the five lines, and the tables."""
+    """Return a description of the sides, the five lines, and the tables."""
     lines = findings.lines(comparison)
     width = max(len(line.subject) for line in lines)
     head = [
@@ -35,7 +35,7 @@ def _table(table: Table) -> str:
 
 
 def as_json(comparison: Comparison) -> str:
-    """Write all differences; times in s, the names say so."""
+    """Return all differences as JSON; times are in s, as their names state."""
     return json.dumps(_comparison(comparison), indent=2, allow_nan=False) + "\n"
 
 

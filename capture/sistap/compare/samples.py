@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Millions of values in bounded memory, in the order in which they came: some dozens of pieces, each with its counts.
+"""Millions of values in bounded memory, in the order in which they came: some dozens of pieces with counts.
 
-Neighbours on a bus are alike: a slow hour has thousands of slow reactions and is one event. So chance is asked of
-pieces of the time, not of single values.
+Neighbouring values on a bus are alike: a slow hour has thousands of slow reactions and is one event. So the test of
+chance uses pieces of the time, not single values.
 """
 
 from __future__ import annotations
@@ -13,37 +13,34 @@ from collections.abc import Hashable, Iterable, Sequence
 
 from sistap.packets.distribution import Distribution
 
-MOST = 96  # pieces; neighbours that are put together leave half of them
-_ZERO = -(10**6)  # the bin of 0, which fits no logarithm
+MOST = 96  # pieces; merging neighbours leaves half of them
+_ZERO = -(10**6)  # the bin of 0, which has no logarithm
 
 
 class Piece:
-    """Neighbours: how many values they are, and how often each bin, or each kind of event, came."""
+    """Consecutive values: how many there are, and how often each bin, or each kind of event, came."""
 
     __slots__ = ("counts", "values")
 
     def __init__(self) -> None:
-        """Begin with no value."""
         self.values = 0
         self.counts: Counter[Hashable] = Counter()
 
     def __iadd__(self, other: Piece) -> Piece:
-        """Take in a neighbour."""
         self.values += other.values
         self.counts.update(other.counts)
         return self
 
 
 class Pieces:
-    """All pieces of a side, equally long, but for the last."""
+    """All pieces of a side, of equal length except the last."""
 
     def __init__(self) -> None:
-        """Begin with none."""
         self.all: list[Piece] = []
         self.length = 1  # values
 
     def add(self, counted: Iterable[Hashable], values: int) -> None:
-        """Count values that came together: they are of one piece."""
+        """Count values that came together: they belong to one piece."""
         if not self.all or self.all[-1].values >= self.length:
             if len(self.all) == MOST:
                 self._halve()
@@ -52,7 +49,7 @@ class Pieces:
         self.all[-1].counts.update(counted)
 
     def of_length(self, length: int) -> list[Piece]:
-        """Put neighbours together until a piece has so many values: a power of 2."""
+        """Merge neighbours until a piece has this many values, a power of 2."""
         together = length // self.length
         made = []
         for first in range(0, len(self.all), together):
@@ -70,12 +67,11 @@ class Samples:
     """Values from 0 on, such as times in s."""
 
     def __init__(self) -> None:
-        """Begin with no value."""
         self.whole = Distribution()
         self.pieces = Pieces()  # by bin; bins are in the order of their values
 
     def add(self, values: Sequence[float]) -> None:
-        """Take values that came together."""
+        """Add values that came together."""
         if values:
             self.whole.add(values)
             self.pieces.add(map(_bin, values), len(values))

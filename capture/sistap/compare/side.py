@@ -43,7 +43,7 @@ class Failure(NamedTuple):
 
 @dataclass
 class Side:
-    """All that is compared; times in s."""
+    """Everything that is compared; times in s."""
 
     names: list[str] = field(default_factory=list)  # of its captures
     seconds: float = 0.0
@@ -62,7 +62,7 @@ class Side:
 
     @property
     def uncertainty_s(self) -> float:
-        """How exact half of its times are, at least."""
+        """Return a lower bound of the uncertainty of half of its times."""
         return self.uncertainty.within_s(0.5)
 
     def add(self, packet: Packet, file: str) -> None:
@@ -106,7 +106,7 @@ class Side:
         self.services[service] += 1
         if telegram.reaction:
             self.reactions[service].add([telegram.reaction.time_s])
-        # What parameters were refused for is known from the accesses.
+        # The accesses tell which parameters were refused and why.
         if telegram.status and not any(access.error for access in packet.accesses):
             text = f"status 0x{telegram.status:02x}"
             self.failures[Failure(service.station, service_name(service.number), text)] += 1
@@ -124,12 +124,12 @@ def _faults(packet: Packet) -> list[str]:
 
 
 def _first_station(path: str) -> int:
-    """Return the station that the master speaks to; behind it may be others: `3/2/8`."""
+    """Return the station that the master addresses; others may be behind it: `3/2/8`."""
     return int(path.partition("/")[0])
 
 
 def read(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None], progress: Callable[[str], None]) -> Side:
-    """Read the captures of a side. NotACapture, TsharkError; what is damaged is said."""
+    """Read the captures of a side; report damage. Raise NotACapture or TsharkError."""
     side = Side()
     for capture in captures:
         last_s = 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The lines of a log: when and by whom, the bytes, and under them what they are."""
+"""The lines of a log: time, sender and bytes, with the explanation below."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _DIRECTIONS = {1: "RX  ", 2: "TX  "}
 
 
 def stamp(seconds: int, ns: int) -> str:
-    """Return local time with its zone; nothing for 0, which is the time of a log without times."""
+    """Return local time with its zone; empty for 0, the time of a log without times."""
     if not seconds and not ns:
         return ""
     local = time.localtime(seconds)
@@ -19,10 +19,10 @@ def stamp(seconds: int, ns: int) -> str:
 
 
 def head(stamp: str, line: int) -> str:
-    """Return what is before the bytes."""
+    """Return the text before the bytes."""
     return stamp + _DIRECTIONS.get(line, "")
 
 
 def under(head: str, text: str) -> str:
-    """Return the line that explains bytes behind such a head."""
+    """Return the line that explains the bytes after such a head."""
     return f"{' ' * len(head)}{EXPLANATION}{text}\n"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The fields by which tshark explains a record, and the sentence that they make."""
+"""The fields by which tshark explains a record, and the sentence made of them."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from sistap.wireshark import rows
 from sistap.wireshark.rows import INFO_FIELDS, NECESSARY, NO_DISSECTOR, first, info, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
 
-EXPLANATION = "^-- "  # is before each explanation in a log
+EXPLANATION = "^-- "  # stands before each explanation in a log
 _REACTION, _UNANSWERED = "sis.reaction_time", "sis.command.unanswered"
 _FIELDS = (*INFO_FIELDS, NECESSARY, _REACTION, _UNANSWERED)
-_INFO_COLUMN = ("-o", 'gui.column.format:"Info","%i"')  # the user's own columns may be without
-_COARSE_NS = 100_000_000  # stamps in longer steps say nothing of the time between two telegrams
+_INFO_COLUMN = ("-o", 'gui.column.format:"Info","%i"')  # the user's own columns may lack it
+_COARSE_NS = 100_000_000  # stamps with larger steps say nothing about the time between two telegrams
 _TAKEN = re.compile(r"(, (?:reached|failed)) after [\d.]+ s")
 
 
 class Said(NamedTuple):
-    """What the dissector says of a record."""
+    """What the dissector says about a record."""
 
     info: str
     is_telegram: bool
-    reaction_s: float | None  # after its command, from packet to packet
+    reaction_s: float | None  # time after its command, from packet to packet
     unanswered: bool
 
 
@@ -32,7 +32,7 @@ class Fields:
     """The fields of an explanation that this tshark knows."""
 
     def __init__(self, tshark: Tshark, more: tuple[str, ...] = ()) -> None:
-        """Ask tshark, also for others. TsharkError if it has no dissector for SIS."""
+        """Ask tshark for its fields, including other ones. TsharkError if it has no dissector for SIS."""
         self._names = [*_FIELDS, *more]
         with tempfile.TemporaryFile() as nothing:
             unknown = unknown_fields(tshark.run(["-r", "-", *self.arguments], stdin=nothing).stderr)
@@ -42,20 +42,20 @@ class Fields:
 
     @property
     def arguments(self) -> list[str]:
-        """What tells tshark to print them."""
+        """Return the options that make tshark print them."""
         return [*_INFO_COLUMN, *rows.printing(self._names)]
 
     def columns(self, line: str) -> dict[str, str]:
-        """Take apart what it prints for one packet; several values are joined by JOINT."""
+        """Split what it prints for one packet; JOINT joins several values."""
         return rows.columns(self._names, line)
 
     def said(self, line: str) -> Said:
-        """Read what it prints for one record."""
+        """Parse what it prints for one record."""
         return said(self.columns(line))
 
 
 def said(columns: dict[str, str]) -> Said:
-    """Return what is said of one record."""
+    """Return what it says about one record."""
     reaction = first(columns.get(_REACTION, ""))
     return Said(
         info(columns),
@@ -66,13 +66,13 @@ def said(columns: dict[str, str]) -> Said:
 
 
 def sentence(said: Said, resolution_ns: int | None) -> str:
-    """Say in a line what a record is; of times what stamps in such steps can tell, nothing where there are none."""
+    """Describe a record in a line. Times have the precision of the stamps; without stamps there are none."""
     text = said.info.replace("\n", " ").replace("\r", " ")
     if said.unanswered:
         text += "  [no reaction]"
     if resolution_ns is None or resolution_ns > _COARSE_NS:
         return _TAKEN.sub(r"\1", text)
     if said.reaction_s is not None:
-        digits = min(3, 7 - len(str(resolution_ns)))  # of ms
+        digits = min(3, 7 - len(str(resolution_ns)))  # digits of ms
         text += f"  {said.reaction_s * 1e3:.{max(0, digits)}f} ms after the command"
     return text

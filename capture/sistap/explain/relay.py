@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tshark says of records for months: one tshark after the other, before its memory grows.
+"""Explains records for months, with one tshark after the other, before its memory grows too large.
 
-tshark keeps what it has found out of every telegram. So after a while another one takes over. It is told first what the
-telegrams before have taught (memory), and what was said in the last two minutes. So it knows what is under way:
-commands without their reactions, transfers. Each record is judged by one of the two only: up to the seam by the old
-one, from there on by the new one. One that has ended by itself is replaced, and the next gets what it had not judged.
-One that falls too far behind is replaced, too, and what it had not judged stays unjudged.
+tshark keeps data about every telegram. So after a while a new one takes over. First it receives the telegrams that its
+predecessor has learned from (memory), and those of the last two minutes. So it knows what is under way: commands
+without their reactions, transfers. Exactly one of the two judges each record: the old one up to the seam, the new one
+from there on. If a tshark ends by itself, the next one gets what was not judged. If a tshark falls too far behind, it
+is replaced, and what it had not judged stays unjudged.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from sistap.explain.memory import Memory
 from sistap.explain.running import Running
 from sistap.files import pcapng
 
-Start = Callable[[bytes | None], Running]  # told by which data a mark is known, if the filter has to let marks pass
+Start = Callable[[bytes | None], Running]  # called with the data of a mark, if the filter must let marks pass
 Columns = dict[str, str]
 
-_MARK_S = 1.0  # so often a tshark that prints only what a filter finds is asked how far it is
-_PAUSES_S = (0.0, 1.0, 10.0, 60.0)  # before the next one, after so many that ended without having judged anything
+_MARK_S = 1.0  # how often a tshark that prints only matches is asked how far it is
+_PAUSES_S = (0.0, 1.0, 10.0, 60.0)  # before the next tshark, after that many ended without having judged anything
 
 
 class Seams(NamedTuple):
-    """When another tshark takes over; each has about 250 bytes a packet."""
+    """When the next tshark takes over; one needs about 250 bytes of memory for each packet."""
 
-    packets: int = 300_000  # that one gets, beside what it is told at first
-    context_ns: int = 120_000_000_000  # which it is told at first: a long transfer takes a minute
+    packets: int = 300_000  # for one tshark, besides its context
+    context_ns: int = 120_000_000_000  # its context: a long transfer takes a minute
     context: int = 8_000_000  # bytes, at most
-    behind: int = 32_000_000  # bytes of records that one may still have to judge
+    behind: int = 32_000_000  # bytes of records that may wait to be judged
 
 
 class Entry(NamedTuple):
@@ -43,46 +43,46 @@ class Entry(NamedTuple):
 
     time_ns: int
     block: bytes
-    telegram: bytes = b""  # a good one of SIS
+    telegram: bytes = b""  # a good SIS telegram
     is_packet: bool = True
-    line: str = ""  # as a person reads it
+    line: str = ""  # for a reader
 
 
 class Judged(NamedTuple):
-    """A block, and what tshark has said of it."""
+    """A block, and what tshark said about it."""
 
     entry: Entry
-    columns: Columns | None  # None: the filter has not found it, or nobody has judged it
+    columns: Columns | None  # None: the filter does not match, or it was not judged
     is_unjudged: bool = False
 
 
 @dataclass
 class _Post:
-    """One tshark, and which records it is told of."""
+    """One tshark, and the records that it receives."""
 
     running: Running
-    first: int  # number of the first record that came to it as it came
-    foreign: int  # packets that are no such records: at first what is to be known, then marks
-    until: int | None = None  # number of the first that it is no more told of
+    first: int  # number of the first live record
+    foreign: int  # packets that are no live records: its context, then marks
+    until: int | None = None  # number of the first record that it no longer receives
     packets: int = 0
 
 
 class Relay:
-    """Takes blocks, gives them back in their order with what tshark says. Never waits."""
+    """Takes blocks, returns them in order with what tshark says. Never blocks."""
 
-    def __init__(  # noqa: PLR0913 - all of it is another's trade
+    def __init__(  # noqa: PLR0913 - each comes from another part
         self,
         start: Start,
         columns: Callable[[str], Columns],
         say: Callable[[str], None],
         *,
         finds: bool,
-        seams: Seams = Seams(),  # noqa: B008 - it is frozen
+        seams: Seams = Seams(),  # noqa: B008 - the default is frozen
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
-        """`start` starts a tshark, `columns` reads its lines, which have frame.number and data.data.
+        """`start` starts a tshark; `columns` parses its lines, which have frame.number and data.data.
 
-        `finds`: it prints only what a filter finds, and marks; else each packet.
+        `finds`: it prints only matches of a filter, and marks; else each packet.
         """
         self._start = start
         self._columns = columns
@@ -92,29 +92,29 @@ class Relay:
         self._clock_s = clock_s
         self._memory = Memory()
         self._heading = b""  # section and interfaces
-        self._started: list[bytes] = []  # the events that begin the capture
+        self._started: list[bytes] = []  # the events at the beginning of the capture
         self._posts: deque[_Post] = deque()  # the first one judges now
-        self._unsent: list[bytes] = []  # it goes to tshark in one piece, when somebody looks
+        self._unsent: list[bytes] = []  # sent to tshark in one piece at the next look
         self._pending: deque[Entry] = deque()
         self._pending_bytes = 0
-        self._recent: deque[Entry] = deque()  # judged, and still of interest for what comes
+        self._recent: deque[Entry] = deque()  # judged, and still context for what comes
         self._recent_bytes = 0
-        self._judged = 0  # number of the first record that is pending
+        self._judged = 0  # number of the first pending record
         self._number = 0  # of the next record
         self._marked_s = 0.0
-        self._marked = 0  # number of the record behind the last mark
-        self._failures = 0  # of posts that had judged nothing
-        self._next_s = 0.0  # not before this another one is started
-        self.unjudged = 0  # records, in all
+        self._marked = 0  # number of the record after the last mark
+        self._failures = 0  # posts in a row that judged nothing
+        self._next_s = 0.0  # earliest start of the next one
+        self.unjudged = 0  # records, in total
         self.successions = 0
 
     def begin(self, heading: bytes, started: list[bytes]) -> None:
-        """Begin with a section and its interfaces, and the packets that a capture begins with. May raise OSError."""
+        """Begin with a section, its interfaces, and the first packets of a capture. May raise OSError."""
         self._heading, self._started = heading, started
         self._appoint(0, ())
 
     def put(self, entry: Entry) -> None:
-        """Take the next block."""
+        """Add the next block."""
         if not entry.is_packet:
             self._heading += entry.block
         self._pending.append(entry)
@@ -128,11 +128,11 @@ class Relay:
         self._succeed()
 
     def look(self) -> Iterator[Judged]:
-        """Yield what is judged by now. Call it again and again, also while nothing comes."""
+        """Yield what is judged by now. Call it regularly, also while nothing comes."""
         self._mark()
         self._send()
         yield from self._judged_by_now()
-        if self._failures > 1 and self._number > self._judged:  # what is pending may be why
+        if self._failures > 1 and self._number > self._judged:  # a pending record may be the cause
             yield from self._give_up("tshark ends again and again")
         elif self._pending_bytes > self._seams.behind:
             yield from self._give_up("tshark is too slow for this line")
@@ -141,11 +141,11 @@ class Relay:
 
     @property
     def empty(self) -> bool:
-        """Whether all that came is judged."""
+        """Tell whether everything was judged."""
         return not self._pending
 
     def finish(self, patience_s: float) -> Iterator[Judged]:
-        """Yield the rest, when tshark has judged it; after so long without it."""
+        """Yield the rest when tshark has judged it, or unjudged after a time-out."""
         self._send()
         for post in self._on_duty():
             post.running.end()
@@ -172,7 +172,7 @@ class Relay:
         yield from self._up_to(self._number)
 
     def close(self) -> None:
-        """End all that run."""
+        """End all running tsharks."""
         while self._posts:
             self._posts.popleft().running.kill()
 
@@ -189,7 +189,7 @@ class Relay:
     # -- One after the other
 
     def _appoint(self, first: int, context: Iterable[Entry]) -> _Post:
-        """Start a tshark that judges from a record on, and tell it what it has to know. May raise OSError."""
+        """Start a tshark that judges from a record on, and send it its context. May raise OSError."""
         running = self._start(self._token)
         known = [*self._started, *self._memory.blocks(), *(entry.block for entry in context if entry.is_packet)]
         running.put(self._heading + b"".join(known))
@@ -204,25 +204,25 @@ class Relay:
         self._send()
         try:
             self._appoint(self._number, [*self._recent, *self._pending])
-        except OSError:  # the old one goes on, and the next record tries again
+        except OSError:  # the old one continues, and the next record tries again
             return
         post.until = self._number
         post.running.end()
         self.successions += 1
 
     def _lose(self, post: _Post) -> None:
-        """Go on without one that has ended by itself."""
+        """Continue without one that has ended by itself."""
         self._failures = 1 if self._judged > post.first else self._failures + 1
         self._say(f"tshark has ended: {post.running.failure()}; another one goes on")
         self._dismiss()
 
     def _dismiss(self) -> None:
-        """End all, and let the next begin after a pause that grows while nothing is judged."""
+        """End all; the pause before the next grows while nothing is judged."""
         self.close()
         self._next_s = self._clock_s() + _PAUSES_S[min(self._failures, len(_PAUSES_S)) - 1]
 
     def _replace(self) -> None:
-        """Give all that is not judged to another tshark."""
+        """Send everything that is not judged to another tshark."""
         self._unsent = []
         try:
             post = self._appoint(self._judged, self._recent)
@@ -236,7 +236,7 @@ class Relay:
         self._marked = self._judged
 
     def _give_up(self, why: str) -> Iterator[Judged]:
-        """Leave unjudged what is pending."""
+        """Leave pending records unjudged."""
         count = self._number - self._judged
         self.unjudged += count
         self._say(f"{why}: {count} records were not looked at")
@@ -248,13 +248,13 @@ class Relay:
     # -- What they say
 
     def _mark(self) -> None:
-        """Ask how far they are, by a packet that the filter lets pass."""
+        """Ask how far they are, with a packet that the filter lets pass."""
         now_s = self._clock_s()
         is_due = self._marked != self._number != self._judged and now_s - self._marked_s >= _MARK_S
         if self._token is None or not is_due:
             return
         self._marked_s, self._marked = now_s, self._number
-        # At the time of the packet before it: so nothing seems to take longer or less long.
+        # With the time of the packet before it: then no measured time changes.
         mark = pcapng.enhanced_packet(0, self._pending[-1].time_ns, pcapng.upper_pdu("data", self._token))
         self._unsent.append(mark)
 
@@ -285,7 +285,7 @@ class Relay:
             yield self._taken(columns)
 
     def _up_to(self, number: int) -> Iterator[Judged]:
-        """Yield what comes before this record: the filter has not found it."""
+        """Yield what comes before this record: the filter does not match it."""
         while self._pending and (self._judged < number or not self._pending[0].is_packet):
             yield self._taken(None)
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One running tshark: blocks of a capture go in, a line for each packet that it prints comes out. Nobody waits for it.
+"""One running tshark: takes blocks of a capture, and returns a line for each packet that it prints. Nobody waits for
+it.
 
-Two threads are between: tshark must never have to wait with its lines while it is written to, nor may whoever has
-blocks for it. They have the priority of who starts them: at a lower one they could keep a reader from its turn, for
-only one thread of Python runs at a time. tshark itself always has the ordinary one.
+Two threads decouple it: tshark must never wait for its lines to be read while blocks are written to it, and neither
+must the writer wait for tshark. The threads have the priority of their starter. At a lower one they could delay a
+reader, because only one thread of Python runs at a time. tshark itself always has ordinary priority.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ class Running:
         self._blocks.put(data)
 
     def end(self) -> None:
-        """Send no more: it says what it still has to say, then None."""
+        """Send no more: tshark prints its remaining lines, then None follows."""
         self._blocks.put(None)
 
     def kill(self) -> None:
@@ -51,16 +52,16 @@ class Running:
 
     @property
     def pid(self) -> int:
-        """The number of its process."""
+        """Return its process number."""
         return self._process.pid
 
     @property
     def ended_well(self) -> bool:
-        """Whether it has ended, and has read all that there was."""
+        """Tell whether it has ended after reading everything."""
         return self._process.returncode == 0
 
     def failure(self) -> TsharkError:
-        """Say why it has ended."""
+        """Return why it has ended."""
         self._process.wait()
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip().splitlines()
@@ -68,7 +69,7 @@ class Running:
 
     def _write(self) -> None:
         assert self._process.stdin
-        with suppress(OSError):  # it has ended, and its lines say so
+        with suppress(OSError):  # it has ended, and its lines show it
             while (data := self._blocks.get()) is not None:
                 self._process.stdin.write(data)
                 self._process.stdin.flush()
@@ -81,7 +82,7 @@ class Running:
             for line in stdout:
                 self.lines.put(line.decode(errors="replace").rstrip("\n"))
         self._process.wait()
-        self._blocks.put(None)  # nobody has to write any more
+        self._blocks.put(None)  # ends the writer
         self.lines.put(None)
 
 

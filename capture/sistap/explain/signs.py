@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""By which fields a person sees that a record is out of the ordinary, and what that is called.
+"""The fields that mark a record as unusual, and the name of each reason.
 
-Only fields that a live dissection has: what a later packet tells is not known yet.
+Only fields of a live dissection: what a later packet tells is not known yet.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from sistap.wireshark.rows import JOINT
 
 
 class Sign(NamedTuple):
-    """A reason, and the tests any of which is one: FIELD (it is there), or FIELD == NUMBER, or FIELD > NUMBER."""
+    """A reason and its tests, of which one must match: FIELD (it is there), FIELD == NUMBER, or FIELD > NUMBER."""
 
     reason: str
     tests: Sequence[str]
 
 
-# As the colours of the profile have it.
+# As the colours of the profile.
 FAULTS = (
     Sign(
         "damaged",
@@ -43,12 +43,12 @@ def expression(signs: Iterable[Sign]) -> str:
 
 
 def fields(signs: Iterable[Sign]) -> list[str]:
-    """Return the fields by which they are told apart."""
+    """Return the fields of their tests."""
     return list(dict.fromkeys(test.split()[0] for sign in signs for test in sign.tests))
 
 
 def reason(signs: Iterable[Sign], columns: Mapping[str, str]) -> str:
-    """Return the first reason that the fields of a packet show; nothing if there is none."""
+    """Return the first reason that the fields of a packet show; empty if none."""
     return next((sign.reason for sign in signs if any(_holds(test, columns) for test in sign.tests)), "")
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""sistap as an extcap: serial ports among the interfaces of Wireshark, a distant tap, and a bus in software.
+"""sistap as an extcap: serial ports as interfaces of Wireshark, a distant tap, and a simulated bus.
 
-Wireshark runs `sistap extcap` for every question: which interfaces there are (interfaces), which options their dialog
-has (dialog), whether a capture filter is right; and then for a capture into a pipe (started), with the toolbar beside
-it (toolbar). command answers. All extcaps are run while Wireshark starts: what only a capture needs is imported when
-one begins. It may use all rooms but the other products.
+Wireshark runs `sistap extcap` for every question: the interfaces (interfaces), the options of their dialog (dialog),
+the check of a capture filter. Then it runs it for a capture into a pipe (started), with the toolbar (toolbar). command
+answers. Wireshark runs all extcaps while it starts, so what only a capture needs is imported when one begins. It may
+use all rooms but the other products.
 """

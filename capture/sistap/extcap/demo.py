@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The demo bus: a virtual bus played in this process, for as long as it lives."""
+"""The demo bus: a virtual bus played in this process, for as long as the process lives."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from sistap.bus.wires.taps import Taps
 from sistap.records.cut import Cut
 
 _SEED = 1
-_A_CHARACTER = 1  # at a time, as they come on a line
+_A_CHARACTER = 1  # at a time, as on a line
 
 
 def framing(scenario: str) -> Cut:
-    """Return how a tap has to cut what is played. ValueError: there is no such scenario."""
+    """Return how a tap must cut what is played. ValueError: there is no such scenario."""
     return load(scenario or DEFAULT).cut
 
 
 def start(faults: str, scenario: str) -> str:
-    """Let a bus wait for its listener; give what `sistap capture -i` opens. ValueError: an option is wrong."""
+    """Start a bus that waits for its listener; return the address for -i. ValueError: an option is wrong."""
     played = load(scenario or DEFAULT)
     how = Playing(_SEED, tap_faults=Faults.parse(faults) if faults else NO_FAULTS)
     telegrams = played.play(played.settings, how)

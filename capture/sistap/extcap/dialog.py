@@ -16,7 +16,7 @@ from sistap.sis.rates import RATES
 
 SELFTEST = "selftest"
 
-Choice = tuple[str, str]  # a value, and how it is shown
+Choice = tuple[str, str]  # a value, and its text
 
 
 class Of(enum.Flag):
@@ -32,10 +32,10 @@ class Option(NamedTuple):
     """One field of the dialog, and one option of the command."""
 
     call: str
-    type: str  # as Wireshark names it
+    type: str  # the name of the type in Wireshark
     display: str
     tooltip: str
-    group: str  # of fields that are shown together, on a page if there are several
+    group: str  # fields of a group are shown together, on a page of their own if there are several groups
     of: Of = Of.PORT | Of.DEMO | Of.ANALYSER  # which interfaces have it
     choices: Callable[[str], Sequence[Choice]] | None = None  # for an interface; the first is the default
     reload: bool = False  # with a button that asks for the choices again
@@ -45,7 +45,7 @@ class Option(NamedTuple):
 
     @property
     def key(self) -> str:
-        """The name of its value."""
+        """Return the name of its value."""
         return self.call.removeprefix("--").replace("-", "_")
 
 
@@ -54,7 +54,7 @@ def _rates(_: str) -> Sequence[Choice]:
 
 
 def _formats(_: str) -> Sequence[Choice]:
-    return [("", f"{FORMATS[0]}, or looked for with the rate"), *((text, text) for text in FORMATS)]
+    return [("", f"{FORMATS[0]}, or found together with the rate"), *((text, text) for text in FORMATS)]
 
 
 def _framings(_: str) -> Sequence[Choice]:
@@ -69,11 +69,11 @@ def _other_ports(name: str) -> Sequence[Choice]:
 
 
 def _uncertainties(_: str) -> Sequence[Choice]:
-    return [("", "As the last self-test found, or measured for 0.2 s"), (SELFTEST, "By a self-test now: 5 s")]
+    return [("", "From the last self-test, or measured for 0.2 s"), (SELFTEST, "From a self-test now (5 s)")]
 
 
 def _scenarios(_: str) -> Sequence[Choice]:
-    from sistap.bus.scenarios import scenario  # only when the dialog is shown
+    from sistap.bus.scenarios import scenario  # imported only when the dialog is shown
 
     titles = {name: played.title for name in scenario.names() if (played := scenario.load(name)).is_complete}
     names = sorted(titles, key=lambda name: name != scenario.DEFAULT)
@@ -85,6 +85,8 @@ def _inverted(_: str) -> Sequence[Choice]:
     return list(words.items())
 
 
+_MILLISECONDS = "^[1-9][0-9]{0,4}$"
+
 LINE, TIMES, BUS, PROBE = "Line", "Times", "Bus", "Analyser"
 
 OPTIONS = (
@@ -92,45 +94,47 @@ OPTIONS = (
         "--address",
         "string",
         "Host and port",
-        "Where sistap serve runs, or this end of its ssh tunnel. Rate and format are set there",
+        "Where sistap serve runs, or this end of its ssh tunnel. That computer sets rate and format",
         LINE,
         of=Of.DISTANT,
         placeholder="for example pi:5000, or 127.0.0.1:5000 through ssh",
         validation="^[^ /]+:[0-9]+$",
         required=True,
     ),
-    Option("--baud", "selector", "Rate", "Rate of the line; after power-on SIS has 9600 Bd", LINE, choices=_rates),
+    Option(
+        "--baud", "selector", "Rate", "Rate of the line. SIS starts at 9600 Bd after power-on", LINE, choices=_rates
+    ),
     Option(
         "--other-baud",
         "string",
         "Another rate",
-        "Rate of the line in Bd, in place of the one above",
+        "Rate of the line in Bd, instead of the one above",
         LINE,
         placeholder="none",
         validation="^[1-9][0-9]*$",
     ),
-    Option("--format", "selector", "Format", "Data bits, parity, stop bits: SIS says 8E1", LINE, choices=_formats),
+    Option("--format", "selector", "Format", "Data bits, parity, stop bits. SIS uses 8E1", LINE, choices=_formats),
     Option(
         "--follow-baud",
         "boolflag",
-        "Go with the bus when it is told another rate",
-        "As service 0x03 says it, also for the time of a timed test",
+        "Follow rate changes on the bus",
+        "Rate changes by service 0x03, including timed tests",
         LINE,
     ),
     Option(
         "--framing",
         "selector",
         "Framing",
-        "What is on the line: SIS, or procedure 3964R between a control and a PPC",
+        "The protocol on the line: SIS, or procedure 3964R between a control and a PPC",
         LINE,
-        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the scenario of the demo bus says it
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the scenario of the demo bus decides it
         choices=_framings,
     ),
     Option(
         "--second-port",
         "selector",
         "Port of the other direction",
-        "RS422 and RS232 have a line for each direction: tap both, each with a port of its own",
+        "RS422 and RS232 have a line for each direction: tap each with a port of its own",
         LINE,
         of=Of.PORT,
         choices=_other_ports,
@@ -140,16 +144,36 @@ OPTIONS = (
         "--uncertainty",
         "selector",
         "Uncertainty",
-        "How late this machine may see a character; the result of a self-test is kept for later captures",
+        "How late this computer may see a character. sistap keeps the result of a self-test for later captures",
         TIMES,
         of=Of.PORT,
         choices=_uncertainties,
     ),
     Option(
+        "--tza",
+        "string",
+        "TzA in ms",
+        "Longest interval allowed between two characters of a telegram, for verdicts where the bus does not say it",
+        TIMES,
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the demo bus says it
+        placeholder="as the bus is told",
+        validation=_MILLISECONDS,
+    ),
+    Option(
+        "--trs",
+        "string",
+        "TrS in ms",
+        "Longest reaction time allowed, for verdicts where the bus does not say it",
+        TIMES,
+        of=Of.PORT | Of.DISTANT | Of.ANALYSER,
+        placeholder="as the bus is told",
+        validation=_MILLISECONDS,
+    ),
+    Option(
         "--scenario",
         "selector",
         "Scenario",
-        "Who is on the bus, what is said, and what goes wrong: as sistap bus --list",
+        "Stations, traffic and faults of the bus, as listed by sistap bus --list",
         BUS,
         of=Of.DEMO,
         choices=_scenarios,
@@ -158,7 +182,7 @@ OPTIONS = (
         "--faults",
         "string",
         "Faults",
-        "Probabilities: parity, break, loss and pause of a character, checksum of a telegram",
+        "Probability of each fault: parity, break, loss or pause of a character, checksum of a telegram",
         BUS,
         of=Of.DEMO,
         placeholder="none; for example checksum=0.02,pause=0.001",
@@ -168,7 +192,7 @@ OPTIONS = (
         "--driver",
         "string",
         "Driver",
-        "Of sigrok: sigrok-cli --scan says which; several of a kind: fx2lafw:conn=BUS.ADDRESS",
+        "Driver name in sigrok; sigrok-cli --scan lists it. For several alike: fx2lafw:conn=BUS.ADDRESS",
         PROBE,
         of=Of.ANALYSER,
         placeholder=analyser.DRIVER,
@@ -177,7 +201,7 @@ OPTIONS = (
         "--channel",
         "string",
         "Channel",
-        "To which the line is connected",
+        "Channel that the line is connected to",
         PROBE,
         of=Of.ANALYSER,
         placeholder=analyser.CHANNEL,
@@ -195,17 +219,17 @@ OPTIONS = (
         "--samplerate",
         "string",
         "Samples a second",
-        "The more, the more exact; at least 20 times the rate of the line",
+        "More samples give more exact times. Use at least 20 times the rate of the line",
         PROBE,
         of=Of.ANALYSER,
-        placeholder="4m, or as the rate needs it",
+        placeholder="4m, or more if the rate needs it",
         validation="^[0-9.]+[kKmM]?$",
     ),
     Option(
         "--invert",
         "selector",
         "Inverted",
-        "RS232 without a receiver chip is low while nothing is sent",
+        "RS232 without a receiver chip is low while idle",
         PROBE,
         of=Of.ANALYSER,
         choices=_inverted,
@@ -237,7 +261,7 @@ def config(name: str) -> list[str]:
 
 
 def choices(name: str, called: str) -> list[str]:
-    """Return the choices of an option again; `called` as Wireshark says it, with or without its hyphens."""
+    """Return the choices of an option again. Wireshark gives its name with or without hyphens."""
     return [
         line
         for number, option in _options_of(name)
@@ -247,7 +271,7 @@ def choices(name: str, called: str) -> list[str]:
 
 
 def _options_of(name: str) -> list[tuple[int, Option]]:
-    """Return the options of an interface with their numbers; those are shown in their order."""
+    """Return the options of an interface with their numbers. Wireshark shows them in the order of the numbers."""
     kind = {DEMO: Of.DEMO, DISTANT: Of.DISTANT, ANALYSER: Of.ANALYSER}.get(name, Of.PORT)
     return [item for item in enumerate(OPTIONS) if kind in item[1].of]
 

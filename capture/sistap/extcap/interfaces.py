@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Wireshark lists: an interface for each serial port, a logic analyser, a distant tap, and the demo bus.
+"""The interfaces in Wireshark's list: each serial port, a logic analyser, a distant tap, and the demo bus.
 
-Wireshark keeps what a person sets for an interface under its name. So the name is that of the adapter where the system
-has one (/dev/serial/by-id, from its maker, model and serial number): it is the same adapter wherever it is plugged in
-again. Other ports are named as their device.
+Wireshark stores the settings of an interface under its name. So the name is that of the adapter, if the system has one
+(/dev/serial/by-id, from vendor, model and serial number): the adapter keeps it at any USB port. Other ports have the
+name of their device.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")
 PREFIX = "sistap-"
 DEMO = PREFIX + "demo"
-DISTANT = PREFIX + "distant"  # what it is the tap of, its dialog says
+DISTANT = PREFIX + "distant"  # its dialog asks for the address
 ANALYSER = PREFIX + "sigrok"
 
 
@@ -31,12 +31,11 @@ class Interface(NamedTuple):
     display: str
 
     def __str__(self) -> str:
-        """The sentence."""
         return sentence("interface", value=self.name, display=self.display)
 
 
 def found() -> list[Interface]:
-    """List the ports there are, then what needs none; without pyserial that alone, and it says why."""
+    """List the ports, then the interfaces that need none. Without pyserial list only these, and say why."""
     distant = Interface(DISTANT, "SIS tap on another computer (sistap serve)")
     try:
         names = _adapter_names()
@@ -48,7 +47,7 @@ def found() -> list[Interface]:
 
 
 def _analyser() -> list[Interface]:
-    """List one for whatever sigrok-cli can read: which analyser, and where the line is, the dialog says."""
+    """List one analyser for all that sigrok-cli can read: its dialog asks for the analyser and the channel."""
     if not analyser.program():
         return []
     names = ", ".join(one.name for one in analyser.plugged_in())
@@ -71,6 +70,6 @@ def _of_port(port: str, adapter: str, names: dict[str, str]) -> Interface:
 
 
 def _adapter_names() -> dict[str, str]:
-    """Return the names of adapters by their devices."""
+    """Return the names of adapters, keyed by their devices."""
     links = sorted(BY_ID.iterdir()) if BY_ID.is_dir() else []
     return {os.path.realpath(link): link.name for link in reversed(links)}

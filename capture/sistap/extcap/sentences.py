@@ -5,15 +5,15 @@ from __future__ import annotations
 
 from sistap.terminal.visible import visible
 
-_NOT_IN_A_VALUE = str.maketrans("{}\r\n", "()  ")  # Wireshark knows no way to quote them
+_NOT_IN_A_VALUE = str.maketrans("{}\r\n", "()  ")  # Wireshark has no way to quote them
 
 
 def sentence(kind: str, **values: object) -> str:
-    """Make a line; what is None or empty is left out, but for an empty `value`."""
+    """Return a line; leave out None and empty values, except an empty `value`."""
     said = {key: str(value) for key, value in values.items() if value is not None and (value != "" or key == "value")}
     return f"{kind} " + "".join(f"{{{key}={text}}}" for key, text in said.items())
 
 
 def plain(text: str) -> str:
-    """Make a text that can stand in a sentence out of one that somebody else chose."""
+    """Make a text from elsewhere safe for a sentence."""
     return visible(text.translate(_NOT_IN_A_VALUE))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A capture that Wireshark started: records go into its pipe, with what was set in the dialog."""
+"""A capture that Wireshark started: records go into its pipe, with the settings of the dialog."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from sistap.line import analyser
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
 from sistap.records.cut import Cut
+from sistap.sis.limits import milliseconds
 from sistap.sis.rates import RATES
 from sistap.terminal.exits import PORT, USAGE, UsageError
 from sistap.terminal.stop import Stop
@@ -47,14 +48,14 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
         except PortError as error:
             code, trouble = PORT, str(error)
         toolbar.alarm(trouble)
-        # An empty capture: where there is none, Wireshark blames the pipe.
+        # Write an empty capture: otherwise Wireshark blames the pipe.
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, args.extcap_interface)
         PcapngWriter(output, {0: interface}, Counters()).begin()
         return code
 
 
 def _options(args: argparse.Namespace) -> CaptureOptions:
-    """Make the options of the capture; ValueError says what is wrong with those of the dialog."""
+    """Return the options of the capture; ValueError says what is wrong with those of the dialog."""
     demo_bus = args.extcap_interface == DEMO
     ports = [_port(args)]
     if args.second_port:
@@ -67,11 +68,13 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         follow_baud=args.follow_baud,
         framing=demo.framing(args.scenario) if demo_bus else Cut.parse(args.framing or "sis"),
         filter=args.extcap_capture_filter or None,
+        tza_ms=milliseconds(args.tza) if args.tza else None,
+        trs_ms=milliseconds(args.trs) if args.trs else None,
     )
 
 
 def _port(args: argparse.Namespace) -> str:
-    """Return what is captured from. ValueError says what is wrong."""
+    """Return the port to capture from. ValueError says what is wrong."""
     interface = args.extcap_interface
     if interface == DEMO:
         return demo.start(args.faults, args.scenario)
@@ -85,7 +88,7 @@ def _port(args: argparse.Namespace) -> str:
 
 
 def _analyser(args: argparse.Namespace) -> str:
-    """Return the address of the analyser of the dialog."""
+    """Return the address of the analyser in the dialog."""
     said = {
         "rx": args.channel or analyser.CHANNEL,
         "tx": args.second_channel,
@@ -104,10 +107,10 @@ def _rate(text: str) -> int | None:
 
 
 def _measure(toolbar: Toolbar) -> None:
-    """Make a self-test; the event that starts the capture will say what it found."""
+    """Run a self-test; the event that starts the capture reports its result."""
     parser = argparse.ArgumentParser()
     selftest.add_arguments(parser)
     options = parser.parse_args([])
-    toolbar.say(f"a self-test, for {options.duration:g} s, before the capture begins")
+    toolbar.say(f"a self-test of {options.duration:g} s, then the capture begins")
     with redirect_stdout(io.StringIO()):
         selftest.run(options)

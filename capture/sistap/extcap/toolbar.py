@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The toolbar that Wireshark shows for a capture: what it has, and the messages that go both ways.
+"""The toolbar that Wireshark shows for a capture: its controls, and the messages in both directions.
 
-A message is 'T', a length in 3 bytes, the number of the control, a command, and the rest of that length. Each way has a
-pipe and a thread of its own: neither a person nor a busy Wireshark holds the capture up.
+A message is 'T', a length in 3 bytes, the number of the control, a command, and the rest of that length. Each direction
+has a pipe and a thread of its own: neither the user nor a busy Wireshark delays the capture.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from sistap.terminal.console import Console
 from sistap.terminal.stop import Stopped
 from sistap.terminal.visible import visible
 
-PATIENCE_S = 5  # for Wireshark to open its ends of the pipes
-FAREWELL_S = 0.5  # for it to take the last messages
+PATIENCE_S = 5  # time for Wireshark to open its ends of the pipes
+FAREWELL_S = 0.5  # time for Wireshark to take the last messages
 
 _HEADER = struct.Struct(">cBHBB")
 _LENGTH_SIZE = 3
-_COUNTED = 2  # bytes of the header that belong to the length: control and command
+_COUNTED = 2  # bytes of the header that count in the length: control and command
 _LONGEST = 0xFFFF  # bytes of a text for Wireshark; it shows one line
 _SYNC = b"T"
 
-# Commands, and the controls by their numbers.
+# Commands, and the numbers of the controls.
 _INITIALIZED, _SET, _ADD, _STATUS_BAR = 0, 1, 2, 6
 _RATE, _MARKER, _COUNTERS, _LOG = range(4)
 
@@ -45,7 +45,7 @@ _RATE, _MARKER, _COUNTERS, _LOG = range(4)
 def controls() -> list[str]:
     """Describe the toolbar."""
     return [
-        sentence("control", number=_RATE, type="selector", display="Rate", tooltip="Read on at this rate"),
+        sentence("control", number=_RATE, type="selector", display="Rate", tooltip="Continue at this rate"),
         *(sentence("value", control=_RATE, value=rate, display=f"{rate} Bd") for rate in RATES),
         sentence("value", control=_RATE, value=AUTO, display="Look for it"),
         sentence(
@@ -53,42 +53,40 @@ def controls() -> list[str]:
             number=_MARKER,
             type="string",
             display="Marker",
-            tooltip="Enter puts this text into the capture, as an event at this moment",
+            tooltip="Press Enter to add this text to the capture, as an event at this moment",
         ),
-        # A button shows text as it is meant to be read; in a field that cannot be edited it is gray on gray.
+        # A button shows its text clearly; a field that cannot be edited is gray on gray.
         sentence(
             "control",
             number=_COUNTERS,
             type="button",
             display="Counters",
-            tooltip="Telegrams since the start; click to have all counters in the log",
+            tooltip="Telegrams since the start; click to write all counters to the log",
         ),
-        sentence("control", number=_LOG, type="button", role="logger", display="Log", tooltip="What sistap says"),
+        sentence("control", number=_LOG, type="button", role="logger", display="Log", tooltip="Messages of sistap"),
     ]
 
 
 class Toolbar:
-    """Tells how a capture goes, and takes what is asked for; without pipes (tshark) it only tells what went wrong.
+    """Shows how a capture goes, and takes requests. Without pipes (tshark) it only reports errors.
 
-    Use it in a `with`. What is printed on standard error, Wireshark shows in a window when the capture ends.
+    Use it in a `with`. Wireshark shows the standard error output in a window when the capture ends.
     """
 
-    shows_progress = False  # show() does
+    shows_progress = False  # show() does it
 
     def __init__(self, control_in: str | None, control_out: str | None) -> None:
-        """Take the names of the pipes."""
         self._console = Console()
         self._requests: SimpleQueue[Marker | Rate] = SimpleQueue()
-        self._messages: SimpleQueue[bytes | None] = SimpleQueue()  # None: it was the last
+        self._messages: SimpleQueue[bytes | None] = SimpleQueue()  # None: the end
         self._attached = threading.Event()  # Wireshark has opened its end, or there is no pipe
         self._left: Callable[[], None] = lambda: None
-        self._counters: Counters | None = None  # those shown last
-        self._rate = ""  # that the toolbar shows; empty: not known
+        self._counters: Counters | None = None  # the counters shown last
+        self._rate = ""  # the rate shown; empty: unknown
         self._listener = threading.Thread(target=self._listen, args=(control_in,), daemon=True)
         self._speaker = threading.Thread(target=self._speak, args=(control_out,), daemon=True)
 
     def __enter__(self) -> Toolbar:
-        """Open both pipes, without waiting."""
         self._listener.start()
         self._speaker.start()
         self._send(_LOG, _SET)
@@ -97,14 +95,14 @@ class Toolbar:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Let Wireshark have everything. It would hang in opening a pipe whose other end had come and gone."""
+        """Let Wireshark receive everything. It would hang while opening a pipe whose other end is gone."""
         if kind is not Stopped:
             self._attached.wait(PATIENCE_S)
         self._messages.put(None)
         self._speaker.join(FAREWELL_S)
 
     def when_left(self, stop: Callable[[], None]) -> None:
-        """Set what to do when Wireshark closes the toolbar's pipe: on Windows it ends a capture with no other sign."""
+        """Set what to do when Wireshark closes the toolbar's pipe: on Windows this is the only sign of the end."""
         self._left = stop
 
     def say(self, text: str) -> None:
@@ -122,7 +120,7 @@ class Toolbar:
         """Do nothing: show() does."""
 
     def requests(self) -> Iterator[Marker | Rate]:
-        """Yield what was asked for since this was last called."""
+        """Yield the requests since the last call."""
         with suppress(Empty):
             while True:
                 yield self._requests.get_nowait()
@@ -145,20 +143,20 @@ class Toolbar:
         self._messages.put(_HEADER.pack(_SYNC, length >> 16, length & 0xFFFF, control, command) + payload)
 
     def _speak(self, path: str | None) -> None:
-        """Write what is sent; when Wireshark has closed the pipe, nobody wants the rest."""
+        """Write what is sent; stop when Wireshark has closed the pipe."""
         with suppress(OSError), open(path or os.devnull, "wb") as pipe:
             while (message := self._messages.get()) is not None:
                 pipe.write(message)
                 pipe.flush()
 
     def _listen(self, path: str | None) -> None:
-        """Take what Wireshark says, until it closes the pipe."""
+        """Take what Wireshark sends, until it closes the pipe."""
         if not path:
             self._attached.set()
             return
         with suppress(OSError), open(path, "rb") as pipe:
             self._attached.set()
-            begun = False  # before, it repeats what was set in the toolbar for the last capture
+            begun = False  # until then it repeats the toolbar settings of the last capture
             for control, command, text in _received(pipe):
                 begun = begun or command == _INITIALIZED
                 if begun and command == _SET:
@@ -177,7 +175,7 @@ class Toolbar:
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:
-    """Yield control, command and text of each message, until the pipe ends; pass over what is no message."""
+    """Yield control, command and text of each message until the pipe ends; skip anything else."""
     while sync := pipe.read(1):
         if sync != _SYNC:
             continue

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Has what is written to files reach the disk soon, so that a power cut costs no more than the last second.
+"""Makes written data reach the disk soon, so that a power cut costs no more than the last second.
 
-A thread does it: the disk may take its time, and a reader must not wait.
+A thread does it: the disk may be slow, and a reader must not wait.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from contextlib import suppress
 from pathlib import Path
 
 PROMISED_S = 1.0  # nothing older than this is lost
-PERIOD_S = PROMISED_S / 2  # what has just missed one round waits for the next, and the disk needs time, too
+PERIOD_S = PROMISED_S / 2  # what just missed one round waits for the next, and the disk needs time, too
 PATIENCE_S = 2.0  # at the end, for a disk that does not answer
 
 _NOTHING_TO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EROFS)  # of the file system, not of the disk
 
 
 class _File:
-    """A file, by a descriptor of its own: who writes may close his at any time."""
+    """A file with a descriptor of its own: the writer may close its own at any time."""
 
     def __init__(self, descriptor: int, path: Path) -> None:
         self._descriptor = os.dup(descriptor)
         self._folder = path.parent
-        self._is_named = False  # its name is on the disk, too
+        self._is_named = False  # whether its name is on the disk, too
 
     def sync(self) -> None:
-        """Wait until all that was written is on the disk. May raise OSError."""
-        getattr(os, "fdatasync", os.fsync)(self._descriptor)  # macOS has only the larger one
+        """Wait until all written data are on the disk. May raise OSError."""
+        getattr(os, "fdatasync", os.fsync)(self._descriptor)  # macOS has no fdatasync
         if not self._is_named:
             self._is_named = True
-            with suppress(OSError):  # a folder that cannot be read: most file systems have the name with the file
+            with suppress(OSError):  # an unreadable folder: most file systems store the name with the file
                 folder = os.open(self._folder, os.O_RDONLY)
                 try:
                     os.fsync(folder)
@@ -48,7 +48,7 @@ class Lasting:
     """The files of a capture, one after the other. `follow` and `note` never wait for the disk."""
 
     def __init__(self) -> None:
-        """Start the thread: with the priority of who starts it, so that it never keeps him waiting for its turn."""
+        """Start the thread with the priority of its starter, so that it never delays the starter."""
         self.trouble = ""  # of the disk, in the system's words
         self._written = False  # since the last round
         self._files: deque[_File] = deque()  # the last is that of now
@@ -57,7 +57,7 @@ class Lasting:
         self._thread.start()
 
     def follow(self, descriptor: int, path: str) -> None:
-        """Go on with this file. What was written to the one before is still due."""
+        """Continue with this file. Data of the one before are still synced."""
         self._files.append(_File(descriptor, Path(path)))
         self._written = True
 
@@ -66,7 +66,7 @@ class Lasting:
         self._written = True
 
     def end(self) -> None:
-        """Have the rest reach the disk, and end."""
+        """Sync the rest, then end."""
         self._ended.set()
         self._thread.join(PATIENCE_S)
 

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where a capture goes, block by block: a file, a pipe, or a row of files named as dumpcap names them.
+"""The destination of a capture: a file, a pipe, or a series of files named as dumpcap names them.
 
-A block goes into a file with one write and without a buffer, so that whatever happens to this process, whole blocks are
-there. Into a pipe or a terminal it goes in pieces that do not have to wait, so that a reader who does not read can
-never hold up a stop.
+A file gets each block with one unbuffered write, so that it has whole blocks whatever happens to this process. A pipe
+or a terminal gets pieces that do not block, so that a reader that does not read never delays a stop.
 """
 
 from __future__ import annotations
@@ -28,15 +27,16 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-FILE_NUMBERS = 100_000  # five digits in the name, then again from 0, as in dumpcap
-_WAIT_MS = 100  # so long, at most, does a stop take
-_WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not made as files are
-_MODE = 0o640  # of a new file; the umask can take more away. What a machine does is nobody else's business
-_PAUSE_S = 0.01  # a terminal can say that it takes something, and then not take it
+FORCE = "overwrite the file where it holds something already"  # the help of --force
+FILE_NUMBERS = 100_000  # five digits in the name, then from 0 again, as in dumpcap
+_WAIT_MS = 100  # upper bound on the time to stop
+_WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not created like files
+_MODE = 0o640  # mode of a new file, before the umask: what a machine does is confidential
+_PAUSE_S = 0.01  # a terminal may report room and then not accept anything
 
 
 class OutputError(Exception):
-    """Nothing more can be written; str() is the one line to show."""
+    """No more can be written; str() is the line to show."""
 
 
 class ReaderGone(OutputError):
@@ -44,24 +44,24 @@ class ReaderGone(OutputError):
 
 
 class OutputRefused(Exception):
-    """It cannot be written to at all; str() is the one line to show."""
+    """The output cannot be written to; str() is the line to show."""
 
 
 class Limits(NamedTuple):
-    """When a file is full, and how many there may be; None: no limit."""
+    """When a file is full, and how many files there may be; None: no limit."""
 
     size: int | None = None  # bytes of a file
     duration_s: float | None = None  # of a file
-    several: bool = False  # go on with the next file when one is full
-    keep: int | None = None  # of several files, delete the oldest above this number
-    files: int | None = None  # stop after so many
+    several: bool = False  # continue with the next file when one is full
+    keep: int | None = None  # keep only this many of several files
+    files: int | None = None  # stop after this many files
 
 
 NO_LIMITS = Limits()
 
 
 def file_name(path: str, number: int, seconds: float) -> str:
-    """Name one of several files: BASE_00001_YYYYMMDDHHMMSS.EXT, local time. A folder keeps its name: it is refused."""
+    """Return the name of one of several files: BASE_00001_YYYYMMDDHHMMSS.EXT, local time. Refuse a folder."""
     plain = Path(path)
     if plain.is_dir():
         return path
@@ -70,7 +70,7 @@ def file_name(path: str, number: int, seconds: float) -> str:
 
 
 class Output:
-    """Opens at once, so that what is wrong with a path is said before anything else happens; truncates in `begin`."""
+    """The output. It opens at once, so that errors of the path come first, and truncates in `begin`."""
 
     def __init__(
         self,
@@ -78,10 +78,13 @@ class Output:
         limits: Limits = NO_LIMITS,
         stopped: Callable[[], bool] = lambda: False,
         say: Callable[[str], None] = lambda _: None,
+        *,
+        force: bool = False,
     ) -> None:
-        """Open the (first) file. `stopped` tells when not to wait any longer for the reader of a pipe.
+        """Open the (first) file. `stopped` tells when to stop waiting for the reader of a pipe.
 
-        `say` is told what does not end the capture at once. May raise OutputRefused.
+        Without `force`, a file that holds data is refused. `say` receives problems that do not end the capture at
+        once. May raise OutputRefused.
         """
         self._base = path
         self._limits = limits
@@ -90,16 +93,19 @@ class Output:
         self._number = 1
         self._begun = time.monotonic()
         self._file = self._open()
-        self._before: _File | None = None  # the one of several files that was closed last
+        if not force and self._file.holds_data:
+            self._file.close()
+            raise OutputRefused(f"{path} holds data already: choose another file with -w, or overwrite it with --force")
+        self._before: _File | None = None  # the last closed one of several files
         self._next: _File | None = None
-        self._kept = deque([self._file.path])  # all names, if the oldest files are deleted, else only the first
+        self._kept = deque([self._file.path])  # all names if the oldest files are deleted, else only the first
         self._lasting: Lasting | None = None
-        self._doubted = False  # it was said that the disk makes trouble
-        self.failed = False  # the next of several files could not be opened: this one is the last
+        self._doubted = False  # disk trouble was reported
+        self.failed = False  # the next of several files could not be opened, so this one is the last
 
     @property
     def full(self) -> bool:
-        """Whether the file has reached a limit."""
+        """Tell whether the file has reached a limit."""
         size, duration_s = self._limits.size, self._limits.duration_s
         return (size is not None and self._file.size >= size) or (
             duration_s is not None and time.monotonic() - self._begun >= duration_s
@@ -107,19 +113,19 @@ class Output:
 
     @property
     def done(self) -> bool:
-        """Whether the last file is full."""
+        """Tell whether the last file is full."""
         return self.full and (self.failed or not self._limits.several or self._number == self._limits.files)
 
     def begin(self) -> None:
-        """Start the file: empty it, if it is one."""
+        """Begin the file; empty it if it is a regular file."""
         self._file.empty()
         self._begun = time.monotonic()
 
     @contextlib.contextmanager
     def lasting(self) -> Iterator[None]:
-        """While the block runs, have what is written to files reach the disk soon: a power cut costs a second.
+        """Make written data reach the disk soon while the block runs: a power cut costs a second.
 
-        Not on Windows, where a file that is held open for that could not be deleted.
+        Not on Windows, where a file held open for that could not be deleted.
         """
         if sys.platform == "win32" or not self._file.regular:
             yield
@@ -134,7 +140,7 @@ class Output:
             self._lasting = None
 
     def write(self, block: bytes) -> None:
-        """Write one block. OutputError if that fails: then a file has been cut back to the block before."""
+        """Write one block. OutputError if that fails: then a regular file has been cut back to the block before."""
         file = self._file
         rest = memoryview(block)
         try:
@@ -152,12 +158,14 @@ class Output:
             self._tell_trouble()
 
     def check(self) -> None:
-        """Tell while there is nothing to write whether a pipe still has a reader; ReaderGone if not."""
+        """Check, while there is nothing to write, that a pipe still has a reader; ReaderGone if not."""
         if self._file.deserted:
             raise self._failure(BrokenPipeError(errno.EPIPE, ""))
 
     def open_next(self) -> bool:
-        """Open the next of several files while this one can still be written; if that fails this one is the last."""
+        """Open the next of several files while the present one can still be written. If that fails, the present one
+        is the last.
+        """
         try:
             self._next = self._open(self._number + 1)
         except OutputRefused as error:
@@ -166,7 +174,9 @@ class Output:
         return not self.failed
 
     def go_on(self) -> None:
-        """Close this file for the one that `open_next` opened; delete the oldest if there are too many."""
+        """Close this file and continue with the one that `open_next` opened; delete the oldest if there are too
+        many.
+        """
         assert self._next
         self._file.close()
         self._before, self._file, self._next = self._file, self._next, None
@@ -184,18 +194,17 @@ class Output:
                 self._say(f"{oldest} cannot be deleted: {error.strerror}; it stays, delete it yourself")
 
     def close(self) -> None:
-        """Close the file. A new one with nothing in it does not stay behind."""
+        """Close the file. Remove a new file without contents."""
         for file in (self._file, self._next):
             if file:
                 file.close()
 
     def __str__(self) -> str:
-        """Name for people what is written to now."""
         return self._file.name
 
     @property
     def summary(self) -> str:
-        """Name for people all that was written to. A new file with nothing in it does not count: it does not stay."""
+        """Describe everything that was written. A new file without contents does not count, because it is removed."""
         empty = self._file.is_new_and_empty
         number, last = (self._number - 1, self._before) if empty else (self._number, self._file)
         if not last:
@@ -206,8 +215,14 @@ class Output:
         deleted = f", of which the last {kept} were kept" if kept < number else ""
         return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
+    @property
+    def only_file(self) -> str | None:
+        """The file that all was written to; None where it is none, or several."""
+        is_one = self._number == 1 and self._file.regular and self._file.path != STANDARD_OUTPUT
+        return self._file.path if is_one and not self._file.is_new_and_empty else None
+
     def _tell_trouble(self) -> None:
-        """Say, once, that the disk does not take what is written."""
+        """Report once that the disk does not take the data."""
         if self._lasting and self._lasting.trouble and not self._doubted:
             self._doubted = True
             self._say(
@@ -216,7 +231,12 @@ class Output:
             )
 
     def _open(self, number: int = 1) -> _File:
-        return _File(file_name(self._base, number, time.time()) if self._limits.several else self._base)
+        if not self._limits.several:
+            return _File(self._base)
+        seconds = time.time()
+        while Path(path := file_name(self._base, number, seconds)).is_file():
+            seconds += 1  # of a capture that ended a moment ago: started anew, this one must not empty it
+        return _File(path)
 
     def _failure(self, error: OSError) -> OutputError:
         if is_reader_gone(error, is_file=self._file.regular):
@@ -225,12 +245,12 @@ class Output:
 
 
 class _File:
-    """A file, pipe or terminal that is open for writing; `size` is that of what was written to it, in bytes."""
+    """A file, pipe or terminal open for writing; `size` is the number of bytes written to it."""
 
     def __init__(self, path: str) -> None:
-        """Open without touching the content. May raise OutputRefused."""
+        """Open without changing the contents. May raise OutputRefused."""
         self.path = path
-        self.name = "standard output" if path == STANDARD_OUTPUT else path  # for people
+        self.name = "standard output" if path == STANDARD_OUTPUT else path  # for messages
         self.size = 0
         try:
             self.descriptor, self._created = _open(path)
@@ -247,7 +267,7 @@ class _File:
             self._poll.register(self.descriptor, select.POLLOUT)
 
     def _lock(self) -> None:
-        """Keep other captures out. Where locks do not exist there is no protection."""
+        """Lock the file against other captures. Without locks there is no protection."""
         if sys.platform != "win32":
             try:
                 fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -260,12 +280,12 @@ class _File:
                 pass
 
     def empty(self) -> None:
-        """Drop what an older capture left; not what a shell appends to."""
+        """Remove the contents of an older capture, unless a shell appends to the file."""
         if self.regular and self.path != STANDARD_OUTPUT:
             os.ftruncate(self.descriptor, 0)
 
     def write_some(self, data: memoryview) -> int:
-        """Write what can be, after waiting a moment if nothing can; give how many bytes. May raise OSError."""
+        """Write as much as possible, after a short wait if necessary; return the number of bytes. May raise OSError."""
         if not self._poll:
             return os.write(self.descriptor, data)
         if not self._poll.poll(_WAIT_MS):
@@ -277,34 +297,39 @@ class _File:
             return 0
 
     def cut(self, count: int) -> None:
-        """Take away the last bytes, if that is possible."""
+        """Remove the last bytes, if possible."""
         if self.regular:
             with contextlib.suppress(OSError):
                 os.ftruncate(self.descriptor, os.fstat(self.descriptor).st_size - count)
 
     @property
+    def holds_data(self) -> bool:
+        """Whether `empty` would take something away."""
+        return self.regular and self.path != STANDARD_OUTPUT and os.fstat(self.descriptor).st_size > 0
+
+    @property
     def is_new_and_empty(self) -> bool:
-        """Whether it was not there before, and nothing could be written to it."""
+        """Tell whether the file is new and still empty."""
         return self._created and not self.size
 
     @property
     def deserted(self) -> bool:
-        """Whether it is a pipe that has no reader any more."""
+        """Tell whether it is a pipe without a reader."""
         if sys.platform == "win32" or self._poll is None:
             return False
         return any(events & select.POLLERR for _, events in self._poll.poll(0))
 
     def close(self) -> None:
-        """Close, and delete it if it is new and empty."""
+        """Close; delete the file if it is new and empty."""
         os.close(self.descriptor)
         if self.is_new_and_empty:
             Path(self.path).unlink(missing_ok=True)
 
 
 def _open(path: str) -> tuple[int, bool]:
-    """Open for writing without touching the content: descriptor, and whether the file is new."""
+    """Open for writing without changing the contents; return the descriptor, and whether the file is new."""
     if path == STANDARD_OUTPUT:
-        os.write(1, b"")  # an OSError if it is closed, or open only for reading
+        os.write(1, b"")  # raises OSError if it is closed, or open only for reading
         if sys.platform == "win32":
             msvcrt.setmode(1, os.O_BINARY)
         return never_waiting(1), False

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes pcapng blocks (RFC draft-ietf-opsawg-pcapng), each as one piece of bytes, so that a cut file stays readable.
+"""Makes pcapng blocks (RFC draft-ietf-opsawg-pcapng), each as one bytes object, so that a cut file stays readable.
 
-Times are ns since 1970. Only what sistap needs: section, interfaces, enhanced packets, interface statistics.
+Times are ns since 1970. Only the blocks that sistap needs: section, interfaces, enhanced packets, interface statistics.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class PacketFlags(enum.IntFlag):
 
 
 class Interface(NamedTuple):
-    """What an interface description block says of a line; empty strings are left out."""
+    """The contents of an interface description block; empty strings are left out."""
 
     link_type: int
     name: str
@@ -83,13 +83,13 @@ def _text(code: int, text: str) -> list[Option]:
 
 
 def section_header(application: str, operating_system: str) -> bytes:
-    """Open a section: the first block of a file."""
+    """Return the first block of a section and of a file."""
     options = [*_text(3, operating_system), *_text(4, application)]
     return _block(SECTION_HEADER, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1) + _options(options))
 
 
 def interface_description(interface: Interface) -> bytes:
-    """Describe one line; interfaces are numbered in the order of these blocks."""
+    """Return the block of one line; interfaces are numbered in the order of these blocks."""
     options = [*_text(2, interface.name), *_text(3, interface.description)]
     if interface.speed:
         options.append((8, struct.pack("<Q", interface.speed)))
@@ -101,7 +101,7 @@ def interface_description(interface: Interface) -> bytes:
 
 
 def enhanced_packet(interface: int, time_ns: int, data: bytes, flags: int = 0) -> bytes:
-    """Make a packet block; `flags` are PacketFlags."""
+    """Return a packet block; `flags` are PacketFlags."""
     head = _PACKET.pack(interface, time_ns >> 32, time_ns & 0xFFFFFFFF, len(data), len(data))
     return _block(ENHANCED_PACKET, head + _padded(data) + _packet_options(flags))
 
@@ -112,7 +112,7 @@ def _packet_options(flags: int) -> bytes:
 
 
 def interface_statistics(interface: int, statistics: Statistics) -> bytes:
-    """Make the block that ends an interface."""
+    """Return the block with the statistics of an interface."""
     counters = [(4, statistics.received), (6, statistics.accepted), (7, statistics.dropped)]
     options = [(2, _time(statistics.start_ns)), (3, _time(statistics.end_ns))]
     options += [(code, struct.pack("<Q", value)) for code, value in counters]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads capture files (pcapng): block by block, packet by packet, or as the records of protocol `sertap` in them."""
+"""Reads capture files (pcapng): block by block, packet by packet, or as their records of protocol `sertap`."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ from sistap.records import record
 from sistap.records.record import Record
 
 _MAGIC = 0x1A2B3C4D
-_LARGEST = 1 << 24  # bytes of a block; Wireshark refuses packets far smaller
+_LARGEST = 1 << 24  # bytes of a block; Wireshark's limit for packets is far smaller
 _NAME = 12  # the tag of an exported PDU that names its dissector
 _RESOLUTION = 9  # the option if_tsresol
-_MICROSECONDS = 6  # decimal places, where the option is missing
-_FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}  # bytes of a body
+_MICROSECONDS = 6  # decimal places without the option
+# bytes of the fixed part of a body
+_FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}
 _CURE = "open and save it in Wireshark"
 
 
 class NotCaptured(ValueError):
-    """The file cannot be read as a capture; the text is one line that names the cure."""
+    """The file cannot be read as a capture; the text is one line with the cure."""
 
 
 class Block(NamedTuple):
     """A block of a file."""
 
     kind: int
-    order: str  # of its bytes, as struct names it
+    order: str  # byte order, as struct names it
     body: bytes
 
 
@@ -37,26 +38,26 @@ class Packet(NamedTuple):
     """A packet of a file."""
 
     link_type: int
-    time_ns: int | None  # None: its interface counts in units that are read by nobody here
+    time_ns: int | None  # None: its interface uses units that are not supported
     data: bytes
 
 
 class _Interface(NamedTuple):
     link_type: int
-    decimals: int  # of its time stamps, in seconds
+    decimals: int  # decimal places of its time stamps, in seconds
 
 
 def records(path: Path) -> Iterator[Record]:
-    """Read all records in the order of the file; one that was cut off in mid-block ends before that block.
+    """Yield all records in the order of the file; a file that is cut off within a block ends before that block.
 
-    OSError, or NotCaptured if it is something else.
+    Raise OSError, or NotCaptured for any other file.
     """
     found = False
     for packet in packets(path):
         try:
             one = record_of(packet)
         except (ValueError, IndexError) as error:
-            raise NotCaptured(f"{path} has a record that is damaged: {error}; leave it out in Wireshark") from error
+            raise NotCaptured(f"{path} has a damaged record: {error}; leave it out in Wireshark") from error
         if one:
             found = True
             yield one
@@ -68,7 +69,7 @@ def records(path: Path) -> Iterator[Record]:
 
 
 def record_of(packet: Packet) -> Record | None:
-    """Read the record in a packet; None if there is none of ours. ValueError or IndexError if it is damaged."""
+    """Return the record in a packet; None if it has none. ValueError or IndexError if the record is damaged."""
     if packet.link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU or packet.time_ns is None:
         return None
     payload = _payload(packet.data)
@@ -76,7 +77,7 @@ def record_of(packet: Packet) -> Record | None:
 
 
 def packets(path: Path) -> Iterator[Packet]:
-    """Read all packets of interfaces that the file describes. OSError or NotCaptured."""
+    """Yield all packets of interfaces that the file describes. Raise OSError or NotCaptured."""
     with path.open("rb") as file:
         interfaces: list[_Interface] = []
         for kind, order, body in blocks(file, path):
@@ -92,7 +93,7 @@ def packets(path: Path) -> Iterator[Packet]:
 
 
 def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
-    """Read each whole block of the file named `path`. OSError or NotCaptured."""
+    """Yield each whole block of the file named `path`. Raise OSError or NotCaptured."""
     order = ""
     while len(head := file.read(8)) == 8:
         if head[:4] == struct.pack("<I", pcapng.SECTION_HEADER):
@@ -100,7 +101,7 @@ def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
             order = {struct.pack(f"{order}I", _MAGIC): order for order in "<>"}.get(magic, "")
             file.seek(-len(magic), 1)
         if not order:
-            raise NotCaptured(f"{path} is no pcapng file: open it in Wireshark and save it as pcapng")
+            raise NotCaptured(f"{path} is not a pcapng file: open it in Wireshark and save it as pcapng")
         kind, length = struct.unpack(f"{order}II", head)
         if length % 4 or not 12 <= length <= _LARGEST:
             raise NotCaptured(f"{path} is damaged: a block says it has {length} bytes; {_CURE}")
@@ -129,7 +130,7 @@ def _time_ns(ticks: int, decimals: int) -> int | None:
 
 
 def _payload(packet: bytes) -> bytes | None:
-    """Return what is for the dissector `sertap` (exported PDU: tags, the last is 0, then the payload)."""
+    """Return the payload for the dissector `sertap` (exported PDU: tags, the last is 0, then the payload)."""
     place, name = 0, b""
     while place + 4 <= len(packet):
         tag, length = struct.unpack_from(">HH", packet, place)

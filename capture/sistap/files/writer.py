@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Writes records into a pcapng file: one interface a line, first an event that says how the file was taken."""
+"""Writes records into a pcapng file: one interface for each line, and first an event that describes the capture."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SYMBOL_ERRORS = Flag.CHARACTER_ERROR | Flag.BREAK | Flag.UNLOCATED_ERROR
 
 
 def packet_flags(record: Record) -> int:
-    """Return what the record's packet flags are."""
+    """Return the packet flags of a record."""
     errors = record.errors
     return (
         _DIRECTIONS.get(record.line, 0)
@@ -41,7 +41,7 @@ def packet_flags(record: Record) -> int:
 
 
 def rtac_event(record: Record) -> int:
-    """Return the event of a record's RTAC header: the gravest error, else the direction."""
+    """Return the event of a record's RTAC header: the most serious error, else the direction."""
     errors = record.errors
     if errors & Flag.LOST_BEFORE:
         return _RTAC_LOST
@@ -53,19 +53,19 @@ def rtac_event(record: Record) -> int:
 
 
 class PcapngWriter:
-    """The file in `output`, or each of several: begin, write, end."""
+    """Writes the file in `output`, or each of several: begin, write, end."""
 
     def __init__(self, output: Output, interfaces: Mapping[int, Interface], counters: Counters) -> None:
-        """Describe each line as its interface; a line that has none, when it comes up, like the first."""
+        """Describe each line as its interface; a line that appears later gets the description of the first."""
         self._output = output
         self._described = interfaces
         self._counters = counters
-        self._interfaces: dict[int, int] = {}  # by line, in the order of this file
+        self._interfaces: dict[int, int] = {}  # for each line, in the order of this file
         self._started: tuple[Record, ...] = ()
-        self._settings: dict[int, LineSettings] = {}  # by line, of its last record
+        self._settings: dict[int, LineSettings] = {}  # for each line, of its last record
 
     def begin(self, *started: Record) -> None:
-        """Begin the file: all interfaces that are known, and the events `started`."""
+        """Begin the file: all interfaces known so far, and the events `started`."""
         self._started = self._started or started
         self._interfaces = {}
         self._output.begin()
@@ -77,7 +77,7 @@ class PcapngWriter:
             self.write(record)
 
     def write(self, record: Record) -> bool:
-        """Write a record, into the next file if this one is full; tell whether this link type has a place for it."""
+        """Write a record, into the next file if this one is full; return whether this link type can hold it."""
         self.look(record.time_ns)
         self._settings[record.line] = record.settings
         payload = self._payload(record)
@@ -88,7 +88,7 @@ class PcapngWriter:
         return True
 
     def look(self, time_ns: int) -> None:
-        """Go on with the next file if this one is full."""
+        """Continue with the next file if this one is full."""
         if self._output.full and not self._output.done and self._output.open_next():
             self.end(time_ns)
             self._output.go_on()
@@ -104,7 +104,7 @@ class PcapngWriter:
             self._output.write(pcapng.interface_statistics(interface, statistics))
 
     def _again(self, started: Record, time_ns: int) -> Record:
-        """Begin another file with the settings that the line has now."""
+        """Begin another file with the present settings of each line."""
         settings = self._settings.get(started.line, started.settings)
         return started._replace(time_ns=time_ns, settings=settings)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Captures of other tools, made into captures of ours: `sistap import`.
+"""`sistap import`: captures of other tools, converted into captures of sistap.
 
-The formats and how each is recognised (formats), the characters in them (usb, rtac, saleae, sigrok), and what all of
-them are to the rest (source). Then they become a capture (convert). Whole messages become packets (messages). It may
-use all rooms but the other products.
+The formats and how each is recognised (formats), the characters in them (usb, rtac, saleae, sigrok), and their common
+interface (source). They become a capture (convert). Whole messages become packets (messages). It may use all rooms but
+the other products.
 """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a CDC ACM adapter says over USB: line settings in requests, line errors in notifications.
+"""Decodes what a CDC ACM adapter says over USB: line settings in requests, line errors in notifications.
 
-USB Communications Class, PSTN subclass: SET_LINE_CODING, SERIAL_STATE. Several chips of their own kind take the first.
+USB Communications Class, PSTN subclass: SET_LINE_CODING, SERIAL_STATE. Several chips of other kinds accept the first.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from sistap.line.settings import Flag, LineSettings
 
 CLASSES = frozenset({0x02, 0x0A})  # of its interfaces: control and data
 
-# Linux tells it when the adapter is plugged in, and then not again while it stays the same.
+# Linux sends it when the adapter is plugged in, and not again while it stays the same.
 NO_RATE = "a driver tells a CDC adapter its rate only when it changes"
 
 _CLASS_REQUEST, _SET_LINE_CODING = 0x21, 0x20
@@ -24,12 +24,12 @@ _BREAK, _FRAMING, _PARITY, _OVERRUN = 0x04, 0x10, 0x20, 0x40
 
 
 def is_request(setup: Setup) -> bool:
-    """Tell whether a CDC adapter is spoken to like this."""
+    """Tell whether this is a request to a CDC adapter."""
     return (setup.type, setup.request) == (_CLASS_REQUEST, _SET_LINE_CODING)
 
 
 def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSettings:
-    """Return the line settings that a request leaves behind."""
+    """Return the line settings after a request."""
     if not is_request(setup) or len(data) < _LINE_CODING.size:
         return settings
     baud, stop, parity, bits = _LINE_CODING.unpack_from(data)
@@ -39,7 +39,7 @@ def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSet
 
 
 def errors(notification: bytes) -> Flag:
-    """Return the line errors that a notification tells of: which character has them it does not say."""
+    """Return the line errors in a notification. It does not say which character has them."""
     if len(notification) <= _STATE_AT or notification[:2] != bytes([_NOTIFICATION, _SERIAL_STATE]):
         return Flag(0)
     state = notification[_STATE_AT]

@@ -9,7 +9,7 @@ from collections import Counter
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.files.output import FORCE, Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.imports import messages
@@ -72,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("file", metavar="FILE", type=Path, help="what another tool has recorded")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
+    add("--force", action="store_true", help=FORCE)
     add("--baud", type=_whole, metavar="RATE", help="rate in Bd, where FILE does not say it")
     add(
         "--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits, where FILE does not say (8E1)"
@@ -97,7 +98,7 @@ def run(args: argparse.Namespace) -> int:
             return _take_messages(args, told, stop, console)
         with ExitStack() as tools:
             source = opened(args.file, told, tools)
-            output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.asked)))
+            output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.asked, force=args.force)))
             stop.at_once = False
             return _convert(args, source, output, stop, console)
     except (UsageError, OutputRefused) as error:
@@ -136,7 +137,7 @@ def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Co
     if told != Told():
         raise UsageError("a table of messages has no line: leave out --baud, --format, --device and --samplerate")
     found = messages.read(args.file)
-    with closing(Output(args.output, stopped=lambda: stop.asked)) as output:
+    with closing(Output(args.output, stopped=lambda: stop.asked, force=args.force)) as output:
         messages.write(output, args.dissector, args.file.name, found)
         console.say(f"{len(found)} messages for {args.dissector} written to {output.summary}")
     return DONE

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes a capture of a source: its reads through the assembler to the writer."""
+"""Converts a source into a capture: its reads go through the assembler to the writer."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from sistap.records.record import Event, Record, event
 from sistap.wireshark.tshark import TsharkError
 
 _PROGRESS_S = 0.5
-_LOOK_NS = 100_000_000  # how often a line is asked whether it has been silent for long
+_LOOK_NS = 100_000_000  # interval between checks whether a line is silent
 
 
 class Conversion:
-    """One source on its way into one capture."""
+    """The conversion of one source into one capture."""
 
     def __init__(self, source: Source, writer: PcapngWriter, counters: Counters, name: str, cut: Cut = SIS) -> None:
-        """Nothing is read yet; `name` is that of the file for people, frames are cut as `cut` says."""
+        """`name` is the name of the file in messages; frames are cut as `cut` says."""
         self._source = source
         self._writer = writer
         self._counters = counters
@@ -34,7 +34,8 @@ class Conversion:
         self._begun = False
         self._now_ns = 0
         self._looked_ns = 0
-        self.uncertainties: Counter[int] = Counter()  # of how many characters each is, in ns, to two digits
+        # number of characters for each uncertainty, in ns, rounded to two digits
+        self.uncertainties: Counter[int] = Counter()
 
     def run(self, stopped: Callable[[], bool], progress: Callable[[str], None]) -> None:
         """Read to the end, or until `stopped`. May raise TsharkError and OutputError."""
@@ -101,7 +102,7 @@ class Conversion:
 
 
 def _rounded(uncertainty_ns: int) -> int:
-    """Round up to two digits; what is unknown stays so."""
+    """Round up to two digits; unknown stays unknown."""
     if uncertainty_ns == UNCERTAINTY_UNKNOWN:
         return uncertainty_ns
     step = int(10 ** max(len(str(uncertainty_ns)) - 2, 0))

@@ -15,14 +15,13 @@ _LATEST_NS = 1 << 63
 
 
 class Rows:
-    """A dictionary of fields for each packet; several values of a field are joined by commas."""
+    """A dictionary of fields for each packet; commas join several values of a field."""
 
     def __init__(self, tshark: Tshark, capture: Path, fields: Sequence[str], options: Sequence[str] = ()) -> None:
-        """Nothing is read yet."""
         self._tshark = tshark
         self._fields = fields
         self._arguments = ["-n", "-r", str(capture), *options, *rows.printing(fields, _JOINT)]
-        self.warning = ""  # of a capture that is cut, with what tshark says of it
+        self.warning = ""  # what tshark says about a capture that is cut off
 
     def __iter__(self) -> Iterator[dict[str, str]]:
         """Read the capture from its beginning. May raise TsharkError."""
@@ -37,7 +36,7 @@ class Rows:
 
 
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
-    """Return the protocols of a capture's first packets; none if it is no capture at all. May raise TsharkError."""
+    """Return the protocols of a capture's first packets; empty if it is not a capture. May raise TsharkError."""
     try:
         packets = list(Rows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
     except TsharkError as error:
@@ -48,5 +47,5 @@ def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
 
 
 def nanoseconds(seconds: str) -> int:
-    """Read seconds as tshark prints them, in ns; those of a damaged capture are kept to what a file can hold."""
+    """Convert seconds, as tshark prints them, into ns. Clip times of a damaged capture to what a file can hold."""
     return min(max(int(Decimal(seconds) * 1_000_000_000), 0), _LATEST_NS)

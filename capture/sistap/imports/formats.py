@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files that can be imported, and how each is recognised: by what is in it, never by its name."""
+"""The files that can be imported. Each is recognised by its contents, never by its name."""
 
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -19,7 +20,7 @@ from sistap.wireshark.tshark import Tshark
 
 
 class Text(NamedTuple):
-    """A text that is known by its first line."""
+    """A text that its first line identifies."""
 
     name: str
     first_line: str  # regular expression
@@ -27,7 +28,7 @@ class Text(NamedTuple):
 
 
 class Capture(NamedTuple):
-    """A capture file that is known by a protocol in its first packets."""
+    """A capture file that a protocol in its first packets identifies."""
 
     name: str
     protocol: str  # in frame.protocols
@@ -46,11 +47,11 @@ TEXTS = (
 )
 NAMES = tuple(known.name for known in CAPTURES + TEXTS)
 
-_HEAD = 4096  # bytes; in them is the first line
+_HEAD = 4096  # bytes that contain the first line
 
 
 def opened(path: Path, told: Told, tools: ExitStack) -> Source:
-    """Recognise a file and open it; what it needs stays in `tools`. May raise UsageError and TsharkError."""
+    """Recognise a file and open it; `tools` keeps what it needs. May raise UsageError and TsharkError."""
     first_line = _head(path).removeprefix("\\ufeff").lstrip()
     for text in TEXTS:
         if re.match(text.first_line, first_line):
@@ -60,7 +61,10 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     for capture in CAPTURES:
         if capture.protocol in seen:
             return capture.opened(tshark, path, told)
-    raise UsageError(f"{path} is none of the files that can be imported: {'; '.join(NAMES)}")
+    raise UsageError(
+        f"{path} is none of the files that can be imported: {'; '.join(NAMES)}. For a log with bytes in hexadecimal: "
+        f"sistap annotate {shlex.quote(str(path))} -w FILE"
+    )
 
 
 def _head(path: Path) -> str:

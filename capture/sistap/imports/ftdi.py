@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What an FTDI adapter says over USB: line settings in requests, two status bytes before the characters.
+"""Decodes what an FTDI adapter says over USB: line settings in requests, two status bytes before the characters.
 
-The layout is that of Wireshark's ftdi-ft dissector and of Linux' ftdi_sio.
+The layout follows Wireshark's ftdi-ft dissector and Linux' ftdi_sio.
 """
 
 from __future__ import annotations
@@ -21,32 +21,32 @@ _SET_BAUD_RATE, _SET_DATA, _SET_LATENCY_TIMER = 3, 4, 9
 # The line status, the second of the two bytes.
 _OVERRUN, _PARITY, _FRAMING, _BREAK = 0x02, 0x04, 0x08, 0x10
 
-# The modem status has the size of a packet in its lower half: 1 full speed, 2 high speed.
+# The lower half of the modem status states the size of a packet: 1 full speed, 2 high speed.
 _PACKET_SIZES = {0x01: 64, 0x02: 512}
 
-_CLOCK, _HIGH_SPEED_CLOCK = 3_000_000, 12_000_000  # Hz, of which the rate is a fraction
+_CLOCK, _HIGH_SPEED_CLOCK = 3_000_000, 12_000_000  # Hz; the rate is a fraction of them
 _EIGHTHS = (0, 4, 2, 1, 3, 5, 6, 7)  # what the three bits beside the divisor add to it
 _USUAL_RATES = (300, 600, 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600)
-_TOLERANCE = 0.01  # a divisor meets the usual rates better than this
+_TOLERANCE = 0.01  # a divisor is closer than this to the usual rates
 
 
 def is_request(setup: Setup) -> bool:
-    """Tell whether only an FTDI adapter is spoken to like this."""
+    """Tell whether only an FTDI adapter receives such a request."""
     return setup.type == _VENDOR_REQUEST and setup.request in (_SET_BAUD_RATE, _SET_DATA, _SET_LATENCY_TIMER)
 
 
 def port_of_request(setup: Setup) -> int:
-    """Return the port of a chip with several, from 0; chips with one use the place for something else."""
+    """Return the port of a chip with several, from 0. Chips with one port use the field for something else."""
     return max((setup.place & 0xFF) - 1, 0)
 
 
 def port_of_endpoint(endpoint: int) -> int:
-    """Return the port, from 0, of the two endpoints each has: 1 and 2, 3 and 4, ..."""
+    """Return the port, from 0, that has this endpoint. The endpoints are 1 and 2, then 3 and 4, and so on."""
     return ((endpoint & 0x0F) - 1) // 2
 
 
 def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSettings:
-    """Return the line settings that a request leaves behind."""
+    """Return the line settings after a request."""
     if setup.type != _VENDOR_REQUEST:
         return settings
     if setup.request == _SET_BAUD_RATE:
@@ -59,7 +59,7 @@ def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSet
 
 
 def latency_ms(setup: Setup) -> int | None:
-    """Return the latency timer, in ms, that a request sets; None if it sets none."""
+    """Return the latency timer in ms that a request sets; None if it sets none."""
     is_timer = setup.type == _VENDOR_REQUEST and setup.request == _SET_LATENCY_TIMER
     return setup.value & 0xFF if is_timer else None
 
@@ -67,8 +67,8 @@ def latency_ms(setup: Setup) -> int | None:
 def baud_rate(value: int, place: int) -> int:
     """Return the rate in Bd of a SetBaudRate request (wValue, wIndex).
 
-    Where the third bit of the fraction is depends on the chip, which a capture need not show: of the readings, the one
-    next to a usual rate.
+    The place of the third bit of the fraction depends on the chip, which a capture need not show. Of both readings, the
+    one closer to a usual rate is right.
     """
     high = place >> 8
     readings = {_rate(value, place & 1, _CLOCK), _rate(value, high & 1, _CLOCK)}
@@ -91,10 +91,10 @@ def looks_like(data: bytes) -> bool:
 
 
 def packets(data: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Take a transfer apart: characters and flags of each packet that has any.
+    """Split a transfer: characters and flags of each packet that has any.
 
-    The status is that of the whole packet: an error is known to be in it, and at its place only in a packet of one.
-    An error without characters is none: the adapter goes on reporting one until it is fetched.
+    The status applies to the whole packet, so an error has a known place only in a packet of one character. An error
+    without characters is ignored: the adapter repeats it until it is fetched.
     """
     size = _PACKET_SIZES.get(data[0] & 0x0F, 64) if data else 64
     for start in range(0, len(data), size):
@@ -104,7 +104,7 @@ def packets(data: bytes) -> Iterator[tuple[bytes, bytes]]:
 
 
 def is_full(data: bytes) -> bool:
-    """Tell whether more may have waited in the adapter: the last packet has no room left."""
+    """Tell whether more may have waited in the adapter: the last packet is full."""
     size = _PACKET_SIZES.get(data[0] & 0x0F, 64) if data else 64
     return bool(data) and len(data) % size == 0
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A table of messages that another program has noted, made into packets for a dissector by name: `--dissector`.
+"""Converts a table of messages into packets for a dissector by name: `--dissector`.
 
-A line is a time in s, who sent (M: master, S: slave), and the bytes in hexadecimal. A message is whole, so there are no
-characters and no times inside of it, and nothing of `sertap` in the capture.
+A line has a time in s, the sender (M: master, S: slave), and the bytes in hexadecimal. A message is whole. So there are
+no characters and no times inside it, and the capture has no `sertap` records.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Message(NamedTuple):
 
 
 def read(path: Path) -> list[Message]:
-    """Read the whole table. UsageError names the line that is wrong, and what is right."""
+    """Read the whole table. UsageError names the line that is wrong, and the cure."""
     try:
         text = path.read_text("utf-8-sig", errors="replace")
     except OSError as error:
@@ -92,7 +92,7 @@ def _quoted(text: str) -> str:
 
 
 def write(output: Output, dissector: str, name: str, messages: list[Message]) -> None:
-    """Write them as packets of one interface; `name` is that of the table. May raise OutputError."""
+    """Write the messages as packets of one interface; `name` is that of the table. May raise OutputError."""
     interface = Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, dissector, f"messages imported from {name}")
     output.begin()
     output.write(pcapng.section_header(f"sistap {sistap.__version__}", f"{platform.system()} {platform.release()}"))

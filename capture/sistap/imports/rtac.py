@@ -14,15 +14,15 @@ from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
 
 _FIELDS = ("rtacser.timestamp", "rtacser.eventtype", "data.data")
-_OPTIONS = ("-d", "rtacser.data,data")  # not what a user decodes it as
+_OPTIONS = ("-d", "rtacser.data,data")  # the raw bytes, whatever the user decodes them as
 
 
 class _Event(NamedTuple):
-    """What an event type says of the characters beside it, or of the next ones."""
+    """What an event type says about the characters beside it, or about the next ones."""
 
     line: int = RECEIVED
     flag: Flag = Flag(0)
-    for_both: bool = False  # it may be characters of either line
+    for_both: bool = False  # its characters may belong to either line
 
 
 _EVENTS = {
@@ -39,10 +39,10 @@ _EVENTS = {
 
 
 class RtacCapture:
-    """The characters of such a capture; a Source."""
+    """A Source: the characters of an RTAC capture."""
 
     def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
-        """Look through the capture for its lines. May raise UsageError and TsharkError."""
+        """Find the lines in the capture. May raise UsageError and TsharkError."""
         self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
         self.settings = told.settings
         need_rate(self.settings, capture)
@@ -57,11 +57,11 @@ class RtacCapture:
 
     @property
     def warning(self) -> str:
-        """What tshark said at the end of a capture that is cut."""
+        """Return what tshark said at the end of a capture that is cut off."""
         return self._rows.warning
 
     def reads(self) -> Iterator[Read]:
-        """Yield the characters of each packet together: they have one stamp."""
+        """Yield the characters of each packet together: they share one stamp."""
         pending = {RECEIVED: Flag(0), SENT: Flag(0)}  # what is known of the next character
         for row in self._rows:
             if not row["rtacser.timestamp"]:

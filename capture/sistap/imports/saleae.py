@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tables of Saleae's Async Serial analyser, from Logic 1 and Logic 2, as its source writes them.
+"""Tables of Saleae's Async Serial analyser, from Logic 1 and Logic 2, in the form that its source code defines.
 
 A frame begins with its start bit and ends in the middle of its stop bit.
 """
@@ -22,26 +22,26 @@ _Cells = dict[str, str]
 
 
 class Table(NamedTuple):
-    """A form of the table, by the names of its columns."""
+    """A form of the table, defined by the names of its columns."""
 
     first_line: str  # regular expression
     time: str
     value: str
     channel: str = ""  # the column, if there is one
-    duration: str = ""  # in s; without it the time is that of the start bit, and the rate says how long it takes
-    errors: tuple[str, ...] = ()  # columns that are empty where there is none
+    duration: str = ""  # in s; without it, the time is that of the start bit, and the rate gives the length
+    errors: tuple[str, ...] = ()  # columns that are empty without an error
 
 
 LOGIC_2 = Table(r'"?name"?,"?type"?,"?start_time"?,"?duration"?,', "start_time", "data", "name", "duration", ("error",))
 LOGIC_1 = Table(
     r"Time \[s\], ?Value, ?Parity Error, ?Framing Error", "Time [s]", "Value", errors=("Parity Error", "Framing Error")
 )
-# Several analysers in one table. An error is a remark behind the value: "0x02 (parity error)".
+# Several analysers in one table. An error follows the value in brackets: "0x02 (parity error)".
 LOGIC_1_ALL = Table(
     r"Time \[s\], ?Analyzer Name, ?Decoded Protocol Result", "Time [s]", "Decoded Protocol Result", "Analyzer Name"
 )
 
-# Of the ways to show a value only this one is never another's: "2" may be the digit or the character.
+# Of the ways to show a value, only hexadecimal is unambiguous: "2" may be the digit or the character.
 _VALUE = re.compile(r"0x([0-9A-Fa-f]{1,2})")
 _REMARK = re.compile(r" \(.*error\)$")
 _SECONDS = re.compile(r"-?\d{1,9}(\.\d+)?([eE]-\d\d?)?")
@@ -49,7 +49,7 @@ _FRACTION = re.compile(r"\.(\d+)")
 
 
 def reader(table: Table) -> Callable[[Path, Told], SampledLine]:
-    """Return what opens a file with such a table."""
+    """Return a function that opens a file with such a table."""
 
     def opened(path: Path, told: Told) -> SampledLine:
         need_rate(told.settings, path)
@@ -92,7 +92,7 @@ def _value(cells: _Cells, table: Table) -> tuple[int, Flag]:
 
 
 def _seconds(text: str) -> Fraction:
-    """Read seconds, or a date with time; ValueError if it is neither."""
+    """Convert seconds, or a date with time; ValueError if the text is neither."""
     if _SECONDS.fullmatch(text):
         return Fraction(text)
     fraction = _FRACTION.search(text)

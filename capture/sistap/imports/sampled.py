@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Characters as the UART decoder of a logic analyser has found them."""
+"""Characters that the UART decoder of a logic analyser found."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from sistap.terminal.exits import UsageError
 
 HEXADECIMAL = "let the decoder show hexadecimal values, and export again"
 
-# The fewest samples a bit with which Saleae's decoder works; an edge is seen no later than one sample.
+# Saleae's decoder needs at least this many samples a bit; an edge is seen at most one sample late.
 _SAMPLES_A_BIT = 4
 _LONGEST_S = 1 << 32  # 136 years; twice of it, in ns, fits into a file
 
 
 class Row(NamedTuple):
-    """A character as a file has it."""
+    """A character in the file."""
 
     channel: str  # the name of its decoder, or its direction
-    time_s: Fraction  # of the middle of its stop bit, where a UART takes it
+    time_s: Fraction  # of the middle of its stop bit, where a UART samples it
     value: int
     flags: Flag = Flag(0)
 
 
 class Unreadable(NamedTuple):
-    """A line of a file that has a character, but cannot be read."""
+    """A line of a file that has a character but cannot be read."""
 
     number: int  # from 1
     why: str
 
 
 class SampledLine:
-    """The characters of one channel or two; a Source."""
+    """A Source: the characters of one or two channels."""
 
     def __init__(self, path: Path, rows: Iterable[Row | Unreadable], told: Told) -> None:
-        """Read them all: a table may have one channel after the other. May raise UsageError."""
+        """Read all characters: a table may have one channel after the other. May raise UsageError."""
         self.settings = told.settings
         self.settings_from = "as told"
         self.warning = ""
@@ -71,7 +71,7 @@ class SampledLine:
             yield Read(line, time_ns, bytes([row.value]), bytes([row.flags]), self._period_ns, self.settings)
 
     def _readable(self, rows: Iterable[Row | Unreadable]) -> Iterator[Row]:
-        """Pass over what cannot be read, and mark that something is missing."""
+        """Skip what cannot be read, and mark that something is missing."""
         missing = Flag(0)
         for row in rows:
             if isinstance(row, Unreadable):
@@ -86,6 +86,6 @@ class SampledLine:
 
 
 def bits_to_stop(settings: LineSettings, *, after_start: bool) -> Fraction:
-    """Return how many bits a character takes to the middle of its stop bit: after its data, or from its start on."""
+    """Return the bits of a character up to the middle of its stop bit: after its data, or from its start on."""
     after_data = (settings.parity != "N") + Fraction(1, 2)
     return 1 + settings.data_bits + after_data if after_start else after_data

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Annotations of sigrok's UART decoder, from sigrok-cli and PulseView.
 
-`1104-1938 uart-1: 02` is what `sigrok-cli --protocol-decoder-samplenum` prints; between name and text PulseView puts
-the class or the row of the annotation ("RX data", "RX"), sigrok-cli with `-l 4` the class ("rx-data"), and all forms of
-the text, the longest first.
+`sigrok-cli --protocol-decoder-samplenum` prints `1104-1938 uart-1: 02`. Between name and text, PulseView puts the class
+or the row of the annotation ("RX data", "RX"). With `-l 4`, sigrok-cli puts the class ("rx-data") and all forms of the
+text, the longest first.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ FIRST_LINE = r"\d+-\d+ [^:]+: "
 
 _LINE = re.compile(r'(\d{1,18})-(\d{1,18}) (?P<decoder>[^:]+): (?:(?P<kind>[A-Za-z][\w -]*): )?"?(?P<text>[^"]*)"?.*')
 _VALUE = re.compile(r"[0-9A-F]{2}")
-# Classes and rows that have characters: not single bits, nor what is made of several characters.
+# Classes and rows that have characters: no single bits, nothing made of several characters.
 _CHARACTERS = re.compile(r"((RX|TX)( data)?|(rx|tx)-data|)")
 _ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_ERROR, "Break condition": Flag.BREAK}
 
@@ -31,17 +31,18 @@ _ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_E
 def opened(path: Path, told: Told) -> SampledLine:
     """Open a file of annotations. May raise UsageError."""
     if told.samplerate is None:
-        raise UsageError(f"{path} counts samples and does not say how many a second has: add --samplerate HZ")
+        also = "" if told.settings.baud else ", and the rate of the line, such as --baud 9600"
+        raise UsageError(f"{path} counts samples and does not say how many a second has: add --samplerate HZ{also}")
     need_rate(told.settings, path)
     return SampledLine(path, _rows(path, told.settings, told.samplerate), told)
 
 
 def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unreadable]:
-    """Return the characters in the order of the file, each with the errors that belong to it."""
+    """Return the characters in the order of the file, each with its errors."""
     bit = Fraction(samplerate, settings.baud)  # in samples
     to_stop = bits_to_stop(settings, after_start=False) * bit
     rows: list[Row | Unreadable] = []
-    begins: dict[str, list[tuple[int, int]]] = {}  # of each channel: where the data of a row begin, and which row
+    begins: dict[str, list[tuple[int, int]]] = {}  # for each channel: where the data of a row begin, and which row
     errors: list[tuple[str, int, Flag]] = []
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         for number, line in enumerate(file, 1):
@@ -65,7 +66,7 @@ def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unr
 def _mark(rows: list[Row | Unreadable], begins: list[tuple[int, int]], latest: int, flag: Flag) -> None:
     """Mark the last character whose data begin up to this sample.
 
-    A break begins with the start bit, a bit before the data; other errors are behind the data, and the next character
+    A break begins with the start bit, a bit before the data. Other errors are behind the data, and the next character
     begins two bits after them.
     """
     index = bisect_right(begins, latest, key=lambda begin: begin[0]) - 1
@@ -76,5 +77,5 @@ def _mark(rows: list[Row | Unreadable], begins: list[tuple[int, int]], latest: i
 
 
 def _worst(flags: Flag) -> Flag:
-    """A break is a framing error by nature."""
+    """Return the worst error. A break is also a framing error."""
     return Flag.BREAK if flags & Flag.BREAK else flags

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a file that can be imported is to the rest: characters with their times, like those of a reader."""
+"""The common interface of files that can be imported: characters with their times, like those of a reader."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SHARED, RECEIVED, SENT = 0, 1, 2  # lines: the only one, or the two directions
 
 
 class Told(NamedTuple):
-    """What the user says because the file may not; None: nothing."""
+    """What the user states because the file may not; None: nothing."""
 
     baud: int | None = None
     format: str | None = None
@@ -23,7 +23,7 @@ class Told(NamedTuple):
 
     @property
     def settings(self) -> LineSettings:
-        """Rate 0 where none is told, and the format of the specification. ValueError if the format is none."""
+        """Return the settings: rate 0 if none is given, and the default format. ValueError if the format is unknown."""
         return LineSettings.parse(self.baud or 0, self.format or "8E1")
 
 
@@ -32,39 +32,39 @@ class Source(Protocol):
 
     @property
     def lines(self) -> Mapping[int, str]:
-        """Number and description of each line."""
+        """Return number and description of each line."""
 
     @property
     def settings(self) -> LineSettings:
-        """Those to begin with."""
+        """Return the settings at the beginning."""
 
     @property
     def settings_from(self) -> str:
-        """Where they come from: "as the adapter was set"."""
+        """Return where the settings come from: "as the adapter was set"."""
 
     @property
     def timing(self) -> str:
-        """One phrase: where the times come from."""
+        """Return where the times come from, in one phrase."""
 
     @property
     def warning(self) -> str:
-        """One line, after the last character: what could not be read; empty if all could."""
+        """Return, after the last character, a line about what could not be read; empty if all could."""
 
     def reads(self) -> Iterator[Read]:
         """Return all characters, in the order of their times. May raise TsharkError."""
 
 
 def numbered(received: str, sent: str, *, has_sent: bool, has_received: bool = True) -> dict[int, str]:
-    """Describe the lines of a file: two directions, or the only one as what it is, a line that all share."""
+    """Return the lines of a file with descriptions: two directions, or one shared line."""
     if has_sent and has_received:
         return {RECEIVED: received, SENT: sent}
     return {SHARED: sent if has_sent else received}
 
 
 def need_rate(settings: LineSettings, name: object, why: str = "") -> None:
-    """Refuse to go on without a rate: the times inside a transfer, and what a record says, depend on it.
+    """Refuse to continue without a rate: the times inside a transfer and the records depend on it.
 
-    `why` it is not said, in brackets, if that is known.
+    `why` is the reason for the missing rate, in brackets, if it is known.
     """
     if not settings.baud:
         reason = f" ({why})" if why else ""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""USB captures: which adapters there are, and the characters of the one that is meant."""
+"""USB captures: which adapters there are, and the characters of the chosen one."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from sistap.wireshark.tshark import Tshark
 
 @dataclass(slots=True)
 class _Device:
-    """What a capture shows of a device, whatever it is."""
+    """What a capture shows about any device."""
 
-    is_ftdi: bool = False  # its maker, or a request that only such an adapter gets
+    is_ftdi: bool = False  # its vendor, or a request that only such an adapter gets
     is_cdc: bool = False
-    inbound: int = 0  # transfers that brought something ...
-    status_first: int = 0  # ... of those, how many begin as those of an FTDI adapter
+    inbound: int = 0  # transfers with data to the computer ...
+    status_first: int = 0  # ... and how many of them begin like those of an FTDI adapter
 
     def look(self, transfer: Transfer) -> None:
         """Take note of a transfer."""
@@ -39,9 +39,9 @@ class _Device:
 
     @property
     def kind(self) -> Kind | None:
-        """Say what it is; None: no adapter that can be read, as far as the capture shows.
+        """Return its kind; None if the capture shows no adapter that can be read.
 
-        One that was plugged in and opened before the capture began tells only by the status before its characters.
+        An adapter that was opened before the capture began shows its kind only by the status before its characters.
         """
         if self.is_cdc and not self.is_ftdi:
             return CDC
@@ -49,17 +49,17 @@ class _Device:
 
 
 class _Port:
-    """What a capture shows of a port, read as one of a certain kind."""
+    """What a capture shows about a port, read as a certain kind of adapter."""
 
     def __init__(self, name: str, kind: Kind, told: Told) -> None:
-        """Start with nothing."""
         self.name = name  # "1.5", "1.5B"
         self.adapter = Adapter(kind, told)
         self.settings: LineSettings | None = None  # of its first character
-        self.was_set = False  # by then
+        self.was_set = False  # whether they were set by then
         self.counts = {False: 0, True: 0}  # characters received and sent
-        self.sources: set[int] = set()  # endpoints that they came from
-        self.timers: set[tuple[int | None, bool]] = set()  # latency timers then, in ms, and whether they were set
+        self.sources: set[int] = set()  # endpoints of these characters
+        # latency timers at that time, in ms, and whether they were set
+        self.timers: set[tuple[int | None, bool]] = set()
 
     def look(self, transfer: Transfer) -> None:
         """Take note of a transfer."""
@@ -70,7 +70,7 @@ class _Port:
                 self.timers.add((self.adapter.latency_ms, self.adapter.latency_was_set))
 
     def finish(self) -> None:
-        """Take note of the end."""
+        """Take note of the end of the capture."""
         for read in self.adapter.finish():
             self._count(read)
 
@@ -80,16 +80,15 @@ class _Port:
         self.counts[read.line == SENT] += len(read.data)
 
     def __str__(self) -> str:
-        """Describe it for people."""
         settings = f"{self.settings}, " if self.settings and self.settings.baud else ""
         return f"{self.name} ({self.adapter.kind.name}, {settings}{sum(self.counts.values()):,} characters)"
 
 
 class UsbCapture:
-    """The characters of one adapter; a Source."""
+    """A Source: the characters of one adapter."""
 
     def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
-        """Look through the capture for the adapter that is meant. May raise UsageError and TsharkError."""
+        """Find the chosen adapter in the capture. May raise UsageError and TsharkError."""
         self._transfers = Transfers(tshark, capture)
         self._told = told
         port = _chosen(_ports(self._transfers, told), capture, told.device)
@@ -108,7 +107,7 @@ class UsbCapture:
         self.warning = ""
 
     def reads(self) -> Iterator[Read]:
-        """Yield all characters; those that are sent leave the adapter after what has come meanwhile."""
+        """Yield all characters. Sent characters leave the adapter after what has come meanwhile."""
         adapter = Adapter(self._kind, self._told)
         waiting: list[tuple[int, int, Read]] = []
         number = itertools.count()
@@ -132,14 +131,16 @@ _LETTERS = "BCDEFGH"
 
 
 def _port_name(transfer: Transfer, kind: Kind) -> str:
-    """Name the port that a transfer is for: the first one of a device like the device."""
+    """Name the port of a transfer. The first port has the name of the device."""
     setup = transfer.setup
     port = kind.port_of_endpoint(transfer.endpoint) if setup is None else kind.port_of_request(setup)
     return transfer.device + (_LETTERS[(port - 1) % len(_LETTERS)] if port > 0 else "")
 
 
 def _ports(transfers: Transfers, told: Told) -> list[_Port]:
-    """Find all ports with characters. What a device is may show only at its last transfer: it is read as each kind."""
+    """Find all ports with characters. The kind of a device may show only in its last transfer, so it is read as each
+    kind.
+    """
     devices: dict[str, _Device] = {}
     ports: dict[tuple[str, Kind], _Port] = {}
     for transfer in transfers:
@@ -173,7 +174,7 @@ def _chosen(ports: list[_Port], capture: Path, device: str | None) -> _Port:
 
 
 def _bound(port: _Port) -> str:
-    """Say what the uncertainty of received characters is made of: with the timer as it was when they came."""
+    """Describe the uncertainty of received characters, with the latency timer as it was when they came."""
     timers = port.timers or {(port.adapter.latency_ms, port.adapter.latency_was_set)}
     times_ms = sorted({latency_ms for latency_ms, _ in timers if latency_ms is not None})
     if not times_ms:

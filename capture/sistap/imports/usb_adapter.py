@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One port of a USB adapter: takes the transfers of its device, gives the characters of its line."""
+"""One port of a USB adapter: takes the transfers of its device, yields the characters of its line."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from sistap.line.settings import Flag, LineSettings, Read
 
 
 class Kind(NamedTuple):
-    """A kind of adapter, by what is different in it."""
+    """A kind of adapter, defined by its differences."""
 
     name: str
-    settings_after: Callable[[Setup, bytes, LineSettings], LineSettings]  # what a request leaves behind
+    settings_after: Callable[[Setup, bytes, LineSettings], LineSettings]  # line settings after a request
     packets: Callable[[bytes], Iterator[tuple[bytes, bytes]]]  # characters and flags in a transfer
-    is_full: Callable[[bytes], bool]  # there may be more than the transfer had room for
-    notified: Callable[[bytes], Flag]  # errors that an interrupt transfer tells of
+    is_full: Callable[[bytes], bool]  # whether more may have waited than the transfer has room for
+    notified: Callable[[bytes], Flag]  # errors in an interrupt transfer
     port_of_endpoint: Callable[[int], int]
     port_of_request: Callable[[Setup], int]
     latency_ms: int | None  # of its timer; None: it has none
-    no_rate: str  # why a capture may not say the rate
+    no_rate: str  # why a capture may not state the rate
 
 
 def _only_port(_: object) -> int:
@@ -57,10 +57,9 @@ KINDS = (FTDI, CDC)
 
 
 class Adapter:
-    """A port, and what has come and gone through it."""
+    """A port, and what came and went through it."""
 
     def __init__(self, kind: Kind, told: Told) -> None:
-        """Start with what the user says of the line."""
         self.kind = kind
         self.settings = told.settings
         self.was_set = False  # by the capture, not only by the user
@@ -69,11 +68,11 @@ class Adapter:
         self._arrivals = Arrivals()
         self._departures = Departures()
         self._submitted: dict[str, Transfer] = {}  # what is on its way out
-        self._next_received = Flag(0)  # what is known of the next character
+        self._next_received = Flag(0)  # errors that apply to the next character
         self._next_sent = Flag(0)
 
     def take(self, transfer: Transfer) -> Iterator[Read]:
-        """Yield the characters that a transfer brings, or that it has taken away."""
+        """Yield the characters that a transfer brings, or that left with it."""
         if transfer.setup is not None:
             self._take_request(transfer.setup, transfer.data)
         elif transfer.type == INTERRUPT:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""When the characters of a USB transfer can have been on the line: between these two times, nothing more is claimed."""
+"""The two times between which the characters of a USB transfer were on the line. Nothing narrower is claimed."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from sistap.imports.source import SENT
 from sistap.imports.usb_transfers import Transfer
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
 
-FRAME_NS = 1_000_000  # in which the host asks at least once, and is told (USB 2.0 chapter 5.8)
-# USBPcap takes the time from the clock that Windows moves on in ticks: a stamp is as much too early as that is old.
+FRAME_NS = 1_000_000  # the host asks at least once in a frame (USB 2.0 chapter 5.8)
+# USBPcap takes the time from the Windows clock, which advances in ticks. A stamp is too early by up to a tick.
 WINDOWS_TICK_NS = 15_625_000
 _MS = 1_000_000
 
@@ -21,10 +21,10 @@ def latest_ns(transfer: Transfer) -> int:
 
 
 class Arrivals:
-    """How long, at most, what a completed transfer brings has been in the adapter.
+    """An upper bound on how long the contents of a completed transfer were in the adapter.
 
-    With a latency timer (FTDI) a transfer comes at least that often, be it empty, as long as the host asks. If the host
-    did not ask, the adapter was collecting since it was last emptied.
+    With a latency timer (FTDI), a transfer comes at least once per period, even an empty one, as long as the host asks.
+    If the host did not ask, the adapter collected since it was last emptied.
     """
 
     def __init__(self) -> None:
@@ -37,9 +37,9 @@ class Arrivals:
         self._asked_ns = transfer.time_ns
 
     def waited_ns(self, transfer: Transfer, latency_ms: int | None, *, is_full: bool) -> int:
-        """Return that time in ns for a completed transfer. `latency_ms` is None for an adapter without such a timer.
+        """Return that bound in ns for a completed transfer. `latency_ms` is None for an adapter without a timer.
 
-        `is_full`: it has no room for more, so the adapter may not be empty after it.
+        `is_full`: the transfer has no room for more, so the adapter may not be empty after it.
         """
         waited_ns = FRAME_NS if latency_ms is None else latency_ms * _MS
         if latency_ms is not None and self._emptied_ns is not None:
@@ -55,15 +55,14 @@ class Departures:
     """When characters that were handed to the adapter have left it: one after the other, once the line is free."""
 
     def __init__(self) -> None:
-        """Start with a line that is free."""
         self._free_ns = (0, 0)  # earliest and latest
 
     def sent(
         self, submitted: Transfer, completed: Transfer | None, flags: bytes, settings: LineSettings
     ) -> Iterator[Read]:
-        """Yield each character when it has left; `flags` has one byte for each that was taken.
+        """Yield each character when it has left; `flags` has one byte for each character.
 
-        None begins before it was handed over; when the transfer is completed, all are in the adapter. Without the
+        None begins before it was handed over. When the transfer is completed, all are in the adapter. Without a
         completion nobody knows.
         """
         earliest_ns = max(submitted.time_ns, self._free_ns[0])
@@ -77,5 +76,5 @@ class Departures:
 
 
 def bounded(uncertainty_ns: int) -> int:
-    """Return what of an uncertainty fits into a record: one that does not is unknown."""
+    """Return an uncertainty that fits into a record; a larger one becomes unknown."""
     return uncertainty_ns if 0 <= uncertainty_ns < UNCERTAINTY_UNKNOWN else UNCERTAINTY_UNKNOWN

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""USB transfers, from usbmon and USBPcap alike, as tshark takes them apart.
+"""USB transfers of usbmon and USBPcap, as tshark dissects them.
 
-The dissectors of the adapters themselves are switched off: they need to have seen an adapter being plugged in, while
-the requests and bytes are in any capture.
+The dissectors of the adapters themselves are switched off: they need to see an adapter being plugged in. Any capture
+has the requests and bytes.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _FIELDS = (
     "usb.bInterfaceClass",
 )
 _TRUE = ("1", "0x01", "True")
-# Nor are characters to be taken for something else that they look like.
+# Characters must not be dissected as some other protocol, either.
 _OPTIONS = ("--disable-protocol", "ftdi-ft", "--disable-protocol", "usbcom", "-o", "usb.try_heuristics:FALSE")
 
 
@@ -62,9 +62,9 @@ class Transfer(NamedTuple):
     endpoint: int  # the address: 0x80 is the direction to the computer
     type: int  # CONTROL ...
     completed: bool
-    id: str  # the same in both
+    id: str  # equal for submission and completion
     data: bytes
-    actual: int | None  # how many bytes were really transferred, if that is told
+    actual: int | None  # number of bytes transferred, if known
     is_cut: bool  # the capture does not have all of the data
     setup: Setup | None
     vendor: int | None
@@ -73,7 +73,7 @@ class Transfer(NamedTuple):
 
     @property
     def inbound(self) -> bool:
-        """Whether the data go to the computer."""
+        """Tell whether the data go to the computer."""
         return bool(self.endpoint & _INBOUND)
 
 
@@ -81,16 +81,15 @@ class Transfers:
     """The transfers in a capture."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        """Nothing is read yet."""
         self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
 
     @property
     def warning(self) -> str:
-        """What tshark said at the end of a capture that is cut."""
+        """Return what tshark said at the end of a capture that is cut off."""
         return self._rows.warning
 
     def __iter__(self) -> Iterator[Transfer]:
-        """Yield them in the order of the capture. May raise TsharkError."""
+        """Yield the transfers in the order of the capture. May raise TsharkError."""
         for row in self._rows:
             if row["usb.transfer_type"] and row["usb.device_address"]:
                 yield _transfer(row)
@@ -101,7 +100,7 @@ def _transfer(row: dict[str, str]) -> Transfer:
     data_length, urb_length = _integer(row["usb.data_len"]), _integer(row["usb.urb_len"])
     completed = row["usb.irp_info.direction"] in _TRUE if by_windows else "S" not in row["usb.urb_type"]
     endpoint = _integer(row["usb.endpoint_address"])
-    # Data are in what is completed inbound, or submitted outbound; usbmon keeps what its buffer has room for.
+    # Inbound data are in the completion, outbound data in the submission. usbmon keeps what fits into its buffer.
     has_data = completed == bool(endpoint & _INBOUND)
     is_cut = row["frame.cap_len"] != row["frame.len"] or (has_data and data_length < urb_length)
     return Transfer(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap install`: what it puts, where, and whether Wireshark takes it."""
+"""The command `sistap install`: what it installs, where, and whether Wireshark loads it."""
 
 from __future__ import annotations
 
@@ -24,34 +24,34 @@ from sistap.wireshark import folders
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
 DESCRIPTION = """\
-Put the dissector, the serial ports among Wireshark's interfaces (extcap) and the profile SIS where the Wireshark of
-this machine looks for them, and the command `sistap`, with its completion, where a shell does. Says in a line each what
-it did; asks nothing; safe to run again, also for a newer sistap or after a new Wireshark.
+Install the dissector, the serial ports among Wireshark's interfaces (extcap) and the profile SIS for the Wireshark of
+this computer. Also install the command `sistap` with completion for the shell. sistap prints one line for each file and
+asks nothing. Run it again after an update of sistap or Wireshark.
 """
 
 EPILOG = """\
-The dissector is the plugin built in this checkout, if it was built for this Wireshark (4.0, 4.2 ...: a plugin fits
-one of them only), and else sis.lua, which fits all from 4.0 on. What Wireshark loads already from elsewhere is kept.
-So is a plugin that an earlier install put there, while Wireshark loads it and nothing newer was built; with --lua
-sis.lua takes its place.
+The dissector is the plugin built in this checkout, if it was built for this Wireshark. A plugin fits one version only
+(4.0, 4.2 ...). Otherwise sistap installs sis.lua, which fits all versions from 4.0 on. A dissector that Wireshark
+already loads from elsewhere stays. So does a plugin of an earlier install, if Wireshark loads it and no newer one was
+built. With --lua, sis.lua replaces it.
 
-The command is put into ~/.local/bin, for all users into /usr/local/bin, on Windows into a folder of its own; if that
-is not in PATH, a line says what to do. Where there is a command sistap already, from a package, that one is kept.
+The command goes into ~/.local/bin; for all users into /usr/local/bin; on Windows into a folder of its own. If that
+folder is not in PATH, a line says what to do. A command sistap from a package stays.
 
-Run as root it installs for all users: as root, Wireshark skips what is in personal folders.
-A file that somebody else put there, or has changed since, is kept. `sistap uninstall` takes everything away again.
+Run as root to install for all users: run as root, Wireshark skips personal folders. sistap keeps a file that somebody
+else put there or has changed. `sistap uninstall` removes everything again.
 
 examples:
   sistap install                                        for this user
   sudo sistap install                                   for all users
   sistap install --plugin build/plugin/plugin/sis.so    this plugin, if it fits
-  sistap install --lua                                  the script, in place of the plugin
-  wireshark -C SIS                                      then: Wireshark with the profile
+  sistap install --lua                                  the script instead of the plugin
+  wireshark -C SIS                                      afterwards: start Wireshark with the profile
 
 exit status:
   0  done
-  1  something could not be written, or Wireshark does not load it
-  2  wrong usage, or FILE is no plugin
+  1  something could not be written, or Wireshark does not load the dissector
+  2  wrong usage, or FILE is not a plugin
 """
 
 WINDOWS = os.name == "nt"
@@ -60,7 +60,7 @@ _FOR_ALL = "all users: run as root, it skips what is in personal folders"
 
 
 class File(NamedTuple):
-    """One file to put."""
+    """A file to install."""
 
     target: Path
     content: bytes
@@ -68,12 +68,12 @@ class File(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--plugin", metavar="FILE", type=_existing_file, help="take this plugin, sis.so, if it fits")
-    which.add_argument("--lua", action="store_true", help="take sis.lua, even if there is a plugin that fits")
+    which.add_argument("--plugin", metavar="FILE", type=_existing_file, help="install this plugin, sis.so, if it fits")
+    which.add_argument("--lua", action="store_true", help="install sis.lua, even if a plugin fits")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -125,18 +125,18 @@ def _install(args: argparse.Namespace, console: Console) -> int:
 
 
 def _tell(line: str) -> None:
-    """Print a line; names in it are those of whoever has made the file."""
+    """Print a line. File names in it come from others, so make them visible."""
     print(visible(line), flush=True)
 
 
 def own_folders() -> folders.Own:
-    """Ask Wireshark which folders are its own; add those of a shell. TsharkError, folders.FoldersError."""
+    """Return Wireshark's own folders and those of a shell. Raise TsharkError or folders.FoldersError."""
     with Tshark(drop_rights=False) as tshark:
         return _own(tshark.output("-G", "folders"), for_all=is_root())
 
 
 def _own(named: str, *, for_all: bool) -> folders.Own:
-    """Return all folders into which install puts. FoldersError."""
+    """Return all folders into which install puts files. Raise FoldersError."""
     return folders.Own(named, for_all=for_all, others=shell.folders(shell.places(for_all=for_all, windows=WINDOWS)))
 
 
@@ -150,7 +150,7 @@ def _supported_version(tshark: Tshark) -> Version:
 
 
 def _foreign(there: list[Loaded], ledger: Ledger) -> str:
-    """Return the file of a dissector that Wireshark loads and that install has not put."""
+    """Return the dissector that Wireshark loads and that install did not put there."""
     ours = [file.resolve() for file in ledger.files]
     return next((found.file for found in there if Path(found.file).resolve() not in ours), "")
 
@@ -179,7 +179,7 @@ def _dissector(
 
 
 def _others(places: folders.Folders) -> Iterator[File]:
-    """Yield all but the dissector."""
+    """Yield all files but the dissector."""
     yield from _launchers(places.extcap, sources.PACKAGE.parent)
     for file in sources.profile():
         yield File(places.profiles / sources.PROFILE / file.name, file.read_bytes())
@@ -195,7 +195,9 @@ def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) 
 
 
 def _launchers(folder: Path, package_root: Path) -> Iterator[File]:
-    """Yield by what Wireshark starts sistap; on Windows a program where there is one: cmd.exe garbles filters."""
+    """Yield the launchers by which Wireshark starts sistap. On Windows use a program if possible: cmd.exe garbles
+    filters.
+    """
     text = launcher(sys.executable, package_root, WINDOWS)
     if not WINDOWS:
         yield File(folder / "sistap", text.encode(), executable=True)
@@ -216,10 +218,10 @@ def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]
 
 
 def _bring_up_to_date(ledger: Ledger, files: list[File], own: folders.Own) -> None:
-    """Put what is new, remove what an earlier install has put elsewhere (sis.lua, another Wireshark). OSError."""
+    """Put new files; remove what an earlier install put elsewhere (sis.lua, another Wireshark). May raise OSError."""
     lines: list[str] = []
     try:
-        with held():  # what was put is on the list, whenever a signal comes
+        with held():  # so that the list names every file that was put, whenever a signal comes
             try:
                 for line in _changes(ledger, files, own):
                     lines.append(line)
@@ -244,7 +246,7 @@ def _changes(ledger: Ledger, files: list[File], own: folders.Own) -> Iterator[st
 
 
 def _warn_of_others_rights(console: Console) -> None:
-    """Say it if the other users cannot run what the launcher names, or can change what all users then run."""
+    """Warn if other users cannot run what the launcher names, or can change what all users then run."""
     closed = [path for path in (sources.PACKAGE, *sources.PACKAGE.parents) if not path.stat().st_mode & stat.S_IXOTH]
     if closed:
         console.say(
@@ -261,7 +263,7 @@ def _warn_of_others_rights(console: Console) -> None:
 
 
 def _silent_reason() -> str:
-    """Say why Wireshark may load nothing from its folders without a word."""
+    """Return why Wireshark may load nothing from its folders without an error."""
     if folder := os.environ.get("WIRESHARK_PLUGIN_DIR"):
         return f"WIRESHARK_PLUGIN_DIR is set, so it looks in {folder} alone; unset it"
     return "it does not say why"

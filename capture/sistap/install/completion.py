@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Completion for bash and zsh, made from the parser of all commands, so that it never lacks an option.
+"""Completion for bash and zsh, made from the parser of all commands, so that it has every option.
 
-Both scripts are static: a press of Tab starts no Python.
+Both scripts are static: pressing Tab starts no Python.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def _takes_value(action: argparse.Action) -> bool:
 
 
 def _words(action: argparse.Action) -> list[str]:
-    """Return the words that an option or argument can have, where they can be listed."""
+    """Return the possible words of an option or argument, where they can be listed."""
     if action.choices is not None:
         return [str(choice) for choice in action.choices]
     metavar = str(action.metavar or "")
@@ -158,7 +158,7 @@ def _ports_or_words(action: argparse.Action) -> str:
 
 
 def _specifications(command: argparse.ArgumentParser) -> Iterator[str]:
-    """Yield what _arguments of zsh wants to know of each option and argument."""
+    """Yield what _arguments of zsh needs for each option and argument."""
     for action in command._actions:
         text = re.sub(r"([\[\]:\\])", r"\\\1", (action.help or "") % _Expanded(vars(action)))
         name = str(action.metavar or action.dest).replace("|", " or ").replace(":", r"\:")
@@ -174,7 +174,7 @@ def _specifications(command: argparse.ArgumentParser) -> Iterator[str]:
 
 
 class _Expanded(dict[str, object]):
-    """What a help text can name with %(name)s."""
+    """The names that a help text can use as %(name)s."""
 
     def __missing__(self, name: str) -> str:
         return ""

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files by which Wireshark, in its folder of extcaps, and a shell, on PATH, start sistap."""
+"""The files by which Wireshark (in its extcap folder) and a shell (on PATH) start sistap."""
 
 from __future__ import annotations
 
 import shlex
 from pathlib import Path
 
-# -P: nothing is imported from the folder in which it was started. The shell becomes Python, so that a signal to stop
-# reaches it.
+# -P: import nothing from the current folder. exec replaces the shell by Python, so that a stop signal reaches it.
 _SHELL = """\
 #!/bin/sh
 # {what}
@@ -25,21 +24,21 @@ set "PYTHONPATH={package_root}"
 
 
 def settings(interpreter: str, package_root: Path) -> str:
-    """Return the text of sistap.cfg, which says to sistap.exe what the other launchers have in themselves."""
+    """Return the text of sistap.cfg, which configures sistap.exe; the other launchers contain these settings."""
     return f"{interpreter}\r\n{package_root}\r\n"
 
 
 def launcher(interpreter: str, package_root: Path, windows: bool) -> str:
-    """Return the text of the launcher: `interpreter` is to run the package `sistap` that is in `package_root`.
+    """Return the text of the launcher: `interpreter` runs the package `sistap` in `package_root`.
 
-    A shell script, to be made executable; for Windows a .bat (in UTF-8). Both paths have to be absolute: a desktop
-    starts Wireshark anywhere, with neither PATH nor PYTHONPATH as a terminal has them.
+    It is a shell script, to be made executable; for Windows a .bat (in UTF-8). Both paths must be absolute: a desktop
+    starts Wireshark in any folder, without the PATH and PYTHONPATH of a terminal.
     """
     return _filled(interpreter, package_root, windows, "SIS among the interfaces of Wireshark.", "extcap ")
 
 
 def command(interpreter: str, package_root: Path, windows: bool) -> str:
-    """Return the text of the command `sistap` for a shell, made as the launcher is."""
+    """Return the text of the command `sistap` for a shell, made like the launcher."""
     return _filled(interpreter, package_root, windows, "The command sistap.", "")
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What `sistap install` has put where, so that it and `uninstall` touch nothing else.
+"""The list of what `sistap install` has installed, so that it and `uninstall` touch nothing else.
 
-A file is ours as long as it is byte for byte what was put there, in a folder into which install puts. What somebody has
-changed since, what was there before, and what the list names elsewhere is left alone, with a line that says so.
+sistap replaces or removes a file only if nobody has changed it, and only in a folder into which install puts files. A
+file that somebody has changed, that was there before, or that the list names elsewhere stays, with a message.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from sistap.wireshark.folders import Own
 
 
 class LedgerError(Exception):
-    """The list cannot be used; the text is the one line to show."""
+    """The list cannot be used; the text is the line to show."""
 
 
 class ElsewhereError(Exception):
-    """The list names what is not in those folders; the text is the one line to show."""
+    """The list names a file outside of these folders; the text is the line to show."""
 
 
 class Ledger:
-    """The list of the files and folders that were made; of this user, or as root of all users."""
+    """The list of the files and folders that were made, for this user, or as root for all users."""
 
     def __init__(self, *, for_all: bool) -> None:
         """Read the list, if there is one. LedgerError, OSError; RuntimeError if there can be none."""
         name = "installed-for-all.json" if for_all else "installed.json"
         self.path = state.folder() / name
-        self.notes: list[str] = []  # lines about lists of earlier versions
+        self.notes: list[str] = []  # messages about lists of earlier versions
         self._files: dict[str, str] = {}  # path: SHA-256
         self._folders: list[str] = []  # in the order in which they were made
-        self._left: set[Path] = set()  # folders out of which a file was removed
+        self._left: set[Path] = set()  # folders from which a file was removed
         self._old: Path | None = None  # the list of an earlier version that was taken over
         if self.path.exists():
             if state.is_root():
@@ -53,12 +53,12 @@ class Ledger:
             raise LedgerError(f"{path} is not what `sistap install` writes: delete it, then install again") from None
 
     def _take_over(self, name: str) -> None:
-        """Read the list of root that earlier versions kept in a home, if nobody else could have written it."""
+        """Read root's list that earlier versions kept in a home, if nobody else could have written it."""
         for old in (folder / name for folder in state.old_folders()):
             try:
                 old.lstat()
                 is_good = state.is_roots_alone(old)
-            except OSError:  # it is not there, or is where not even root may look
+            except OSError:  # it does not exist, or even root may not look there
                 continue
             if is_good:
                 self._load(old)
@@ -71,16 +71,16 @@ class Ledger:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to remove."""
+        """Tell whether there is nothing to remove."""
         return not self._files and not self._folders
 
     @property
     def files(self) -> list[Path]:
-        """What was put there and not removed yet."""
+        """Return what was installed and not removed yet."""
         return [Path(path) for path in self._files]
 
     def save(self) -> None:
-        """Write the list; remove it when nothing is left. OSError."""
+        """Write the list; remove it when nothing is left. May raise OSError."""
         if self.is_empty:
             _remove(self.path)
         else:
@@ -91,9 +91,9 @@ class Ledger:
             self._old = None
 
     def put(self, file: Path, content: bytes, *, executable: bool = False) -> str:
-        """Make a file what it should be, unless it is not ours; give the line that says what happened. OSError."""
+        """Write a file, unless somebody else owns it; return the line that reports it. May raise OSError."""
         is_new = not file.exists()
-        if not is_new and file.read_bytes() == content:  # it need not be ours: a package may have put it there
+        if not is_new and file.read_bytes() == content:  # somebody else may own it: a package may have put it there
             return f"same     {file}"
         if not is_new and not self._is_ours(file):
             cure = "delete it and install again to have the one of this sistap"
@@ -104,7 +104,7 @@ class Ledger:
         return f"{'put' if is_new else 'renewed':8} {file}"
 
     def remove(self, file: Path, own: Own) -> str:
-        """Remove a file that is ours; return the line that says what happened.
+        """Remove a file that is ours; return the line that reports it.
 
         OSError, or ElsewhereError if it is not in `own` folders: then it stays on the list.
         """
@@ -123,7 +123,7 @@ class Ledger:
         return line
 
     def remove_folders(self, own: Own) -> list[str]:
-        """Remove the folders that were made and are empty now; lines, also for what is left beside removed files."""
+        """Remove the folders that were made and are empty now; return lines, also about what is left in them."""
         lines = []
         in_use = {parent for file in self.files for parent in file.parents}
         for folder in [Path(folder) for folder in reversed(self._folders)]:
@@ -160,7 +160,7 @@ class Ledger:
 
 
 def _name(text: object) -> str:
-    """Check that it can be the name of a file or folder. ValueError if not."""
+    """Check that the text can be the name of a file or folder. Raise ValueError if not."""
     name = str(text)
     if b"\0" in os.fsencode(name):
         raise ValueError("a name has no NUL")
@@ -172,7 +172,7 @@ def _digest(content: bytes) -> str:
 
 
 def _remove(ledger: Path) -> None:
-    """Remove a list, and its folder if nothing else is there."""
+    """Remove a list, and its folder if it is empty then."""
     ledger.unlink(missing_ok=True)
     with suppress(OSError):
         ledger.parent.rmdir()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""For which Wireshark a plugin was built. The file is read, not loaded: what is loaded runs."""
+"""Finds the Wireshark version that a plugin was built for. It reads the file and never loads it, which would run it."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 
 class ModuleError(Exception):
-    """The file is no plugin that can be read; the text is the one line to show."""
+    """The file is not a readable plugin; the text is the line to show."""
 
 
 class _Layout(NamedTuple):
-    """Where things are in an ELF file, and in an entry of its tables (names as in the ELF specification)."""
+    """The layout of an ELF file and of the entries of its tables (names as in the ELF specification)."""
 
     tables: str  # e_phoff, e_shoff
-    counts: int  # where e_phentsize, e_phnum, e_shentsize, e_shnum are
+    counts: int  # positions of e_phentsize, e_phnum, e_shentsize, e_shnum
     segment: str  # p_type, p_offset, p_vaddr, p_filesz
     section: str  # sh_type, sh_offset, sh_size, sh_link
     symbol: str  # st_name, st_value
@@ -33,7 +33,7 @@ _DYNAMIC_SYMBOLS = 11  # SHT_DYNSYM
 
 
 def wanted_version(file: Path) -> tuple[int, int]:
-    """Read the major and minor version of the Wireshark that a plugin asks for. ModuleError; OSError."""
+    """Return the major and minor version of the Wireshark that a plugin needs. Raise ModuleError or OSError."""
     data = file.read_bytes()
     if data[:4] != b"\x7fELF":
         raise ModuleError(f"{file} is no module of this kind of system (ELF)")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a shell finds: the command `sistap`, and its completion."""
+"""What a shell needs: the command `sistap`, and its completion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FOR_ALL = Path("/usr/local")
 
 
 class Places(NamedTuple):
-    """Where the command and its completion go."""
+    """The paths of the command and its completion."""
 
     command: Path  # the file
     bash: Path
@@ -26,7 +26,7 @@ class Places(NamedTuple):
 
 
 def places(*, for_all: bool, windows: bool) -> Places:
-    """Return those of this user, or those for all. RuntimeError if this user has no home."""
+    """Return the paths for this user, or for all. RuntimeError if this user has no home."""
     if windows:
         local = os.environ.get("LOCALAPPDATA", "")
         programs = (Path(local) if local else Path.home() / "AppData/Local") / "Programs/sistap"
@@ -40,14 +40,14 @@ def places(*, for_all: bool, windows: bool) -> Places:
 
 
 def folders(where: Places) -> list[Path]:
-    """List the folders that these are in."""
+    """Return the folders of these paths."""
     return sorted({file.parent for file in where})
 
 
 def foreign(ours: Collection[Path]) -> str:
-    """Return a command `sistap` on PATH that is none of `ours`; nothing if there is none.
+    """Return a command `sistap` on PATH that is not in `ours`; None if there is none.
 
-    That of an active virtual environment does not count: it is gone with the environment.
+    The command of an active virtual environment is ignored: it goes away with the environment.
     """
     active = Path(sys.prefix) if sys.prefix != sys.base_prefix else None
     path = [
@@ -60,7 +60,9 @@ def foreign(ours: Collection[Path]) -> str:
 
 
 def files(where: Places, package_root: Path, whole: argparse.ArgumentParser, *, windows: bool) -> dict[Path, bytes]:
-    """Return what to put where. The command, the first, is to be executable; `whole` is the parser of all commands."""
+    """Return the files and their paths. The first, the command, must be executable; `whole` is the parser of all
+    commands.
+    """
     put = {where.command: command(sys.executable, package_root, windows).encode()}
     if not windows:
         put |= {where.bash: completion.bash(whole).encode(), where.zsh: completion.zsh(whole).encode()}

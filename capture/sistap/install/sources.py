@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What there is to install, in a checkout or in an installed package."""
+"""Finds what can be installed, in a checkout or in an installed package."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ _BUILD = (
 
 
 class SourceError(Exception):
-    """What should be installed is not there; the text is the one line to show."""
+    """Something to install is missing; the text is the line to show."""
 
 
 class Dissector(NamedTuple):
-    """The module or the script that is to be installed."""
+    """The module or the script to install."""
 
     file: Path
     is_module: bool
-    notes: list[str]  # modules that were passed over, and why
+    notes: list[str]  # modules that were skipped, and why
 
 
 def lua() -> Path:
-    """Find sis.lua. SourceError."""
+    """Return sis.lua. Raise SourceError."""
     for file in (PACKAGE / "sis.lua", _checkout() / "lua-fallback/sis.lua"):
         if file.is_file():
             return file
@@ -42,13 +42,13 @@ def lua() -> Path:
 
 
 def executable() -> Path | None:
-    """Find sistap.exe, the launcher for Windows: in the package, or as capture/launcher/build has made it."""
+    """Return sistap.exe, the launcher for Windows: from the package, or as capture/launcher/build has made it."""
     places = (PACKAGE / "sistap.exe", _checkout() / "build/windows/sistap.exe")
     return next((file for file in places if file.is_file()), None)
 
 
 def profile() -> list[Path]:
-    """List the files of the profile. SourceError."""
+    """Return the files of the profile. Raise SourceError."""
     files = sorted((PACKAGE / "profile" / PROFILE).glob("*"))
     if not files:
         raise SourceError(f"the profile is missing in {PACKAGE}: install sistap again")
@@ -56,9 +56,9 @@ def profile() -> list[Path]:
 
 
 def dissector(named: Path | None, wireshark: Version) -> Dissector:
-    """Choose the module named by the user, else one built here, if it fits this Wireshark; else sis.lua.
+    """Choose the module that the user named, else one built here that fits this Wireshark, else sis.lua.
 
-    SourceError and OSError if there is none at all; module.ModuleError if what is named is no plugin.
+    SourceError or OSError if there is none at all; module.ModuleError if the named file is not a plugin.
     """
     notes = []
     for file in [named] if named else _built():
@@ -82,5 +82,5 @@ def _built() -> Iterator[Path]:
 
 
 def _checkout() -> Path:
-    """Say where the checkout begins, if this is one."""
+    """Return the root of the checkout, if this is one."""
     return PACKAGE.parents[1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap uninstall`: takes away what `sistap install` has put, and nothing else."""
+"""The command `sistap uninstall`: removes what `sistap install` has installed, and nothing else."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from sistap.wireshark import folders
 from sistap.wireshark.tshark import TsharkError
 
 DESCRIPTION = """\
-Remove what `sistap install` has put on this machine, and the folders that it made; as root, what was installed for all
-users. Says in a line each what it did. What somebody has changed since, or put beside it, is kept. Nothing is removed
-outside of Wireshark's own folders, which tshark names, and those of the command `sistap` and its completion.
+Remove what `sistap install` has installed on this computer, and the folders that it made. As root, remove what was
+installed for all users. sistap prints one line for each file. It keeps files that somebody has changed or added. It
+touches only Wireshark's own folders, as tshark names them, and those of the command `sistap` and its completion.
 """
 
 EPILOG = """\
@@ -30,7 +30,7 @@ exit status:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
 
@@ -55,10 +55,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _remove(ledger: Ledger, own: folders.Own, console: Console) -> bool:
-    """Remove what is on the list; tell whether all of it could be. OSError if the list cannot be written."""
+    """Remove what is on the list; return whether all of it could be removed. OSError if the list cannot be written."""
     lines: list[str] = []
     troubles: list[str] = []
-    with held():  # what is on the list is there, whenever a signal comes
+    with held():  # so that the list stays true, whenever a signal comes
         for file in ledger.files:
             try:
                 lines.append(ledger.remove(file, own))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The wire over a socket: characters with time, errors and line settings, from a virtual bus or from a distant tap.
 
-Who listens connects; who sends is a bus (`sistap bus`) or a tap (`sistap serve`). Network byte order; README.md says
+The listener connects. The sender is a bus (`sistap bus`) or a tap (`sistap serve`). Network byte order; README.md
 what each message means:
 
     from the sender   'V' (1)  version (1)  kind (1)  time ns (8)  began ns (8)  place (8)  length (2)  text (length)
@@ -40,7 +40,7 @@ FROM_SENDER, FROM_LISTENER = "VSTRLN", "ST"  # which messages they may say
 
 
 class Kind(enum.IntEnum):
-    """What sends."""
+    """The kind of sender."""
 
     BUS = 0
     TAP = 1
@@ -50,9 +50,9 @@ class Hello(NamedTuple):
     """The first message of a sender."""
 
     kind: Kind
-    time_ns: int  # now, by its clock
-    began_ns: int  # when it began: another time tells another sender
-    place: int  # so many characters it has sent or lost until now
+    time_ns: int  # now, by the sender's clock
+    began_ns: int  # when it began: a different time means a different sender
+    place: int  # number of characters it has sent or lost so far
     name: str
     adapter: str
     timing: str
@@ -61,13 +61,13 @@ class Hello(NamedTuple):
 
 
 class Lost(NamedTuple):
-    """So many characters are missing here, because they were not taken in time."""
+    """That many characters are missing here, because they were not taken in time."""
 
     characters: int
 
 
 class Time(NamedTuple):
-    """Nothing arrives before this time, in ns since 1970; from a tap: all that did was dealt with."""
+    """Nothing arrives before this time, in ns since 1970. A tap has passed on everything until then."""
 
     time_ns: int
 
@@ -76,18 +76,18 @@ Message = Hello | LineSettings | Time | Read | Lost | Notice
 
 
 def pack_settings(settings: LineSettings) -> bytes:
-    """Make the message of line settings."""
+    """Return the message of line settings."""
     parity = PARITIES.index(settings.parity)
     return _SETTINGS.pack(b"S", settings.baud, settings.data_bits, parity, settings.stop_half_bits)
 
 
 def pack_time(time_ns: int) -> bytes:
-    """Make the message of time."""
+    """Return the message of time."""
     return _TIME.pack(b"T", time_ns)
 
 
 def pack_read(read: Read) -> bytes:
-    """Make the message of characters."""
+    """Return the message of characters."""
     pairs = bytearray(2 * len(read.data))
     pairs[0::2] = read.data
     pairs[1::2] = read.flags
@@ -95,33 +95,37 @@ def pack_read(read: Read) -> bytes:
 
 
 def pack_hello(hello: Hello) -> bytes:
-    """Make the first message."""
+    """Return the first message."""
     text = _packed("\n".join([hello.name, hello.adapter, hello.timing, *hello.notes]))
     head = (hello.version, hello.kind, hello.time_ns, hello.began_ns, hello.place, len(text))
     return _HELLO.pack(b"V", *head) + text
 
 
 def pack_lost(count: int) -> bytes:
-    """Make the message of missing characters."""
+    """Return the message of missing characters."""
     return _LOST.pack(b"L", count)
 
 
 def pack_notice(notice: Notice) -> bytes:
-    """Make the message of something that happened."""
+    """Return the message of an event."""
     text = _packed(notice.text)
     return _NOTICE.pack(b"N", notice.happening, len(text)) + text
 
 
 class Decoder:
-    """Cuts a byte stream into messages, however the socket packed it. It keeps at most one that is not complete."""
+    """Cuts a byte stream into messages, whatever pieces the socket delivers. It keeps at most one incomplete
+    message.
+    """
 
     def __init__(self, kinds: str = FROM_SENDER) -> None:
-        """Start with nothing received; others than these `kinds` are refused."""
+        """Refuse messages that are not of these `kinds`."""
         self._pending = bytearray()
         self._kinds = kinds
 
     def feed(self, data: bytes) -> list[Message]:
-        """Take what the socket delivered, give the messages that are complete. ValueError if this is no wire."""
+        """Take what the socket delivered; return the complete messages. ValueError if the stream is not this
+        protocol.
+        """
         self._pending += data
         messages: list[Message] = []
         while message := self._next():
@@ -153,7 +157,7 @@ def _packed(text: str) -> bytes:
 
 
 def _text(data: bytes) -> str:
-    """Read a text that somebody else has written: nothing in it controls a terminal."""
+    """Decode a text from the other end, and make it safe for a terminal."""
     decoded = data.decode(errors="replace")
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in decoded)
 
@@ -193,7 +197,7 @@ def _no_length(_: bytearray) -> int:
     return 0
 
 
-# How much comes behind the beginning of a message, and what it is.
+# How many bytes follow the beginning of a message, and how to decode it.
 _LENGTHS: dict[str, Callable[[bytearray], int]] = {
     "V": lambda pending: int(_HELLO.unpack_from(pending)[-1]),
     "R": lambda pending: 2 * int(_READ.unpack_from(pending)[2]),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The clocks of this system, each as fine as the system has it: all times of a capture are from these two.
+"""The clocks of this system, each as fine as the system has it. All times of a capture come from these two.
 
 Before Python 3.13, `time.monotonic` and `time.time` of Windows move in steps of 15.6 ms.
 """
@@ -11,33 +11,32 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
-COARSE_S = 0.001  # a clock with larger steps is not used where there is another one
+COARSE_S = 0.001  # a clock with larger steps is used only if there is no other
 
-_1601_NS = 11_644_473_600 * 1_000_000_000  # where Windows begins to count, before 1970
-_STEP_NS = 100  # in which it counts
+_1601_NS = 11_644_473_600 * 1_000_000_000  # the epoch of Windows, before 1970
+_STEP_NS = 100  # the unit of Windows
 
 
 class Info(Protocol):
-    """What Python says of a clock."""
+    """What Python knows about a clock."""
 
     resolution: float
 
 
 class Steady(NamedTuple):
-    """A clock that nobody sets."""
+    """A clock that cannot be set."""
 
     now_ns: Callable[[], int]
     name: str
     step_s: float
 
     def __str__(self) -> str:
-        """Name it for people."""
         step = f"{self.step_s * 1e3:.1f} ms" if self.step_s >= COARSE_S else f"{self.step_s * 1e9:.0f} ns"
         return f"clock {self.name}, in steps of {step}"
 
 
 def steady(info: Callable[[Any], Info] = time.get_clock_info) -> Steady:
-    """Choose the monotonic clock, or the performance counter where that one is coarse."""
+    """Return the monotonic clock, or the performance counter if the monotonic clock is coarse."""
     step_s = info("monotonic").resolution
     if step_s < COARSE_S:
         return Steady(time.monotonic_ns, "monotonic", step_s)
@@ -45,7 +44,7 @@ def steady(info: Callable[[Any], Info] = time.get_clock_info) -> Steady:
 
 
 def wall(info: Callable[[Any], Info] = time.get_clock_info, kernel: Any = None) -> Callable[[], int]:
-    """Choose the wall clock (ns since 1970), or the precise one of Windows where that one is coarse.
+    """Return the wall clock (ns since 1970), or the precise one of Windows if that is coarse.
 
     `kernel` is kernel32.dll.
     """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What self-tests have measured: where it is kept, and when it still holds.
+"""The results of self-tests: where they are kept, and when they still hold.
 
-A list of results in one file of the user's state folder. A result holds only under the conditions under which it was
-measured, all of them; whatever else is in the file is passed over with one line, never an error.
+One file in the user's state folder has a list of results. A result holds only under exactly the conditions of its
+measurement. Anything else in the file is skipped with one line, never an error.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from sistap.terminal import state
 
 MACHINE = "machine"  # the place of a result that holds for every port
 
-_LARGEST_FILE = 1_000_000  # bytes; what is larger was not written here
+_LARGEST_FILE = 1_000_000  # bytes; sistap writes no larger file
 _KEPT = 50  # results
 
 Conditions = dict[str, str]
@@ -28,7 +28,7 @@ Conditions = dict[str, str]
 class Result(NamedTuple):
     """One self-test: how late characters were seen."""
 
-    place: str  # MACHINE, or what ports.identity says
+    place: str  # MACHINE, or the identity of a port (ports.identity)
     date: str  # "2026-11-21", local
     characters: int
     p999_ns: int
@@ -37,17 +37,17 @@ class Result(NamedTuple):
 
 
 def conditions(**more: str) -> Conditions:
-    """Return what a result depends on: this computer, its kernel, the priority now, and what the port adds."""
+    """Return what a result depends on: this computer, its kernel, the present priority, and conditions of the port."""
     return {"machine": platform.node(), "kernel": platform.release(), "priority": priority.words(), **more}
 
 
 def file() -> Path:
-    """Say where the results are. RuntimeError if this user has no home."""
+    """Return the path of the results. RuntimeError if this user has no home."""
     return state.folder() / "selftest.json"
 
 
 def load() -> tuple[list[Result], str]:
-    """Read all results, newest last, and one line if there is a file but it cannot be used."""
+    """Return all results, newest last, and a message if the file cannot be used."""
     try:
         path = file()
         if not path.exists():
@@ -62,7 +62,7 @@ def load() -> tuple[list[Result], str]:
 
 
 def store(result: Result) -> Path:
-    """Add a result, in place of one under the same conditions; give the file. May raise OSError or RuntimeError."""
+    """Add a result, replacing one with the same conditions; return the file. May raise OSError or RuntimeError."""
     path = file()
     others = [old for old in load()[0] if (old.place, old.conditions) != (result.place, result.conditions)]
     kept = [old._asdict() for old in [*others, result][-_KEPT:]]
@@ -70,7 +70,7 @@ def store(result: Result) -> Path:
 
 
 def fitting(results: Iterable[Result], place: str, now: Conditions) -> tuple[Result | None, str]:
-    """Find the newest result of a place that holds now, or say in one line why there is none of those it has."""
+    """Return the newest result of a place that holds now, or a message why none of its results holds."""
     of_place = [result for result in results if result.place == place]
     for result in reversed(of_place):
         if result.conditions == now:
@@ -87,13 +87,13 @@ def fitting(results: Iterable[Result], place: str, now: Conditions) -> tuple[Res
 
 
 def _text(path: Path) -> str:
-    if not path.is_file() or path.stat().st_size > _LARGEST_FILE:  # reading a pipe would wait
+    if not path.is_file() or path.stat().st_size > _LARGEST_FILE:  # reading a pipe would block
         raise ValueError
     return path.read_bytes().decode()
 
 
 def _parse(text: str) -> list[Result]:
-    """Take the results out of a file; ValueError, TypeError, KeyError or RecursionError if it is something else."""
+    """Parse the results in a file; ValueError, TypeError, KeyError or RecursionError if it contains something else."""
     return [_checked(Result(**entry)) for entry in json.loads(text)["results"]]
 
 

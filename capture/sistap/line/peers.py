@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Who has connected to a socket: let in, heard and sent to, all at once, so that nobody waits for one of them."""
+"""The connections to a socket: accepts, hears and serves all of them at once, so that none can block another."""
 
 from __future__ import annotations
 
@@ -12,36 +12,35 @@ from typing import Generic, TypeVar
 from sistap.line.clocks import monotonic_ns
 from sistap.line.sockets import Listening, Network, may_come
 
-MOST = 32  # at once; more are turned away
-_AT_ONCE = 4  # let in or turned away, before those who are in have their turn
-_PIECE = 4096  # bytes taken from one, before the others have their turn
-_LEAVE_S = 2.0  # how long they may take to notice the end
-_QUIET_NS = 10_000_000_000  # after a line about somebody who was turned away: whoever knocks all day is no news
+MOST = 32  # at once; others are turned away
+_AT_ONCE = 4  # accepted or turned away before the present peers get their turn
+_PIECE = 4096  # bytes read from one peer before the others get their turn
+_LEAVE_S = 2.0  # time for a peer to notice the end
+_QUIET_NS = 10_000_000_000  # pause after a message about a rejected connection: repeated attempts are no news
 
 
 class Peer:
-    """One of them. What it has to be sent waits here until the system takes it."""
+    """One connection. Data wait here until the system accepts them."""
 
     def __init__(self, connection: socket.socket) -> None:
-        """Begin with nothing said."""
         self.connection = connection
         self.came_ns = monotonic_ns()
         self._waiting = bytearray()
 
     @property
     def waiting(self) -> int:
-        """How many bytes wait."""
+        """Return how many bytes wait."""
         return len(self._waiting)
 
     def put(self, data: bytes) -> None:
-        """Send this when it is possible."""
+        """Queue data for sending."""
         self._waiting += data
 
     def take(self, data: bytes) -> None:  # noqa: B027
-        """Take what it says; nobody has to. ValueError says why it has to go."""
+        """Take what the peer says; the default ignores it. ValueError says why the connection must end."""
 
     def send(self) -> bool:
-        """Send what the system takes; tell whether it is still there."""
+        """Send what the system accepts; return whether the peer is still connected."""
         try:
             while self._waiting and (sent := self.connection.send(self._waiting)):
                 del self._waiting[:sent]
@@ -56,7 +55,7 @@ P = TypeVar("P", bound=Peer)
 
 
 class Peers(Generic[P]):
-    """All of them."""
+    """All connections."""
 
     def __init__(
         self,
@@ -67,26 +66,26 @@ class Peers(Generic[P]):
     ) -> None:
         """Listen at an address; `welcome` makes a peer of a connection.
 
-        `allowed`: besides this computer only these networks; None: everybody. May raise OSError; ValueError: that is
-        no address.
+        `allowed`: the networks allowed besides this computer; None: everybody. May raise OSError; ValueError for an
+        invalid address.
         """
         self._listening = Listening(address)
         self.name = self._listening.name
         self._welcome = welcome
         self._say = say
         self._allowed = allowed
-        self._turned_away_ns: int | None = None  # when it was last said
+        self._turned_away_ns: int | None = None  # time of the last message about it
         self._leaving = False
         self._peers: dict[socket.socket, P] = {}
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._listening.socket, selectors.EVENT_READ)
 
     def __iter__(self) -> Iterator[P]:
-        """Yield those who are there; some may be dropped meanwhile."""
+        """Yield the connected peers; some may be dropped meanwhile."""
         return iter(list(self._peers.values()))
 
     def attend(self, timeout_s: float | None) -> None:
-        """Let somebody in, hear them, and send what waits; wait at most so long for anything of it."""
+        """Accept a connection, read from the peers and send to them; wait no longer than the given time."""
         self.send()
         for key, events in self._selector.select(timeout_s):
             peer = self._peers.get(key.fileobj)  # type: ignore[call-overload] # only sockets are registered
@@ -97,7 +96,7 @@ class Peers(Generic[P]):
         self.send()
 
     def send(self) -> None:
-        """Send what waits, as far as the system takes it."""
+        """Send what waits, as far as the system accepts it."""
         for peer in self:
             waited = peer.waiting
             if waited and not peer.send():
@@ -107,7 +106,7 @@ class Peers(Generic[P]):
                 self._selector.modify(peer.connection, events)
 
     def drop(self, peer: P, why: str = "") -> None:
-        """End a connection, and say why."""
+        """End a connection, and report why."""
         if self._peers.pop(peer.connection, None):
             self._selector.unregister(peer.connection)
             peer.connection.close()
@@ -115,7 +114,7 @@ class Peers(Generic[P]):
                 self._say(f"closed a connection: {why}")
 
     def close(self) -> None:
-        """End all connections so that everybody gets everything: closing with something unread would throw it away."""
+        """End all connections after everything was delivered: closing with unread data would discard it."""
         self._leaving = True
         self._selector.unregister(self._listening.socket)
         self._listening.close()
@@ -140,9 +139,9 @@ class Peers(Generic[P]):
                 return
             connection, ip = accepted
             if self._allowed is not None and not may_come(ip, self._allowed):
-                self._turn_away(connection, f"{ip} may not listen: --allow says who may")
+                self._turn_away(connection, f"{ip} may not listen: name its network with --allow")
             elif len(self._peers) >= MOST:
-                self._turn_away(connection, f"{MOST} are there already")
+                self._turn_away(connection, f"{MOST} are connected already")
             else:
                 self._peers[connection] = self._welcome(connection)
                 self._selector.register(connection, selectors.EVENT_READ)

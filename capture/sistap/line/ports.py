@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Finds serial ports and tells what is behind them: adapter, driver, and how long either may hold characters back."""
+"""Finds serial ports and describes what is behind them: adapter, driver, and the delay that both may add."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ DEVICES = Path("/dev")
 _UART_NONE = "0"
 _UARTS = {"1": "8250", "2": "16450", "3": "16550", "4": "16550A", "8": "16750", "9": "16850"}
 
-_NOT_KNOWN = "n/a"  # pyserial's word for it
+_NOT_KNOWN = "n/a"  # pyserial's word for unknown
 
 # Unix98 pseudo terminals (Linux: Documentation/admin-guide/devices.txt).
 _PTY_SLAVE_MAJORS = range(136, 144)
 
 
 class Adapter(NamedTuple):
-    """What is behind a port; empty or None where the system does not tell."""
+    """What is behind a port; empty or None where the system does not say."""
 
     name: str = ""
     driver: str = ""
-    latency_ms: int | None = None  # latency timer of a USB adapter: it sends no earlier unless it is full
+    latency_ms: int | None = None  # latency timer of a USB adapter: it sends no earlier unless its buffer is full
     fifo_trigger: int | None = None  # characters in the FIFO of a UART that raise an interrupt
     pseudo_terminal: bool = False
     serial: str = ""  # serial number of a USB adapter
 
     @property
     def latency(self) -> str:
-        """How long it holds characters back, in words."""
+        """Describe in words how long it holds characters back."""
         if self.latency_ms is not None:
             return f"latency timer {self.latency_ms} ms"
         if self.fifo_trigger is not None:
@@ -56,7 +56,7 @@ class Adapter(NamedTuple):
 
 
 def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
-    """Describe what is behind a device; a port that does not exist is an unknown adapter, not an error."""
+    """Describe what is behind a device. A port that does not exist is an unknown adapter, not an error."""
     if sys.platform == "win32":
         return of_windows(port)
     if _is_pseudo_terminal(port):
@@ -79,20 +79,20 @@ def is_8250(port: str, sysfs: Path | None = None) -> bool:
 
 
 def of_windows(port: str, known: registry.Registry | None = None) -> Adapter:
-    """Describe what is behind a port of Windows, from its registry: only FTDI adapters are in it."""
+    """Describe what is behind a port of Windows, from its registry, which lists only FTDI adapters."""
     found = registry.ftdi(port, known)
     return Adapter(found.name, found.driver, found.latency_ms, serial=found.serial) if found else Adapter()
 
 
 def identity(port: str, behind: Adapter) -> str:
-    """Name the hardware itself: an adapter with a serial number is the same at whatever port it turns up."""
+    """Name the hardware itself: an adapter with a serial number is the same at every port."""
     if behind.serial:
         return f"{behind.name} {behind.serial}"
     return f"{behind.name or 'unknown adapter'} at {real(port)}"
 
 
 def real(port: str) -> str:
-    """Return the device behind a link. On Windows there are none, and looking for one at COM5 may fail."""
+    """Return the device behind a link. Windows has no links, and looking for one at COM5 may fail."""
     return port if sys.platform == "win32" else os.path.realpath(port)
 
 
@@ -118,7 +118,7 @@ def is_own_terminal(port: str) -> bool:
 
 
 def is_same_file(one: str, other: str) -> bool:
-    """Tell whether two paths are one file; no if one of them does not exist."""
+    """Tell whether two paths are one file; False if one of them does not exist."""
     try:
         return Path(one).samefile(other)
     except OSError:
@@ -139,13 +139,13 @@ def number(file: Path) -> int | None:
 
 
 def _usb_device(device: Path) -> Path | None:
-    """Find the USB device that has the device as an interface, or below one: it names its product."""
+    """Find the USB device that has the device as an interface, or below one. It names its product."""
     real = device.resolve()
     return next((folder for folder in (real, *real.parents[:3]) if _line(folder / "product")), None)
 
 
 def _driver(device: Path) -> str:
-    """Name the driver; from Linux 6.5 on the core's own "port" and "ctrl" lie between a ttyS and its driver."""
+    """Return the driver. From Linux 6.5 on, the core's "port" and "ctrl" lie between a ttyS and its driver."""
     real = device.resolve()
     for folder in (real, *real.parents[:3]):
         driver = folder / "driver"
@@ -155,15 +155,15 @@ def _driver(device: Path) -> str:
 
 
 def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
-    """List the ports there are, each with what is behind it, in natural order."""
-    from serial.tools import list_ports  # here: without pyserial the rest still works
+    """List the ports, each with what is behind it, in natural order."""
+    from serial.tools import list_ports  # imported here: the rest works without pyserial
 
     ports = []
     for info in sorted(list_ports.comports()):
         if _line(sysfs / "class/tty" / Path(info.device).name / "type") == _UART_NONE:
             continue  # a ttyS without hardware
         behind = adapter(info.device, sysfs)
-        if not behind.name and info.description != _NOT_KNOWN:  # not on Linux: what pyserial knows
+        if not behind.name and info.description != _NOT_KNOWN:  # not on Linux: use what pyserial knows
             behind = behind._replace(name=info.description)
         ports.append((info.device, behind))
     return ports
@@ -171,12 +171,12 @@ def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `sistap ports`."""
-    parser.description = "List the serial ports with adapter, driver and latency, and logic analysers."
-    parser.add_argument("--json", action="store_true", help="print them as JSON, for programs")
+    parser.description = "List the serial ports with adapter, driver and latency. List logic analysers as well."
+    parser.add_argument("--json", action="store_true", help="print the list as JSON, for programs")
 
 
 def _as_json(ports: list[tuple[str, Adapter]], analysers: Sequence[analyser.Analyser]) -> str:
-    """Return the ports as a JSON array; what the system does not tell is null."""
+    """Return the ports as a JSON array; what the system does not say is null."""
     rows = [
         {
             "port": port,
@@ -193,7 +193,7 @@ def _as_json(ports: list[tuple[str, Adapter]], analysers: Sequence[analyser.Anal
 
 
 def short(port: str) -> str:
-    """Return the device of a port that is named without its folder: ttyUSB0 is /dev/ttyUSB0."""
+    """Return the device of a port that is named without its folder: ttyUSB0 becomes /dev/ttyUSB0."""
     device = DEVICES / port
     is_short = sys.platform != "win32" and "/" not in port and ":" not in port and not Path(port).exists()
     return str(device) if port and is_short and device.exists() else port

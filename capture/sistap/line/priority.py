@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The priority at which this process runs: a small real-time one keeps other programs from making it late."""
+"""The priority of this process: a low real-time priority is enough to keep other programs from delaying it."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-PRIORITY = 1  # the smallest: it goes before every ordinary program, and before nothing else (sched(7))
+PRIORITY = 1  # the lowest: it goes before ordinary programs only (sched(7))
 
 
 @contextmanager
 def real_time() -> Iterator[None]:
-    """Run with real-time priority where that is permitted, and as before afterwards; also a decorator."""
+    """Run with real-time priority if permitted, and restore the priority afterwards; also a decorator."""
     if sys.platform != "linux" or is_real_time():
         yield
         return
     before = os.sched_getscheduler(0), os.sched_getparam(0)
-    if not take_real_time():  # `words` says so
+    if not take_real_time():  # `words` tells it
         yield
         return
     try:
@@ -28,7 +28,7 @@ def real_time() -> Iterator[None]:
 
 
 def take_real_time() -> bool:
-    """Give this thread real-time priority; tell whether that is permitted."""
+    """Give this thread real-time priority; return whether that is permitted."""
     if sys.platform != "linux":
         return False
     try:
@@ -47,7 +47,7 @@ def is_real_time() -> bool:
 def ordinary_children() -> Iterator[None]:
     """Start programs with ordinary priority, whatever this thread has.
 
-    What a thread of real-time priority starts inherits that: a program that is busy would starve all others.
+    A program inherits the real-time priority of the thread that starts it. A busy one would then starve all others.
     """
     if sys.platform != "linux" or not is_real_time():
         yield
@@ -61,5 +61,5 @@ def ordinary_children() -> Iterator[None]:
 
 
 def words() -> str:
-    """Say at which priority this thread runs."""
+    """Describe the priority of this thread."""
     return "real-time priority" if is_real_time() else "ordinary priority"

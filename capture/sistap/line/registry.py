@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the registry of Windows says of an FTDI adapter: its name, its serial number, its latency timer."""
+"""The registry of Windows about an FTDI adapter: its name, its serial number, its latency timer."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import sys
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-# A key for each adapter, VID_0403+PID_6001+A50285BIA: its serial number and the letter of a port of it. Below it are
-# its instances, in each "Device Parameters".
+# Each adapter has a key such as VID_0403+PID_6001+A50285BIA: its serial number and the letter of its port. Its
+# instances are below, each with "Device Parameters".
 _FTDI = r"SYSTEM\CurrentControlSet\Enum\FTDIBUS"
 _PARAMETERS = "Device Parameters"
 
@@ -17,10 +17,10 @@ class Registry(Protocol):
     """HKEY_LOCAL_MACHINE, read only."""
 
     def keys(self, path: str) -> list[str]:
-        """List the names of the keys below a key; none if it is not there."""
+        """Return the names of the keys below a key; none if it does not exist."""
 
     def value(self, path: str, name: str) -> object:
-        """Return a value; None if it is not there."""
+        """Return a value; None if it does not exist."""
 
 
 class Ftdi(NamedTuple):
@@ -33,7 +33,7 @@ class Ftdi(NamedTuple):
 
 
 def ftdi(port: str, registry: Registry | None = None) -> Ftdi | None:
-    """Find the FTDI adapter behind a port such as COM5; None if there is another one, or no registry."""
+    """Return the FTDI adapter behind a port such as COM5; None for another adapter, or without a registry."""
     registry = registry or _here()
     if registry is None:
         return None
@@ -62,10 +62,10 @@ def _text(value: object) -> str:
 
 
 class _LocalMachine:
-    """That of this computer."""
+    """The registry of this computer."""
 
     def keys(self, path: str) -> list[str]:
-        """List the names of the keys below a key; none if it is not there."""
+        """Return the names of the keys below a key; none if it does not exist."""
         if sys.platform != "win32":
             return []
         import winreg
@@ -77,7 +77,7 @@ class _LocalMachine:
             return []
 
     def value(self, path: str, name: str) -> object:
-        """Return a value; None if it is not there."""
+        """Return a value; None if it does not exist."""
         if sys.platform != "win32":
             return None
         import winreg

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The serial line as the rest of sistap sees it: its settings, and characters with their times and errors.
 
-This is all that passes from a reader to the framer; nothing downstream knows what a serial port is.
+Only this passes from a reader to the framer. No later module knows what a serial port is.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import enum
 from typing import NamedTuple
 
-PARITIES = "NEOMS"  # the letter's place is its code in the record (0 none .. 4 space)
+PARITIES = "NEOMS"  # a letter's place is its code in the record (0 none .. 4 space)
 STOP_HALF_BITS = {"1": 2, "1.5": 3, "2": 4}
 
 UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
@@ -26,7 +26,7 @@ class Flag(enum.IntFlag):
     INTERVAL_UNKNOWN = 0x20  # first character on the line
     INTERVAL_SATURATED = 0x40  # the interval does not fit into 32 bits of nanoseconds
 
-    # Set by the reader; the others are made where intervals are (framer).
+    # Set by the reader. The other flags are set where intervals are computed (framer).
     FROM_READER = CHARACTER_ERROR | BREAK | LOST_BEFORE | UNLOCATED_ERROR
 
 
@@ -43,7 +43,7 @@ class LineSettings(NamedTuple):
 
     @classmethod
     def parse(cls, baud: int, text: str) -> LineSettings:
-        """Read a format such as "8E1" or "7N1.5"; ValueError says what is wrong with it."""
+        """Parse a format such as "8E1" or "7N1.5"; ValueError says what is wrong with it."""
         data, parity, stop = text[:1], text[1:2].upper(), text[2:]
         if data not in ("5", "6", "7", "8") or parity not in PARITIES or not parity or stop not in STOP_HALF_BITS:
             raise ValueError(
@@ -53,17 +53,16 @@ class LineSettings(NamedTuple):
 
     @property
     def format(self) -> str:
-        """The format as people write it, "8E1"."""
+        """Return the format as people write it, "8E1"."""
         stop = {half_bits: text for text, half_bits in STOP_HALF_BITS.items()}[self.stop_half_bits]
         return f"{self.data_bits}{self.parity}{stop}"
 
     def __str__(self) -> str:
-        """Name rate and format for people."""
         return f"{self.baud} Bd {self.format}"
 
     @property
     def character_ns(self) -> int:
-        """How long one character takes on the line, in ns; 0 when the rate is unknown."""
+        """Return how long one character takes on the line, in ns; 0 if the rate is unknown."""
         if not self.baud:
             return 0
         half_bits = 2 * (1 + self.data_bits + (self.parity != "N")) + self.stop_half_bits
@@ -71,16 +70,16 @@ class LineSettings(NamedTuple):
 
 
 class Happening(enum.IntEnum):
-    """What a notice is about; its number on the wire (bus_socket)."""
+    """The subject of a notice; its number on the wire (bus_socket)."""
 
     MARKER = 0
     LOST = 1  # characters are missing
     GONE = 2  # a port, or the connection to another computer
-    ANEW = 3  # another source is there now, perhaps with another clock; what is missing is not known
+    ANEW = 3  # another source, perhaps with another clock; nobody knows what is missing
 
 
 class Notice(NamedTuple):
-    """Something that the source of the characters has to tell."""
+    """A message from the source of the characters."""
 
     happening: Happening
     text: str
@@ -92,13 +91,13 @@ class Read(NamedTuple):
     `time_ns` (wall clock, ns since 1970) is the latest instant at which each of them can have arrived. Of k characters
     the i-th came at least (k-i) character times before it, and none earlier than `uncertainty_ns` before that.
 
-    Without characters it tells the time of a source that has its own: nothing that comes later has an earlier time.
+    A read without characters gives the time of a source that has its own: nothing later has an earlier time.
     """
 
     line: int  # 0 shared bus, 1 and 2 the directions of a full-duplex tap
     time_ns: int
     data: bytes
-    flags: bytes  # one Flag byte a character, of FROM_READER
+    flags: bytes  # one Flag byte for each character, of FROM_READER
     uncertainty_ns: int = UNCERTAINTY_UNKNOWN
-    settings: LineSettings | None = None  # with which they were read; None: as the line began
-    notices: tuple[Notice, ...] = ()  # to be told before them
+    settings: LineSettings | None = None  # settings of these characters; None: as at the beginning
+    notices: tuple[Notice, ...] = ()  # to be reported before the characters

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where the wire is: HOST:PORT, or a PATH, which is a socket among files; and who may come there."""
+"""The address of the wire: HOST:PORT, or a PATH for a Unix socket; and who may connect."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 class Listening:
-    """A socket that listens, and never waits."""
+    """A listening socket that never blocks."""
 
     def __init__(self, address: str) -> None:
-        """Listen at HOST:PORT or at a PATH. May raise OSError; ValueError: it is no address."""
+        """Listen at HOST:PORT or at a PATH. Raise OSError; or ValueError for an invalid address."""
         self._path: Path | None = None
         if "/" in address:
             self._path = Path(address).absolute()
@@ -32,7 +32,7 @@ class Listening:
         self.socket.setblocking(False)
 
     def accept(self) -> tuple[socket.socket, IP | None] | None:
-        """Let somebody in: the connection and the address, which a path has not; None if nobody is there any more."""
+        """Accept a connection; return it and its address (a path has none), or None if nobody waits any more."""
         try:
             connection, address = self.socket.accept()
             connection.setblocking(False)
@@ -44,14 +44,14 @@ class Listening:
         return connection, plain_ip(address[0])
 
     def close(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         self.socket.close()
         if self._path:
             self._path.unlink(missing_ok=True)
 
 
 def host_port(address: str) -> tuple[str, int]:
-    """Read HOST:PORT. ValueError says what is wrong."""
+    """Parse HOST:PORT. ValueError says what is wrong."""
     host, colon, port = address.rpartition(":")
     if not colon or not port.isdecimal() or int(port) > 0xFFFF:
         raise ValueError(f"'{address}' is neither HOST:PORT nor a PATH with a / (for example 127.0.0.1:0 or ./bus)")
@@ -59,20 +59,20 @@ def host_port(address: str) -> tuple[str, int]:
 
 
 def plain_ip(text: str) -> IP:
-    """Read an address, without the scope behind it; an IPv4 address in IPv6 clothes is that IPv4 address."""
+    """Parse an address without its scope; convert an IPv4-mapped IPv6 address to IPv4."""
     ip = ipaddress.ip_address(text.partition("%")[0])
     return getattr(ip, "ipv4_mapped", None) or ip
 
 
 def may_come(ip: IP | None, allowed: Sequence[Network]) -> bool:
-    """Tell whether this computer or one of the networks has an address."""
+    """Tell whether an address belongs to this computer or to one of the networks."""
     return ip is None or ip.is_loopback or any(ip in network for network in allowed)
 
 
 def _listen_path(path: Path) -> socket.socket:
-    """Listen at a path; a socket that a bus left behind is replaced, anything else is not."""
+    """Listen at a path. Replace a socket that a bus left behind, but nothing else."""
     if sys.platform == "win32":
-        raise ValueError(f"'{path}': Windows has no sockets that are files: say HOST:PORT (for example 127.0.0.1:0)")
+        raise ValueError(f"'{path}': Windows has no sockets that are files: use HOST:PORT (for example 127.0.0.1:0)")
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         if path.is_socket() and not _alive(path):

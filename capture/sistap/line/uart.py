@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Samples of a line become characters: a UART in software.
+"""A UART in software: converts samples of a line into characters.
 
-A character begins at a falling edge, and each of its bits is looked at once, in the middle. A low of less than half a
-bit is no start bit. After a break or without a stop bit, nothing begins before the line was high.
+A character begins at a falling edge. Each of its bits is sampled once, in the middle. A low shorter than half a bit is
+not a start bit. After a break or a missing stop bit, nothing begins until the line is high.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 from sistap.line.settings import Flag, LineSettings
 
-HIGH, LOW = b"1", b"0"  # a sample; sigrok writes it so
-FEWEST_SAMPLES = 5  # a bit: with fewer, the middle of the last one is not met
-ENOUGH_SAMPLES = 20  # a bit
+HIGH, LOW = b"1", b"0"  # a sample, as sigrok writes it
+FEWEST_SAMPLES = 5  # for a bit; with fewer, the middle of the last bit is missed
+ENOUGH_SAMPLES = 20  # for a bit
 
-_PULSES = 3  # of one width that are no accident
+_PULSES = 3  # pulses of one width that are no accident
 _ALIKE = Fraction(11, 10)
 _RUN = re.compile(rb"(?<=1)0+(?=1)|(?<=0)1+(?=0)")
 
@@ -28,27 +28,27 @@ _RUN = re.compile(rb"(?<=1)0+(?=1)|(?<=0)1+(?=0)")
 class Sampled(NamedTuple):
     """A character."""
 
-    start: int  # the first sample of its start bit, counted from the first one of all
+    start: int  # the first sample of its start bit, counted from the very first sample
     value: int
     flag: Flag
 
 
 class Uart:
-    """One line. `samplerate` is in Hz."""
+    """The UART of one line. `samplerate` is in Hz."""
 
     def __init__(self, samplerate: int, settings: LineSettings) -> None:
-        """Begin with a line of which nothing is known: it may be in mid-character."""
+        """Begin with an unknown line: it may be within a character."""
         self._samplerate = samplerate
-        self._rest = b""  # samples that are not dealt with
+        self._rest = b""  # samples that are not processed yet
         self._base = 0  # the number of the first of them
-        self._is_high = False  # so it was before them, and they can begin with a start bit
+        self._is_high = False  # level before them: if high, they can begin with a start bit
         self.set(settings)
 
     def set(self, settings: LineSettings) -> None:
-        """Go on with other settings, from the next character on."""
+        """Use other settings from the next character on."""
         bit = Fraction(self._samplerate, settings.baud)
-        bits = settings.data_bits + (settings.parity != "N") + 1  # the first stop bit is the last that is looked at
-        self._middle = int(bit / 2)  # of the start bit
+        bits = settings.data_bits + (settings.parity != "N") + 1  # the first stop bit is the last bit that is sampled
+        self._middle = int(bit / 2)  # the middle of the start bit
         looks = [int(bit * (place + Fraction(1, 2))) for place in range(1, bits + 1)]
         self._to_stop = looks[-1]
         self._take = itemgetter(*looks)
@@ -56,7 +56,7 @@ class Uart:
         self.stop_ns = round((bits + Fraction(1, 2)) * 1_000_000_000 / settings.baud)  # from start to middle of stop
 
     def feed(self, samples: bytes) -> Iterator[Sampled]:
-        """Take samples, one a byte; yield the characters that are complete by them."""
+        """Take samples, one in each byte; yield the characters that they complete."""
         data = self._rest + samples if self._rest else samples
         at, size = 0, len(data)
         while True:
@@ -82,12 +82,12 @@ class Uart:
 
     @property
     def now(self) -> int:
-        """The number of the next sample."""
+        """Return the number of the next sample."""
         return self._base + len(self._rest)
 
 
 def _meanings(settings: LineSettings) -> dict[bytes, tuple[int, Flag]]:
-    """Return value and flag of a character by its bits from the lowest to the stop bit."""
+    """Return value and flag of a character, given its bits from the lowest to the stop bit."""
     count = settings.data_bits
     meanings = {}
     for bits in product((0, 1), repeat=count + (settings.parity != "N") + 1):
@@ -100,9 +100,9 @@ def _meanings(settings: LineSettings) -> dict[bytes, tuple[int, Flag]]:
 
 
 def rate_of(samples: bytes, samplerate: int) -> Fraction | None:
-    """Return the rate that the shortest pulse of these samples means, in Bd; None: too few pulses.
+    """Return the rate in Bd that the shortest pulse of these samples means; None: too few pulses.
 
-    A width counts if there are some of it: a glitch comes alone.
+    A width counts only if it occurs several times: a glitch comes alone.
     """
     widths = sorted(match.end() - match.start() for match in _RUN.finditer(samples))
     for first, last in zip(widths, widths[_PULSES - 1 :], strict=False):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the dissector says of each packet, streamed from tshark: the only place where products get figures from."""
+"""What the dissector says about each packet, streamed from tshark: the only source of figures for the products."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from sistap.accesses.access import FIELD as ACCESSES
@@ -17,7 +18,7 @@ from sistap.wireshark import rows
 from sistap.wireshark.rows import INFO_FIELDS, JOINT, NECESSARY, NO_DISSECTOR, damage, first, info, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
 
-# Those that the installed dissector does not know are left out, and named in the report.
+# Fields that the installed dissector lacks are left out and named in the report.
 FIELDS = (
     "frame.number",
     "frame.time_epoch",
@@ -72,7 +73,7 @@ _LINE_ERRORS = (
 
 
 class Judged(NamedTuple):
-    """A time with its limit and verdict, in s; None where the dissector says nothing."""
+    """A time with its limit and verdict, in s; None without a value."""
 
     time_s: float
     limit_s: float | None
@@ -84,7 +85,7 @@ OK, EXCEEDED, UNRESOLVED = 0, 1, 2
 
 @dataclass(slots=True)
 class Telegram:
-    """A SIS telegram; None and False where the dissector says nothing."""
+    """A SIS telegram; None and False without a value."""
 
     good: bool
     service: int | None
@@ -105,20 +106,20 @@ class Telegram:
 
 @dataclass(slots=True)
 class Packet:
-    """A packet: a record of the serial tap, or whatever else carries telegrams. Times in s."""
+    """A packet: a record of the serial tap, or any other carrier of telegrams. Times in s."""
 
     number: int
     epoch_s: float
     time_s: float  # since the first packet
     interface: str
-    type: int | None  # FRAME, OTHER, EVENT; None: no record of the tap
+    type: int | None  # FRAME, OTHER, EVENT; None: not a record of the tap
     baud: int | None
     format: str
     uncertainty_s: float | None
     event: int | None
     text: str
     intervals_s: list[float]  # from the second character on
-    same_read: int  # characters that came in the same read as the one before
+    same_read: int  # characters from the same read as the one before
     errors: int  # Flags, ORed
     telegrams: list[Telegram] = field(default_factory=list)
     accesses: list[Access] = field(default_factory=list)  # to parameters
@@ -128,18 +129,30 @@ class Packet:
 
     @property
     def end_s(self) -> float:
-        """When its last character came."""
+        """Return the time of its last character."""
         return self.time_s + sum(self.intervals_s)
 
 
 class Dissection:
-    """A capture as the installed dissector sees it, in two passes: also what only a later packet tells.
+    """A capture as the installed dissector sees it, in two passes, so that later packets can explain earlier ones.
 
     Use it in a `with`.
     """
 
-    def __init__(self, tshark: Tshark, capture: Path, more: Sequence[str] = (), *, keeps: bool = True) -> None:
-        """Read these fields, too. Nothing is read yet; what is not kept cannot be read again()."""
+    def __init__(
+        self,
+        tshark: Tshark,
+        capture: Path,
+        more: Sequence[str] = (),
+        *,
+        preferences: Mapping[str, object] = MappingProxyType({}),
+        keeps: bool = True,
+    ) -> None:
+        """Read these fields, too, with preferences of Wireshark.
+
+        Nothing is read yet; what is not kept cannot be read again().
+        """
+        self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
         self._capture = capture
         self._fields = (*FIELDS, *more, *(INFO_FIELDS if keeps else ()))
@@ -147,19 +160,17 @@ class Dissection:
         self._unknown: set[str] = set()
         self._names: list[str] = []  # of the columns
         self._kept = Kept()
-        self.warning = ""  # what tshark said at the end of a capture that is cut
+        self.warning = ""  # what tshark said at the end of a capture that is cut off
 
     def __enter__(self) -> Dissection:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget what was read."""
         self._kept.__exit__(*error)
 
     @property
     def missing(self) -> list[str]:
-        """Fields that the installed dissector does not know; right after the first packets."""
+        """Return the fields that the installed dissector lacks; valid after the first packets."""
         return [name for name in self._fields if name in self._unknown and name not in INFO_FIELDS]
 
     def packets(self) -> Iterator[Packet]:
@@ -173,7 +184,7 @@ class Dissection:
             yield from self._packets()
 
     def again(self, numbers: Collection[int], spans: Collection[Span]) -> Iterator[Packet]:
-        """Yield, of the packets that were read, those with these numbers, and those that begin in these spans."""
+        """Yield again the packets with these numbers, and those that begin in these spans."""
         for row in self._kept.rows(numbers, spans):
             packet = _packet(rows.columns(self._names, row))
             if packet.number in numbers or any(span.start_s <= packet.time_s <= span.end_s for span in spans):
@@ -181,7 +192,7 @@ class Dissection:
 
     def _packets(self) -> Iterator[Packet]:
         self._names = [name for name in self._fields if name not in self._unknown]
-        arguments = ["-r", str(self._capture), "-2", *rows.printing(self._names)]
+        arguments = ["-r", str(self._capture), "-2", *self._preferences, *rows.printing(self._names)]
         came = False
         try:
             for line in self._tshark.lines(arguments):
@@ -194,7 +205,7 @@ class Dissection:
             self._judge(error, came)
 
     def _judge(self, error: TsharkError, came: bool) -> None:
-        """Tell a capture that is damaged from one that is none, and from a field that is not known."""
+        """Tell a damaged capture from a file that is none, and from an unknown field."""
         if unknown := unknown_fields(str(error)):
             raise _UnknownFields(unknown) from None
         self.warning = damage(self._capture, error, came)
@@ -232,13 +243,13 @@ def _packet(columns: dict[str, str]) -> Packet:
 
 
 def _intervals(columns: dict[str, str]) -> list[float]:
-    """Return the intervals inside a record: without that of its first character, which may be unknown."""
+    """Return the intervals inside a record: without the one before its first character, which may be unknown."""
     text = columns.get("sertap.interval")
     if not text:
         return []
     unknown = _how_often(columns.get("sertap.interval.unknown"))
     if unknown > 1:
-        return []  # which ones they are is not said
+        return []  # nobody knows which ones they are
     intervals = list(map(float, text.split(JOINT)))
     return intervals if unknown else intervals[1:]
 
@@ -252,14 +263,14 @@ def _errors(columns: dict[str, str]) -> int:
 
 
 def _telegrams(columns: dict[str, str]) -> list[Telegram]:
-    """Return the telegrams of a packet: one, but over TCP there may be several."""
+    """Return the telegrams of a packet: TCP may carry several."""
     starts = columns.get("sis.start")
     if not starts:
         return []
     count = starts.count(JOINT) + 1
     if count == 1:
         return [_telegram(columns)]
-    # A field that not every one of them has cannot be told apart, and is left out.
+    # If not all of them have a field, its values are ambiguous and are left out.
     split = {name: text.split(JOINT) for name, text in columns.items() if name.startswith("sis.")}
     return [
         _telegram({name: texts[index] for name, texts in split.items() if len(texts) == count})
@@ -281,7 +292,7 @@ def _telegram(columns: dict[str, str]) -> Telegram:
         unanswered=bool(get("sis.command.unanswered")),
         load_percent=_number(get("sis.bus.load")),
         reaction=_judged(get("sis.reaction_time"), get("sis.trs.limit"), get("sis.trs.verdict")),
-        # A dissector without a verdict on TzA still knows the longest interval of a record.
+        # A dissector without a verdict on TzA still has the longest interval of a record.
         pause=_judged(
             get("sis.tza.interval_max") or get("sertap.interval.max"), get("sis.tza.limit"), get("sis.tza.verdict")
         ),
@@ -296,7 +307,7 @@ def _judged(time: str | None, limit: str | None, verdict: str | None) -> Judged 
 
 
 def _integer(text: str | None) -> int | None:
-    """Read the first of several values: a list of services has its own status before those of its services."""
+    """Return the first of several values: a list of services has its own status before those of its services."""
     return int(first(text), 0) if text else None
 
 
@@ -304,11 +315,11 @@ def _number(text: str | None) -> float | None:
     return float(first(text)) if text else None
 
 
-# For columns in which the same few texts come again and again.
+# For columns with few different texts.
 _known_integer = lru_cache(1024)(_integer)
 _known_number = lru_cache(1024)(_number)
 
 
 def _how_often(text: str | None) -> int:
-    """Count the characters that have a flag."""
+    """Count the characters with a flag."""
     return sum(value in _TRUE for value in text.split(JOINT)) if text else 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept of millions of values: how often each time came, and how much happened when. Both are bounded."""
+"""Summaries of millions of values in bounded memory: how often each time came, and how much happened when."""
 
 from __future__ import annotations
 
@@ -10,24 +10,22 @@ from collections.abc import Mapping, Sequence
 
 
 class Bin:
-    """Times that are nearly the same."""
+    """Times that are nearly equal."""
 
     __slots__ = ("count", "longest_s")
 
     def __init__(self) -> None:
-        """Begin with no time."""
         self.count = 0
         self.longest_s = 0.0
 
 
 class Distribution:
-    """How often each time came, in s: count, sum and extremes exactly, the rest in bins 2.4 % wide."""
+    """How often each time came, in s. Count, sum and extremes are exact; bins are 2.4 % wide."""
 
     PER_DECADE = 100
-    _TOGETHER = 4096  # times are sorted into bins so many at once: one by one takes several times as long
+    _TOGETHER = 4096  # times are sorted into bins in groups: one by one takes several times as long
 
     def __init__(self) -> None:
-        """Begin with no time."""
         self.count = 0
         self.total_s = 0.0
         self._shortest_s = math.inf
@@ -46,25 +44,25 @@ class Distribution:
 
     @property
     def shortest_s(self) -> float:
-        """The shortest; without any, infinite."""
+        """Return the shortest time; infinite without any."""
         self._sort()
         return self._shortest_s
 
     @property
     def longest_s(self) -> float:
-        """The longest; 0 of nothing."""
+        """Return the longest time; 0 without any."""
         self._sort()
         return self._longest_s
 
     @property
     def zeros(self) -> int:
-        """How many are 0, which fit no logarithm."""
+        """Return how many are 0, which has no logarithm."""
         self._sort()
         return self._zeros
 
     @property
     def bins(self) -> Mapping[int, Bin]:
-        """The others, by PER_DECADE * log10(s), rounded down."""
+        """Return the bins of all others, by PER_DECADE * log10(s), rounded down."""
         self._sort()
         return self._bins
 
@@ -91,7 +89,7 @@ class Distribution:
         return math.floor(math.log10(time_s) * cls.PER_DECADE)
 
     def within_s(self, share: float) -> float:
-        """Return a time that this share of all, 0 to 1, does not exceed; at most 2.4 % above the least such."""
+        """Return a time that this share (0 to 1) of all does not exceed; at most 2.4 % above the exact one."""
         wanted = share * self.count
         passed = self.zeros
         if not self.count or passed >= wanted:
@@ -104,7 +102,7 @@ class Distribution:
 
     @property
     def average_s(self) -> float:
-        """The average; 0 of nothing."""
+        """Return the average; 0 without any."""
         return self.total_s / self.count if self.count else 0.0
 
     @classmethod
@@ -114,22 +112,21 @@ class Distribution:
 
 
 class Slices:
-    """Counts along the time of a capture whose length nobody knows yet.
+    """Counts along the time of a capture of unknown length.
 
-    When the time outgrows the slices, each pair of neighbours becomes one.
+    When the time exceeds the slices, each pair of neighbours is merged.
     """
 
     COUNT = 480
 
     def __init__(self) -> None:
-        """Begin with slices of 1 ms."""
         self.width_s = 0.001
         self.counts: defaultdict[str, list[int]] = defaultdict(lambda: [0] * self.COUNT)
-        self.loads: list[float | None] = [None] * self.COUNT  # percent; the most in each slice, None: no telegram
-        self.used = 0  # slices, from the first
+        self.loads: list[float | None] = [None] * self.COUNT  # percent; the highest in each slice, None: no telegram
+        self.used = 0  # number of slices in use
 
     def at(self, time_s: float) -> int:
-        """Return the slice of a time since the first packet; an earlier one belongs to the first."""
+        """Return the slice of a time since the first packet; an earlier time belongs to the first."""
         number = int(time_s / self.width_s)
         while number >= self.COUNT:
             self._double()
@@ -139,7 +136,7 @@ class Slices:
         return number
 
     def add_load(self, number: int, percent: float) -> None:
-        """Keep the load of the bus, in percent, if it is the most in its slice."""
+        """Keep the load of the bus, in percent, if it is the highest in its slice."""
         load = self.loads[number]
         self.loads[number] = percent if load is None else max(load, percent)
 

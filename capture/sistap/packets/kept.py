@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tshark printed of each packet, kept on disk, compressed: which packets a window needs, only the last one tells.
+"""Keeps what tshark printed for each packet on disk, compressed: only the last packet decides which windows are needed.
 
-To have tshark dissect the whole capture once more takes as long as the first time.
+Dissecting the whole capture again would take as long as the first time.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from typing import NamedTuple
 from sistap.terminal.temporary import Blobs
 
 _TOGETHER = 500  # rows in a blob
-_LEVEL = 1  # of compression; higher ones take several times as long and save a fifth
+_LEVEL = 1  # of compression; higher levels take several times as long and save a fifth
 
 
 class Span(NamedTuple):
-    """A stretch of a capture, in s since its first packet; both ends belong to it."""
+    """A stretch of a capture, in s since its first packet; both ends are included."""
 
     start_s: float
     end_s: float
 
 
 class _Held(NamedTuple):
-    """Which packets are in a blob; their times need not go on."""
+    """The packets in a blob; their times may be out of order."""
 
     first: int
     last: int
@@ -41,19 +41,16 @@ class Kept:
     """Rows in the order of their packets. Use it in a `with`."""
 
     def __init__(self) -> None:
-        """Nothing has been kept yet."""
         self._blobs = Blobs("what was read of the capture")
-        self._held: list[_Held] = []  # by blob
+        self._held: list[_Held] = []  # one for each blob
         self._rows: list[str] = []  # of the next blob, with their numbers and times
         self._numbers: list[int] = []
         self._times_s: list[float] = []
 
     def __enter__(self) -> Kept:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget everything."""
         self._blobs.__exit__(*error)
 
     def put(self, number: int, time_s: float, row: str) -> None:
@@ -65,7 +62,7 @@ class Kept:
             self._write()
 
     def rows(self, numbers: Collection[int], spans: Collection[Span]) -> Iterator[str]:
-        """Yield the rows of these packets, and of those that begin in these spans, and some of their neighbours."""
+        """Yield the rows of these packets, of those that begin in these spans, and of some neighbours."""
         if self._rows:
             self._write()
         for place, held in enumerate(self._held):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The worst moments of a capture: the kinds that there are, and the worst of each kind, ranked."""
+"""The worst moments of a capture: their kinds, and the worst of each kind, ranked."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from sistap.packets.dissection import EXCEEDED, Judged, Packet, Telegram
 from sistap.records.record import Event
 from sistap.wireshark.rows import FRAME, OTHER
 
-WORST = 10  # moments, in all
+WORST = 10  # moments in total
 LOST = int(Flag.LOST_BEFORE)
 
 
 @dataclass(frozen=True)
 class Moment:
-    """Something worth looking at in a packet; times in s."""
+    """A moment of interest in a packet; times in s."""
 
     kind: Kind
     number: int  # of the packet
-    command_in: int | None  # number of the packet before it that it began with
+    command_in: int | None  # number of the earlier packet in which it began
     time_s: float  # of the packet, as in Wireshark's list
     start_s: float
     end_s: float
     judged: Judged | None
     uncertainty_s: float | None
-    has_times: bool  # of its characters
+    has_times: bool  # whether its characters have times
     talker: int | None = None
     listener: int | None = None
     service: int | None = None
 
     @property
     def filter(self) -> str:
-        """The display filter that finds it."""
+        """Return the display filter that finds it."""
         if self.command_in is None:
             return f"frame.number == {self.number}"
         return f"frame.number in {{{self.command_in}, {self.number}}}"
@@ -52,7 +52,7 @@ class Kind:
     filter: str  # finds all of them
     of_telegram: Callable[[Telegram], Judged | bool | None] | None = None
     of_packet: Callable[[Packet], bool] | None = None
-    is_fault: bool = True  # else it is only the largest of what is normal
+    is_fault: bool = True  # False: it is only the largest normal value
 
 
 def _exceeded(judged: Judged | None) -> Judged | None:
@@ -139,7 +139,7 @@ KINDS = (
 )
 _OF_PACKET = [(kind, kind.of_packet) for kind in KINDS if kind.of_packet]
 _OF_TELEGRAM = [(kind, kind.of_telegram) for kind in KINDS if kind.of_telegram]
-# Kinds whose time lies before their packet: it began with the end of its command.
+# Kinds whose time lies before their packet: they begin with the end of the command.
 _FROM_COMMAND = {"trs_exceeded", "slowest_reaction"}
 
 
@@ -147,13 +147,12 @@ class Moments:
     """The worst of each kind, and how many there were."""
 
     def __init__(self) -> None:
-        """Start with none."""
         self.counts = {kind.name: 0 for kind in KINDS}
         self._worst: dict[str, list[tuple[float, int, Moment]]] = {kind.name: [] for kind in KINDS}
-        self._order = itertools.count(0, -1)  # of two equally bad ones the first is kept
+        self._order = itertools.count(0, -1)  # of two equal ones the first is kept
 
     def add(self, packet: Packet) -> Iterator[Kind]:
-        """Look at a packet; give the kinds of fault in it."""
+        """Look at a packet; return the kinds of fault in it."""
         for kind, of_packet in _OF_PACKET:
             if of_packet(packet):
                 self._keep(packet, None, kind, None)
@@ -185,7 +184,7 @@ class Moments:
 
 
 def _rank(kind: Kind, judged: Judged | None) -> float:
-    """How bad it is, beside others of its kind: by how much the limit is exceeded, else how long it took."""
+    """Return how bad it is within its kind: by how much it exceeds the limit, else how long it took."""
     if judged is None:
         return 0.0
     return judged.time_s / judged.limit_s if kind.is_fault and judged.limit_s else judged.time_s

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap parameters`: the list of parameters of captures, and what has changed.
+"""`sistap parameters`: the list of parameters in captures, and their changes.
 
 Captures read (reading), rows and changes as text or CSV (writing), the command line (command). It may use all rooms but
 the other products.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap parameters`: the command line of the list of parameters."""
+"""The command `sistap parameters`: its options, and how it runs."""
 
 from __future__ import annotations
 
@@ -17,39 +17,37 @@ from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-List the parameters that were read and written: of each device its name, unit, how often it was read, written and
-refused, its first, last, least and greatest value, and who has written it last. Several captures, such as the files of
-a ring, are read in the order in which they are named. Wireshark's dissector says all this, through tshark, which has
-to be installed with the plugin or sis.lua.
+List the parameters that were read and written. For each parameter of each device, the list has its name and unit, how
+often it was read, written and refused, its first, last, lowest and highest value, and who wrote it last. Name the files
+of a ring in the order of their time. The figures come from Wireshark's dissector: install tshark with the plugin or
+sis.lua.
 """
 
 EPILOG = f"""\
-A reading counts with its reaction, a writing when its reaction accepts it; what is refused counts as an error. Values
-of parameters whose attribute is not known are bytes. The value before a change is the last one that was read or
-written, else it is unknown. A segment of a list is counted, but it is not the value of the list. Stations are told
-apart by the name of their port. There is room for {MOST} parameters.
+A read counts when its reaction comes. A write counts when its reaction accepts it. A refusal counts as an error. A
+parameter whose attribute is not known is shown as bytes. The value before a change is the last one that was read or
+written; without one it is unknown. A segment of a list is counted, but it is not the value of the list. Stations are
+told apart by the name of their port. There is room for {MOST} parameters.
 
 examples:
   sistap parameters day.pcapng                              the list
-  sistap parameters --changes night-*.pcapng                who has changed what, when, from and to
+  sistap parameters --changes night-*.pcapng                who changed what and when, old and new value
   sistap parameters --csv day.pcapng -o parameters.csv      for a spreadsheet
 
 exit status:
-  0  done; also of a capture that is cut, which is said on standard error
+  0  done; a message on standard error tells if a capture is cut off
   1  failed while running: tshark or the plugin is missing, disk full
-  2  wrong usage, a CAPTURE that cannot be read, a FILE that cannot be written
+  2  wrong usage, a CAPTURE that cannot be read, or a FILE that cannot be written
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="+", help="a capture with SIS in it")
-    parser.add_argument(
-        "--changes", action="store_true", help="every writing that has changed something, in place of the list"
-    )
-    parser.add_argument("--csv", action="store_true", help="comma-separated values, with a line of names before them")
+    parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="+", help="a capture that contains SIS")
+    parser.add_argument("--changes", action="store_true", help="list every write that changed a value, instead")
+    parser.add_argument("--csv", action="store_true", help="write comma-separated values; the first line has the names")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
 
 

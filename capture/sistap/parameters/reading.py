@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads the accesses of captures, one capture after the other, as tshark prints them."""
+"""Reads the accesses of captures from tshark's output, one capture after the other."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _NO_FIELD = (
 
 
 class Found(NamedTuple):
-    """An access, and where it stands."""
+    """An access, and its place."""
 
     place: Place
     access: Access
 
 
 def found(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None]) -> Iterator[Found]:
-    """Yield all accesses. NotACapture, TsharkError; what is damaged is said, and left where the damage begins."""
+    """Yield all accesses up to a damage, which is reported. Raise NotACapture or TsharkError."""
     for capture in captures:
         yield from _of_capture(tshark, capture, say)
 

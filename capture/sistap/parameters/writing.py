@@ -16,7 +16,7 @@ _LIST_HEADS = (
     *("Port", "Station", "Device", "Parameter", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least"),
     *("Greatest", "Written by", "In packet", "File"),
 )
-_NUMBERS = {"Reads", "Writes", "Errors", "Written by", "In packet"}  # written to the right
+_NUMBERS = {"Reads", "Writes", "Errors", "Written by", "In packet"}  # right-aligned columns
 _CSV_LIST = (
     *("port", "station", "device", "parameter", "name", "unit", "minimum", "maximum", "reads", "writes", "errors"),
     *("first", "last", "least", "greatest", "written_by", "written_in_packet", "written_in_file", "written_at"),
@@ -63,7 +63,7 @@ def _aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
-    """Yield the lines of CSV; least and greatest are numbers without their unit."""
+    """Yield the lines of CSV; lowest and highest values are numbers without their unit."""
     yield _csv(_CSV_LIST)
     for listed in listing:
         place = listed.written_in
@@ -80,7 +80,7 @@ def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
 
 
 def change_as_text(change: Change, *, several_files: bool) -> str:
-    """Write a change as a line: when, who, what, from, to, packet."""
+    """Return a change as a line: when, who, what, from, to, packet."""
     place, access = change.place, change.access
     name = f" ({access.name})" if access.name else ""
     before = _UNKNOWN if change.before is None else change.before
@@ -96,14 +96,14 @@ def _station(parameter: Parameter) -> str:
 
 
 def change_as_csv(change: Change) -> str:
-    """Write a change as a line of CSV; what is unknown is empty."""
+    """Return a change as a line of CSV; unknown values are empty."""
     place, access = change.place, change.access
     values = (change.before, access.value, place.packet, place.file)
     return _csv((_time(place, "T"), access.master, *access.parameter, access.name, access.unit, *values))
 
 
 def csv_head_of_changes() -> str:
-    """Write the first line of CSV of changes."""
+    """Return the first line of the CSV of changes."""
     return _csv(_CSV_CHANGES)
 
 
@@ -114,7 +114,7 @@ def _csv(values: Iterable[object]) -> str:
 
 
 def _time(place: Place, between: str) -> str:
-    """Write local time with its zone; nothing for 0, which is the time of a log without times."""
+    """Return local time with its zone; empty for 0, the time of a log without times."""
     if not place.epoch_s:
         return ""
     local = datetime.fromtimestamp(place.epoch_s).astimezone()

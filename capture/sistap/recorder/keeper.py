@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which records come into which file: those around each that matters, each of them once."""
+"""Decides which records go into which file: those around each record that matters, each of them once."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+from sistap.explain.memory import Memory
 from sistap.explain.relay import Entry
 
-LARGEST = 100_000_000  # bytes of a file: where something always matters, the next one goes on
-MOST_HISTORY = 128_000_000  # bytes of records that wait; of more, the oldest go
-_STEP_NS = 10_000_000_000  # so far, a clock was set back
+LARGEST = 100_000_000  # bytes of a file; if records keep mattering, the next file follows
+MOST_HISTORY = 128_000_000  # bytes of waiting records; above this, the oldest go
+_STEP_NS = 10_000_000_000  # a clock that jumps back this far was set
 
 
 class Around(NamedTuple):
-    """How much is kept."""
+    """How much is kept before and after."""
 
     before_ns: int
     after_ns: int
@@ -31,24 +32,35 @@ class File(Protocol):
         """Say that it is complete."""
 
 
-Begin = Callable[[bytes, int, int, str], File]  # section and interfaces, time of the first record, of the reason, it
+class Beginning(NamedTuple):
+    """What a file begins with."""
+
+    heading: bytes  # section and interfaces
+    known: bytes  # telegrams from before that explain it: limits, names, units
+    first_ns: int  # time of its first record
+    time_ns: int  # of the reason
+    reason: str
+
+
+Begin = Callable[[Beginning], File]
 
 
 class Keeper:
-    """Takes blocks in their order, each with the reason for which it matters, or without."""
+    """Takes blocks in order, each with the reason why it matters, if any."""
 
     def __init__(self, around: Around, begin: Begin, heading: bytes, say: Callable[[str], None]) -> None:
-        """`begin` begins a file; `heading` is the section and the interfaces of all of them."""
+        """Begin files with `begin`; `heading` is the section and the interfaces of all of them."""
         self._around = around
         self._begin = begin
         self._heading = heading
+        self._known = Memory()  # from what came before the file: its limits, names and units
         self._say = say
-        self._waiting: deque[Entry] = deque()  # that may come before what matters
+        self._waiting: deque[Entry] = deque()  # they may precede a record that matters
         self._waiting_bytes = 0
         self._file: File | None = None
         self._size = 0  # of the file
         self._reason = ""
-        self._end_ns = 0  # of what is in the file
+        self._end_ns = 0  # end of the file's time
         self._now_ns = 0
         self._shortened = False
 
@@ -67,7 +79,7 @@ class Keeper:
             self._bound()
 
     def look(self, now_ns: int) -> None:
-        """End the file if nothing that matters now could belong to it; forget what is too old."""
+        """End the file if nothing that matters now could belong to it; drop what is too old."""
         self._now_ns = now_ns
         since_ns = now_ns - self._around.before_ns
         if self._file and since_ns > self._end_ns:
@@ -86,7 +98,7 @@ class Keeper:
             first_ns = self._waiting[0].time_ns if self._waiting else time_ns
             self._open(first_ns, time_ns)
         self._end_ns = max(self._end_ns, time_ns + self._around.after_ns)
-        while self._waiting:  # all of it is less than `before` older, or belongs to the file of the reason before
+        while self._waiting:  # each is either within `before`, or belongs to the file of the reason before
             self._waiting_bytes -= len(self._waiting[0].block)
             self._write(self._waiting.popleft())
 
@@ -95,13 +107,13 @@ class Keeper:
         if self._size > LARGEST:
             self._file.close()
             self._open(entry.time_ns, entry.time_ns)
-        if not entry.is_packet:
-            self._heading += entry.block
+        self._pass(entry)
         self._file.write(entry.block)
         self._size += len(entry.block)
 
     def _open(self, first_ns: int, time_ns: int) -> None:
-        self._file = self._begin(self._heading, first_ns, time_ns, self._reason)
+        known = b"".join(self._known.blocks(values=False))
+        self._file = self._begin(Beginning(self._heading, known, first_ns, time_ns, self._reason))
         self._size = 0
 
     def _close(self) -> None:
@@ -113,11 +125,17 @@ class Keeper:
     def _forget(self) -> None:
         oldest = self._waiting.popleft()
         self._waiting_bytes -= len(oldest.block)
-        if not oldest.is_packet:
-            self._heading += oldest.block
+        self._pass(oldest)
+
+    def _pass(self, entry: Entry) -> None:
+        """Learn from what no later file has."""
+        if not entry.is_packet:
+            self._heading += entry.block
+        if entry.telegram:
+            self._known.take(entry.telegram, entry.block)
 
     def _break(self) -> None:
-        """Begin anew, with another time."""
+        """Begin a new file after a change of the clock."""
         self.end()
         while self._waiting:
             self._forget()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept: the presets, and filters of one's own; each with the word that names its files."""
+"""What is kept: the presets, and the user's own filters; each with the word in the name of its files."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from sistap.wireshark.tshark import Tshark, TsharkError
 
 PRESETS: Mapping[str, Sequence[Sign]] = {"faults": signs.FAULTS, "writes": signs.WRITES}
 _MARK = ("frame.number", "data.data")
-_LONGEST = 40  # characters of a word
+_LONGEST = 40  # characters of the word
 
 
 class Reasons:
     """The filters of --keep: names of presets, and at most one filter of the user's own."""
 
     def __init__(self, keep: Sequence[str]) -> None:
-        """Take them apart. UsageError if there are several filters: which of them found a packet is not to be seen."""
+        """Parse the filters. UsageError if there are several own ones: tshark does not tell which of them matched."""
         self._signs = [sign for preset in keep for sign in PRESETS.get(preset, ())]
         own = [filter_ for filter_ in keep if filter_ not in PRESETS]
         if not all(filter_.strip() for filter_ in own):
@@ -35,21 +35,21 @@ class Reasons:
         self._names = [*_MARK, *signs.fields(self._signs)]
 
     def arguments(self, token: bytes | None) -> list[str]:
-        """Return what tshark is told: to print what is found, and marks."""
+        """Return the arguments for tshark: print matches and marks."""
         found = [f"({text})" for text in (signs.expression(self._signs), self._own) if text]
         marks = [f"data.data == {token.hex(':')}"] if token else []
         return ["-Y", " || ".join(found + marks), *rows.printing(self._names)]
 
     def columns(self, line: str) -> dict[str, str]:
-        """Take apart what tshark prints."""
+        """Split what tshark prints."""
         return rows.columns(self._names, line)
 
     def word(self, columns: Mapping[str, str]) -> str:
-        """Name the reason for which a packet was found, for the name of a file."""
+        """Return the word for the reason of a packet, for the name of a file."""
         return signs.reason(self._signs, columns) or word(self._own)
 
     def check(self, tshark: Tshark) -> None:
-        """Ask tshark whether it understands the filter. UsageError, or TsharkError without a dissector for SIS."""
+        """Check the filter with tshark. UsageError, or TsharkError without a dissector for SIS."""
         with tempfile.TemporaryFile() as empty:
             empty.write(pcapng.section_header("sistap", "") + pcapng.interface_description(pcapng.Interface(252, "x")))
             empty.seek(0)
@@ -63,5 +63,5 @@ class Reasons:
 
 
 def word(filter_: str) -> str:
-    """Make of a filter what can be a part of a file's name."""
+    """Convert a filter into a word for a file name."""
     return re.sub(r"[^A-Za-z0-9.]+", "-", filter_)[:_LONGEST].strip("-.") or "found"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The recorder beside a capture: a thread, so that neither tshark nor the disk can ever delay a reader."""
+"""The recorder beside a capture: a thread, so that neither tshark nor the disk ever delays a reader."""
 
 from __future__ import annotations
 
@@ -21,49 +21,49 @@ from sistap.files.pcapng import Interface
 from sistap.line import priority
 from sistap.line.settings import LineSettings
 from sistap.recorder import shelf
-from sistap.recorder.keeper import Around, File, Keeper
+from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.reasons import Reasons
 from sistap.recorder.telling import Telling
-from sistap.records.record import Framing, Record
+from sistap.records.record import Event, Framing, Record
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
-MOST_WAITING = 200_000  # records; more come only while the disk does not answer
-_TURN_S = 0.05  # so long, the thread lets records gather
+MOST_WAITING = 200_000  # records; above this, the disk does not answer
+_TURN_S = 0.05  # pause of the thread, in which records gather
 _TURN = 20  # records at a time; then a reader can have its turn
-_TIDY_S = 60.0  # between looks at the files of the full ring
+_TIDY_S = 60.0  # interval between looks at the files of the full ring
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a recorder is told."""
+    """The settings of a recorder."""
 
     folder: Path
     reasons: Reasons
     around: Around
     at_most: int
     command: str | None = None
-    ring_files: int | None = None  # of the full ring, if there is one; None: all
+    ring_files: int | None = None  # files of the full ring, if there is one; None: all
 
 
 class Ring(Protocol):
     """The sink of all records."""
 
     def begin(self, *started: Record) -> None:
-        """Begin, with events that say how the capture is taken."""
+        """Begin with events that describe how the capture is taken."""
 
     def write(self, record: Record) -> bool:
         """Take a record."""
 
     def look(self, time_ns: int) -> None:
-        """Look whether the time for another file has come."""
+        """Check whether the next file is due."""
 
     def end(self, time_ns: int) -> None:
         """End."""
 
 
 class Recorder:
-    """A sink that keeps what matters; `ring` is the sink of all, if that is wanted, too."""
+    """A sink that keeps what matters; `ring` is an optional sink of all records."""
 
     def __init__(  # noqa: PLR0913 - it puts the parts together
         self,
@@ -73,9 +73,8 @@ class Recorder:
         say: Callable[[str], None],
         *,
         ring: Ring | None = None,
-        seams: Seams = Seams(),  # noqa: B008 - it is frozen
+        seams: Seams = Seams(),  # noqa: B008 - the default is frozen
     ) -> None:
-        """Start nothing yet."""
         self._wanted = wanted
         self._tshark = tshark
         self._blocks = Blocks(interfaces)
@@ -85,12 +84,12 @@ class Recorder:
         self._shelf = shelf.kept(wanted.folder, wanted.at_most, say)
         self._telling = Telling(wanted.command, say)
         self._started: tuple[Record, ...] = ()
-        self._settings: dict[int, LineSettings] = {}  # by line, of its last record
+        self._settings: dict[int, LineSettings] = {}  # for each line, of its last record
         self._queue: queue.SimpleQueue[Entry | int | None] = queue.SimpleQueue()  # an int: nothing came until then
         self._left_out = 0
-        self._tidy_s = 0.0  # when to look next
+        self._tidy_s = 0.0  # time of the next look
         self._trouble = ""
-        self._disk_trouble = ""  # said
+        self._disk_trouble = ""  # already reported
         self.kept = 0  # files
         reasons = wanted.reasons
         self.relay = Relay(self._start, reasons.columns, say, finds=True, seams=seams)
@@ -98,14 +97,14 @@ class Recorder:
 
     @property
     def summary(self) -> str:
-        """What was kept, in words."""
+        """Return what was kept, in words."""
         unjudged = f"; {self.relay.unjudged} records were not looked at" if self.relay.unjudged else ""
         return f"{self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
 
     # -- In the thread of the capture
 
     def begin(self, *started: Record) -> None:
-        """Begin, with events that say how the capture is taken."""
+        """Begin with events that describe how the capture is taken."""
         if self._ring:
             self._ring.begin(*started)
         self._started = started
@@ -132,7 +131,7 @@ class Recorder:
         return True
 
     def look(self, time_ns: int) -> None:
-        """Let what is complete be complete while the line is silent."""
+        """Complete records that are due while the line is silent."""
         if self._ring:
             self._ring.look(time_ns)
         self._check()
@@ -147,7 +146,7 @@ class Recorder:
         self._check()
 
     def close(self) -> None:
-        """End the thread, with what it has got."""
+        """End the thread after its remaining work."""
         if self._thread:
             self._queue.put(None)
             self._thread.join(PATIENCE_S + 5)
@@ -163,7 +162,7 @@ class Recorder:
     # -- In its own thread
 
     def _run(self, is_urgent: bool) -> None:
-        if is_urgent:  # who waits for the reader's turn must not have to wait for other programs meanwhile
+        if is_urgent:  # a reader's thread must not wait for a holder of the lock that other programs delay
             priority.take_real_time()
         try:
             while self._turn():
@@ -172,13 +171,13 @@ class Recorder:
             for judged in self.relay.finish(PATIENCE_S):
                 self._keep(judged)
             self._keeper.end()
-        except Exception as error:  # noqa: BLE001 - the capture has to end with it, and say why
+        except Exception as error:  # noqa: BLE001 - the capture must end with it, and say why
             self._trouble = f"the recorder has failed: {error!r}"
         finally:
             self.relay.close()
 
     def _turn(self) -> bool:
-        """Deal with what has come; tell whether to go on."""
+        """Process what has come; return whether to continue."""
         silent_ns = 0
         for _ in range(_TURN):
             try:
@@ -206,25 +205,30 @@ class Recorder:
     def _start(self, token: bytes | None) -> Running:
         return Running(self._tshark, self._wanted.reasons.arguments(token))
 
-    def _begin(self, heading: bytes, first_ns: int, time_ns: int, reason: str) -> File:
-        path = shelf.new_name(self._wanted.folder, time_ns, reason)
+    def _begin(self, beginning: Beginning) -> File:
+        time_ns = beginning.time_ns
+        path = shelf.new_name(self._wanted.folder, time_ns, beginning.reason)
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
-        why = f"; kept: {reason} at {when}.{time_ns // 1_000_000 % 1000:03d}".encode()
-        started = b"".join(self._blocks.packet(self._again(record, first_ns, why)) for record in self._started)
-        return _File(self, path, heading + started)
+        why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
+        if beginning.known:
+            why += "; it begins with earlier telegrams that told limits and names"
+        started = b"".join(self._blocks.packet(self._again(record, beginning, why)) for record in self._started)
+        return _File(self, path, beginning.heading + started + beginning.known)
 
-    def _again(self, started: Record, time_ns: int, why: bytes) -> Record:
+    def _again(self, started: Record, beginning: Beginning, why: str) -> Record:
         settings = self._settings.get(started.line, started.settings)
-        return started._replace(time_ns=time_ns, settings=settings, data=started.data + why)
+        time_ns = started.time_ns if beginning.known else beginning.first_ns  # before all that follows
+        data = started.data + why.encode() if started.event == Event.CAPTURE_STARTED else started.data
+        return started._replace(time_ns=time_ns, settings=settings, data=data)
 
     def tell_disk(self, trouble: str) -> None:
-        """Say that a file cannot be written, once until one can."""
+        """Report that a file cannot be written, once until one can."""
         if trouble != self._disk_trouble:
             self._say(trouble)
         self._disk_trouble = trouble
 
     def complete(self, path: Path) -> None:
-        """Take a file that is complete."""
+        """Announce a complete file."""
         self._disk_trouble = ""
         self.kept += 1
         self._tidy()
@@ -238,7 +242,7 @@ class Recorder:
 
 
 class _File:
-    """A file of the recorder. What cannot be written is said, and left out."""
+    """A file of the recorder. Write errors are reported, and the data left out."""
 
     def __init__(self, recorder: Recorder, path: Path, beginning: bytes) -> None:
         self._recorder = recorder
@@ -265,6 +269,6 @@ class _File:
         if not self._output:
             return
         self._output.close()
-        with suppress(OSError), self._path.open("rb+") as file:  # so that it outlives the power
+        with suppress(OSError), self._path.open("rb+") as file:  # so that the file survives a power cut
             os.fsync(file.fileno())
         self._recorder.complete(self._path)

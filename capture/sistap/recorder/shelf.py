@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files in the folder of a recorder: their names, and that there are not too many, also of earlier runs."""
+"""The files in the folder of a recorder: their names and their number, including those of earlier runs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-RING = "ring.pcapng"  # as output names its files: ring_00001_20261122031204.pcapng
+RING = "ring.pcapng"  # output names the files: ring_00001_20261122031204.pcapng
 
 _KEPT_NAME = re.compile(r"kept_(\d{14}\.\d{3})_[\w.-]+\.pcapng", re.ASCII)
 _RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng", re.ASCII)
@@ -23,10 +23,10 @@ class Shelf:
         self._name = name
         self._at_most = at_most
         self._say = say
-        self._stay: set[Path] = set()  # they cannot be deleted; said once
+        self._stay: set[Path] = set()  # files that cannot be deleted; reported once
 
     def tidy(self) -> None:
-        """Delete the oldest files of too many."""
+        """Delete the oldest files if there are too many."""
         if self._at_most is None:
             return
         found = sorted((match[1], path) for path in self.folder.iterdir() if (match := self._name.fullmatch(path.name)))
@@ -40,7 +40,7 @@ class Shelf:
 
 
 def kept(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Shelf:
-    """Return the files around what matters."""
+    """Return the kept files."""
     return Shelf(folder, _KEPT_NAME, at_most, say)
 
 
@@ -50,7 +50,7 @@ def ring(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Shelf
 
 
 def new_name(folder: Path, time_ns: int, word: str) -> Path:
-    """Name a file by its time (local) and reason; no other has this name."""
+    """Return an unused name for a file, from its time (local) and reason."""
     seconds, ns = divmod(time_ns, 1_000_000_000)
     base = f"kept_{time.strftime('%Y%m%d%H%M%S', time.localtime(seconds))}.{ns // 1_000_000:03d}_{word}"
     path, number = folder / f"{base}.pcapng", 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Starts a command with the name of a file that was kept, and waits for nobody."""
+"""Starts a command with the name of a kept file, without waiting for it."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pathlib import Path
 
 from sistap.line import priority
 
-MOST = 20  # that run at the same time
+MOST = 20  # running at the same time
 
 
 class Telling:
-    """The commands that were started; ended ones are looked after."""
+    """The commands that were started."""
 
     def __init__(self, command: str | None, say: Callable[[str], None]) -> None:
-        """Start `command`, a line for the shell, with the name of a file behind it; None: nothing."""
+        """Start `command`, a shell line, followed by the name of a file; None: nothing."""
         self._command = command
         self._say = say
         self._running: list[tuple[subprocess.Popen[bytes], Path]] = []
@@ -28,7 +28,7 @@ class Telling:
             return
         self.look()
         if len(self._running) >= MOST:
-            self._say(f"--on-keep was not started for {path}: {MOST} of it are still running")
+            self._say(f"--on-keep was not started for {path}: {MOST} earlier ones are still running")
             return
         shell = sys.platform == "win32"
         line = f'{self._command} "{path}"' if shell else ["/bin/sh", "-c", f'{self._command} "$@"', "sh", str(path)]
@@ -43,7 +43,7 @@ class Telling:
         self._running.append((process, path))
 
     def look(self) -> None:
-        """Say which have failed."""
+        """Report which have failed."""
         for process, path in self._running:
             if process.poll():
                 self._say(f"--on-keep ended with exit code {process.returncode} for {path}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""From reads to records: cut line by line, in order of time, with an event where the settings of a line change."""
+"""Turns reads into records: cut line by line, in order of time, with an event where the settings of a line change."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from sistap.records.record import Event, Record, event
 
 @dataclass
 class _Line:
-    """One line, and what has come on it."""
+    """A line, and its state."""
 
     framer: Framer
-    arrived_ns: int  # when something last came
-    own_time: bool  # reads without characters tell it
-    why: str | None = None  # the settings are others than those of the last read
+    arrived_ns: int  # time of the last arrival
+    own_time: bool  # reads without characters tell the time
+    why: str | None = None  # reason for settings that differ from those of the last read
 
 
 class Assembler:
-    """The lines of one tap. The clock of `now_ns` is any that goes on; the other times are those of the characters."""
+    """The lines of one tap. `now_ns` may be any monotonic clock; the other times are those of the characters."""
 
     def __init__(self, write: Callable[[Record], None], cut: Cut = SIS) -> None:
         """Call `write` with each record when it is due. Frames are cut as `cut` says."""
@@ -34,25 +34,25 @@ class Assembler:
         self.cut = cut
 
     def add_line(self, number: int, settings: LineSettings, now_ns: int, *, own_time: bool = False) -> None:
-        """Begin a line, on which nothing has come yet; `own_time`: a network may bring late what came in time."""
+        """Begin a line; `own_time`: a network may deliver late what came in time."""
         self._lines[number] = _Line(self.cut.framer(number, settings), now_ns, own_time)
 
     @property
     def lines(self) -> Sequence[int]:
-        """The numbers of the lines, in the order in which they were added."""
+        """Return the numbers of the lines, in the order in which they were added."""
         return tuple(self._lines)
 
     @property
     def empty(self) -> bool:
-        """Whether all characters are in records."""
+        """Tell whether all characters are in records."""
         return all(line.framer.empty for line in self._lines.values())
 
     def settings(self, number: int) -> LineSettings:
-        """Return the settings that a line has now."""
+        """Return the present settings of a line."""
         return self._lines[number].framer.settings
 
     def arrived_ns(self, number: int) -> int:
-        """Return when something last came on a line."""
+        """Return the time of the last arrival on a line."""
         return self._lines[number].arrived_ns
 
     def brings_settings(self, read: Read) -> bool:
@@ -60,7 +60,7 @@ class Assembler:
         return bool(read.data) and read.settings not in (None, self.settings(read.line))
 
     def take(self, read: Read, now_ns: int, why: str) -> list[Record]:
-        """Take what was read, perhaps with other settings, and `why`. Return the records that it completed."""
+        """Take what was read, and `why` its settings are new, if they are. Return the records that it completed."""
         line = self._lines[read.line]
         line.arrived_ns = now_ns
         if read.settings and self.brings_settings(read):
@@ -81,7 +81,7 @@ class Assembler:
         self._lines[number].why = why
 
     def idle(self, now_ns: int) -> list[tuple[int, list[Record]]]:
-        """Look which lines have been silent for long. Return the records that this completed, with their lines."""
+        """Check which lines have been silent for long. Return the records that this completed, with their lines."""
         completed = []
         for number, line in self._lines.items():
             records = [] if line.own_time else line.framer.idle(now_ns - line.arrived_ns)
@@ -95,11 +95,11 @@ class Assembler:
             self.emit(self._lines[number].framer.flush(), now_ns)
 
     def restart(self, number: int, now_ns: int) -> None:
-        """Go on with another clock."""
+        """Continue with another clock."""
         self.emit(self._lines[number].framer.restart(), now_ns)
 
     def emit(self, records: Sequence[Record], now_ns: int) -> None:
-        """Write records, also events from outside, when those of the other line that began earlier are written."""
+        """Write records and outside events, after earlier ones of the other line."""
         if not records and self._order.empty:
             return
         self._order.add(records, now_ns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a capture has seen so far, in numbers: for the progress line, the hints and the statistics of the file."""
+"""Counters of a capture, for the progress line, the hints and the statistics of the file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _IS_GAP = bytes(bool(flag & Flag.LOST_BEFORE) for flag in range(256))
 
 
 def longest_interval_ns(record: Record) -> int:
-    """Return the longest pause inside a frame; the one before its first character is not part of it."""
+    """Return the longest pause inside a frame; the one before its first character does not count."""
     return max(record.intervals[1:], default=0)
 
 
@@ -25,7 +25,7 @@ def faulty(read: Read | Record) -> int:
 
 
 def surely_faulty(read: Read) -> int:
-    """Count the characters with an error, of an error with unknown place only one."""
+    """Count the characters with an error; an error with unknown place counts once."""
     somewhere = sum(read.flags.translate(_IS_SOMEWHERE))
     return faulty(read) - somewhere + bool(somewhere)
 
@@ -34,28 +34,28 @@ class Counters:
     """All counts since the capture started."""
 
     def __init__(self) -> None:
-        """Start at zero."""
         self.characters = 0
         self.faulty_characters = 0  # with any error, breaks included
         self.breaks = 0
-        self.telegrams = 0  # good ones; of 3964R blocks, not handshakes
+        self.telegrams = 0  # good ones; of 3964R, blocks and not handshakes
         self.damaged = 0  # telegrams with a wrong checksum
-        self.longest_ns = 0  # interval inside any of these
-        # By line, for its interface statistics:
+        self.longest_ns = 0  # longest interval inside any of these
+        # For each line, for its interface statistics:
         self.received: Counter[int] = Counter()  # records that the framer made
         self.accepted: Counter[int] = Counter()  # those that were written; events do not count
         self.gaps: Counter[int] = Counter()  # places where characters were lost
 
     @property
     def written(self) -> int:
-        """Records written, of all lines."""
+        """Return the number of records written, of all lines."""
         return self.accepted.total()
 
     @property
-    def errors(self) -> str:
-        """Faulty characters and telegrams with a wrong checksum, in words."""
+    def text(self) -> str:
+        """Return telegrams and characters in words, counted as `sistap report` counts them."""
         faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
-        return f"{faulty}, {self.damaged} wrong checksum{'' if self.damaged == 1 else 's'}"
+        telegrams = f"{self.telegrams + self.damaged} telegrams, {self.damaged} of them damaged"
+        return f"{telegrams}, {self.characters} characters, {faulty}"
 
     def add_read(self, read: Read | Record) -> None:
         """Count the characters of a read, or of a record."""
@@ -75,7 +75,5 @@ class Counters:
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
 
     def __str__(self) -> str:
-        """Return the progress line."""
         longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
-        counts = f"{self.characters} characters, {self.telegrams} telegrams, {self.errors}"
-        return f"{counts}, longest interval {longest}"
+        return f"{self.text}, longest interval {longest}"

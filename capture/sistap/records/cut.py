@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How characters are cut into frames: what --framing says, and the framer that does it."""
+"""How characters are cut into frames: the option --framing, and its framers."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from sistap.records.framer_3964r import Framer3964R
 from sistap.records.record import Framing
 
 WORDS = "sis|3964r|silence:MS"
-HELP = "cut SIS telegrams (the default), blocks of procedure 3964R, or frames with so much silence between them"
+HELP = "cut SIS telegrams (the default), blocks of procedure 3964R, or frames separated by that much silence"
 LONGEST_MS = 1e12  # more than 30 years
 
 
 @dataclass(frozen=True)
 class Cut:
-    """One way."""
+    """A way of cutting."""
 
     framing: Framing = Framing.SIS
-    silence_ms: float = 0  # only of Framing.SILENCE
+    silence_ms: float = 0  # for Framing.SILENCE
 
     @classmethod
     def parse(cls, text: str) -> Cut:
-        """Read the option. ValueError says what it has to be."""
+        """Parse the option. ValueError says what is expected."""
         if text in _BY_NAME:
             return _BY_NAME[text]
         name, _, value = text.partition(":")
@@ -37,14 +37,14 @@ class Cut:
         raise ValueError(f"'{text}' is not {', '.join(_BY_NAME)} or silence:MILLISECONDS")
 
     def framer(self, line: int, settings: LineSettings) -> Framer:
-        """Make the framer of a line."""
+        """Return the framer of a line."""
         if self.framing == Framing.SILENCE:
             return SilenceFramer(line, settings, int(self.silence_ms * 1e6))
         return Framer3964R(line, settings) if self.framing == Framing.PROCEDURE_3964R else SisFramer(line, settings)
 
     @property
     def said(self) -> str:
-        """What a description of a capture says of it; nothing of SIS."""
+        """Return its part in the description of a capture; empty for SIS."""
         if self.framing == Framing.SILENCE:
             return f"; frames cut by {self.silence_ms:g} ms of silence"
         return "; blocks of procedure 3964R" if self.framing == Framing.PROCEDURE_3964R else ""
@@ -56,7 +56,7 @@ _BY_NAME = {"sis": SIS, "3964r": PROCEDURE_3964R}
 
 
 def framing(text: str) -> Cut:
-    """Read the option, as the type of an argument."""
+    """Parse the option, as the type of an argument."""
     try:
         return Cut.parse(text)
     except ValueError as error:

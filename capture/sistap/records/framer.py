@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cuts the characters of one line into records; every character received is in exactly one of them.
+"""Cuts the characters of one line into records. Every received character is in exactly one record.
 
-SIS telegrams are cut by content (IF02 chapter 2.2), never by time: the longest pause inside a telegram, TzA, is agreed
-on the bus and nobody knows it while capturing. Only a second of silence, or the end, writes out what is unfinished.
+SIS telegrams are cut by content (IF02 chapter 2.2), never by time. TzA, the longest interval inside a telegram, is
+agreed on the bus, and a capture does not know it. Only a second of silence, or the end, writes out what is unfinished.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
 from sistap.sis.telegram import START, STATIC_LENGTH, checksum_good
 
-SILENCE_NS = 1_000_000_000  # after this nothing more of a telegram comes
-# Characters that are no telegram are collected up to this many: enough for a page of text, and far below the 43,000
-# (6 bytes a character) at which Wireshark refuses a packet.
+SILENCE_NS = 1_000_000_000  # a telegram does not continue after such a pause
+# Characters outside telegrams are collected up to this many: enough for a page of text, and far below the 43,000 (6
+# bytes for each) at which Wireshark refuses a packet.
 RUN_LIMIT = 4096
 
 _LENGTHS_END = 4  # start, checksum, both lengths
@@ -24,12 +24,12 @@ _WITH_SAME_READ = bytes(flag | Flag.SAME_READ for flag in range(256))
 
 
 class Framer(ABC):
-    """What came on one line and is not yet in a record; a way of framing says where to cut it."""
+    """The characters of one line that are not in a record yet; a subclass decides where to cut."""
 
     framing: Framing
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int) -> None:
-        """Start with an empty line; `silence_ns` without a character ends whatever there is."""
+        """Start with an empty line; `silence_ns` without a character ends everything."""
         self.line = line
         self.settings = settings
         self.silence_ns = silence_ns
@@ -38,11 +38,11 @@ class Framer(ABC):
         self._uncertainties: list[int] = []
         # One longer than the data: data[i] came at times[i + 1], the character before it at times[i].
         self._times: list[int] = []
-        # Below this many characters nothing can be decided: so a character in mid-telegram costs next to nothing.
+        # Below this number of characters nothing can be decided. This makes a character within a telegram very cheap.
         self._needed = 1
 
     def feed(self, read: Read) -> list[Record]:
-        """Take what was read; give the records that are complete by it."""
+        """Take what was read; return the records that it completes."""
         _, time_ns, data, flags, uncertainty_ns, _, _ = read
         times = self._times
         count = len(data)
@@ -53,7 +53,7 @@ class Framer(ABC):
             times.append(time_ns)
             flags = bytes([flags[0] | Flag.INTERVAL_UNKNOWN]) + flags[1:]
         last_ns = times[-1]
-        time_ns = max(time_ns, last_ns)  # a clock that goes back (another machine's) must not end the capture
+        time_ns = max(time_ns, last_ns)  # a clock that goes back (another computer's) must not end the capture
         pause_ns = time_ns - last_ns
         if following := flags[1:]:
             # The first of k characters came at least k - 1 character times before the last.
@@ -70,11 +70,11 @@ class Framer(ABC):
         return records
 
     def idle(self, idle_ns: int) -> list[Record]:
-        """Tell that nothing was read for so long, by the caller's clock; give the records that this completes."""
+        """Note that nothing was read for that long, by the caller's clock; return the records that this completes."""
         return self.flush() if idle_ns >= self.silence_ns else []
 
     def settle(self) -> list[Record]:
-        """Return what is certainly no part of a frame, without collecting more of it."""
+        """Return what is certainly not part of a frame, without collecting more of it."""
         return []
 
     def flush(self) -> list[Record]:
@@ -85,28 +85,28 @@ class Framer(ABC):
         return records
 
     def restart(self) -> list[Record]:
-        """Return all that is left; what comes next is by another clock, so that the interval before it is not known."""
+        """Return all that is left. The next characters have another clock, so the interval before them is unknown."""
         records = self.flush()
         self._times.clear()
         return records
 
     def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:
-        """Tell whether a pause, by times as uncertain as this, ends what came before it."""
+        """Tell whether a pause ends what came before it, given the uncertainty of the times."""
         return pause_ns >= self.silence_ns
 
     @property
     def empty(self) -> bool:
-        """Whether all characters are in records."""
+        """Tell whether all characters are in records."""
         return not self._data
 
     @property
     def oldest_ns(self) -> int | None:
-        """When the first character that is not in a record came, None if all are."""
+        """Return the time of the first character that is not in a record, None if all are."""
         return self._times[1] if self._data else None
 
     @abstractmethod
     def _cut(self, records: list[Record], *, final: bool) -> None:
-        """Append what is decided to the records and drop it; everything, if nothing more comes (`final`)."""
+        """Append decided characters to the records and drop them; everything if nothing more comes (`final`)."""
 
     def _record(self, kind: Type, start: int, end: int, *, checksum_bad: bool = False) -> Record:
         times = self._times
@@ -134,7 +134,7 @@ class Framer(ABC):
 
 
 class SilenceFramer(Framer):
-    """Whatever comes without a pause is a frame: for protocols other than SIS."""
+    """Characters without a pause between them form a frame: for protocols other than SIS."""
 
     framing = Framing.SILENCE
 
@@ -149,38 +149,37 @@ class SilenceFramer(Framer):
 
 
 class ContentFramer(Framer):
-    """A way of framing by what comes, whenever it comes: the base of SIS and of 3964R."""
+    """The base of framers that cut by content, never by time: SIS and 3964R."""
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
-        """Start with an empty line."""
         super().__init__(line, settings, silence_ns)
-        self._done = 0  # position in the data: what is before is in records
+        self._done = 0  # position in the data: everything before is in records
 
     def idle(self, idle_ns: int) -> list[Record]:
-        """Give, too, what is decided and has waited for so long: other traffic may never pause."""
+        """Also return what is decided and has waited for that long: other traffic may never pause."""
         records = super().idle(idle_ns)
         if self._data and self._times[-1] - self._times[1] + idle_ns >= self.silence_ns:
             records += self.settle()
         return records
 
     def settle(self) -> list[Record]:
-        """Return what is certainly no part of a frame, without collecting more of it."""
+        """Return what is certainly not part of a frame, without collecting more of it."""
         records: list[Record] = []
         self._emit_others(records, self._certain)
         self._forget_done()
         return records
 
     def _silent(self, pause_ns: int, uncertainty_ns: int) -> bool:
-        """Believe only what is certain: what waited while this process was stopped came without a pause.
+        """Accept only certain pauses: characters that waited while this process was suspended came without one.
 
-        Where nothing is known of the times, idle() alone tells of silence.
+        If the times are unknown, only idle() reports silence.
         """
         return uncertainty_ns != UNCERTAINTY_UNKNOWN and pause_ns - uncertainty_ns >= self.silence_ns
 
     @property
     @abstractmethod
     def _certain(self) -> int:
-        """Before this, what is not in records is no part of a frame."""
+        """Return the position before which nothing is part of a frame."""
 
     def _emit_frame(self, records: list[Record], start: int, end: int, *, checksum_bad: bool) -> None:
         self._emit_others(records, start)
@@ -201,20 +200,20 @@ class ContentFramer(Framer):
 class SisFramer(ContentFramer):
     """Cuts SIS telegrams: start character, equal lengths, complete length, checksum zero.
 
-    Where that does not hold it goes on from the next character, and what is skipped becomes records of other
-    characters; but a telegram that is wrong only in its checksum is a frame too (Record.checksum_bad), if no good one
-    starts inside it. What may still become a telegram holds back everything after it, so the result does not depend
-    on how the characters were read.
+    If one of these does not hold, it goes on from the next character. What is skipped becomes records of other
+    characters. But a telegram with only a wrong checksum is a frame, too (Record.checksum_bad), if no good one starts
+    inside it. A possible telegram holds back everything after it, so the result does not depend on how the characters
+    were read.
     """
 
     framing = Framing.SIS
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
-        """Start with an empty line."""
         super().__init__(line, settings, silence_ns)
-        # Positions in the data, too:
-        self._at = 0  # before this no good telegram starts ...
-        self._damaged: list[tuple[int, int]] = []  # ... but these do (start, end), wrong only in their checksum
+        # Also positions in the data:
+        self._at = 0  # no good telegram starts before this ...
+        # ... but these damaged ones do (start, end): only their checksum is wrong
+        self._damaged: list[tuple[int, int]] = []
 
     def _cut(self, records: list[Record], *, final: bool) -> None:
         data = self._data
@@ -244,13 +243,13 @@ class SisFramer(ContentFramer):
 
     @property
     def _certain(self) -> int:
-        """Before this, what is not in records is no part of a telegram."""
+        """Return the position before which nothing is part of a telegram."""
         return self._damaged[0][0] if self._damaged else self._at
 
     def _judge(self, records: list[Record], start: int, end: int) -> None:
-        """Decide about a telegram whose lengths agree and that is there to its end."""
+        """Decide about a complete telegram with equal lengths."""
         if checksum_good(self._data[start:end]):
-            # What is damaged and reaches into the good telegram is no telegram.
+            # A damaged candidate that overlaps a good telegram is dropped.
             self._damaged = [span for span in self._damaged if span[1] <= start]
             self._emit_damaged(records)
             self._emit_frame(records, start, end, checksum_bad=False)
@@ -260,7 +259,7 @@ class SisFramer(ContentFramer):
             self._at = start + 1
 
     def _emit_damaged(self, records: list[Record]) -> None:
-        """Emit the damaged telegrams inside which nothing is undecided; of those that overlap, the first."""
+        """Emit the damaged telegrams with nothing undecided inside; of overlapping ones, the first."""
         while self._damaged and self._damaged[0][1] <= self._at:
             start, end = self._damaged[0]
             self._emit_frame(records, start, end, checksum_bad=True)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cuts what two partners of procedure 3964R say: single handshake characters, and blocks with their check character.
+"""Cuts procedure 3964R: single handshake characters, and blocks with their check character.
 
-A sender asks with STX, the receiver grants with DLE or refuses with NAK; then comes the block. In it each DLE is
-doubled; DLE, ETX and BCC end it. The receiver acknowledges with DLE, or refuses with NAK. BCC is the XOR of all that
-came after STX.
+A sender requests with STX; the receiver grants with DLE or refuses with NAK; then the block comes. In it each DLE is
+doubled; DLE, ETX and BCC end it. The receiver acknowledges with DLE, or refuses with NAK. BCC is the XOR of everything
+after STX.
 
 A shared line (0) carries all of that. On a full-duplex tap (lines 1 and 2) each line has one half: the block follows
-its STX at once, and what the other partner answered is on the other line.
+its STX directly, and the answers of the other partner are on the other line.
 """
 
 from __future__ import annotations
@@ -21,34 +21,33 @@ from sistap.records.record import Framing, Record
 STX, ETX, DLE, NAK = 0x02, 0x03, 0x10, 0x15
 HANDSHAKE_NAMES = {STX: "STX", DLE: "DLE", NAK: "NAK"}
 HANDSHAKES = bytes(HANDSHAKE_NAMES)
-BLOCK_LIMIT = 2 * 4096 + 3  # the longest block that controls know has 4096 characters; all of them may be doubled
+BLOCK_LIMIT = 2 * 4096 + 3  # the longest block of controls has 4096 characters, all of which may be doubled
 _END = 3  # characters: DLE, ETX, BCC
 
 
 def check_character(characters: bytes) -> int:
-    """Return the BCC of what comes after STX, DLE and ETX at its end included."""
+    """Return the BCC of everything after STX, including DLE and ETX at its end."""
     return reduce(xor, characters, 0)
 
 
 class Framer3964R(ContentFramer):
-    """Cuts handshake characters and blocks; whatever breaks off, or stands between them, is other characters.
+    """Cuts handshake characters and blocks; incomplete blocks and everything between blocks are other characters.
 
-    A block with a wrong BCC is a frame too (Record.checksum_bad), if no good one begins at an STX inside it.
+    A block with a wrong BCC is a frame, too (Record.checksum_bad), if no good one begins at an STX inside it.
     """
 
     framing = Framing.PROCEDURE_3964R
 
     def __init__(self, line: int, settings: LineSettings, silence_ns: int = SILENCE_NS) -> None:
-        """Start with a line on which nobody has asked."""
         super().__init__(line, settings, silence_ns)
         self._shared = line == 0
         self._at = 0  # position of the next character to look at
-        self._asked = False  # STX was the last; a grant may take longer than the silence that ends a block
-        self._block: int | None = None  # where it begins; None: it has not begun
+        self._asked = False  # the last character was STX; a grant may take longer than the silence that ends a block
+        self._block: int | None = None  # where it begins; None: no block
         self._begin_block(None)
 
     def flush(self) -> list[Record]:
-        """Return all that is left. A request still holds, if nothing of its block has come."""
+        """Return all that is left. A request stays valid if nothing of its block has come."""
         waits = self._asked or self._block == len(self._data)
         records = super().flush()
         self._asked = waits
@@ -77,12 +76,12 @@ class Framer3964R(ContentFramer):
 
     def _begin_block(self, at: int | None) -> None:
         self._block = at
-        self._escaped = False  # the last character was a DLE, not yet doubled
+        self._escaped = False  # the last character was a DLE, not doubled yet
         self._closing = False  # DLE and ETX have come: the next is BCC
-        self._broken = False  # a DLE was followed by what may not follow it
+        self._broken = False  # a DLE was followed by an invalid character
 
     def _outside(self, records: list[Record], at: int, value: int) -> None:
-        """Take a character where no block has begun."""
+        """Take a character outside a block."""
         asked, self._asked = self._asked, False
         if value == DLE and asked and self._shared:
             self._emit_frame(records, at, at + 1, checksum_bad=False)
@@ -92,13 +91,13 @@ class Framer3964R(ContentFramer):
             if value == STX:
                 self._asked = self._shared
                 self._begin_block(None if self._shared else at + 1)
-        elif asked:  # the grant was not heard here, or before a pause
+        elif asked:  # the grant was not heard here, or came before a pause
             self._begin_block(at)
         elif at + 1 - self._done >= RUN_LIMIT:
             self._emit_others(records, at + 1)
 
     def _inside(self, records: list[Record], block: int, at: int, value: int) -> None:
-        """Take a character of a block."""
+        """Take a character inside a block."""
         if not self._escaped:
             self._escaped = value == DLE
         elif value == DLE:
@@ -113,7 +112,7 @@ class Framer3964R(ContentFramer):
             self._begin_block(None)
 
     def _interrupt(self, records: list[Record], block: int, at: int, value: int) -> None:
-        """Deal with a single DLE before this character: a new request was granted, or the block is broken."""
+        """Handle a single DLE before this character: a new request was granted, or the block is broken."""
         before = bytes(self._data[block:at]).rstrip(bytes([DLE]))
         if self._shared and before.endswith(bytes([STX])):
             stx = block + len(before) - 1
@@ -122,7 +121,7 @@ class Framer3964R(ContentFramer):
             self._emit_frame(records, stx + 1, stx + 2, checksum_bad=False)
             self._begin_block(stx + 2)
         elif not self._shared and not bytes(self._data[block:at]).strip(HANDSHAKES):
-            # It asked, gave way, and answered its partner's block.
+            # It requested, gave way, and answered its partner's block.
             self._break_off(records, at)
             self._begin_block(None)
             self._outside(records, at, value)
@@ -130,7 +129,7 @@ class Framer3964R(ContentFramer):
             self._broken = True
 
     def _close(self, records: list[Record], block: int, end: int) -> None:
-        """Decide about a block that is there to its BCC."""
+        """Decide about a block that is complete up to its BCC."""
         bad = check_character(self._data[block:end]) != 0
         stx = self._good_inside(block, end) if bad and not self._shared else None
         if stx is not None:
@@ -144,7 +143,7 @@ class Framer3964R(ContentFramer):
         self._begin_block(None)
 
     def _good_inside(self, block: int, end: int) -> int | None:
-        """Return the place of the first STX after which all to the end has a right BCC."""
+        """Return the place of the first STX from which everything to the end has a right BCC."""
         rest = check_character(self._data[block:end])
         for place in range(block, end - _END):
             rest ^= self._data[place]
@@ -153,9 +152,9 @@ class Framer3964R(ContentFramer):
         return None
 
     def _break_off(self, records: list[Record], end: int) -> None:
-        """Emit a block that came no further: other characters, or handshakes if it was nothing else."""
+        """Emit an incomplete block: other characters, or handshakes if it has nothing else."""
         left = bytes(self._data[self._done : end])
-        refused = self._shared and left.endswith(bytes([NAK]))  # its receiver said so
+        refused = self._shared and left.endswith(bytes([NAK]))  # refused by its receiver
         handshakes = len(left) if not left.strip(HANDSHAKES) else int(refused)
         self._emit_others(records, end - handshakes)
         for place in range(end - handshakes, end):

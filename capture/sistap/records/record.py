@@ -12,7 +12,7 @@ from sistap.line.settings import ERROR_FLAGS, PARITIES, UNCERTAINTY_UNKNOWN, Fla
 
 VERSION = 1
 HEADER = struct.Struct(">BBBBIBBBBIHH")
-MAX_CHARACTERS = 43_000  # 6 bytes each: Wireshark refuses a file with a packet of more than 262,144 bytes
+MAX_CHARACTERS = 43_000  # 6 bytes for each: Wireshark refuses a file with a packet above 262,144 bytes
 INTERVAL_MAX = 0xFFFFFFFF
 LARGEST_RATE = 0xFFFFFFFF
 _NO_ERROR = Flag(0)
@@ -20,7 +20,7 @@ _NO_ERRORS = bytes(flags for flags in range(256) if not flags & ERROR_FLAGS)
 
 
 class Type(enum.IntEnum):
-    """What a record holds."""
+    """The contents of a record."""
 
     FRAME = 0
     OTHER = 1
@@ -28,7 +28,7 @@ class Type(enum.IntEnum):
 
 
 class Framing(enum.IntEnum):
-    """By which rule frames were cut; the key of Wireshark's table `sertap.framing`."""
+    """The rule by which frames were cut; the key of Wireshark's table `sertap.framing`."""
 
     SIS = 0
     PROCEDURE_3964R = 1
@@ -44,6 +44,16 @@ class Event(enum.IntEnum):
     CHARACTERS_LOST = 3
     ADAPTER_LOST = 4
     MARKER = 5
+    LIMITS_TOLD = 6  # by the user; the text is for the dissector: TzA = 8 ms, TrS = 20 ms
+
+    @classmethod
+    def _missing_(cls, value: object) -> Event | None:
+        """Keep the number of an event of a later version."""
+        if not isinstance(value, int):
+            return None
+        later = int.__new__(cls, value)
+        later._name_, later._value_ = f"LATER_{value}", value
+        return later
 
 
 class Record(NamedTuple):
@@ -62,10 +72,10 @@ class Record(NamedTuple):
     uncertainty_ns: int = UNCERTAINTY_UNKNOWN
     framing: Framing = Framing.SIS
     event: Event = Event.NONE
-    checksum_bad: bool = False  # a complete telegram with a wrong checksum; not stored, shown in the packet flags
+    checksum_bad: bool = False  # a complete telegram with a wrong checksum; not stored, but in the packet flags
 
     def pack(self) -> bytes:
-        """Make the bytes of the record. OverflowError if it has more than MAX_CHARACTERS."""
+        """Return the bytes of the record. OverflowError above MAX_CHARACTERS."""
         count = len(self.data)
         if count > MAX_CHARACTERS:
             raise OverflowError(f"{count} characters do not fit into one record")
@@ -90,36 +100,36 @@ class Record(NamedTuple):
 
     @property
     def end_ns(self) -> int:
-        """When its last character came."""
+        """Return the time of its last character."""
         return self.time_ns + sum(self.intervals[1:])
 
     @property
     def is_good_frame(self) -> bool:
-        """Whether it is a frame whose checksum, if it has one, is right."""
+        """Tell whether it is a frame without a wrong checksum."""
         return self.type == Type.FRAME and not self.checksum_bad
 
     @property
     def is_handshake(self) -> bool:
-        """Whether it is a frame of one character, with which partners of 3964R ask and answer: no telegram."""
+        """Tell whether it is a frame of one character of a 3964R handshake, not a telegram."""
         return self.framing == Framing.PROCEDURE_3964R and self.type == Type.FRAME and len(self.data) == 1
 
     @property
     def errors(self) -> Flag:
-        """All line errors of the record's characters, ORed."""
+        """Return all line errors of the record's characters, ORed."""
         union = 0
-        for flag in self.flags.translate(None, _NO_ERRORS):  # what is left is nearly always nothing
+        for flag in self.flags.translate(None, _NO_ERRORS):  # nearly always nothing is left
             union |= flag
         return Flag(union) & ERROR_FLAGS if union else _NO_ERROR
 
 
 def event(time_ns: int, line: int, settings: LineSettings, code: Event, text: str) -> Record:
-    """Make an event record; the text is cut where it does not fit."""
+    """Return an event record; cut off text that does not fit."""
     data = text.encode(errors="backslashreplace")[:MAX_CHARACTERS].decode(errors="ignore").encode()
     return Record(time_ns, Type.EVENT, line, settings, data, event=code)
 
 
 def unpack(data: bytes, time_ns: int = 0) -> Record:
-    """Read a record's bytes back. ValueError says what does not fit."""
+    """Parse the bytes of a record. ValueError says what does not fit."""
     if len(data) < HEADER.size:
         raise ValueError(f"{len(data)} bytes are shorter than the header of a record ({HEADER.size})")
     version, size, kind, line, baud, bits, parity, stop, framing, uncertainty, count, code = HEADER.unpack_from(data)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A record as lines of text, for people without Wireshark at hand."""
+"""A record as lines of text, for users without Wireshark."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from sistap.records.record import Framing, Record, Type
 from sistap.sis import telegram
 from sistap.sis.names import service_name
 
-_FOLD = 16  # characters a line
+_FOLD = 16  # characters in a line
 _PRINTABLE = bytes(c if 0x20 <= c < 0x7F else ord(".") for c in range(256))
 _ERRORS = {
     Flag.CHARACTER_ERROR: "CHARACTER ERROR",
@@ -23,7 +23,7 @@ _ERRORS = {
 
 
 def lines(record: Record) -> str:
-    """Return a frame or other characters as complete lines; with the number of the line if there are two."""
+    """Return a frame or other characters as complete lines, with the number of the line if there are two."""
     seconds, ns = divmod(record.time_ns, 1_000_000_000)
     when = time.strftime("%H:%M:%S", time.localtime(seconds)) + f".{ns // 1000:06d}"
     if record.line:

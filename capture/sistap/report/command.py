@@ -13,6 +13,7 @@ from typing import NamedTuple
 from sistap.report import plain, windows
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
+from sistap.sis.limits import argument as limit
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -48,21 +49,21 @@ exit status:
 class Format(NamedTuple):
     """A way to write a report."""
 
-    write: Callable[[Report], bytes]
+    write: Callable[[Report, str, str], bytes]  # report, title, note
     is_file: bool = True  # without -o: a file in this folder, else standard output
     has_plots: bool = True
 
 
-def _page(report: Report) -> bytes:
+def _page(report: Report, title: str, note: str) -> bytes:
     # Imported late, as below: it needs matplotlib, whose C code makes an ImportError of whatever comes meanwhile.
     with held():
         from sistap.report.page import page
 
-    return page(report).encode()
+    return page(report, title, note).encode()
 
 
-def _picture(kind: str) -> Callable[[Report], bytes]:
-    def draw(report: Report) -> bytes:
+def _picture(kind: str) -> Callable[[Report, str, str], bytes]:
+    def draw(report: Report, title: str, note: str) -> bytes:
         with held():
             from sistap.report.plots import picture
 
@@ -75,8 +76,10 @@ FORMATS = {
     "html": Format(_page),
     "png": Format(_picture("png")),
     "svg": Format(_picture("svg")),
-    "json": Format(lambda report: plain.as_json(report).encode(), is_file=False, has_plots=False),
-    "text": Format(lambda report: plain.as_text(report).encode(), is_file=False, has_plots=False),
+    "json": Format(lambda report, title, note: plain.as_json(report).encode(), is_file=False, has_plots=False),
+    "text": Format(
+        lambda report, title, note: plain.as_text(report, title, note).encode(), is_file=False, has_plots=False
+    ),
 }
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
 
@@ -107,6 +110,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--format", choices=FORMATS, help="what to write (default: what the ending of FILE says, else html)"
+    )
+    parser.add_argument(
+        "--tza",
+        metavar="MS",
+        type=limit,
+        help="TzA to judge by, in place of what the bus was told: longest interval between two characters",
+    )
+    parser.add_argument(
+        "--trs",
+        metavar="MS",
+        type=limit,
+        help="TrS to judge by, in place of what the bus was told: longest reaction time",
+    )
+    parser.add_argument(
+        "--title", default="", metavar="TEXT", help="the heading of the page, in place of the file name"
+    )
+    parser.add_argument(
+        "--note", default="", metavar="TEXT", help="a note below the heading: machine, place, what was tried"
     )
     parser.add_argument(
         "--window",
@@ -171,8 +192,10 @@ def _check_matplotlib() -> None:
 
 
 def _gather(args: argparse.Namespace, console: Console) -> Report:
+    progress = console.progress if console.shows_progress else _silent
+    limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     with Tshark() as tshark:
-        report = gather(tshark, args.capture, args.window, console.progress if console.shows_progress else _silent)
+        report = gather(tshark, args.capture, args.window, progress, limits_ms)
     if console.shows_progress:
         console.progress("")
     if report.warning:
@@ -185,7 +208,7 @@ def _silent(text: str) -> None:
 
 
 def _write(args: argparse.Namespace, name: str, report: Report, console: Console) -> None:
-    written = FORMATS[name].write(report)
+    written = FORMATS[name].write(report, args.title, args.note)
     path = args.output or (f"report.{name}" if FORMATS[name].is_file else STANDARD_OUTPUT)
     if path == STANDARD_OUTPUT:
         sys.stdout.buffer.write(written)

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from sistap.packets.dissection import Dissection
 from sistap.packets.moments import Moment
@@ -30,12 +31,23 @@ class Report:
     windows: list[Window]
     missing: list[str]  # fields that the installed dissector does not know
     warning: str  # what tshark said of a capture that is cut
+    limits_ms: Mapping[str, int]  # tza and trs, where the person who asks tells them
 
 
-def gather(tshark: Tshark, capture: Path, asked: Sequence[Window], progress: Callable[[str], None]) -> Report:
-    """Read a capture; `asked` are the windows that a person wants to see. NotACapture, TsharkError, Incomplete."""
+def gather(
+    tshark: Tshark,
+    capture: Path,
+    asked: Sequence[Window],
+    progress: Callable[[str], None],
+    limits_ms: Mapping[str, int] = MappingProxyType({}),
+) -> Report:
+    """Read a capture; `asked` are the windows that a person wants to see, `limits_ms` those to judge by.
+
+    NotACapture, TsharkError, Incomplete.
+    """
     figures = Figures()
-    with Dissection(tshark, capture) as dissection, uncollected():
+    preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}
+    with Dissection(tshark, capture, preferences=preferences) as dissection, uncollected():
         progress(f"reading {capture}")
         for packet in dissection.packets():
             figures.add(packet)
@@ -45,4 +57,4 @@ def gather(tshark: Tshark, capture: Path, asked: Sequence[Window], progress: Cal
         shown = [*asked, *windows.around(worst, asked)]
         progress(f"{figures.packets} packets read; reading the worst of them once more")
         info = windows.fill(dissection, shown, worst)
-    return Report(visible(capture.name), figures, worst, info, shown, dissection.missing, dissection.warning)
+    return Report(visible(capture.name), figures, worst, info, shown, dissection.missing, dissection.warning, limits_ms)

@@ -92,10 +92,12 @@ _OVERVIEW = (
 )
 
 
-def page(report: Report) -> str:
-    """Make the page."""
+def page(report: Report, title: str = "", note: str = "") -> str:
+    """Make the page. `title` stands above it in place of the name of the capture, `note` below that."""
+    title = title or report.name
     parts = [
-        f"<h1>{escape(report.name)}</h1>",
+        f"<h1>{escape(title)}</h1>",
+        "".join(f"<p>{escape(text)}</p>" for text in note.splitlines() if text.strip()),
         f'<p class="headline">{escape(tables.headline(report))}</p>',
         _remarks(tables.remarks(report)),
         _table(tables.summary(report)),
@@ -109,9 +111,10 @@ def page(report: Report) -> str:
         _parameters(report),
         _table(tables.stations(report), "Damaged telegrams are left out: their addresses may be anybody's."),
         _table(tables.events(report)),
+        f"<h2>Words</h2>{_remarks(list(tables.GLOSSARY))}",
         f"<footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>",
     ]
-    return _document(report.name, "\n".join(part for part in parts if part))
+    return _document(title, "\n".join(part for part in parts if part))
 
 
 def _document(title: str, body: str) -> str:

@@ -18,13 +18,16 @@ from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 
-def as_text(report: Report) -> str:
-    """Write all tables, columns aligned."""
+def as_text(report: Report, title: str = "", note: str = "") -> str:
+    """Write all tables, columns aligned, below a title and a note."""
     shown = [tables.summary, tables.events, tables.verdicts, tables.faults, tables.worst, tables.services]
     parts = [
+        title,
+        note,
         tables.headline(report),
         *tables.remarks(report),
         *(_table(make(report)) for make in [*shown, tables.stations, tables.parameters]),
+        "\n".join(["Words", "-----", *tables.GLOSSARY]),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 

@@ -17,6 +17,7 @@ from sistap.packets.moments import KINDS, Moment
 from sistap.records.record import Event, Framing
 from sistap.report.figures import Figures, Limit
 from sistap.report.gather import Report
+from sistap.sis.limits import NAMES, told
 from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
@@ -25,6 +26,15 @@ _FRAMINGS = {
     int(Framing.SILENCE): "frames cut by silence",
 }
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
+DAY_S = 86_400
+# For a reader who does not know the bus.
+GLOSSARY = (
+    "TzA is the longest pause allowed between two characters of a telegram. After a longer one, the receiver may drop "
+    "what it has.",
+    "TrS is the longest time a station may take to answer a command. TwM is how long the master waits before it sends "
+    "a command again.",
+    "A verdict is unresolved where the clock is not exact enough: the true time may be on either side of the limit.",
+)
 PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
 _LIMITS = {
     "tza": ("TzA, from character to character in a telegram", "sis.tza.verdict"),
@@ -87,6 +97,15 @@ def _date(epoch_s: float | None) -> str:
     return datetime.fromtimestamp(epoch_s).astimezone().strftime("%Y-%m-%d %H:%M:%S %z")
 
 
+def clock(figures: Figures, time_s: float) -> str:
+    """Write the time of day of a second of the capture; with the date where the capture lasts longer than a day."""
+    if figures.first_epoch_s is None:
+        return ""
+    then = datetime.fromtimestamp(figures.first_epoch_s + time_s).astimezone()
+    day = "%Y-%m-%d " if figures.duration_s > DAY_S else ""
+    return then.strftime(f"{day}%H:%M:%S.") + f"{then.microsecond // 1000:03}"
+
+
 def _records(figures: Figures) -> str:
     counts = Counter(figures.records)
     counts[FRAME] -= figures.framings.total()
@@ -125,10 +144,16 @@ def events(report: Report) -> Table:
     left_out = report.figures.records[EVENT] - len(report.figures.events)
     title = "What the tap said" + (f" (and {left_out} times more)" if left_out else "")
     rows = [
-        (str(packet.number), f"{packet.time_s:.6f}", _event(packet.event), packet.text)
+        (
+            str(packet.number),
+            f"{packet.time_s:.6f}",
+            clock(report.figures, packet.time_s),
+            _event(packet.event),
+            packet.text,
+        )
         for packet in report.figures.events
     ]
-    return Table(title, ("Packet", "Second", "Event", "Text"), rows)
+    return Table(title, ("Packet", "Second", "Clock", "Event", "Text"), rows)
 
 
 def _event(code: int | None) -> str:
@@ -165,6 +190,7 @@ def worst(report: Report) -> Table:
         (
             str(moment.number),
             f"{moment.time_s:.6f}",
+            clock(report.figures, moment.time_s),
             moment.kind.title,
             _judged(moment.judged),
             "" if moment.uncertainty_s is None or not moment.judged else ms(moment.uncertainty_s),
@@ -173,8 +199,8 @@ def worst(report: Report) -> Table:
         )
         for moment in report.worst
     ]
-    heads = ("Packet", "Second", "What", "Time", "Uncertainty", "Display filter", "Line in Wireshark")
-    return Table("The ten worst moments", heads, rows, code=5)
+    heads = ("Packet", "Second", "Clock", "What", "Time", "Uncertainty", "Display filter", "Line in Wireshark")
+    return Table("The ten worst moments", heads, rows, code=6)
 
 
 def _judged(judged: Judged | None) -> str:
@@ -270,10 +296,19 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
         f"The installed dissector does not know {', '.join(report.missing)}; what they would tell is left out.",
         report.missing,
     )
-    for name, text in (("tza", "TzA"), ("trs", "TrS")):
+    yield from ((text, True) for text in _told(report))
+    for name, text in NAMES.items():
         judged = figures.limits[name]
         yield (
-            f"Nobody set {text} (service 0x03) while this was captured, so nothing is judged by it; the preference "
-            f"sis.{name}_ms of Wireshark sets it.",
+            f"{text} was not set (service 0x03) while this was captured, so nothing is judged by it. If you know it, "
+            f"add --{name} MS.",
             judged.verdicts and not judged.limits_s and f"sis.{name}.limit" not in report.missing,
         )
+
+
+def _told(report: Report) -> Iterable[str]:
+    """Say which limits a person told, and when."""
+    for text in sorted({packet.text for packet in report.figures.events if packet.event == Event.LIMITS_TOLD}):
+        yield f"Whoever captured told the limits {text}. They count until the bus itself sets others."
+    if here := told(report.limits_ms):
+        yield f"Judged by {here}, as told to this report, whatever the bus was told."

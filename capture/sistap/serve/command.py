@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap serve`: what it takes, and how it runs."""
+"""The command `sistap serve`: its options, and how it runs."""
 
 from __future__ import annotations
 
@@ -29,35 +29,35 @@ from sistap.terminal.stop import Stop
 LISTEN = "127.0.0.1:5000"
 
 DESCRIPTION = """\
-Listen to a serial line here, and let other computers hear it: `sistap capture -i bus://ADDRESS:PORT` there gets every
-character with its time, its errors and the settings of the line. The port is never written to, and nobody who listens
+Listen to a serial line here and share it with other computers. There, `sistap capture -i bus://ADDRESS:PORT` receives
+every character with its time, its errors and the settings of the line. sistap never writes to the port, and no listener
 can change anything here.
 """
 
 EPILOG = """\
-Who may listen: programs of this computer, and with --listen at another address those that --allow names. What goes over
-the network is neither encrypted nor signed: put ssh or WireGuard in front, as the README says.
+Programs of this computer may always listen. To admit others, choose another address with --listen and name them with
+--allow. The network traffic is neither encrypted nor signed: use ssh or WireGuard, as the README describes.
 
-Times are those of this computer's clock. A listener that is too slow, or away for a while, is told how many characters
-it misses. The tap is never held up.
+Times come from this computer's clock. If a listener is too slow, or away for a while, sistap tells it how many
+characters it missed. A slow listener never delays the tap.
 
 examples:
-  sistap serve -i /dev/ttyUSB0                             for this computer, and through ssh for others
-  ssh -N -L 5000:127.0.0.1:5000 pi                         on the laptop: brings the above to bus://127.0.0.1:5000
+  sistap serve -i /dev/ttyUSB0                             for this computer, and for others through ssh
+  ssh -N -L 5000:127.0.0.1:5000 pi                         on the laptop: the line is then at bus://127.0.0.1:5000
   sistap serve -i /dev/ttyUSB0 --listen 192.168.7.1:5000 --allow 192.168.7.0/24
-                                                           for a network of one's own
-  sistap serve -i /dev/ttyUSB0 --baud auto --follow-baud   whatever rate the bus has
+                                                           for a private network
+  sistap serve -i /dev/ttyUSB0 --baud auto --follow-baud   find the rate, and follow its changes
 
 exit status:
   0  done: stopped by Ctrl-C, SIGTERM, or the end of the terminal
   1  the port was lost
   2  wrong usage
-  3  the port cannot be opened, or the address cannot be listened at
+  3  the port cannot be opened, or sistap cannot listen at the address
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
@@ -67,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         type=ports.short,
         required=True,
-        help="the port to listen to, as capture's -i",
+        help="the port to listen to, written as for capture",
     )
     add("--listen", metavar="ADDRESS:PORT|PATH", default=LISTEN, help=f"where to wait for listeners ({LISTEN})")
     add(
@@ -77,11 +77,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ADDRESS/BITS",
-        help="who may listen besides programs of this computer, such as 192.168.7.0/24; can be given several times",
+        help="other computers that may listen, such as 192.168.7.0/24; may be given several times",
     )
     add("--baud", type=rate_argument, default=9600, metavar="RATE|auto", help="as capture's --baud (9600)")
     add("--format", metavar="FORMAT", help="as capture's --format (8E1)")
-    add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
+    add("--follow-baud", action="store_true", help="follow rate changes on the bus")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
 
@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
         )
         settings = checked(options).settings
         if args.port.startswith("bus://"):
-            raise UsageError(f"{args.port} can be heard by others already: give it to `sistap capture`")
+            raise UsageError(f"{args.port} is already shared: pass it to `sistap capture`")
         _check_address(args.listen, args.allowed)
         listeners = Listeners(args.listen, args.allowed, console.say)
     except (UsageError, ValueError) as error:
@@ -136,7 +136,7 @@ def _network(text: str) -> Network:
 
 
 def _check_address(address: str, allowed: Sequence[Network]) -> None:
-    """Refuse an address that others can reach if nobody is allowed to. UsageError or ValueError."""
+    """Refuse an address that others can reach if nobody is allowed to listen. Raise UsageError or ValueError."""
     if "/" in address:
         return
     host, _ = host_port(address)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Who listens to a served line. None of them can change anything here, or delay it: what they say is thrown away."""
+"""The listeners of a served line. sistap discards what they send, so none can change or delay anything here."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from sistap.line.settings import LineSettings, Notice, Read
 from sistap.line.sockets import Network
 
 ROOM = 1 << 20  # bytes that may wait for a listener: about a minute of a busy line
-TELL_NS = 500_000_000  # so often they are told the time
-PATIENCE_NS = 60_000_000_000  # for an answer to that
+TELL_NS = 500_000_000  # interval between two messages with the time
+PATIENCE_NS = 60_000_000_000  # longest wait for an answer to such a message
 
 
 class Listener(Peer):
-    """One of them."""
+    """A connection to one listener."""
 
     def __init__(self, connection: socket.socket, settings: LineSettings) -> None:
-        """Begin with nothing missing; these are the settings that it was told."""
+        """Begin with nothing missing; `settings` are those that the listener was told."""
         super().__init__(connection)
         self.heard_ns = self.came_ns
         self._settings = settings
-        self._missing = 0  # characters, behind what waits
+        self._missing = 0  # characters lost behind the data that waits
 
     def take(self, data: bytes) -> None:  # noqa: ARG002 - whatever it is
-        """Note that it is there."""
+        """Note that the listener is alive; discard what it sent."""
         self.heard_ns = monotonic_ns()
 
     def hear(self, read: Read, packed: bytes) -> None:
@@ -44,12 +44,12 @@ class Listener(Peer):
         self.put(packed)
 
     def tell(self, message: bytes) -> None:
-        """Send what it can do without."""
+        """Send a message that the listener can do without."""
         if self._has_room:
             self.put(message)
 
     def catch_up(self) -> None:
-        """Go on once it has read half of what waited."""
+        """Resume once the listener has read half of what waited."""
         if self._missing and self.waiting < ROOM // 2:
             self.put(bus_socket.pack_lost(self._missing))
             self._missing = 0
@@ -60,10 +60,10 @@ class Listener(Peer):
 
 
 class Listeners:
-    """All of them."""
+    """All listeners of a served line."""
 
     def __init__(self, address: str, allowed: Sequence[Network], say: Callable[[str], None]) -> None:
-        """Listen at an address. May raise OSError; ValueError: it is no address."""
+        """Listen at an address. Raise OSError; or ValueError if it is not an address."""
         self._peers = Peers(address, self._welcome, say, allowed)
         self.name = self._peers.name
         self._hello: Hello | None = None
@@ -72,12 +72,12 @@ class Listeners:
         self._told_ns = 0
 
     def begin(self, hello: Hello, settings: LineSettings) -> None:
-        """Say this to whoever comes, with the time and the place of then."""
+        """Set the greeting of new listeners. It carries the time and the position at which each of them joins."""
         self._hello = hello
         self._settings = settings
 
     def publish(self, read: Read) -> None:
-        """Let them hear what was read."""
+        """Send what was read to all listeners."""
         self._place += len(read.data)
         self._settings = read.settings or self._settings
         packed = bus_socket.pack_read(read)
@@ -85,11 +85,11 @@ class Listeners:
             listener.hear(read, packed)
 
     def notice(self, notice: Notice) -> None:
-        """Tell them that something has happened."""
+        """Tell all listeners that something has happened."""
         self._tell(bus_socket.pack_notice(notice))
 
     def attend(self, before_ns: int) -> None:
-        """Do what is to be done for them, without waiting. All that arrived before an instant was published."""
+        """Serve the listeners without blocking. Everything that arrived before `now` was published."""
         if before_ns - self._told_ns >= TELL_NS:
             self._told_ns = before_ns
             self._tell(bus_socket.pack_time(CLOCK.wall_ns(before_ns)))
@@ -101,7 +101,7 @@ class Listeners:
             listener.catch_up()
 
     def close(self) -> None:
-        """Let them have what waits, and end."""
+        """Send what remains, then close all connections."""
         self._peers.close()
 
     def _tell(self, message: bytes) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A reader that lets listeners hear what it reads, and the end of the capture that reads it."""
+"""A reader that publishes what it reads, and the end of the capture that reads it."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.records.record import Event, Record
 from sistap.serve.listeners import Listeners
 
-_MOST_NS = 50_000_000  # so long, at most, do listeners wait while characters come without a pause
+_MOST_NS = 50_000_000  # longest time that listeners wait while characters come without a pause
 
-# What happens at the tap, and listeners cannot see by themselves.
+# Events at the tap that listeners cannot detect themselves.
 _HAPPENINGS = {Event.MARKER: Happening.MARKER, Event.ADAPTER_LOST: Happening.GONE}
 
 
 class PublishedReader:
-    """Reads as the reader behind it does. Listeners have their turn when nothing waits to be read."""
+    """A reader that reads as the reader behind it does. Listeners get their turn when nothing waits to be read."""
 
     def __init__(self, reader: Reader, listeners: Listeners) -> None:
-        """Publish what this reader reads."""
         self._reader = reader
         self._listeners = listeners
         self._attended_ns = 0
@@ -31,7 +30,7 @@ class PublishedReader:
         self.line = reader.line
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
         asked_ns = monotonic_ns()
         read = self._published(0)
         if read is None or asked_ns - self._attended_ns >= _MOST_NS:
@@ -45,7 +44,7 @@ class PublishedReader:
         self.settings = self._reader.settings
 
     def close(self) -> None:
-        """Let the port go."""
+        """Release the port."""
         self._reader.close()
 
     def _published(self, timeout_s: float) -> Read | None:
@@ -56,17 +55,16 @@ class PublishedReader:
 
 
 class EventSink:
-    """Tells listeners the events among the records; all else they make themselves."""
+    """A sink that sends the events among the records to the listeners. They make all other records themselves."""
 
     def __init__(self, listeners: Listeners) -> None:
-        """Tell these."""
         self._listeners = listeners
 
     def begin(self, *started: Record) -> None:
-        """Tell nothing: the first message says it."""
+        """Do nothing: the first message has said it."""
 
     def write(self, record: Record) -> bool:
-        """Tell an event."""
+        """Send an event; ignore other records."""
         if (happening := _HAPPENINGS.get(record.event)) is not None:
             self._listeners.notice(Notice(happening, record.data.decode()))
         return False
@@ -75,4 +73,4 @@ class EventSink:
         """Do nothing: there is no file."""
 
     def end(self, time_ns: int) -> None:
-        """Do nothing."""
+        """Do nothing: no file to close."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the bus has been told about its rate: service 0x03 (IF02 chapter 6), read off its good telegrams.
+"""Follows the rate that the bus was told: service 0x03 (IF02 chapter 6) in its good telegrams.
 
-A rate is set (0x07), by one station after the other or for all, and becomes valid when it is accepted (0xFF): for all
-at once by broadcast; by one station with its reaction, which already comes at the new rate. A timed test (0x08) begins
+A rate is set (0x07) for one station after the other or for all. It becomes valid when it is accepted (0xFF): for all at
+once by broadcast; for one station with its reaction, which already comes at the new rate. A timed test (0x08) begins
 after the reaction and ends by itself.
 """
 
@@ -22,7 +22,7 @@ _MS = 1_000_000
 
 
 class Change(NamedTuple):
-    """The rate that the bus has from now on, in Bd, and why."""
+    """The new rate of the bus, in Bd, and the reason."""
 
     baud: int
     why: str
@@ -32,17 +32,16 @@ class Follow:
     """The rate of one bus. Times are those of the telegrams, in ns."""
 
     def __init__(self, baud: int) -> None:
-        """Begin with the rate of now."""
-        self._valid = baud  # apart from a test
-        self._set: dict[int, int] = {}  # by whom they were told, a station or BROADCAST: rates not yet accepted
-        self._command: Header | None = None  # to one station, of this service, not yet answered
+        self._valid = baud  # without a test
+        self._set: dict[int, int] = {}  # keyed by the station that was told, or BROADCAST: rates not accepted yet
+        self._command: Header | None = None  # a command of this service to one station, not answered yet
         self._test_end_ns: int | None = None
 
     def take(self, data: bytes, end_ns: int) -> Change | None:
-        """Take a good telegram, whose last character came at `end_ns`; give what it changes."""
+        """Take a good telegram, whose last character came at `end_ns`; return what it changes."""
         header = telegram.parse(data)
         command, self._command = self._command, None
-        if header.service != INITIALIZATION or header.subaddresses:  # behind a router is another bus
+        if header.service != INITIALIZATION or header.subaddresses:  # another bus is behind a router
             return None
         if not header.reaction:
             if header.receiver == LEVEL_BROADCAST:
@@ -54,7 +53,7 @@ class Follow:
         return None
 
     def due(self, now_ns: int) -> Change | None:
-        """Return what the time changes."""
+        """Return a change that is due by time."""
         if self._test_end_ns is None or now_ns < self._test_end_ns:
             return None
         self._test_end_ns = None
@@ -62,19 +61,19 @@ class Follow:
 
     @property
     def due_ns(self) -> int | None:
-        """When the time will change something."""
+        """Return the time of the next change by time."""
         return self._test_end_ns
 
     def _take_command(self, header: Header, end_ns: int) -> Change | None:
         said = _settings(header.body)
-        # Whoever accepts answers at the new rate already.
+        # A station that accepts already answers at the new rate.
         if header.receiver == BROADCAST or any(setting.subservice == ACCEPT for setting in said):
             return self._obeyed(header, end_ns)
         self._command = header
         return None
 
     def _obeyed(self, command: Header, end_ns: int) -> Change | None:
-        """Take what a station said yes to, or all of them were told; of several changes the last one counts."""
+        """Take what a station has confirmed, or all were told; of several changes the last one counts."""
         changes = [self._do(setting, command, end_ns) for setting in _settings(command.body)]
         return next(filter(None, reversed(changes)), None)
 
@@ -110,7 +109,7 @@ class Follow:
 
 
 def _settings(body: bytes) -> list[Setting]:
-    """Return what a command sets; where no layout of several subservices fits, only the first one is certain."""
+    """Return what a command sets; if no layout of several subservices fits, only the first is certain."""
     if (said := settings(body)) is not None:
         return said
     return layouts(body)[0].settings[:1]

@@ -47,7 +47,7 @@ RANGES = (
 
 
 def service_name(service: int) -> str:
-    """Name a service, or the range it lies in with its number."""
+    """Return the name of a service, or its range with its number."""
     name = SERVICES.get(service)
     if name is None:
         kind = next(text for first, last, text in RANGES if first <= service <= last)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The rates that SIS knows, and how service 0x03 says them (IF02 chapter 6, fig. 6-11)."""
+"""The rates of SIS, and their masks in service 0x03 (IF02 chapter 6, fig. 6-11)."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ RATES = tuple(BAUD_MASKS)
 
 
 def rate_of(mask: int) -> int | None:
-    """Return the rate in Bd that a mask says; None if it says several or none: that is not defined."""
+    """Return the rate in Bd of a mask; None if it has several bits or none, which is not defined."""
     return next((baud for baud, of_baud in BAUD_MASKS.items() if of_baud == mask), None)

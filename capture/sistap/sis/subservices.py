@@ -2,7 +2,7 @@
 """Several subservices in one telegram of service 0x03 (IF02 chapter 6.1).
 
 The document allows them, "because their lengths are fixed", and does not print how. Two layouts are possible: the
-address once, before all of them, or before each. The one that consumes all bytes is taken.
+address once before all of them, or before each. The layout that consumes all bytes is right.
 """
 
 from __future__ import annotations
@@ -11,24 +11,24 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import NamedTuple
 
-# Bytes of data in a command; of a multicast group (0x06) nobody says how many.
+# Bytes of data in a command; the length for a multicast group (0x06) is not documented.
 SIZES: Mapping[int, int] = {0x01: 2, 0x02: 2, 0x03: 2, 0x07: 1, 0x08: 3, 0xFF: 0}
 
 
 class Setting(NamedTuple):
     """A subservice of a command."""
 
-    header: bytes  # what a reaction repeats of it: the address, where it stands before it, and the subservice
+    header: bytes  # what a reaction repeats: the address, if it precedes this subservice, and the subservice
     data: bytes
 
     @property
     def subservice(self) -> int:
-        """Its number."""
+        """Return its number."""
         return self.header[-1]
 
 
 class Misfit(Enum):
-    """Why a layout cannot be read on."""
+    """Why a layout does not fit."""
 
     ADDRESS = "another address than the first"
     SUBSERVICE = "a subservice of unknown length"
@@ -36,20 +36,20 @@ class Misfit(Enum):
 
 
 class Layout(NamedTuple):
-    """What a layout makes of a body."""
+    """The result of parsing a body in a layout."""
 
     settings: list[Setting]
-    end: int  # where it ended: behind the last byte, or at what it cannot read
+    end: int  # where it ended: after the last byte, or at what does not fit
     misfit: Misfit | None  # None: it consumed all bytes
 
 
 def layouts(body: bytes) -> list[Layout]:
-    """Read the body of a command in both layouts: the address once, and before each subservice."""
+    """Parse the body of a command in both layouts: the address once, and before each subservice."""
     return [_read(body, each) for each in (False, True)]
 
 
 def settings(body: bytes) -> list[Setting] | None:
-    """Return the subservices of a command; None where no layout fits, or where both do and differ."""
+    """Return the subservices of a command; None if no layout fits, or if both fit and differ."""
     fitting = [layout.settings for layout in layouts(body) if layout.misfit is None]
     return fitting[0] if fitting and fitting[0] == fitting[-1] else None
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The SIS telegram header (IF02 chapter 2.2, fig. 2-9): recognise it, take it apart, build it.
+"""The SIS telegram header (IF02 chapter 2.2, fig. 2-9): recognise it, parse it, build it.
 
-Wireshark decodes telegrams for people; this is only what cutting, counting and playing them needs.
+Wireshark decodes telegrams for users. This is only what cutting, counting and playing needs.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ START = 0x02
 STATIC_LENGTH = 8  # the header without subaddresses and telegram number
 MAX_LENGTH = STATIC_LENGTH + 255
 
-BROADCAST = 255  # the receiver that is all, in both editions
+BROADCAST = 255  # the receiver address of all stations, in both editions
 LEVEL_BROADCAST = 254  # all on this line; in ECODRIVE03 a group
 
 CONTROL_SUBADDRESSES = 0x07
@@ -34,17 +34,17 @@ class Header(NamedTuple):
 
     @property
     def reaction(self) -> bool:
-        """Whether this is a reaction telegram."""
+        """Tell whether this is a reaction telegram."""
         return bool(self.control & CONTROL_REACTION)
 
     @property
     def talker(self) -> int:
-        """Who really sends: a reaction keeps the command's addresses (fig. 2-12 and 2-13)."""
+        """Return the real sender: a reaction keeps the command's addresses (fig. 2-12 and 2-13)."""
         return self.receiver if self.reaction else self.sender
 
     @property
     def listener(self) -> int:
-        """For whom it really is."""
+        """Return the real receiver."""
         return self.sender if self.reaction else self.receiver
 
 
@@ -70,7 +70,7 @@ def is_whole(telegram: bytes) -> bool:
 
 
 def parse(telegram: bytes) -> Header:
-    """Take a complete telegram apart; short ones yield empty subaddresses, number and body, never an error.
+    """Parse a complete telegram; short ones have empty subaddresses, number and body, never an error.
 
     `telegram` has at least STATIC_LENGTH bytes.
     """
@@ -84,7 +84,7 @@ def parse(telegram: bytes) -> Header:
     return Header(control, service, sender, receiver, subaddresses, number, telegram[body_at:])
 
 
-def build(  # noqa: PLR0913 - these are the header's fields
+def build(  # noqa: PLR0913 - the fields of the header
     service: int,
     sender: int,
     receiver: int,
@@ -95,7 +95,7 @@ def build(  # noqa: PLR0913 - these are the header's fields
     subaddresses: bytes = b"",
     number: int | None = None,
 ) -> bytes:
-    """Make a complete telegram with right lengths and checksum. ValueError if the body is too long.
+    """Return a complete telegram with right lengths and checksum. ValueError if the body is too long.
 
     `system` are the bits of CONTROL_SYSTEM.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap tables`: the command line."""
+"""The command `sistap tables`: its options, and how it runs."""
 
 from __future__ import annotations
 
@@ -16,42 +16,46 @@ from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Put captures into tables of Parquet files, for questions about many months and many machines: telegrams, values of
-parameters, events. DuckDB, Spark, pandas and others read them. What is there already is not put there again, so it can
-be run as often as you like: of captures that have grown, or that have the same telegrams, only what is new is added.
-Wireshark's dissector says what is in the captures, through tshark, which has to be installed with the plugin or
-sis.lua.
+Collect captures in tables (Parquet files), to query many months and many machines: telegrams, values of parameters,
+events. DuckDB, Spark, pandas and other programs read them. Run it as often as you like: it adds only what is new, also
+if a capture has grown or shares telegrams with another. The contents come from Wireshark's dissector: install tshark
+with the plugin or sis.lua.
 """
 
 EPILOG = """\
-The tables are folders in FOLDER, with a folder for each tap and each day in them (UTC). A tap is named after its port,
-which on many machines is the same: name it with --tap where tables of several machines come together.
+The tables are folders in FOLDER, with a subfolder for each tap and each day (UTC). A tap is named after its port. Many
+machines use the same port name: where their tables come together, name the tap with --tap.
 
 examples:
   sistap tables day.pcapng -o tables
-  sistap tables --tap press-4 ring/*.pcapng -o /srv/tables        once an hour, of a ring that goes on
+  sistap tables --tap press-4 ring/*.pcapng -o /srv/tables        run once an hour for a ring
   duckdb -c "SELECT sender, max(reaction_s) FROM 'tables/telegrams/*/*/*.parquet' GROUP BY sender"
 
 exit status:
-  0  done; also of a capture that is cut, which is said on standard error
-  1  failed while running: tshark, the plugin or pyarrow is missing, disk full; captures before that are in the tables
-  2  wrong usage, a CAPTURE that cannot be read, a FOLDER that cannot be written
+  0  done; a message on standard error tells if a capture is cut off
+  1  failed while running: tshark, the plugin or pyarrow is missing, disk full; earlier captures are in the tables
+  2  wrong usage, a CAPTURE that cannot be read, or a FOLDER that cannot be written
 """
 
 
 class _NoPyarrow(Exception):
-    """It is not installed; the text is the one line to show."""
+    """pyarrow is not installed; the text is the line to show."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="+", help="a capture with SIS in it")
+    parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="+", help="a capture that contains SIS")
     parser.add_argument(
-        "-o", dest="output", metavar="FOLDER", type=Path, required=True, help="where the tables are, or will be"
+        "-o",
+        dest="output",
+        metavar="FOLDER",
+        type=Path,
+        required=True,
+        help="the folder of the tables; created if missing",
     )
-    parser.add_argument("--tap", metavar="NAME", default="", help="the name of the tap (default: that of its port)")
+    parser.add_argument("--tap", metavar="NAME", default="", help="the name of the tap (default: the name of its port)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -71,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _put(args: argparse.Namespace, console: Console) -> None:
-    with held():  # imported late: they need pyarrow
+    with held():  # imported late: these modules need pyarrow
         from sistap.tables.convert import put
         from sistap.tables.store import Store, slug
 

@@ -19,7 +19,7 @@ _PROGRESS_EVERY = 5000  # packets
 
 
 def put(tshark: Tshark, capture: Path, store: Store, tap: str, console: Console) -> None:
-    """Put a capture into the tables, and say what came of it. NotACapture, TsharkError, Incomplete, NoSuchTime."""
+    """Add a capture to the tables, and report the result. Raise NotACapture, TsharkError, Incomplete or NoSuchTime."""
     digest = _digest(capture, tap)
     if store.has(digest):
         console.say(f"{capture}: is in the tables")
@@ -41,7 +41,7 @@ def _rows(dissection: Dissection, capture: Path, console: Console) -> Iterator[R
 
 
 def _digest(capture: Path, tap: str) -> str:
-    """Return what names these bytes, as this version puts them into tables."""
+    """Return a name for these bytes, as this version converts them."""
     with capture.open("rb") as file:
         whole = hashlib.file_digest(file, "blake2b")
     whole.update(f"{tap}\0{sistap.__version__}".encode())

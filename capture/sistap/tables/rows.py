@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The rows that a packet makes: of its telegrams, of the values that were read and written, or of an event."""
+"""The rows of a packet: of its telegrams, of the values that were read and written, or of an event."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from sistap.records.record import Event
 from sistap.sis.names import service_name
 from sistap.wireshark.rows import EVENT, JOINT
 
-# Beside those that a Packet is made of.
+# Fields besides those of a Packet.
 FIELDS = ("sertap.line", "sis.parameter", "sis.value", "sis.value.number", "sis.error")
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
 _LARGEST = 1 << 63
 
 
 class NoSuchTime(Exception):
-    """A packet has a time that no table can hold; the text is the one line to show."""
+    """A packet has a time that no table can hold; the text is the line to show."""
 
 
 class Row(NamedTuple):
@@ -30,7 +30,7 @@ class Row(NamedTuple):
 
 
 def rows(packet: Packet, file: str) -> Iterator[Row]:
-    """Yield the rows of a packet. NoSuchTime."""
+    """Yield the rows of a packet. Raise NoSuchTime."""
     said = packet.columns
     place = {
         "epoch_ns": _epoch_ns(packet),
@@ -102,7 +102,7 @@ def _judged(limit: str, time: str, judged: Judged | None) -> dict[str, Any]:
 
 
 def _one(text: str | None) -> str | None:
-    """Return the first of several values; that of a list of services is its first service's."""
+    """Return the first of several values: in a list of services, that of the first service."""
     return text.partition(JOINT)[0] if text else None
 
 

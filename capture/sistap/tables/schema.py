@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The tables: their columns, in the order in which they are written, and what makes two rows the same.
+"""The tables: their columns, in the order in which they are written, and what makes two rows equal.
 
-Integers have a sign and times whole microseconds, as Spark reads neither unsigned integers nor nanoseconds as such.
+Integers are signed and times are whole microseconds: Spark reads neither unsigned integers nor nanoseconds.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ class Table(NamedTuple):
     """A table."""
 
     schema: pa.Schema
-    same: tuple[str, ...]  # columns: rows that are alike in these are one telegram, seen in two captures
+    same: tuple[str, ...]  # columns: rows that are equal in these are one telegram, seen in two captures
 
 
 _TIME = pa.timestamp("us", tz="UTC")
-_TEXT = pa.dictionary(pa.int32(), pa.string())  # the same few come again and again
+_TEXT = pa.dictionary(pa.int32(), pa.string())  # few values, often repeated
 _PLACE = [
     ("time", _TIME),
     ("epoch_ns", pa.int64()),

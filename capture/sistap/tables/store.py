@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The folder of tables: `TABLE/tap=TAP/day=DAY/CAPTURE-ID-NUMBER.parquet`, as DuckDB, Spark and others partition.
+"""The folder of tables: `TABLE/tap=TAP/day=DAY/CAPTURE-ID-NUMBER.parquet`, the partitions of DuckDB, Spark and others.
 
-A capture's files appear when all are complete, and replace those that it had before. A telegram that another capture
-has brought already is left out.
+A capture's files appear when all are complete, and replace its earlier files. A telegram that another capture has
+already added is left out.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from sistap.tables.rows import Row
 from sistap.tables.schema import TABLES
 from sistap.terminal.writing import Incomplete
 
-_TOGETHER = 1 << 17  # rows of all tables that wait for being written
-_OPEN = 32  # files at a time
-_NOTES = "_captures"  # nobody takes what begins with _ for a table
+_TOGETHER = 1 << 17  # rows of all tables that wait to be written
+_OPEN = 32  # files open at a time
+_NOTES = "_captures"  # programs ignore names that begin with _
 _NS_PER_US = 1000
-_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)  # Windows knows no time before it
-_LONGEST = 100  # characters of a name that others give
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)  # Windows has no time before it
+_LONGEST = 100  # characters of a name that comes from a user
 
 
 class Part(NamedTuple):
@@ -41,7 +41,7 @@ class Part(NamedTuple):
     day: str
 
     def folder(self, root: Path) -> Path:
-        """Return where it is."""
+        """Return its path."""
         return root / self.table / f"tap={self.tap}" / f"day={self.day}"
 
 
@@ -49,11 +49,10 @@ class Store:
     """A folder of tables."""
 
     def __init__(self, root: Path) -> None:
-        """Nothing is read or made yet."""
         self._root = root
 
     def has(self, digest: str) -> bool:
-        """Tell whether a capture with these bytes is there, with all files that it made."""
+        """Tell whether a capture with these bytes is complete in the tables."""
         try:
             files = json.loads(self._note(digest).read_text("utf-8"))["files"]
         except (OSError, ValueError, KeyError):
@@ -61,7 +60,7 @@ class Store:
         return all((self._root / file).is_file() for file in files)
 
     def put(self, digest: str, capture: str, tap: str, rows: Iterable[Row]) -> int:
-        """Put a capture's rows; return how many were not there yet. Incomplete if there is no room."""
+        """Add a capture's rows; return how many are new. Incomplete if there is no room."""
         incoming = _Incoming(self._root, capture, tap)
         try:
             for row in rows:
@@ -89,7 +88,7 @@ class Store:
         new.replace(note)
 
     def _forget(self, capture_id: str, files: set[str]) -> None:
-        """Remove files that the capture had before and has no more."""
+        """Remove earlier files of the capture that it no longer has."""
         if not capture_id:
             return
         for file in self._root.glob(f"*/tap=*/day=*/*-{capture_id}-*.parquet"):
@@ -98,7 +97,7 @@ class Store:
 
 
 class _Strange(Exception):
-    """A file in the folder cannot be read as a table of ours; the text is its name."""
+    """A file in the folder is not one of these tables; the text is its name."""
 
 
 class _Incoming:
@@ -112,8 +111,8 @@ class _Incoming:
         self._waiting_rows = 0
         self._writers: dict[Part, pq.ParquetWriter] = {}
         self._numbers: defaultdict[Part, int] = defaultdict(int)  # files of each partition
-        self._files: list[tuple[Path, Path]] = []  # as they are while written, and after that
-        self.id = ""  # the same if the capture has grown, or is dissected anew
+        self._files: list[tuple[Path, Path]] = []  # temporary and final paths
+        self.id = ""  # stays the same if the capture grows or is dissected again
         self.count = 0
 
     def add(self, row: Row) -> None:
@@ -130,7 +129,7 @@ class _Incoming:
             self._write()
 
     def finish(self) -> list[str]:
-        """Let all files appear; return their names below the folder."""
+        """Rename all files to their final names; return these, relative to the folder."""
         self._write()
         for part in list(self._writers):
             self._close(part)
@@ -139,7 +138,7 @@ class _Incoming:
         return [file.relative_to(self._root).as_posix() for _, file in self._files]
 
     def clear(self) -> None:
-        """Remove what did not become complete."""
+        """Remove incomplete files."""
         for part in list(self._writers):
             with suppress(OSError):
                 self._close(part)
@@ -159,7 +158,7 @@ class _Incoming:
         self._waiting_rows = 0
 
     def _unknown(self, part: Part, values: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Yield the rows that no other capture has brought into this partition."""
+        """Yield the rows that no other capture has added to this partition."""
         same = TABLES[part.table].same
         times = [row["epoch_ns"] for row in values]
         own = f"-{self.id}-"
@@ -192,12 +191,12 @@ class _Incoming:
 
 
 def slug(name: str) -> str:
-    """Make a name that is a folder's on every system, and that no SQL has to quote."""
+    """Return a name that is a valid folder on every system and needs no quotes in SQL."""
     return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_.")[:_LONGEST] or "unnamed"
 
 
 def _keys(file: Path, same: tuple[str, ...], first_ns: int, last_ns: int) -> Iterator[tuple[Any, ...]]:
-    """Yield what tells rows apart, of those in this time. Only what overlaps it is read."""
+    """Yield the keys of the rows in this time. Read only files that overlap it."""
     with pq.ParquetFile(file) as parquet:
         column = parquet.schema_arrow.get_field_index("epoch_ns")
         for number in range(parquet.num_row_groups):

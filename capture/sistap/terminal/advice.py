@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What to do, in the words of each system: a column of the table of cures for Linux, Windows and macOS; examples."""
+"""Cures in the words of each system: one column each for Linux, Windows and macOS; examples."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import NamedTuple
 
 
 class Advice(NamedTuple):
-    """Cures, each a clause that goes behind a colon."""
+    """Cures, each a clause to follow a colon."""
 
     no_port: str  # an adapter was plugged in, and there is no port
     late: str  # other programs make a capture late
     tshark: str
-    wireshark: str  # tshark is there, Wireshark is not
+    wireshark: str  # tshark is installed, Wireshark is not
     libpcap: str
-    matplotlib: str  # beside `pip install`
-    pyserial: str  # beside `python -m pip install pyserial`
+    matplotlib: str  # besides `pip install`
+    pyserial: str  # besides `python -m pip install pyserial`
     no_pseudo_terminal: str
-    in_use: str  # another program has the port {port}: what goes behind "by another program"
+    in_use: str  # another program has the port {port}: what follows "by another program"
     held: str  # a file cannot be replaced or removed
-    started: str  # how Wireshark is started with the profile
+    started: str  # how to start Wireshark with the profile
     path: str  # {folder} is not in PATH
-    latency_timer: str  # of an FTDI adapter: {name} is that of Windows
+    latency_timer: str  # of an FTDI adapter: {name} is its name in Windows
 
 
 _LINUX = Advice(
@@ -45,14 +45,14 @@ _LINUX = Advice(
 _MACOS = _LINUX._replace(
     no_port="if it stays away, see System Information > USB, and install its driver",
     late="end what needs the processor",
-    tshark="install Wireshark, which brings it",
+    tshark="install Wireshark, which includes it",
     wireshark="install Wireshark",
-    libpcap="macOS brings it: start sistap with a Python of this system",
+    libpcap="macOS includes it: start sistap with the Python of this system",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
     matplotlib="with the Python that runs sistap",
     pyserial="with the Python that runs sistap",
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
-    latency_timer="the driver of macOS cannot be told: capture with `sistap serve` on a Linux computer",
+    latency_timer="the driver of macOS has no such setting: capture with `sistap serve` on a Linux computer",
 )
 
 _WINDOWS = Advice(
@@ -60,11 +60,11 @@ _WINDOWS = Advice(
     late="end what needs the processor, and choose the power plan High performance",
     tshark="run Wireshark's installer again and tick TShark",
     wireshark="run Wireshark's installer again and tick Wireshark",
-    libpcap="install Npcap, which Wireshark's installer brings",
+    libpcap="install Npcap, which Wireshark's installer includes",
     matplotlib="with the Python that runs sistap",
     pyserial="with the Python that runs sistap",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
-    in_use=": close that one first",
+    in_use=": close that program first",
     held="a program has it open: close Wireshark, then try again",
     started="start it, and choose the profile SIS at the right end of its status bar",
     path="Settings > System > About > Advanced system settings > Environment Variables > Path > Edit > New adds it, "
@@ -75,18 +75,18 @@ _WINDOWS = Advice(
 
 _OF_SYSTEM = {"darwin": _MACOS, "win32": _WINDOWS}
 
-# Help texts have the ports of Linux and, in what is to be typed, single quotes, which cmd.exe does not know.
+# Help texts have the ports of Linux and, in commands, single quotes, which cmd.exe does not know.
 _TYPED = "  sistap "
 _OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '"'}}
 
 
 def advice(system: str = "") -> Advice:
-    """Return the column of a system as Python calls it; without a name, that of this one."""
+    """Return the column of a system as Python names it; by default that of this one."""
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
 
 
 def examples(text: str, system: str = "") -> str:
-    """Return a help text with the ports of a system; what stands behind two blanks stays in its column."""
+    """Return a help text with the ports of a system; text after two blanks keeps its column."""
     words = _OF_EXAMPLES.get(system or sys.platform, {})
     return "".join(_translated(line, words) for line in text.splitlines(keepends=True))
 

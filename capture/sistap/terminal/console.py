@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What sistap says on standard error: lines, and on a terminal a progress line that they do not tear."""
+"""Messages on standard error: lines, and on a terminal a progress line that the lines do not tear."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ _WAIT_MS = 100  # for a terminal to take a line; then the line is dropped
 
 
 class Audience(Protocol):
-    """Whoever is told how a capture goes: a person at a terminal, or a program that shows it in windows of its own."""
+    """The receiver of a capture's messages: a user at a terminal, or a program with windows of its own."""
 
     @property
     def shows_progress(self) -> bool:
-        """Whether progress() shows anything."""
+        """Tell whether progress() shows anything."""
 
     def say(self, text: str) -> None:
-        """Tell one line."""
+        """Show one line."""
 
     def alarm(self, text: str) -> None:
-        """Tell, in one line, why the capture or a part of it has ended."""
+        """Show why the capture or a part of it has ended, in one line."""
 
     def progress(self, text: str) -> None:
-        """Show a line in place of the one before."""
+        """Show a progress line instead of the one before."""
 
 
 class Console:
-    """Standard error. That it cannot be written to must never end a capture, nor hold it up (Ctrl-S, a hung ssh)."""
+    """Standard error. Failing or blocked output (Ctrl-S, a hung ssh) must never end or delay a capture."""
 
     def __init__(self, stream: int = 2) -> None:
-        """Start with no progress line shown; `stream` is the descriptor of standard error."""
+        """Start without a progress line; `stream` is the descriptor of standard error."""
         self._progress = False
-        # Not through sys.stderr: what is left in its buffer would be tried again when Python ends.
+        # Not through sys.stderr: Python would try again at its end to write what is left in the buffer.
         self._stream = stream
         self._descriptor = never_waiting(stream)
         weakref.finalize(self, os.close, self._descriptor)
@@ -51,7 +51,7 @@ class Console:
 
     @property
     def shows_progress(self) -> bool:
-        """Whether it is a terminal that can write a line in place of another."""
+        """Tell whether it is a terminal that can overwrite a line."""
         return os.isatty(self._descriptor) and os.environ.get("TERM") != "dumb"
 
     def say(self, text: str) -> None:
@@ -60,14 +60,14 @@ class Console:
         self._progress = False
 
     def alarm(self, text: str) -> None:
-        """Print it as any line."""
+        """Print it like any line."""
         self.say(text)
 
     def progress(self, text: str) -> None:
-        """Show a line in place of the one before, cut to the width of the terminal."""
+        """Show a line instead of the one before, cut to the width of the terminal."""
         text = visible(text)
         with contextlib.suppress(OSError):
-            columns = os.get_terminal_size(self._stream).columns  # Windows tells it of the standard streams alone
+            columns = os.get_terminal_size(self._stream).columns  # Windows knows it for the standard streams only
             text = text[: columns - 1] if columns else text
         self._print(_ERASE + text, 0)
         self._progress = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Work without Python's search for cycles of objects."""
+"""Runs without Python's search for cycles of objects."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """Do not look for cycles meanwhile: among millions of objects that are in none, it takes a tenth of the time."""
+    """Switch the search for cycles off: among millions of objects without cycles, it takes a tenth of the time."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

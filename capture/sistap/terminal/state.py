@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where sistap keeps what it has to remember from one run to the next, and how it writes that.
+"""Where sistap keeps what it remembers between runs, and how it writes that.
 
-Root keeps it in a fixed folder that nobody else may write to. An environment must not name another one: `sudo -E` has
-that of an ordinary user, who could put there what root then reads, or a link through which root then writes.
+Root keeps it in a fixed folder that nobody else may write to. The environment must not name another one: `sudo -E` has
+the environment of an ordinary user. That user could put files there that root then reads, or a link through which root
+then writes.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ HOME_OF_ROOT = "~root"  # whatever the environment says
 
 
 class StateError(RuntimeError):
-    """The folder cannot be used; the text is one line that names the cure."""
+    """The folder cannot be used; the text is one line with the cure."""
 
 
 class HeldOpenError(OSError):
-    """A program has a file open; the text is one line that names the cure."""
+    """A program has a file open; the text is one line with the cure."""
 
 
 def is_root() -> bool:
@@ -37,7 +38,7 @@ def is_root() -> bool:
 
 
 def folder() -> Path:
-    """Return the folder; it may not exist. StateError if others could have written what is in root's.
+    """Return the folder; it may not exist. StateError if others could have written into root's folder.
 
     RuntimeError if an ordinary user has no home.
     """
@@ -54,7 +55,7 @@ def of_environment() -> Path:
 
 
 def old_folders() -> list[Path]:
-    """Return where earlier versions kept what is root's: in the home of root, or of whoever has called sudo -E."""
+    """Return where earlier versions kept root's state: in the home of root, or of the caller of sudo -E."""
     places = []
     with suppress(RuntimeError):
         places.append(Path(HOME_OF_ROOT).expanduser() / ".local/state/sistap")
@@ -64,7 +65,7 @@ def old_folders() -> list[Path]:
 
 
 def check(path: Path) -> None:
-    """Raise StateError if somebody else than root could write a file or folder of root's, where there is one."""
+    """Raise StateError if anybody but root could write to root's file or folder."""
     with suppress(FileNotFoundError):
         found = path.lstat()
         if stat.S_ISLNK(found.st_mode) or not _only_root_writes(found):
@@ -75,10 +76,10 @@ def check(path: Path) -> None:
 
 
 def is_roots_alone(path: Path) -> bool:
-    """Tell whether nobody but root could have put a file where it is, going down from /."""
+    """Tell whether only root could have put a file at this path, checked from / downwards."""
     for step in reversed((path, *path.parents)):
         found = step.lstat()
-        is_shared = step != path and found.st_mode & stat.S_ISVTX  # as /tmp: everybody adds, only owners remove
+        is_shared = step != path and found.st_mode & stat.S_ISVTX  # like /tmp: everybody adds, only owners remove
         if stat.S_ISLNK(found.st_mode) or not (_only_root_writes(found) or (is_shared and found.st_uid in (0, ROOT))):
             return False
     return True
@@ -89,7 +90,7 @@ def _only_root_writes(found: os.stat_result) -> bool:
 
 
 def save(name: str, content: bytes) -> Path:
-    """Write a whole file into the folder, or none; return its path. StateError, RuntimeError, OSError."""
+    """Write a whole file into the folder, or none; return its path. Raise StateError, RuntimeError or OSError."""
     path = folder()
     path.mkdir(mode=0o755 if is_root() else 0o777, parents=True, exist_ok=True)
     replace(folder() / name, content)
@@ -98,7 +99,7 @@ def save(name: str, content: bytes) -> Path:
 
 @contextmanager
 def closed(file: Path, system: str = sys.platform) -> Iterator[None]:
-    """Replace or remove a file in a `with`. HeldOpenError if a program has it open: only Windows minds that."""
+    """Replace or remove a file in a `with`. HeldOpenError if a program has it open, which fails only on Windows."""
     try:
         yield
     except PermissionError as error:
@@ -108,9 +109,9 @@ def closed(file: Path, system: str = sys.platform) -> Iterator[None]:
 
 
 def replace(file: Path, content: bytes, *, executable: bool = False) -> None:
-    """Write a whole file, or none; a new one in place of the old: a running Wireshark may have that one mapped.
+    """Write a whole new file or none, and replace the old one by it: a running Wireshark may have the old one mapped.
 
-    The new one has a name that nobody can foresee and is opened only if it is not there, so no link leads elsewhere.
+    The new file has an unpredictable name and is opened only if it does not exist, so no link leads elsewhere.
     """
     with held():
         descriptor, new = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The signals that end a command: SIGINT, SIGTERM, and SIGHUP (the terminal is gone) unless nohup had it ignored.
+"""The signals that end a command: SIGINT, SIGTERM, SIGQUIT, and SIGHUP (the terminal is gone) unless nohup ignores it.
 
-However many come, they end a command once. The first one raises Stopped wherever the command is, so that everything
-that is open is closed on the way out. Others are ignored until the process has ended: they would only disturb that. A
-command that must not be torn (a capture, while it writes) looks at `asked` instead.
+Any number of signals ends a command once. The first raises Stopped wherever the command is, so that everything open is
+closed on the way out. Later ones are ignored until the process has ended. A command that must not be interrupted (a
+capture, while it writes) checks `asked` instead.
 
-Two things must not be torn anywhere: what makes something that somebody has to take away again, and what takes it away.
-Both happen while Stopped is `held`. Everything else may be left at any instruction.
+Two things must never be interrupted: making something that must be removed again, and removing it. Both happen while
+Stopped is `held`. Everything else may be left at any instruction.
 
-Nothing else of sistap is imported before this, so this imports next to nothing.
+This is imported before the rest of sistap, so it imports next to nothing.
 """
 
 from __future__ import annotations
@@ -20,35 +20,33 @@ from types import FrameType, TracebackType
 
 from sistap.terminal.exits import DONE
 
-_AGAIN_S = 0.01  # until a stop that was swallowed is tried again
-_DEAF = "ignored due to race condition"  # what Python says of a signal that came just before it was ignored
+_AGAIN_S = 0.01  # pause before trying a swallowed stop again
+_DEAF = "ignored due to race condition"  # Python's message about a signal just before it was ignored
 
 
 class Stopped(BaseException):
-    """A signal has asked for the end. It is no Exception: nobody who handles failures may take it for one."""
+    """A signal has requested the end. It is no Exception, so that no handler of failures catches it."""
 
     def __init__(self, stop: Stop) -> None:
-        """Belong to a stop, that has to know when this is gone."""
+        """Belong to a stop that must know when this object is gone."""
         super().__init__()
         self._stop = stop
 
     def __del__(self) -> None:
-        """Tell it."""
         self._stop.listen()
 
 
 class Stop:
-    """Whether the end was asked for, by a signal or by `ask`. A process has one.
+    """Whether the end was requested, by a signal or by `ask`. A process has one.
 
-    The handlers are our own because a job that a script starts with & inherits SIGINT ignored, and Python leaves it so.
+    It has its own handlers because a job that a script starts with & inherits SIGINT ignored, and Python leaves it so.
     """
 
-    _of_command: Stop | None = None  # of the one that runs in this process
+    _of_command: Stop | None = None  # the stop of the command in this process
 
     def __init__(self) -> None:
-        """Install nothing yet."""
         self.asked = False
-        self.at_once = True  # False: the command looks at `asked`
+        self.at_once = True  # False: the command checks `asked`
         self._handle_now = self._ignore
         self._ends_process = False
         self._holds = 0
@@ -57,17 +55,16 @@ class Stop:
 
     @classmethod
     def current(cls) -> Stop:
-        """Return the stop of the command that runs; outside of one, a stop that nobody asks for."""
+        """Return the stop of the running command; outside of one, a stop that is never requested."""
         return cls._of_command or cls()
 
     def begin(self) -> None:
-        """Let a signal end the process on the spot, as long as nothing has happened that has to be undone: imports."""
+        """Let a signal end the process at once during imports, when there is nothing to undo."""
         self._ends_process = True
         self._handle_now = self._leave
         self._install()
 
     def __enter__(self) -> Stop:
-        """Let a signal raise Stopped from now on."""
         if not self._before:
             self._install()
         Stop._of_command = self
@@ -77,11 +74,11 @@ class Stop:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Call `end`. A signal can come just before: then whoever catches Stopped has to call it."""
+        """Call `end`. If a signal comes just before, the handler of Stopped must call it."""
         self.end()
 
     def end(self) -> None:
-        """Ignore signals if the process ends now; else put back the handlers that were there before."""
+        """Ignore signals if the process ends now; else restore the former handlers."""
         self._handle_now = self._ignore
         Stop._of_command = None
         for number, handler in self._before.items():
@@ -90,11 +87,11 @@ class Stop:
         sys.unraisablehook = self._hook
 
     def ask(self) -> None:
-        """Ask for the end without a signal, from whatever thread."""
+        """Request the end without a signal, from any thread."""
         self.asked = True
 
     def hold(self) -> None:
-        """Let nothing raise Stopped until `release`."""
+        """Hold Stopped back until `release`."""
         self._holds += 1
 
     def release(self) -> None:
@@ -104,7 +101,7 @@ class Stop:
             self._stop()
 
     def listen(self) -> None:
-        """Let signals raise Stopped again, if somebody has swallowed the one that was raised, and the command runs."""
+        """Let signals raise Stopped again if the raised one was swallowed and the command still runs."""
         if Stop._of_command is not self:
             return
         self._handle_now = self._stop
@@ -113,8 +110,10 @@ class Stop:
 
     def _install(self) -> None:
         numbers = [signal.SIGINT, signal.SIGTERM]
-        if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-            numbers.append(signal.SIGHUP)
+        if sys.platform != "win32":
+            numbers.append(signal.SIGQUIT)
+            if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+                numbers.append(signal.SIGHUP)
         self._before = {number: signal.signal(number, self._handle) for number in numbers}
         self._hook, sys.unraisablehook = sys.unraisablehook, self._told
 
@@ -122,7 +121,7 @@ class Stop:
         self._handle_now()
 
     def _leave(self) -> None:
-        os._exit(DONE)  # an exception could come out as a traceback, or be lost, in the middle of an import
+        os._exit(DONE)  # an exception during an import could appear as a traceback, or be lost
 
     def _ignore(self) -> None:
         pass
@@ -134,9 +133,9 @@ class Stop:
             raise Stopped(self)
 
     def _be_deaf(self) -> None:
-        """Let no handler run while Stopped is on its way: in C code that goes on, Python itself stumbles over that.
+        """Block handlers while Stopped propagates: Python fails if a handler runs in C code that continues.
 
-        Of several signals that came at once, it calls the handlers one after the other. So this calls the others first.
+        For several simultaneous signals Python calls the handlers one after the other. So this calls the others first.
         """
         self._handle_now = self._ignore
         signal.raise_signal(next(iter(self._before)))
@@ -146,7 +145,7 @@ class Stop:
     def _told(self, args: sys.UnraisableHookArgs) -> None:
         """Try again if Stopped was raised where nobody can catch it, such as in the callback of a weak reference."""
         if isinstance(args.exc_value, Stopped):
-            import threading  # late, as it is hardly ever needed
+            import threading  # imported late, as it is hardly ever needed
 
             again = threading.Timer(_AGAIN_S, self._signal_again)
             again.daemon = True
@@ -155,7 +154,7 @@ class Stop:
             self._hook(args)
 
     def _signal_again(self) -> None:
-        """Send the main thread a signal, because that ends a system call, too."""
+        """Send the main thread a signal, which interrupts a system call as well."""
         if Stop._of_command is not self:
             return
         if sys.platform == "win32":
@@ -167,15 +166,14 @@ class Stop:
 
 
 class held:
-    """Hold Stopped back in a `with`, in the main thread. Nothing in it may take long: a signal waits for its end."""
+    """Hold Stopped back in a `with`, in the main thread. Keep it short: a signal waits for its end."""
 
     def __enter__(self) -> None:
-        """Hold it."""
         self._stop = Stop.current()
         self._stop.hold()
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Let it go; may raise Stopped."""
+        """Release it; may raise Stopped."""
         self._stop.release()

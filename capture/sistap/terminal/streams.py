@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The standard streams: nobody who does not read them may hold a command or its end up."""
+"""The standard streams: a reader that does not read must never delay a command or its end."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ import select
 import sys
 
 STANDARD_OUTPUT = "-"
-PIECE = getattr(select, "PIPE_BUF", 512)  # bytes that a pipe takes without waiting once poll says that it takes any
-_WAIT_MS = 100  # so long, at most, does a stop take
+PIECE = getattr(select, "PIPE_BUF", 512)  # bytes that a pipe takes without blocking once poll reports room
+_WAIT_MS = 100  # upper bound on the time to stop
 
 
 def is_reader_gone(error: OSError, *, is_file: bool = False, system: str = sys.platform) -> bool:
-    """Tell whether a write failed because nobody reads any more.
+    """Tell whether a write failed because the reader is gone.
 
-    Windows says EPIPE for a pipe whose other end was closed just now, and EINVAL from then on.
+    Windows reports EPIPE for a pipe whose other end was just closed, and EINVAL after that.
     """
     return error.errno == errno.EPIPE or (system == "win32" and error.errno == errno.EINVAL and not is_file)
 
 
 def leave_standard_output() -> None:
-    """Send what is left in its buffer nowhere: it must not fail again when it is flushed or when Python ends."""
+    """Discard the rest of the buffer: it must not fail again when it is flushed or when Python ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def end_standard_output() -> None:
-    """Write what is left in its buffer if that need not wait for the reader, else drop it: the command was stopped."""
+    """Flush standard output if that does not block, else drop it: the command was stopped."""
     try:
         if _takes_some(1):
             sys.stdout.flush()
@@ -47,7 +47,7 @@ def _takes_some(descriptor: int) -> bool:
 
 
 def never_waiting(descriptor: int) -> int:
-    """Duplicate a standard stream; if it is a terminal, so that a write does not wait where the terminal is stopped.
+    """Duplicate a standard stream; a write to a stopped terminal then does not block.
 
     The stream itself must keep its mode: it is shared with the shell.
     """

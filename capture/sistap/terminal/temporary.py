@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept on disk for a while: a folder that stays behind after no signal, and blobs in a file without a name."""
+"""Temporary data: a folder that no signal leaves behind for good, and blobs in a file without a name."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -11,39 +15,89 @@ from pathlib import Path
 from sistap.terminal.stop import held
 from sistap.terminal.writing import Incomplete
 
+if sys.platform != "win32":
+    import fcntl
+
+PREFIX = "sistap-temporary-"  # of nothing that a person would make
+_NEW_S = 60.0  # so long, a folder may not be claimed yet
+
+
+class Folder:
+    """A folder that the next one that is made removes, if this process is killed."""
+
+    def __init__(self, *others: int) -> None:
+        """Make it. Remove those that are left, of this user or these others."""
+        sweep(*others)
+        # If a signal comes just before its end, Python removes it with the object.
+        self._made = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
+        self.path = Path(self._made.name)
+        self.descriptor = -1
+        if sys.platform != "win32":
+            self.descriptor = os.open(self.path, os.O_RDONLY)
+            _claim(self.descriptor)
+
+    def close(self) -> None:
+        """Remove it."""
+        if sys.platform != "win32":
+            os.close(self.descriptor)
+        self._made.cleanup()
+
+
+def sweep(*others: int) -> None:
+    """Remove folders of this user, or these others, that nobody claims: their processes are no more."""
+    if sys.platform == "win32":
+        return
+    for path in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
+        with suppress(OSError):
+            descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+            try:
+                about = os.fstat(descriptor)
+                is_old = abs(time.time() - about.st_mtime) > _NEW_S
+                if is_old and about.st_uid in (os.geteuid(), *others) and _claim(descriptor):
+                    shutil.rmtree(path, ignore_errors=True)  # which follows no link
+            finally:
+                os.close(descriptor)
+
+
+def _claim(descriptor: int) -> bool:
+    """Claim a folder as long as the descriptor is open; tell whether nobody else does."""
+    if sys.platform != "win32":
+        with suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+    return False
+
 
 @contextmanager
 def folder() -> Iterator[Path]:
-    """Make a folder; remove it at the end. If a signal comes just before that, Python does it with the object."""
+    """Make a folder; remove it at the end."""
     with held():
-        made = tempfile.TemporaryDirectory(prefix="sistap-")
+        made = Folder()
     try:
-        yield Path(made.name)
+        yield made.path
     finally:
         with held():
-            made.cleanup()
+            made.close()
 
 
 class Blobs:
-    """Blobs that are read again later, by their number. Use it in a `with`; nothing is left behind."""
+    """Blobs to be read again by their number. Use it in a `with`; nothing is left behind."""
 
     def __init__(self, what: str) -> None:
-        """Make the file, where TMPDIR says; `what` is what it keeps, for the line that says that there is no room."""
+        """Make the file in TMPDIR; `what` describes its contents in the message about a lack of room."""
         self._what = what
         self._file = tempfile.TemporaryFile(prefix="sistap-")  # noqa: SIM115 - closed by __exit__
         self._ends = [0]
 
     def __enter__(self) -> Blobs:
-        """Nothing more to do."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Forget everything."""
         with suppress(OSError):  # what found no room is still in the buffer
             self._file.close()
 
     def put(self, blob: bytes) -> None:
-        """Keep a blob behind the others. Incomplete if there is no room."""
+        """Append a blob. Incomplete if there is no room."""
         try:
             self._file.seek(self._ends[-1])
             self._file.write(blob)
@@ -62,6 +116,6 @@ class Blobs:
         return self._file.read(end - start)
 
     def all(self) -> Iterator[tuple[bytes, float]]:
-        """Yield all blobs, each with the part of all bytes that ends with it, 0 to 1."""
+        """Yield all blobs, each with the share of all bytes up to its end, 0 to 1."""
         for number, end in enumerate(self._ends[1:]):
             yield self.get(number), end / (self._ends[-1] or 1)

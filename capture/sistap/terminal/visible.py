@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Text that somebody else has chosen (a drive, an adapter, a file and its name), made fit for a line.
+"""Text from elsewhere (a drive, an adapter, a file and its name), made safe to print.
 
-A terminal obeys control characters, and a page turns around what follows some marks of Unicode: then a text says
-something else than what is in it. So what cannot be seen is shown as Python writes it in a string: \\x1b, \\u202e.
+A terminal obeys control characters, and some Unicode marks reverse the text after them. Then a text seems to say
+something else. So invisible characters are shown as Python escapes them in a string: \\x1b, \\u202e.
 """
 
 from __future__ import annotations
 
-_FIRST_BYTE, _LAST_BYTE = 0xDC80, 0xDCFF  # as which Python reads a byte of a name that is no UTF-8
+_FIRST_BYTE, _LAST_BYTE = 0xDC80, 0xDCFF  # how Python decodes a byte of a name that is not UTF-8
 
 
 def visible(text: str, keep: str = "") -> str:
-    """Show what cannot be seen, and what is no space but looks like one; leave the characters in `keep`."""
+    """Escape invisible characters, and those that look like a space; leave the characters in `keep`."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in keep else _escape(c) for c in text)

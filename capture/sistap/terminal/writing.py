@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A file of text, or standard output, opened for writing and refused in one line."""
+"""A text file, or standard output, opened for writing; failures have one line."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from sistap.terminal.streams import STANDARD_OUTPUT, is_reader_gone, leave_stand
 
 
 class NotOpened(Exception):
-    """FILE cannot be written; the text is the one line to show."""
+    """FILE cannot be written; the text is the line to show."""
 
 
 class Incomplete(Exception):
-    """The disk is full; the text is the one line to show."""
+    """The disk is full; the text is the line to show."""
 
 
 @contextmanager
 def opened(path: str | None, cure: str = "name another file with -o") -> Iterator[BinaryIO]:
-    """Open what is written to, standard output without a path. May raise NotOpened, and Incomplete at the end."""
+    """Open the output, standard output without a path. May raise NotOpened, and Incomplete at the end."""
     if path in (None, STANDARD_OUTPUT):
         try:
             yield sys.stdout.buffer
             sys.stdout.buffer.flush()
         except OSError as error:
             if is_reader_gone(error):
-                raise  # nothing has to be said
+                raise  # needs no message
             leave_standard_output()
             raise Incomplete(f"standard output is incomplete: {error.strerror}; make room, or {cure}") from None
         return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""So that `python3 -m sistap.wireshark ARGUMENTS` is tshark that drops its rights first."""
+"""`python3 -m sistap.wireshark ARGUMENTS`: tshark without root's rights."""
 
 import sys
 
@@ -10,7 +10,7 @@ from sistap.wireshark.tshark import Tshark, TsharkError
 
 
 def main() -> int:
-    """Be tshark."""
+    """Run tshark with the arguments of this process."""
     stop = Stop()
     stop.begin()
     try:

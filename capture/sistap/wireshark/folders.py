@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where a Wireshark looks: what `tshark -G folders` says is the one truth, on every system."""
+"""The folders of a Wireshark, as `tshark -G folders` names them on every system."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from typing import NamedTuple
 
 
 class FoldersError(Exception):
-    """A folder that is needed is not named; the text is the one line to show."""
+    """A required folder is not named; the text is the line to show."""
 
 
 class Folders(NamedTuple):
-    """Where to put what."""
+    """The folders for each kind of file."""
 
-    plugins: Path  # modules in C, of this minor version only
+    plugins: Path  # C modules, for this minor version only
     lua: Path
     extcap: Path
     profiles: Path
 
 
-# Each folder by the names it can have, the first that is there, and what comes below it. Before 4.2 the personal
-# folder of extcaps is part of the configuration and not named.
+# The possible names of each folder (the first found counts), and the path below it. Before 4.2 the personal extcap
+# folder is part of the configuration folder and has no name.
 _PERSONAL = {
     "plugins": (("Personal Plugins", "epan"),),
     "lua": (("Personal Lua Plugins", ""),),
@@ -38,19 +38,21 @@ _GLOBAL = {
 
 
 def parse(text: str, *, for_all: bool) -> Folders:
-    """Find the folders of this user, or those for all users, in the output of `tshark -G folders`. FoldersError."""
+    """Return the folders of this user, or those for all users, from the output of `tshark -G folders`. Raise
+    FoldersError.
+    """
     named = _named(text)
     return Folders(**{kind: _first(named, places) for kind, places in (_GLOBAL if for_all else _PERSONAL).items()})
 
 
 class Own:
-    """The folders that are Wireshark's own, of this user or for all users: nothing outside of them is removed.
+    """Wireshark's own folders, of this user or for all users. Nothing outside of them is removed.
 
-    But in `others`, which are no folders of Wireshark.
+    The exception is `others`, which are not Wireshark's.
     """
 
     def __init__(self, text: str, *, for_all: bool, others: Iterable[Path] = ()) -> None:
-        """Take the output of `tshark -G folders`. FoldersError if it does not name them."""
+        """Parse the output of `tshark -G folders`. FoldersError if it lacks them."""
         parse(text, for_all=for_all)
         named = _named(text)
         names = {name for places in (_GLOBAL if for_all else _PERSONAL).values() for name, _ in places}
@@ -58,12 +60,12 @@ class Own:
         self._folders = [folder.resolve() for folder in (*own, *others)]
 
     def have(self, file: Path) -> bool:
-        """Tell whether a file is in one of them, or further down, whatever links lead there."""
+        """Tell whether a file is in one of them or below, after resolving links."""
         folder = file.parent.resolve()
         return file.is_absolute() and any(folder.is_relative_to(own) for own in self._folders)
 
     def are_below(self, folder: Path) -> bool:
-        """Tell whether a folder is one of them, above one or in one: install makes what is missing on the way."""
+        """Tell whether a folder is one of them, or above or below one: install makes missing parents."""
         place = folder.resolve()
         return folder.is_absolute() and any(
             place.is_relative_to(own) or own.is_relative_to(place) for own in self._folders

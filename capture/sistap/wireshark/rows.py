@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The rows that tshark prints, one for each packet, and what it says of a capture that is damaged."""
+"""The rows that tshark prints, one for each packet, and its messages about damaged captures."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ NO_DISSECTOR = (
     "WIRESHARK_PLUGIN_DIR"
 )
 NECESSARY = "sis.start"  # a field that every dissector for SIS has
-# The line of the packet list: a column in 4.0, a field of another name since 4.2.
+# The text in the packet list: a column in 4.0, a field of another name since 4.2.
 INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
-JOINT = "\x1f"  # between several values of a field: in no text
+JOINT = "\x1f"  # between several values of a field; no text contains it
 
-_ODD = re.compile(f"[^ -~\t{JOINT}]")  # found quickly, and in few lines
+_ODD = re.compile(f"[^ -~\t{JOINT}]")  # quick to find, and rare
 _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"
 
 
 class NotACapture(Exception):
-    """tshark cannot read the file; the text is the one line to show."""
+    """tshark cannot read the file; the text is the line to show."""
 
 
 def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
-    """Make the arguments by which tshark prints these fields; `joint` is put between several values of one."""
+    """Return the arguments that make tshark print these fields; `joint` separates several values of one."""
     return ["-T", "fields", "-E", f"aggregator={joint}", *(word for name in names for word in ("-e", name))]
 
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:
-    """Take apart what tshark prints for one packet: texts that were on a line, and in a capture of somebody else."""
+    """Split what tshark prints for one packet, and make its text safe: it may come from elsewhere."""
     if _ODD.search(line):
         line = visible(line, keep="\t" + JOINT)
     return dict(zip(names, line.split("\t"), strict=False))
@@ -47,7 +47,7 @@ def first(text: str) -> str:
 
 
 def info(columns: dict[str, str]) -> str:
-    """Return the line of the packet list; its own escapes (`\\r` for a carriage return) stay.
+    """Return the text in the packet list; its own escapes (`\\r` for a carriage return) stay.
 
     A field is escaped once more when it is printed, a column is not.
     """
@@ -56,27 +56,27 @@ def info(columns: dict[str, str]) -> str:
 
 
 def unknown_fields(said: str) -> set[str]:
-    """Find the fields that tshark refuses because it does not know them, in what it says."""
+    """Return the fields that tshark refuses as unknown, from its message."""
     return set(re.findall(r"^\s+(\S+)$", said, re.MULTILINE)) if "fields aren't valid" in said else set()
 
 
 def is_no_capture(error: TsharkError) -> bool:
-    """Tell whether tshark failed because the file is no capture at all."""
+    """Tell whether tshark failed because the file is not a capture."""
     return _NOT_A_CAPTURE in str(error)
 
 
 def is_cut(error: TsharkError) -> bool:
-    """Tell whether tshark failed at the end of a capture that is cut or damaged."""
+    """Tell whether tshark failed at the end of a capture that is cut off or damaged."""
     return any(words in str(error) for words in _CUT)
 
 
 def last_words(error: TsharkError, capture: str = "the capture") -> str:
-    """Return the last line of what tshark said, with `capture` for its name: as root tshark reads a copy."""
+    """Return the last line of tshark's message, with `capture` as its name: as root, tshark reads a copy."""
     return re.sub(r'The file "[^"]*"', capture, str(error).splitlines()[-1].removeprefix("tshark: "))
 
 
 def damage(capture: Path, error: TsharkError, came: bool) -> str:
-    """Say in a line how a capture is damaged at whose end tshark failed; `came`: it said something before.
+    """Describe the damage of a capture at whose end tshark failed; `came`: tshark printed something before.
 
     NotACapture if it is none, TsharkError if tshark failed for another reason.
     """

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Runs the tshark that is on PATH so that it sees our plugin, also as root.
+"""Runs the tshark on PATH so that it sees our plugin, also as root.
 
-Run as root, Wireshark skips plugins and extcaps that an environment names without a word. So as root this module runs
-it as nobody, in a folder of its own with copies of the plugins and captures; `python3 -m sistap.wireshark ARGUMENTS` is
-tshark with that difference. Only root and nobody may enter that folder: a capture may be a secret.
+Run as root, Wireshark silently skips plugins and extcaps that the environment names. So as root this module runs tshark
+as nobody, in a temporary folder with copies of the plugins and captures. `python3 -m sistap.wireshark ARGUMENTS` does
+the same for any arguments. Only root and nobody may enter that folder: a capture may be a secret.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
+from sistap.terminal import temporary
 from sistap.terminal.advice import advice
 from sistap.terminal.stop import held
 
 NOBODY = 65534
 OLDEST_WIRESHARK = (4, 0)
-_PIECE = 1 << 20  # of a capture that is copied
+_PIECE = 1 << 20  # bytes copied at once
 _FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
 
 # Where installers put Wireshark without adding it to PATH.
@@ -39,11 +40,11 @@ _FOLDERS = {
 
 
 class TsharkError(Exception):
-    """tshark is missing or failed; the text is the one line to show."""
+    """tshark is missing or failed; the text is the line to show."""
 
 
 class Version(NamedTuple):
-    """Which Wireshark this is."""
+    """The version of a Wireshark."""
 
     text: str  # "4.0.17"
     major: int
@@ -51,7 +52,7 @@ class Version(NamedTuple):
 
 
 def version(text: str) -> Version | None:
-    """Find the version in what `--version` prints, if it is there."""
+    """Return the version in the output of `--version`, if it is there."""
     match = re.search(r"(\d+)\.(\d+)\S*\d", text)
     return Version(match[0], int(match[1]), int(match[2])) if match else None
 
@@ -65,13 +66,13 @@ class Loaded(NamedTuple):
 
 
 def loaded(text: str) -> list[Loaded]:
-    """Find sis.so and sis.lua in what `-G plugins` prints: name, version, kind and file of each."""
+    """Return sis.so and sis.lua from the output of `-G plugins`: name, version, kind and file of each."""
     rows = [[column.strip() for column in line.split("\t")] for line in text.splitlines()]
     return [Loaded(row[0], row[1], row[-1]) for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
 
 
 def program(name: str) -> str | None:
-    """Find a program of Wireshark, also where its installers put it without adding it to PATH."""
+    """Return the path of a Wireshark program, also where its installers put it without adding it to PATH."""
     return shutil.which(name) or shutil.which(name, path=_FOLDERS.get(sys.platform, ""))
 
 
@@ -83,23 +84,23 @@ def _found(name: str) -> str:
 
 
 class Used(NamedTuple):
-    """What a run of tshark has used."""
+    """The resources that a run of tshark has used."""
 
     seconds: float  # of processor time
-    kilobytes: int  # of memory, at most
+    kilobytes: int  # largest memory
 
 
 class Tshark:
-    """A place to run tshark in; as root with a copy of the plugins that nobody can read. Use it in a `with`.
+    """A place to run tshark in; as root with copies of the plugins in a closed folder. Use it in a `with`.
 
-    At its end, whatever the reason, what still runs is killed and the copies are removed.
+    Its end kills what still runs and removes the copies.
     """
 
     def __init__(self, program: str = "tshark", *, plugins: Path | None = None, drop_rights: bool = True) -> None:
-        """Prepare to run `program`, tshark or a sister of it. TsharkError if it is not installed.
+        """Prepare to run `program`, tshark or a related one. TsharkError if it is not installed.
 
-        It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Root stays root without
-        `drop_rights`: then folders are root's own, and personal plugins are not loaded.
+        It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Without `drop_rights` root stays
+        root: then it uses root's own folders, and personal plugins are not loaded.
         """
         self._path = _found(program)
         self._environment = dict(os.environ)
@@ -110,13 +111,12 @@ class Tshark:
         with held():
             if drop_rights and sys.platform != "win32" and os.geteuid() == 0:
                 self._own = _OwnFolder()
-            # Also at the end of the program, if a signal has come between the `with` and its end.
+            # Also at the end of the program, if a signal comes between the `with` and its end.
             self._end = weakref.finalize(self, _end, self._children, self._own)
         if self._own:
             self._own.prepare(self._environment)
 
     def __enter__(self) -> Tshark:
-        """Nothing more to do."""
         return self
 
     def __exit__(
@@ -128,7 +128,7 @@ class Tshark:
 
     @contextmanager
     def _command(self, arguments: Sequence[str]) -> Iterator[list[str]]:
-        """Return what to run; as root the capture after -r is a copy that nobody can read, for as long as this runs."""
+        """Return the command; as root, a closed copy replaces the capture after -r while this runs."""
         readable = list(arguments)
         copy = ""
         for index, argument in enumerate(arguments[:-1]):
@@ -141,7 +141,7 @@ class Tshark:
                 self._own.remove(copy)
 
     def _settings(self, arguments: Sequence[str]) -> dict[str, Any]:
-        """Make what subprocess has to be told beside the command."""
+        """Return the other arguments for subprocess."""
         nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if self._own else {}
         environment = {**self._environment, "LC_ALL": "C.UTF-8", "TZ": "UTC"}
         stdin = subprocess.DEVNULL if "-" not in arguments else None
@@ -158,7 +158,7 @@ class Tshark:
     def _running(
         self, command: Sequence[str], *, gently: bool = False, **settings: Any
     ) -> Iterator[subprocess.Popen[Any]]:
-        """Run a program and wait for its end; when nobody wants the rest, kill it, or `gently` ask it to end."""
+        """Run a program and wait for its end. If the caller stops early, kill it, or `gently` ask it to end."""
         with self._start(command, **settings) as process:
             try:
                 yield process
@@ -189,9 +189,9 @@ class Tshark:
         return subprocess.CompletedProcess(command, process.returncode, out, err)
 
     def lines(self, arguments: Sequence[str]) -> Generator[str, None, None]:
-        """Run tshark and yield its stdout line by line, as it comes. TsharkError, after the last, if it failed.
+        """Run tshark and yield its stdout line by line. TsharkError after the last line if it failed.
 
-        Who does not want the rest closes the generator: that ends tshark.
+        Closing the generator ends tshark.
         """
         with self._command(arguments) as command, tempfile.TemporaryFile() as errors:
             settings = self._settings(arguments) | {"stdout": subprocess.PIPE, "stderr": errors}
@@ -205,12 +205,12 @@ class Tshark:
                 raise TsharkError(said or f"{Path(self._path).name} ended with exit code {process.returncode}")
 
     def start(self, arguments: Sequence[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
-        """Start tshark with pipes to its stdin and from its stdout; what it says on stderr goes to `errors`."""
+        """Start tshark with pipes to its stdin and from its stdout; its stderr goes to `errors`."""
         settings = self._settings(arguments) | {"stdin": subprocess.PIPE}
         return self._start([self._path, *arguments], stdout=subprocess.PIPE, stderr=errors, **settings)
 
     def usage(self, arguments: Sequence[str]) -> Used:
-        """Run tshark with its output thrown away; return what it used. TsharkError if it failed."""
+        """Run tshark and discard its output; return what it used. TsharkError if it failed."""
         if sys.platform == "win32":
             raise TsharkError("Windows does not tell what a program has used: measure on Linux")
         with (
@@ -224,7 +224,7 @@ class Tshark:
         return Used(usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
 
     def output(self, *arguments: str) -> str:
-        """Run tshark and return its stdout. TsharkError with its last words if it failed."""
+        """Run tshark and return its stdout. TsharkError with its last message if it failed."""
         done = self.run(arguments)
         if done.returncode != 0:
             words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
@@ -233,20 +233,19 @@ class Tshark:
 
 
 class _OwnFolder:
-    """A folder in which nobody has a home, the plugins, and copies of captures. Nobody else may enter it, but root.
+    """A folder for the user nobody, with the plugins and copies of captures. Only root and nobody may enter it.
 
-    It belongs to nobody, so root writes into it through its descriptor, and only files that are not there yet: a link
-    that others who are nobody, too, have put in its way leads nowhere.
+    It belongs to nobody. So root writes into it through its descriptor, and creates only new files: a link put there by
+    another process of nobody leads nowhere.
     """
 
     def __init__(self) -> None:
-        """Make it, for root alone at first."""
-        self.path = Path(tempfile.mkdtemp(prefix="sistap-"))
-        self._descriptor = os.open(self.path, os.O_RDONLY)
+        self._folder = temporary.Folder(NOBODY)
+        self.path, self._descriptor = self._folder.path, self._folder.descriptor
         self._numbers = itertools.count(1)
 
     def prepare(self, environment: dict[str, str]) -> None:
-        """Fill it, and let the environment name what is in it; at last let nobody in."""
+        """Fill it, point the environment to its contents, then give it to nobody."""
         home = self.path / "home"
         home.mkdir()
         environment["HOME"] = str(home)
@@ -264,7 +263,7 @@ class _OwnFolder:
             name, descriptor = self._new_file()
             try:
                 with open(descriptor, "wb") as copy:
-                    if sys.platform != "win32":  # where nobody is root
+                    if sys.platform != "win32":  # Windows has no root
                         os.fchown(descriptor, NOBODY, NOBODY)
                     shutil.copyfileobj(source, copy, _PIECE)
             except OSError as error:
@@ -278,7 +277,7 @@ class _OwnFolder:
         return str(self.path / name)
 
     def _new_file(self) -> tuple[str, int]:
-        """Make a file for root alone; return its name and a descriptor to write to it."""
+        """Make a file for root alone; return its name and a descriptor for writing."""
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
         while True:
             name = f"capture-{next(self._numbers)}"
@@ -292,8 +291,7 @@ class _OwnFolder:
 
     def close(self) -> None:
         """Remove the folder."""
-        os.close(self._descriptor)
-        shutil.rmtree(self.path, ignore_errors=True)
+        self._folder.close()
 
 
 def _end(children: Sequence[subprocess.Popen[Any]], folder: _OwnFolder | None) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A device whose parameters a station gives access to: a control itself, or a drive (fig. 8-2)."""
+"""A device whose parameters a station makes accessible: a control itself, or a drive (fig. 8-2)."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _OUTSIDE_MODULO = 0x700C
 
 
 class Device:
-    """Parameters, the channel to them, and the phase in which they are."""
+    """Parameters, the channel to them, and their phase."""
 
     def __init__(self, parameters: Iterable[Parameter], modulo: dict[str, str] | None = None) -> None:
-        """Switch it on in no phase; who has it puts it into one by `phases`.
+        """Switch it on in no phase; its owner sets one through `phases`.
 
-        `modulo` names, for a parameter, the one with the value that it must be less than.
+        `modulo` maps a parameter to the one whose value is its upper limit.
         """
         self.parameters = {ident(parameter.ident): parameter for parameter in parameters}
         self.channel = Channel()
@@ -27,7 +27,7 @@ class Device:
         self._modulo = modulo or {}
 
     def join(self, phases: Phases) -> None:
-        """Follow these phases; switching them interrupts what is under way on the channel."""
+        """Follow these phases; a switch interrupts what is under way on the channel."""
         self.phases = phases
         phases.on_switch.append(self.channel.interrupt)
 
@@ -48,7 +48,7 @@ class Device:
         return self.find(number).read(element)
 
     def write(self, number: bytes, element: Element, data: bytes, now_ns: int) -> bytes:
-        """Write an element; gives the data status if it is the ident number. May raise AccessError."""
+        """Write an element; return the data status if it is the ident number. May raise AccessError."""
         self.refresh(now_ns)
         parameter = self.find(number)
         if element == Element.DATA:
@@ -59,17 +59,17 @@ class Device:
         return status
 
     def refresh(self, now_ns: int) -> None:
-        """Bring up to date what changes by itself, before an access."""
+        """Update what changes by itself, before an access."""
 
     def written(self, parameter: Parameter, now_ns: int) -> None:
-        """Do what follows from new operating data."""
+        """React to new operating data."""
 
     def restart(self) -> None:
-        """Do what switching off and on does."""
+        """Return to the state after switching off and on."""
         self.channel.cancel()
 
     def _check_modulo(self, parameter: Parameter, data: bytes) -> None:
-        """Positions of a modulo axis are from zero to the modulo value (fig. 8-48)."""
+        """Check that a position of a modulo axis is from zero to the modulo value (fig. 8-48)."""
         limit = self.named(self._modulo.get(parameter.ident, parameter.ident))
         if limit is None or limit is parameter or len(data) != parameter.element_size:
             return

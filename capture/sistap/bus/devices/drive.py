@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A drive: what its parameters do to it, and it to them."""
+"""A drive: how its parameters act on it, and how it acts on them."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _ERROR_MEMORY = "P-0-0192"
 _BASIC_LOAD = "S-0-0262"
 _RESET = "S-0-0099"
 
-# Lists of ident numbers that a drive makes itself, and what belongs to them.
+# Lists of ident numbers that a drive makes itself, and their contents.
 _IDENT_LISTS: dict[str, Callable[[Parameter], bool]] = {
     "S-0-0017": lambda parameter: True,
     "S-0-0025": lambda parameter: parameter.is_command,
     "S-0-0192": lambda parameter: not parameter.is_command and not parameter.read_only,
 }
 
-# Diagnostic number and message: by phase, and of the error that this drive can have.
+# Diagnostic number and message: for each phase, and for the error that this drive can have.
 _DIAGNOSES = {
     0: (0xA000, "A000 Communication phase 0"),
     1: (0xA001, "A001 Communication phase 1"),
@@ -51,7 +51,7 @@ class Drive(Device):
     ) -> None:
         """Switch it on; `seed` decides how its feedback values scatter.
 
-        `tmas_ms` tells how often, while it is enabled, the master control word has to come (chapter 6, 0x03).
+        While it is enabled, the master control word must come at least every `tmas_ms` (chapter 6, 0x03).
         """
         super().__init__(parameters, modulo)
         self._random = random.Random(seed)
@@ -64,7 +64,7 @@ class Drive(Device):
 
     @property
     def enabled(self) -> bool:
-        """Whether the master control word lets it move."""
+        """Tell whether the master control word allows it to move."""
         return self._control_word & _ENABLE == _ENABLE
 
     @property
@@ -73,9 +73,9 @@ class Drive(Device):
         return int.from_bytes(word.data, "little") if word else 0
 
     def hindrance(self, target: int, now_ns: int) -> int | None:
-        """Tell what stands against another phase (fig. 8-49).
+        """Return what prevents another phase (fig. 8-49).
 
-        That parameters are invalid has no code of its own there: the phase is wrong, and S-0-0022 lists them.
+        Invalid parameters have no code of their own there: the phase is wrong, and S-0-0022 lists them.
         """
         self.refresh(now_ns)
         if self.enabled:
@@ -85,7 +85,7 @@ class Drive(Device):
         return None
 
     def refresh(self, now_ns: int) -> None:
-        """Watch for the master control word; bring diagnosis and lists of invalid data up to date."""
+        """Check for the master control word; update diagnosis and lists of invalid data."""
         self._watch(now_ns)
         diagnostic_number, message = self.error or _DIAGNOSES[self.phases.at(now_ns)]
         self._set("S-0-0095", text(message))
@@ -95,7 +95,7 @@ class Drive(Device):
             self._set(name, invalid)
 
     def written(self, parameter: Parameter, now_ns: int) -> None:
-        """Move, or do what a command is for."""
+        """Move, or execute a command."""
         if parameter.ident == "S-0-0036":
             self._move(int.from_bytes(parameter.data, "little", signed=True))
         elif parameter.ident == _MASTER_CONTROL_WORD:
@@ -126,7 +126,7 @@ class Drive(Device):
             memory.data = memory.data[:4] + (newest + memory.data[4:])[: len(memory.data) - 4]
 
     def _move(self, velocity: int) -> None:
-        """Follow a command velocity (0.0001 rpm) as a motor does: nearly."""
+        """Follow a command velocity (0.0001 rpm) approximately, as a motor does."""
         feedback, position = self.named("S-0-0040"), self.named("S-0-0051")
         if feedback:
             feedback.data = number(velocity + self._random.randint(-15_000, 15_000))

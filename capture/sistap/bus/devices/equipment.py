@@ -15,7 +15,7 @@ from sistap.bus.devices.parameter_sets import changed
 from sistap.bus.devices.phases import MASTER_AXIS_TURNS, OPERATING_MODE, Phases
 from sistap.bus.table import NO_TABLES, Table, flag, tables, whole
 
-_OWN = 0  # the device address of a control, and of a drive besides its own (fig. 8-2)
+_OWN = 0  # device address of a control, and the second one of a drive (fig. 8-2)
 _DEVICE = whole(1, 254)
 _SWITCHING_MS = 400
 
@@ -24,7 +24,7 @@ class DriveModel(NamedTuple):
     """Which drive a station is."""
 
     made: type[Drive]
-    sets: tuple[str, ...]  # of parameters; a later one has the last word
+    sets: tuple[str, ...]  # sets of parameters; a later one overrides an earlier one
 
 
 ECODRIVE = DriveModel(Drive, ("drive",))
@@ -32,7 +32,7 @@ INDRADRIVE = DriveModel(IndraDrive, ("drive", "indradrive"))
 
 
 class Equipment:
-    """Devices by their addresses, each with its gate, and the phase in which all of them are."""
+    """Devices by their addresses, each with its gate, and their common phase."""
 
     def __init__(self, table: Table) -> None:
         """Take the phase from the table. May raise ValueError."""
@@ -47,7 +47,7 @@ class Equipment:
     def of_drive(
         cls, table: Table, address: int, seed: int, model: DriveModel, tmas_ms: Callable[[], int | None]
     ) -> Equipment:
-        """Make that of a drive which is a station itself; it has its own address and 0."""
+        """Return the equipment of a drive that is a station itself; it has its own address and 0."""
         equipment = cls(table)
         made = _made(table, *model.sets)
         drive = model.made(made.parameters, f"{seed} drive {address}", made.modulo, tmas_ms)
@@ -59,7 +59,7 @@ class Equipment:
 
     @classmethod
     def of_control(cls, table: Table, address: int, seed: int, synax: bool) -> Equipment:
-        """Make that of a control; its drives are in the key `devices`."""
+        """Return the equipment of a control; its drives are in the key `devices`."""
         equipment = cls(table)
         equipment._turning = table.take("turning", flag, False)
         own = Device(_made(table, "control").parameters)
@@ -88,7 +88,7 @@ class Equipment:
         self.drives.append(drive)
 
     def _against(self, target: int, now_ns: int) -> int | None:
-        """Tell which code of fig. 8-49 stands against a phase."""
+        """Return the code of fig. 8-49 that prevents a phase."""
         if self._turning:
             return MASTER_AXIS_TURNS
         codes = (drive.hindrance(target, now_ns) for drive in self.drives)

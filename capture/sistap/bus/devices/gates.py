@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Gates: what keeps a command from the parameters of a device, before the device is asked (IF02 chapter 8.9)."""
+"""Gates: refuse a command before it reaches the parameters of a device (IF02 chapter 8.9)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sistap.bus.devices.device import Device
 from sistap.bus.devices.parameters import AccessError, Element
 from sistap.bus.service import ChannelError, Request, ServiceFailed
 
-# Raises ServiceFailed or AccessError while there is no way through.
+# Raises ServiceFailed or AccessError while access is not possible.
 Gate = Callable[[Request], None]
 
 _CHANNEL_NOT_OPEN = 0x0001
@@ -20,7 +20,7 @@ _FIRST_WITH_CHANNEL = 2  # the phase from which on drives have a service channel
 
 
 def to_drive(device: Device) -> Gate:
-    """Guard a drive that is a station itself: while its phase is switched its service channel is busy."""
+    """Guard a drive that is a station itself: its service channel is busy while its phase is switched."""
 
     def gate(request: Request) -> None:
         if device.phases.busy(request.now_ns):
@@ -30,7 +30,7 @@ def to_drive(device: Device) -> Gate:
 
 
 def to_control(*, refuses_elements: bool) -> Gate:
-    """Guard a control; SYNAX refuses what is written to other elements than data and ident number itself."""
+    """Guard a control. SYNAX refuses writes to elements other than data and ident number itself."""
 
     def gate(request: Request) -> None:
         writes, element = request.service & 0x0F >= 0xE, request.body[0] >> 3 & 7
@@ -43,8 +43,8 @@ def to_control(*, refuses_elements: bool) -> Gate:
 def through_control(device: Device, off: bool, *, initialization_mode: bool) -> Gate:
     """Guard a drive behind a control.
 
-    It may be switched off; while phases are switched the way to it is busy, and before phase 2 there is none: SYNAX
-    calls that the initialization mode and does not allow the request.
+    It may be switched off. While phases are switched the way to it is busy. Before phase 2 there is none: SYNAX calls
+    that the initialization mode and does not allow the request.
     """
 
     def gate(request: Request) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""An IndraDrive: a drive that goes from operating to parameter mode and back by commands, and has a status word."""
+"""An IndraDrive: a drive with commands that switch between operating and parameter mode, and with a status word."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sistap.bus.devices.procedure import ENABLED, SET
 # The commands that switch the phase, as 0x1D does.
 _LEVELS = {"S-0-0420": PARAMETER_MODE, "S-0-0422": OPERATING_MODE}
 
-# The status word, as a known client reads it: what is ready in bits 15 and 14, error in bit 13, drive halt in bit 4.
+# The status word, as a known client reads it: ready in bits 15 and 14, error in bit 13, drive halt in bit 4.
 _STATUS_WORD = "P-0-0115"
 _NOT_READY, _READY, _WITH_TORQUE = 0x0000, 0x8000, 0xC000
 _ERROR, _HALTED = 0x2000, 0x0010
@@ -22,12 +22,12 @@ class IndraDrive(Drive):
     """The same velocity drive, with parameters of IndraDrive."""
 
     def refresh(self, now_ns: int) -> None:
-        """Bring up to date the status word, too."""
+        """Update the status word as well."""
         super().refresh(now_ns)
         self._set(_STATUS_WORD, self._status(now_ns).to_bytes(2, "little"))
 
     def written(self, parameter: Parameter, now_ns: int) -> None:
-        """Switch the phase if a command says so; what stands against it makes the command fail."""
+        """Switch the phase if a command demands it; an obstacle makes the command fail."""
         super().written(parameter, now_ns)
         target = _LEVELS.get(parameter.ident)
         started = int.from_bytes(parameter.data, "little") == SET | ENABLED

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Parameters from tables: the sets of the virtual bus (sets/*.toml), and what a scenario changes in them."""
+"""Parameters from tables: the sets of the virtual bus (sets/*.toml), and the changes of a scenario."""
 
 from __future__ import annotations
 
@@ -55,10 +55,10 @@ _WRITABLE = {"always": 0, "phase 2": PARAMETER_MODE_ONLY, "never": READ_ONLY}
 
 
 class Made(NamedTuple):
-    """What a set of rows becomes."""
+    """The parameters made from a set of rows."""
 
     parameters: list[Parameter]
-    modulo: dict[str, str]  # by a parameter's name, that of the one with its modulo value
+    modulo: dict[str, str]  # maps a parameter to the one with its modulo value
 
 
 @cache
@@ -69,7 +69,7 @@ def built_in(name: str) -> Rows:
 
 
 def changed(rows: Rows, changes: object) -> Rows:
-    """Return the rows with some keys of some of them replaced, and new ones. ValueError: a change is no table."""
+    """Return the rows with changed keys and new rows. ValueError: a change is not a table."""
     result = dict(rows)
     if not isinstance(changes, Mapping) or not all(isinstance(change, Mapping) for change in changes.values()):
         raise ValueError("use a table of tables, { S-0-0036 = { value = 1 } }")
@@ -79,7 +79,7 @@ def changed(rows: Rows, changes: object) -> Rows:
 
 
 def make(rows: Rows, where: str) -> Made:
-    """Make the parameters. ValueError is one line that names the row, its key and the cure."""
+    """Make the parameters. ValueError is one line with the row, the key and the cure."""
     made = Made([], {})
     for name, row in rows.items():
         try:
@@ -136,7 +136,7 @@ def _list(value: Reading[bytes], elements: object) -> bytes:
 
 
 def _value(kind: _Type, decimals: int, value: object) -> bytes:
-    """Read a value as a person writes it, in the unit of the parameter."""
+    """Parse a value as a person writes it, in the unit of the parameter."""
     if kind.format == Format.IDENT_NUMBER and isinstance(value, str):
         return ident(value)[1:]
     if isinstance(value, bool) or not isinstance(value, int | float):

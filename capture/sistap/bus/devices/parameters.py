@@ -86,18 +86,17 @@ class AccessError(Exception):
     """An access failed; `code` is the error code of fig. 8-48."""
 
     def __init__(self, code: int) -> None:
-        """Say which code."""
         super().__init__(f"0x{code:04X}")
         self.code = code
 
     @classmethod
     def of(cls, element: Element, what: int) -> AccessError:
-        """Make that of an element."""
+        """Return the error of an element."""
         return cls(element << 12 | what)
 
 
 def ident(text: str) -> bytes:
-    """Make type and number of a parameter (fig. 8-3) from its name, such as "S-0-0044" or "P-2-0012"."""
+    """Return type and number of a parameter (fig. 8-3) for its name, such as "S-0-0044" or "P-2-0012"."""
     match = re.fullmatch(r"([SPAC])-([0-7])-(\d{4})", text)
     if not match or int(match[3]) > 0xFFF:
         raise ValueError(f"'{text}' is not a parameter such as S-0-0044")
@@ -107,36 +106,36 @@ def ident(text: str) -> bytes:
 
 
 def control(element: Element) -> int:
-    """Make the control byte (fig. 8-1) for an access in one telegram."""
+    """Return the control byte (fig. 8-1) for an access in one telegram."""
     return element << 3 | LAST
 
 
 def attribute(
     length: Length, format: Format, decimals: int = 0, protection: int = 0, *, command: bool = False
 ) -> bytes:
-    """Make an attribute, with a conversion factor of 1."""
+    """Return an attribute with a conversion factor of 1."""
     bits = 1 | length << 16 | format << 20 | decimals << 24 | protection
     return (bits | (_PROCEDURE_COMMAND if command else 0)).to_bytes(4, "little")
 
 
 def text(characters: str) -> bytes:
-    """Make a list of characters."""
+    """Return a list of characters."""
     return as_list(characters.encode("ascii"))
 
 
 def as_list(elements: bytes, room: int = 0) -> bytes:
-    """Put actual and maximum length before the elements of a list; `room` is the maximum in bytes, if it is more."""
+    """Put actual and maximum length before the elements of a list; `room` is the maximum in bytes, if it is larger."""
     return len(elements).to_bytes(2, "little") + max(len(elements), room).to_bytes(2, "little") + elements
 
 
 def number(value: int) -> bytes:
-    """Make a value of four bytes, with sign."""
+    """Return a value of four bytes, with sign."""
     return value.to_bytes(4, "little", signed=True)
 
 
 @dataclass
 class Parameter:
-    """One parameter; elements it does not have are None."""
+    """One parameter; missing elements are None."""
 
     ident: str
     name: str | None
@@ -148,31 +147,31 @@ class Parameter:
     valid: bool = True
     fixed_length: bool = False  # of a list
     procedure: Procedure | None = None
-    refuse: int | None = None  # a code with which an access to the element it names is refused
+    refuse: int | None = None  # an access to the element of this code is refused with it
 
     def __post_init__(self) -> None:
-        """A command without more to be said of it is done at once."""
+        """Make a plain command a procedure that is done at once."""
         if self.is_command and self.procedure is None:
             self.procedure = Procedure()
 
     @property
     def is_command(self) -> bool:
-        """Whether it is a procedure command."""
+        """Tell whether it is a procedure command."""
         return bool(self._attribute & _PROCEDURE_COMMAND)
 
     @property
     def read_only(self) -> bool:
-        """Whether it is never written."""
+        """Tell whether it can never be written."""
         return self._attribute & READ_ONLY == READ_ONLY
 
     @property
     def is_list(self) -> bool:
-        """Whether its data begin with actual and maximum length."""
+        """Tell whether its data begin with actual and maximum length."""
         return self._length >= Length.LIST_OF_BYTES
 
     @property
     def element_size(self) -> int:
-        """Bytes of the value, or of an element of the list."""
+        """Return the bytes of the value, or of an element of the list."""
         return SIZES[self._length]
 
     def read(self, element: Element) -> bytes:
@@ -195,10 +194,10 @@ class Parameter:
         return data
 
     def write(self, element: Element, data: bytes, phase: int, now_ns: int = 0) -> bytes:
-        """Write an element; gives the data status if it is the ident number. May raise AccessError."""
+        """Write an element; return the data status if it is the ident number. May raise AccessError."""
         self._check_refused(element)
         if element == Element.IDENT_NUMBER:
-            # The number as data is optional (fig. 8-42).
+            # Data for the ident number are optional (fig. 8-42).
             if data not in (b"", ident(self.ident)[1:]):
                 raise AccessError.of(element, WRONG_ACCESS)
             return self.data_status(now_ns).to_bytes(2, "little")
@@ -216,7 +215,7 @@ class Parameter:
         return (self.procedure.status(now_ns) if self.procedure else 0) | (0 if self.valid else _INVALID)
 
     def read_segment(self, offset: int, length: int) -> bytes:
-        """Return a part of a list, in bytes from its first element on, as far as it goes. May raise AccessError."""
+        """Return a part of a list, as far as it goes; it counts bytes from the first element. May raise AccessError."""
         elements = self.data[LENGTH_WORDS:]
         self.check_list()
         self._check_offset(offset, len(elements))
@@ -235,10 +234,10 @@ class Parameter:
         self.data = self.data[:LENGTH_WORDS] + elements[:offset] + data + elements[offset + len(data) :]
 
     def resize(self, lengths: bytes, phase: int) -> None:
-        """Write the two lengths alone: elements are added, with 0, or dropped. May raise AccessError.
+        """Write the two lengths alone: add elements of 0, or drop elements. May raise AccessError.
 
-        The maximum stays what the station says. The length changes in every phase: a known client of IndraDrive
-        writes lists so in phase 4, and no document says that it must not.
+        The station defines the maximum, which stays. The length changes in every phase: a known client of IndraDrive
+        writes lists like this in phase 4, and no document forbids it.
         """
         self.check_list()
         self.check_writable(Element.DATA, phase)
@@ -254,7 +253,7 @@ class Parameter:
         self.data = as_list(self.data[LENGTH_WORDS:][:actual].ljust(actual, b"\0"), room)
 
     def check_list(self) -> None:
-        """Raise AccessError if it has no parts, or an access to them is refused."""
+        """Raise AccessError if it has no parts, or refuses access to them."""
         self._check_refused(Element.DATA)
         if not self.is_list:
             raise AccessError.of(Element.DATA, NO_SUCH_ELEMENT)
@@ -269,7 +268,7 @@ class Parameter:
             raise AccessError.of(element, PROTECTED)
 
     def value(self, data: bytes) -> float:
-        """Read a value of its format; decimals are not looked at."""
+        """Return the number of a value in its format, ignoring decimals."""
         if self._format == Format.FLOAT:
             return float(struct.unpack("<f", data)[0])
         return int.from_bytes(data, "little", signed=self._format == Format.SIGNED)
@@ -287,7 +286,7 @@ class Parameter:
         return Format(self._attribute >> 20 & 7)
 
     def _check_refused(self, element: Element, *only: int) -> None:
-        """Raise the code that was asked for, if it is for this element, or for the channel, or is one of `only`."""
+        """Raise the configured code if it is for this element or the channel, or is one of `only`."""
         if self.refuse is None:
             return
         named, what = self.refuse >> 12, self.refuse & 0xFFF
@@ -301,7 +300,7 @@ class Parameter:
             raise AccessError.of(Element.DATA, TOO_SHORT if len(data) < self.element_size else TOO_LONG)
 
     def _check_list(self, data: bytes, phase: int) -> None:
-        """Check the two lengths before the elements; how long a list can be only the station says."""
+        """Check the two lengths before the elements; the station alone defines the maximum."""
         actual, room = int.from_bytes(data[:2], "little"), int.from_bytes(self.data[2:4], "little")
         if len(data) < LENGTH_WORDS + actual:
             raise AccessError.of(Element.DATA, TOO_SHORT)

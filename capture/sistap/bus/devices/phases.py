@@ -25,16 +25,16 @@ class _Switch(NamedTuple):
     begin_ns: int
     end_ns: int
     failure: int | None
-    busy: bool = True  # meanwhile there is no way to the parameters
+    busy: bool = True  # whether parameters are inaccessible meanwhile
 
 
 class Phases:
-    """Which phase it is, and the switching, which takes time and is asked for with 0x12."""
+    """The phase and its switching, which takes time; service 0x12 asks for its progress."""
 
     def __init__(self, phase: int, takes_ms: int, hindrance: Callable[[int, int], int | None]) -> None:
         """Start in a phase.
 
-        `hindrance` tells which code of fig. 8-49 stands against a phase, at a time in ns; None: nothing does.
+        `hindrance` returns the code of fig. 8-49 that prevents a phase at a time in ns; None: nothing does.
         """
         self._power_on_phase = phase
         self._takes_ns = takes_ms * _MS
@@ -45,11 +45,11 @@ class Phases:
         self.switch_service = Service(0, 1, self._begin)
 
     def restart(self) -> None:
-        """Be in the phase after power-on."""
+        """Return to the phase after power-on."""
         self._switch = _Switch(self._power_on_phase, self._power_on_phase, 0, 0, None)
 
     def at(self, now_ns: int) -> int:
-        """Return the phase; on the way from 2 to 4 it is 3 for the second half of the time."""
+        """Return the phase; between 2 and 4 it is 3 for the second half of the time."""
         switch = self._switch
         if now_ns >= switch.end_ns:
             return switch.before if switch.failure else switch.target
@@ -61,13 +61,13 @@ class Phases:
         return now_ns < self._switch.end_ns
 
     def busy(self, now_ns: int) -> bool:
-        """Tell whether the switching stands in the way to the parameters."""
+        """Tell whether the switching blocks access to the parameters."""
         return self.switching(now_ns) and self._switch.busy
 
     def command(self, target: int, now_ns: int) -> bool:
-        """Switch because a procedure command says so; False if something stands against it.
+        """Switch for a procedure command; return False if something prevents it.
 
-        The way to the parameters stays free: there a master asks whether the command has been executed.
+        The parameters stay accessible: a master asks there whether the command has been executed.
         """
         before = self.at(now_ns)
         if before == target and not self.switching(now_ns):
@@ -89,7 +89,7 @@ class Phases:
         return bytes([self.at(request.now_ns)])
 
     def _begin(self, request: Request) -> bytes:
-        """Acknowledge the command, not the switching: what the drives have against it is told when asked for."""
+        """Acknowledge the command, not the switching: a later request returns the drives' objections."""
         target, now_ns = request.body[0], request.now_ns
         if target not in (PARAMETER_MODE, OPERATING_MODE):
             raise self._failed(WRONG_PHASE, now_ns)

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A procedure command of a drive: started, interrupted and cleared by what is written to its parameter (fig. 8-44)."""
+"""A procedure command of a drive: writes to its parameter start, interrupt and clear it (fig. 8-44)."""
 
 from __future__ import annotations
 
-SET, ENABLED = 0x1, 0x2  # bits of what is written, and of the data status
+SET, ENABLED = 0x1, 0x2  # bits of the written value, and of the data status
 _NOT_YET_EXECUTED, _NOT_POSSIBLE = 0x4, 0x8
 _MS = 1_000_000
 
 
 class Procedure:
-    """Its progress. Written are 0 (clear), 1 (interrupt) and 3 (set and enable)."""
+    """Its progress. Written values are 0 (clear), 1 (interrupt) and 3 (set and enable)."""
 
     def __init__(self, takes_ms: int = 0, fails: bool = False) -> None:
-        """Say how long it takes, and whether it is not possible in the end."""
+        """Set how long it takes, and whether it fails in the end."""
         self._takes_ns = takes_ms * _MS
         self.fails = fails
         self._written = 0
         self._left_ns = self._takes_ns
-        self._since_ns = 0  # it has been running
+        self._since_ns = 0  # start of the run
 
     def write(self, value: int, now_ns: int) -> None:
-        """Do what is written."""
+        """Act on a written value."""
         if self._running:
             self._left_ns = max(0, self._left_ns - (now_ns - self._since_ns))
         if not value & SET:

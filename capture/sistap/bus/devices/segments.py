@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Parts of a list, counted from the two lengths before its elements on, as IndraDrive is read with 0x11 and 0x1E.
+"""Parts of a list, as IndraDrive reads them with 0x11 and 0x1E: the offset counts from the two lengths before the
+elements.
 
-IF02 chapter 8.3 counts from the first element: that is what a parameter does itself.
+IF02 chapter 8.3 counts from the first element, as Parameter does.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from sistap.bus.devices.parameters import LENGTH_WORDS, Parameter
 
 
 def read(parameter: Parameter, offset: int, length: int) -> bytes:
-    """Return a part, as far as it goes; at 0 are the lengths, and elements follow them. May raise AccessError."""
+    """Return a part, as far as it goes; the lengths are at 0, and elements follow. May raise AccessError."""
     if offset == 0:
         parameter.check_list()
         return parameter.data[:length]
@@ -18,7 +19,9 @@ def read(parameter: Parameter, offset: int, length: int) -> bytes:
 
 
 def write(parameter: Parameter, offset: int, data: bytes, phase: int) -> None:
-    """Write a part; at 0 are the lengths, alone, and they change how long the list is. May raise AccessError."""
+    """Write a part. The lengths are at 0 and are written alone: they change the length of the list. May raise
+    AccessError.
+    """
     if offset == 0:
         parameter.resize(data, phase)
     else:

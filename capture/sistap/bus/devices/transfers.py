@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Sequential telegrams: long data in pieces, one transfer at a time for a device (IF02 chapters 2.4, 8.2 and 8.7)."""
+"""Sequential telegrams: long data in pieces, one transfer at a time on each device (IF02 chapters 2.4, 8.2 and 8.7)."""
 
 from __future__ import annotations
 
@@ -9,44 +9,43 @@ from sistap.bus.devices.parameters import LAST, AccessError
 from sistap.bus.service import ChannelError, Request, ServiceFailed, ServiceRefused, Status
 
 HEADER = 5  # control byte, device, parameter
-SEGMENT = 4  # bytes of list offset and length, behind the header of a service for parts of lists
+SEGMENT = 4  # bytes of list offset and length, after the header of a service for parts of lists
 _READ_SEGMENT = 0x1  # low half of the service
 _OCCUPIED = 0x800C  # as a code of a parameter (IndraDrive)
 
-# No document says when a transfer that nobody goes on with ends; a master that was switched off must not keep the
-# channel for good.
+# No document defines when an abandoned transfer ends. A master that was switched off must not block the channel for
+# good.
 ABANDONED_NS = 10_000_000_000
 
 
 @dataclass
 class Transfer:
-    """A transfer under way. What continues it has the same service, sender and header, but for control bit 2."""
+    """A transfer under way. Its next command has the same service, sender and header, except control bit 2."""
 
     service: int
     sender: int
     header: bytes
     data: bytes  # still to be read, or written so far
-    last_ns: int = 0  # when a piece of it came or went
-    cancelled: bool = False  # by something more important than the master
+    last_ns: int = 0  # time of its last piece
+    cancelled: bool = False  # by something more important than its master
 
     @classmethod
     def begun(cls, request: Request, data: bytes) -> Transfer:
-        """Make the one that a command begins."""
+        """Return the transfer that a command begins."""
         return cls(request.service, request.sender, _header(request), data, request.now_ns)
 
 
 class Channel:
-    """The way to a device's parameters."""
+    """The channel to a device's parameters."""
 
     def __init__(self) -> None:
-        """Nothing is under way."""
         self.transfer: Transfer | None = None
 
     def enter(self, request: Request) -> Transfer | None:
-        """Let a command in: gives the transfer that it continues, None if none is under way.
+        """Admit a command; return the transfer that it continues, None if none is under way.
 
-        If only one of service, sender and header is another, that is a continuation gone wrong; if more are, it is
-        something else, which has to wait. Raises ServiceRefused, ServiceFailed or AccessError; the transfer goes on.
+        If only one of service, sender and header differs, the command is a wrong continuation. If more differ, it is a
+        different access and must wait. Raises ServiceRefused, ServiceFailed or AccessError; the transfer continues.
         """
         transfer = self.transfer
         if transfer is None or request.now_ns - transfer.last_ns > ABANDONED_NS:
@@ -67,17 +66,17 @@ class Channel:
         return transfer
 
     def cancel(self, service: int | None = None) -> None:
-        """End what is under way, as a master says: all of it, or only that of a service."""
+        """End what a master cancels: any transfer, or only that of a service."""
         if self.transfer and service in (None, self.transfer.service):
             self.transfer = None
 
     def interrupt(self) -> None:
-        """End what is under way in favour of something else; its master gets to know when it goes on."""
+        """End the transfer in favour of something else; its master learns of it when it continues."""
         if self.transfer:
             self.transfer.cancelled = True
 
 
 def _header(request: Request) -> bytes:
-    """Return the useful data header as it stays the same in all telegrams of a transfer."""
+    """Return the part of the useful data header that all telegrams of a transfer share."""
     size = HEADER + SEGMENT if request.service & 0x0F == _READ_SEGMENT else HEADER
     return bytes([request.body[0] & ~LAST]) + request.body[1:size]

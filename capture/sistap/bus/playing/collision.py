@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Two masters that send at the same time: what a receiver makes of it.
+"""Two masters that send at the same time: what a receiver hears.
 
-Where two transmitters of an RS485 line want the same, the line is that; where they do not, it is whatever the stronger
-one makes of it. A parity bit is such a bit, too.
+Where both transmitters of an RS485 line send the same level, the line has it. Where they differ, the stronger one wins,
+at random. This applies to a parity bit, too.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from sistap.line.settings import Flag
 
 
 def collide(sending: Sending, other: bytes, scatter: random.Random) -> None:
-    """Mix the characters of another telegram, which begins somewhere in this one, into what is sent."""
+    """Mix the characters of another telegram, which begins within this one, into what is sent."""
     start = scatter.randrange(len(sending.slots))
     for place, value in enumerate(other, start=start):
         if place < len(sending.slots):
@@ -33,5 +33,5 @@ def _mixed(one: int, other: int, scatter: random.Random) -> Slot:
 
 
 def _either(one: int, other: int, bits: int, scatter: random.Random) -> int:
-    """Return bits on which the two agree; where they do not, any."""
+    """Return the bits on which both agree; the others are random."""
     return one ^ ((one ^ other) & scatter.getrandbits(bits))

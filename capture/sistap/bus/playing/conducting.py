@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Lets masters have the word, one after the other, and does on the line what their scripts say."""
+"""Passes the word from one master to the next, and performs the actions of their scripts on the line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sistap.sis.telegram import is_whole
 
 
 class _Master:
-    """A script and the action that it waits for; None when it is over."""
+    """A script and the action that waits; None at its end."""
 
     def __init__(self, address: int, script: Script) -> None:
         self.address = address
@@ -21,7 +21,7 @@ class _Master:
         self.pending: Action | None = next(script, None)
 
     def tell(self, reaction: bytes | None = None) -> None:
-        """Say what the pending action brought; then another is pending."""
+        """Send the result of the pending action to the script; then the next action is pending."""
         try:
             self.pending = self._script.send(reaction)
         except StopIteration:
@@ -29,9 +29,9 @@ class _Master:
 
 
 def conduct(line: Line, scripts: Mapping[int, Script], end_ns: float = math.inf) -> Iterator[Played]:
-    """Play the scripts of masters, by their addresses: the first has the word until it hands over the token or ends.
+    """Play the scripts of masters by address. The first has the word until it passes the token or ends.
 
-    What has begun before `end_ns`, a time of the line, is played to its end.
+    An action that began before `end_ns`, a time of the line, is completed.
     """
     masters = [_Master(address, script) for address, script in scripts.items()]
     while masters and line.now_ns < end_ns:
@@ -42,7 +42,7 @@ def conduct(line: Line, scripts: Mapping[int, Script], end_ns: float = math.inf)
         elif isinstance(action, Token):
             yield from line.send(action.telegram)
             holder.tell()
-            # Whose script is over does not take the token: the next one has it.
+            # A master whose script has ended ignores the token; the next one has it.
             place = next((n for n, master in enumerate(masters) if master.address == action.receiver), 1)
             masters = masters[place:] + masters[:place]
         elif isinstance(action, bytes):

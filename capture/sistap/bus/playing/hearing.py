@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a receiver with other line settings than the sender's makes of a character, bit by bit.
+"""What a receiver with other line settings than the sender makes of a character, bit by bit.
 
-A UART looks at the line in the middle of each bit, counted at its own rate from the edge of the start bit.
+A UART samples the line in the middle of each bit, counted at its own rate from the edge of the start bit.
 """
 
 from __future__ import annotations
@@ -13,18 +13,17 @@ from sistap.line.settings import Flag, LineSettings
 
 
 def received(character: Character, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, int]:
-    """Return value and flags of a character of the bus, as a tap receives it; a fault of the line is everybody's."""
-    if tap[:3] == line[:3]:  # a receiver looks at no more than one stop bit
+    """Return value and flags of a character of the bus at a tap; everybody hears a fault of the line."""
+    if tap[:3] == line[:3]:  # a receiver samples one stop bit at most
         return character.value, character.flags
     value, flags = hear(character.value, line, tap, noise)
     return value, character.flags | flags
 
 
 def hear(value: int, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, Flag]:
-    """Return value and flags of a character sent with `line` and received with `tap`; at the same rate exactly so.
+    """Return value and flags of a character sent with `line` and received with `tap`; exact at equal rates.
 
-    At another rate one character is heard as one, too, and where the receiver still listens when it is over, `noise` is
-    what follows it.
+    At another rate, one character is heard as one. If the receiver still listens when it is over, `noise` follows it.
     """
     if tap.baud == 0:
         tap = tap._replace(baud=line.baud)
@@ -41,7 +40,7 @@ def hear(value: int, line: LineSettings, tap: LineSettings, noise: random.Random
 
 
 def _bits(value: int, line: LineSettings) -> list[int]:
-    """Start bit, data from the lowest bit on, parity, stop bit."""
+    """Return start bit, data from the lowest bit on, parity, stop bit."""
     data = [value >> place & 1 for place in range(line.data_bits)]
     parity = [] if line.parity == "N" else [_parity(value, line.parity)]
     return [0, *data, *parity, 1]
@@ -53,5 +52,5 @@ def _parity(value: int, parity: str) -> int:
 
 
 def _after(line: LineSettings, tap: LineSettings, noise: random.Random) -> int:
-    """What the line is after the character: at rest, unless the receiver is far behind."""
+    """Return the level after the character: idle, unless the receiver is far behind."""
     return 1 if line.baud == tap.baud else noise.getrandbits(1)

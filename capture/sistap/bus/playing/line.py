@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What masters talk over: the simulated line (player.py) or a real one (real/talking.py)."""
+"""The interface of a line: the simulated one (player.py) or a real one (real/talking.py)."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from sistap.bus.playing.played import Played
 from sistap.bus.playing.script import Rate
 from sistap.line.settings import LineSettings
 
-Exchange = Generator[Played, None, bytes | None]  # what is sent, and the reaction it came to
+Exchange = Generator[Played, None, bytes | None]  # yields what is sent, returns the reaction
 
 
 class Line(Protocol):
-    """Whoever brings what a master says to the stations."""
+    """Carries what a master says to the stations."""
 
     collided: bool  # in the last exchange, with the rival's command
 
     @property
     def settings(self) -> LineSettings:
-        """The settings of now."""
+        """Return the present settings."""
 
     @property
     def now_ns(self) -> int:
-        """The time, in ns since the bus was started; before it nothing more is sent."""
+        """Return the time in ns since the bus was started; nothing more is sent before it."""
 
     def exchange(self, command: bytes, rival: bytes | None) -> Exchange:
-        """Send a command, come to its reaction, or None when TrS is over; `rival` is what another master may send."""
+        """Send a command; return its reaction, or None after TrS. `rival` is a command that another master may send."""
 
     def send(self, characters: bytes) -> Iterator[Played]:
-        """Send characters that nobody has to answer."""
+        """Send characters that need no answer."""
 
     def wait(self, ns: int) -> None:
-        """Be silent for so long."""
+        """Be silent for that long."""
 
     def change(self, rate: Rate) -> None:
-        """Go on at another rate."""
+        """Continue at another rate."""

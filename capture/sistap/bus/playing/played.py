@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What was sent in one go, as receivers get it: characters with their times, and how adapters group them in reads."""
+"""What was sent at once, as receivers get it: characters with their times, and how adapters group them into reads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TIMING = "times and their uncertainty are those the virtual bus says"
 
 
 class Character(NamedTuple):
-    """One character as a receiver with the bus's own settings gets it; `flags` are Flag.FROM_READER."""
+    """One character as a receiver with the bus's settings gets it; `flags` are Flag.FROM_READER."""
 
     time_ns: int
     value: int
@@ -20,26 +20,26 @@ class Character(NamedTuple):
 
 
 class Played(NamedTuple):
-    """What one station sent in one go.
+    """What one station sent at once.
 
-    `marks` name the faults: "parity@5=42" says that character 5 of `sent` arrived as 42 hex; the others are
-    "break@5", "loss@5", "pause@5" (a pause before it) and "checksum@1". "ascii" marks what is no telegram. What a
-    scenario disturbs is marked with the names of its faults (scenarios/faults.py).
+    `marks` name the faults: "parity@5=42" means that character 5 of `sent` arrived as 42 hex. The others are "break@5",
+    "loss@5", "pause@5" (a pause before it) and "checksum@1". "ascii" marks text that is not a telegram. The marks of a
+    scenario are the names of its faults (scenarios/faults.py).
     """
 
     time_ns: int  # when its first character was sent
     sent: bytes
     characters: list[Character]  # without those that were lost
     marks: list[str]
-    settings: LineSettings = LineSettings()  # with which it was sent
+    settings: LineSettings = LineSettings()  # settings of the sender
     line: int = 0  # 1 and 2: the directions of a full-duplex line
-    uncertainty_ns: int = 0  # of its times, besides what reading several characters at once adds
+    uncertainty_ns: int = 0  # of its times, besides the grouping into reads
 
 
 def reads(characters: Sequence[Character], most: int, character_ns: int) -> Iterator[Sequence[Character]]:
-    """Group the characters of one telegram as a coarse adapter delivers them: `most`, or until a silence.
+    """Group the characters of one telegram as a coarse adapter does: up to `most`, or until a silence.
 
-    The silence is that after which a 16550 reports an unfilled FIFO: four character times.
+    A 16550 reports an unfilled FIFO after a silence of four character times.
     """
     begin = 0
     for end in range(1, len(characters) + 1):
@@ -51,5 +51,5 @@ def reads(characters: Sequence[Character], most: int, character_ns: int) -> Iter
 
 
 def uncertainty(read: Sequence[Character]) -> int:
-    """How much earlier than its read the first of its characters came, in ns."""
+    """Return how much earlier than its read the first of its characters came, in ns."""
     return read[-1].time_ns - read[0].time_ns

@@ -33,7 +33,7 @@ def _undisturbed(sending: Sending, now_ns: int) -> Sending:  # noqa: ARG001
 class Player:
     """The simulated line with its stations: sends telegrams, one after the other."""
 
-    def __init__(  # noqa: PLR0913 - what the line is, who is on it, and what goes wrong
+    def __init__(  # noqa: PLR0913 - the line, its stations, and the faults
         self,
         settings: LineSettings,
         faults: Faults,
@@ -42,7 +42,7 @@ class Player:
         times: Times | None = None,
         disturb: Disturb = _undisturbed,
     ) -> None:
-        """Start at time 0 with a silent line; `disturb` decides what becomes of what is sent, for everybody."""
+        """Start at time 0 with a silent line; `disturb` changes what is sent, for all receivers."""
         self.settings = settings
         self.collided = False
         self._rate_since = 0
@@ -53,19 +53,19 @@ class Player:
         self._stations = stations
         self._disturb = disturb
         self._branch = Branch(faults, seed)
-        # Sources of their own, so that faults change nothing but what they disturb.
+        # Separate random generators, so that faults change only what they disturb.
         self._timing = random.Random(f"{seed} timing")
         self._mixing = random.Random(f"{seed} mixing")
-        self._now = 0  # nothing is sent before
-        self._last_end = 0  # of the last character
+        self._now = 0  # nothing is sent earlier
+        self._last_end = 0  # end of the last character
 
     @property
     def now_ns(self) -> int:
-        """The time before which nothing more is sent."""
+        """Return the time before which nothing more is sent."""
         return self._now
 
     def exchange(self, command: bytes, rival: bytes | None = None) -> Exchange:
-        """Send a command, come to what is answered, and wait as a master does before it goes on."""
+        """Send a command, return its reaction, and wait as a master does before it continues."""
         self._go_to(self._follow.due(self._now))
         sending = self._disturb(Sending(command, self.settings), self._now)
         self.collided = sending.colliding and rival is not None
@@ -75,19 +75,19 @@ class Player:
         commanded_ns = self._now
         reaction = None
         if not sending.damaged and is_whole(command):
-            reactions = [station.react(command, self._now) for station in self._stations]  # a broadcast is for all
+            reactions = [station.react(command, self._now) for station in self._stations]  # a broadcast reaches all
             reaction = next((reaction for reaction in reactions if reaction), None)
-            self._go_to(self._follow.take(command, self._now))  # who accepts alone answers at the new rate
+            self._go_to(self._follow.take(command, self._now))  # a station that accepts alone answers at the new rate
         if reaction is not None:
             reaction = yield from self._answer(reaction, commanded_ns)
         if reaction is None:
-            # Nobody may be asked before they could have answered.
+            # The next command must wait until they could have answered.
             self._now = max(self._now, commanded_ns + self._trs_ns)
         self._now += self._tza_ns + self._timing.randrange(5 * _MS, 25 * _MS)
         return reaction
 
     def send(self, characters: bytes) -> Iterator[Played]:
-        """Send characters that nobody has to answer, and be silent for a while."""
+        """Send characters that need no answer, then be silent for a while."""
         marks = [] if is_whole(characters) else ["ascii"]
         yield from self._put(self._disturb(Sending(characters, self.settings, marks=marks), self._now))
         self._now += self._trs_ns
@@ -97,16 +97,16 @@ class Player:
         self._now += ns
 
     def change(self, rate: Rate) -> None:
-        """Go on at another rate: since the last character, or since the time has come."""
+        """Continue at another rate: from the last character on, or from the given time."""
         if rate.after_ms:
             self._rate_since += rate.after_ms * _MS
-            self._now = max(self._now, self._rate_since + self._trs_ns)  # nobody's timer is exact
+            self._now = max(self._now, self._rate_since + self._trs_ns)  # timers are never exact
         else:
             self._rate_since = self._last_end
         self.settings = self.settings._replace(baud=rate.baud)
 
     def _answer(self, reaction: bytes, commanded_ns: int) -> Exchange:
-        """Send a reaction, come to what the master understands of it if it begins within TrS."""
+        """Send a reaction; return what the master understands of it if it begins within TrS."""
         sending = self._disturb(Sending(reaction, self.settings), self._now)
         if sending.silent:
             return None
@@ -120,17 +120,17 @@ class Player:
         return reaction
 
     def _go_to(self, change: Change | None) -> None:
-        """Go on at the rate that the bus was told."""
+        """Continue at the rate that the bus was told."""
         if change:
             self.settings = self.settings._replace(baud=change.baud)
 
     def _put(self, sending: Sending) -> Iterator[Played]:
-        """Send, after what is on the line before it."""
+        """Send after what is on the line already."""
         if sending.before:
             noise = Sending(bytes(slot.value for slot in sending.before), self.settings, marks=["ascii"])
             noise.slots = sending.before
             yield self._sent(noise)
-            self._now += 2 * self._tza_ns  # or no start would be recognised
+            self._now += 2 * self._tza_ns  # otherwise no start is recognised
         yield self._sent(sending)
 
     def _sent(self, sending: Sending) -> Played:
@@ -147,7 +147,7 @@ class Player:
         return Played(time_ns, sending.sent, characters, sending.marks, sending.settings)
 
     def _interval(self, index: int, sending: Sending) -> int:
-        """How long after the character before it this one comes, in ns; most follow back to back."""
+        """Return the interval in ns from the character before; most follow back to back."""
         character_ns = sending.settings.character_ns
         gap = int(character_ns * 0.2 * self._timing.random() ** 4)
         pause_ns = self._branch.pause(index, self._tza_ns, sending.marks)

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a master does: a script is a generator of actions, and is told what each of them brought."""
+"""A script: a generator of a master's actions that receives the result of each."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
 from typing import NamedTuple
 
-_GROUPS = 200  # from this receiver address on nobody answers (IF02 chapter 2.2)
+_GROUPS = 200  # nobody answers at this receiver address or above (IF02 chapter 2.2)
 
 
 class Rate(NamedTuple):
-    """From here on the bus has this rate; the master is silent until `after_ms` after it had the one before."""
+    """The bus has this rate from here on; the master stays silent until `after_ms` after the former rate began."""
 
     baud: int
     after_ms: int = 0
 
 
 class Wait(NamedTuple):
-    """The master is silent for so long."""
+    """The master is silent for that long."""
 
     ns: int
 
@@ -29,25 +29,25 @@ class Raw(NamedTuple):
 
 
 class Token(NamedTuple):
-    """Another master has the word; the telegram says so (service 0x0F)."""
+    """Another master gets the word; the telegram says so (service 0x0F)."""
 
     receiver: int
     telegram: bytes
 
 
-# Bytes are a command telegram; the script is told its reaction, or None.
+# Bytes are a command telegram. The script receives its reaction, or None.
 Action = bytes | Rate | Wait | Raw | Token
 Script = Generator[Action, bytes | None, None]
 
 
 def is_answered(command: bytes) -> bool:
-    """Tell whether a whole command is for one station: the last of its addresses decides."""
+    """Tell whether a whole command is for one station: its last address decides."""
     subaddresses = command[4] & 0x07
     return command[7 + subaddresses] < _GROUPS
 
 
 def repeating(script: Script, repeats: int, twm_ns: int) -> Script:
-    """Send what was not answered again, after TwM, so many times (chapter 10.5: only the originator repeats)."""
+    """Repeat an unanswered command after TwM, up to that many times (chapter 10.5: only the originator repeats)."""
     reaction = None
     while True:
         try:

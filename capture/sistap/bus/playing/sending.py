@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Characters on their way to the line, where faults still can change them."""
+"""Characters on their way to the line, where faults can still change them."""
 
 from __future__ import annotations
 
@@ -12,29 +12,28 @@ CHECKSUM = 1  # its place in a telegram
 
 @dataclass
 class Slot:
-    """One character, and what is different about it."""
+    """One character, and its deviations."""
 
     value: int
     flags: int = 0  # of Flag.FROM_READER
-    pause_ns: int = 0  # in front of it, more than usual
+    pause_ns: int = 0  # pause before it, beyond the usual one
 
 
 @dataclass
 class Sending:
-    """What a station sends in one go, and what becomes of it on the line."""
+    """What a station sends at once, and what happens to it on the line."""
 
     sent: bytes
-    settings: LineSettings  # with which it is sent
+    settings: LineSettings  # settings of the sender
     slots: list[Slot] = field(default_factory=list)
-    before: list[Slot] = field(default_factory=list)  # what is on the line before it, and is nobody's
+    before: list[Slot] = field(default_factory=list)  # what is on the line before it, from no sender
     marks: list[str] = field(default_factory=list)
-    delay_ns: int = 0  # of a reaction, more than usual
+    delay_ns: int = 0  # extra delay of a reaction
     silent: bool = False  # it is not sent at all
     colliding: bool = False  # another master sends at the same time
     damaged: bool = False  # no station understands it
 
     def __post_init__(self) -> None:
-        """Begin with what is sent."""
         self.slots = [Slot(value) for value in self.sent]
 
     def set_checksum(self, value: int) -> None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Faults on the tap's branch of the wire: the stations understand each other all the same.
+"""Faults on the tap's branch of the wire: the stations still understand each other.
 
-What a scenario disturbs (scenarios/faults.py) is on the line itself: who does not understand a command does not answer.
+Faults of a scenario (scenarios/faults.py) are on the line itself: a station that does not understand a command does not
+answer.
 """
 
 from __future__ import annotations
@@ -15,17 +16,17 @@ from sistap.line.settings import Flag
 
 
 class Faults(NamedTuple):
-    """Probabilities of faults: of a character, but `checksum` of a telegram."""
+    """Probabilities of faults, for each character; `checksum` for each telegram."""
 
-    parity: float = 0.0  # a bit is wrong, and the parity bit tells
-    break_: float = 0.0  # the line is held down over a character: 00 and a break arrive
-    loss: float = 0.0  # a character does not arrive, and the next one tells
+    parity: float = 0.0  # a bit is wrong, and the parity bit shows it
+    break_: float = 0.0  # the line is held low for a character: 00 and a break arrive
+    loss: float = 0.0  # a character does not arrive, and the next one shows it
     checksum: float = 0.0  # sent with a wrong checksum
     pause: float = 0.0  # later than TzA allows
 
     @classmethod
     def parse(cls, text: str) -> Faults:
-        """Read "parity=0.01,loss=0.001"; ValueError says what is wrong with it."""
+        """Parse "parity=0.01,loss=0.001"; ValueError says what is wrong with it."""
         names = {name.rstrip("_"): name for name in cls._fields}
         values: dict[str, float] = {}
         for item in text.split(","):
@@ -43,29 +44,28 @@ NO_FAULTS = Faults()
 
 
 class Branch:
-    """What faults make of what is sent; they have a source of chance of their own, and so change nothing else."""
+    """Applies faults to what is sent. They have a random generator of their own, and so change nothing else."""
 
     def __init__(self, faults: Faults, seed: int) -> None:
-        """Begin with nothing lost."""
         self._faults = faults
         self._noise = random.Random(f"{seed} noise")
-        self._lost = False  # characters were lost since the last that arrived
+        self._lost = False  # since the last character that arrived
 
     def falsify(self, sending: Sending) -> None:
-        """Give a telegram that nothing else has happened to a wrong checksum, if that is to be."""
+        """Give an otherwise good telegram a wrong checksum, at random."""
         if not sending.marks and self._happens(self._faults.checksum):
             sending.marks.append(f"checksum@{CHECKSUM}")
             sending.set_checksum(sending.sent[CHECKSUM] ^ self._noise.randrange(1, 256))
 
     def pause(self, index: int, tza_ns: int, marks: list[str]) -> int | None:
-        """Return the interval, in ns, in front of a character that comes later than TzA allows; None: it does not."""
+        """Return the interval in ns before a character that comes later than TzA allows; None: in time."""
         if not index or not self._happens(self._faults.pause):
             return None
         marks.append(f"pause@{index}")
         return int(tza_ns * self._noise.uniform(1.5, 3))
 
     def arrived(self, index: int, slot: Slot, time_ns: int, marks: list[str]) -> Character | None:
-        """Return a character as it arrives; None: it is lost, and the next one tells."""
+        """Return a character as it arrives; None: it is lost, and the next one shows it."""
         if self._happens(self._faults.loss):
             marks.append(f"loss@{index}")
             self._lost = True

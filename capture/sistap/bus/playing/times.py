@@ -9,7 +9,7 @@ from sistap.line.settings import LineSettings
 
 
 class Times(NamedTuple):
-    """What the master tells the drives with service 0x03, in ms."""
+    """The times that the master sets with service 0x03, in ms."""
 
     trs: int  # slave reaction time
     tza: int  # character interval
@@ -17,6 +17,6 @@ class Times(NamedTuple):
 
     @classmethod
     def for_line(cls, settings: LineSettings) -> Times:
-        """Choose times that the line can keep: TzA 5 ms, or four characters of a slow line."""
+        """Return times that the line can keep: TzA 5 ms, or four characters of a slow line."""
         tza = max(5, -(-4 * settings.character_ns // 1_000_000))
         return cls(10 * tza, tza, 100 * tza)

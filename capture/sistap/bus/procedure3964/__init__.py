@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """An S5 and a PPC that talk over procedure 3964R: the bus of SYNAX200 without SIS.
 
-partner is one side of the procedure: who asks, grants, sends, repeats. rk512 makes and reads the telegrams in its
-blocks, heads the Indramat extension in them. s5 is the master and ppc the slave; link is the line between them, with
+partner is one side of the procedure: it requests, grants, sends, repeats. rk512 makes and parses the telegrams in its
+blocks, heads the Indramat extension in them. s5 is the master and ppc the slave. link is the line between them, with
 its times.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The Indramat extension: the head in front of the data of a first telegram. All words are high byte first."""
+"""The Indramat extension: the head before the data of a first telegram. All words are high byte first."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from sistap.bus.devices.parameters import ident
 
 _LAYOUT = struct.Struct(">HBBH")  # info access, axis, parameter type, parameter
 SIZE = _LAYOUT.size
-_WRITE, _LAST = 0x01, 0x02  # bits of the info access; without _LAST it is a current transmission
+_WRITE, _LAST = 0x01, 0x02  # bits of the info access; without _LAST a "current transmission" follows
 
 
 class Head(NamedTuple):
-    """What it says; `parameter` is type and number, as SIS has them (chapter 8.1) but high byte first."""
+    """The contents of a head; `parameter` is type and number, as in SIS (chapter 8.1) but high byte first."""
 
     write: bool
     last: bool
@@ -23,19 +23,18 @@ class Head(NamedTuple):
 
     @classmethod
     def of(cls, name: str, axis: int, *, write: bool, last: bool = True) -> Head:
-        """Make that of a parameter such as "S-0-0237". ValueError if it is none."""
+        """Return the head of a parameter such as "S-0-0237". ValueError for anything else."""
         kind, low, high = ident(name)
         return cls(write, last, axis, bytes([kind, high, low]))
 
     @classmethod
     def read(cls, data: bytes) -> Head:
-        """Read it back. ValueError if it is not whole."""
+        """Parse a head. ValueError if it is incomplete."""
         if len(data) < SIZE:
             raise ValueError("the head is cut")
         access, axis, _, _ = _LAYOUT.unpack_from(data)
         return cls(bool(access & _WRITE), bool(access & _LAST), axis, data[3:SIZE])
 
     def __bytes__(self) -> bytes:
-        """Make its bytes."""
         access = (_WRITE if self.write else 0) | (_LAST if self.last else 0)
         return struct.pack(">HB", access, self.axis) + self.parameter

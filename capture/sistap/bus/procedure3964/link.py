@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The line between an S5 and a PPC: when each character comes, and what a tap hears."""
+"""The line between an S5 and a PPC: when each character arrives, and what a tap hears."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from sistap.bus.procedure3964.ppc import Ppc
 from sistap.bus.procedure3964.s5 import S5
 from sistap.line.settings import LineSettings
 
-BOTH = "both"  # marks a request at whose time the S5 asks, too
-_S5, _PPC = 0, 1  # which side; on a full-duplex tap their lines are 1 and 2
+BOTH = "both"  # marks a request at the same time as one of the S5
+_S5, _PPC = 0, 1  # the sides; on a full-duplex tap their lines are 1 and 2
 
 
 class _Arrival(NamedTuple):
     """A character that reaches a side."""
 
     time_ns: int
-    number: int  # those of one time come in this order
+    number: int  # characters of one time arrive in this order
     side: int
     value: int
 
@@ -33,10 +33,10 @@ class _Arrival(NamedTuple):
 class Link:
     """A simulated line. Times are ns since it was switched on."""
 
-    def __init__(  # noqa: PLR0913 - what the line is, who is on it, and what a tap makes of it
+    def __init__(  # noqa: PLR0913 - the line, its sides, and the tap
         self, settings: LineSettings, duplex: bool, s5: S5, ppc: Ppc, faults: Faults, seed: int
     ) -> None:
-        """Connect them: with a line for each (`duplex`), or so that a tap hears both on one."""
+        """Connect them: with a line each (`duplex`), or so that a tap hears both on one."""
         self._settings = settings
         self._duplex = duplex
         self._sides: tuple[S5 | Ppc, S5 | Ppc] = (s5, ppc)
@@ -45,12 +45,12 @@ class Link:
         self._timing = random.Random(f"{seed} timing")
         self._number = itertools.count()
         self._arrivals: list[_Arrival] = []
-        self._said: list[tuple[int, int, Played]] = []  # not yet given
-        self._free_ns = [0, 0]  # when a side has said what it says
-        self._deaf_ns = [0, 0]  # before, it hears nothing
+        self._said: list[tuple[int, int, Played]] = []  # sent but not yet yielded
+        self._free_ns = [0, 0]  # when a side has finished sending
+        self._deaf_ns = [0, 0]  # when a side begins to hear again
 
     def play(self, end_ns: float) -> Iterator[Played]:
-        """Yield all that is said until the S5 has no more to say, in order."""
+        """Yield all that is sent, in order, until the S5 has nothing more to send."""
         while (now_ns := self._next_ns()) is not None and now_ns < end_ns:
             while self._said and self._said[0][0] <= now_ns:
                 yield heapq.heappop(self._said)[2]
@@ -70,7 +70,7 @@ class Link:
         return min(times, default=None)
 
     def _hear(self, arrival: _Arrival) -> None:
-        """Bring a character to a side, when that has said what it was saying."""
+        """Deliver a character to a side, after what that side is sending."""
         now_ns, _, side, value = arrival
         if now_ns < self._deaf_ns[side]:
             return
@@ -80,7 +80,7 @@ class Link:
         self._say(side, self._sides[side].partner.hear(value, now_ns), now_ns)
 
     def _say(self, side: int, saying: Saying | None, now_ns: int) -> None:
-        """Let a side say it, a moment later."""
+        """Let a side send, a moment later."""
         if saying is None:
             return
         begin_ns = now_ns + self._timing.randrange(2 * MS, 8 * MS) + saying.delay_ns
@@ -95,7 +95,7 @@ class Link:
             self._say(_S5, self._s5.partner.look(now_ns), now_ns)
 
     def _put(self, side: int, saying: Saying, begin_ns: int) -> int:
-        """Send characters; return when the last one was there."""
+        """Send characters; return when the last one has arrived."""
         character_ns = self._settings.character_ns
         marks = list(saying.marks)
         heard: list[Character] = []

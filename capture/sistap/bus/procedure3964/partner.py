@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One partner of procedure 3964R: told each character and the time, it says what to send.
+"""One partner of procedure 3964R: takes each character and the time, and returns what to send.
 
-The times are those of Siemens' controls. What goes wrong (Disturb) goes wrong in what a partner says, so that the other
-one deals with it by the procedure alone.
+The times are those of Siemens' controls. A fault (Disturb) changes what a partner sends, so that the other one handles
+it by the procedure alone.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ ATTEMPTS = 6  # to be granted, and to be acknowledged
 
 
 class Saying(NamedTuple):
-    """What a partner says in one go."""
+    """What a partner sends at once."""
 
     meant: bytes
-    said: bytes  # what of it comes onto the line
+    said: bytes  # what of it reaches the line
     marks: tuple[str, ...] = ()
-    delay_ns: int = 0  # so much later than usual; until it is said, its partner is not heard
+    delay_ns: int = 0  # extra delay; until it is sent, the partner is not heard
 
 
 class Occasion(enum.Enum):
-    """What is said."""
+    """What is sent."""
 
     ASK = "ask"
     GRANT = "grant"
@@ -40,7 +40,7 @@ class Occasion(enum.Enum):
 
 
 class Trouble(NamedTuple):
-    """What becomes of it; `number` is a time in ns, or where a block breaks off."""
+    """A fault in it; `number` is a time in ns, or where a block breaks off."""
 
     kind: str
     number: int = 0
@@ -50,14 +50,14 @@ Disturb = Callable[[Occasion], Trouble | None]
 
 
 class State(enum.Enum):
-    """What a partner waits for, with the time it does."""
+    """What a partner waits for, and how long."""
 
     IDLE = 0
     ASKED = 1
     SENT = 2
     RECEIVING = 3
     REFUSING = 4  # until the line is silent
-    REFUSED = 5  # the block comes again
+    REFUSED = 5  # the block will be sent again
 
 
 _LIMITS_NS = {
@@ -70,7 +70,7 @@ _LIMITS_NS = {
 
 
 def packed(data: bytes) -> bytes:
-    """Make a block: each DLE twice, then DLE, ETX, BCC."""
+    """Return a block: each DLE doubled, then DLE, ETX, BCC."""
     block = data.replace(bytes([DLE]), bytes([DLE, DLE])) + bytes([DLE, ETX])
     return block + bytes([check_character(block)])
 
@@ -80,25 +80,25 @@ def _nothing(occasion: Occasion) -> Trouble | None:  # noqa: ARG001
 
 
 class Partner:
-    """One side. What it has received, and whether what it had to send was acknowledged, wait in queues."""
+    """One side. Queues hold what it has received, and whether its blocks were acknowledged."""
 
     def __init__(self, *, high: bool, disturb: Disturb = _nothing) -> None:
-        """Be idle. If both ask, the one of low priority gives way."""
+        """Begin idle. If both request, the one of low priority gives way."""
         self.received: deque[bytes] = deque()
         self.outcomes: deque[bool] = deque()
         self._high = high
         self._disturb = disturb
         self._state = State.IDLE
         self._to_send: bytes | None = None
-        self._ready_ns = 0  # not before it asks
-        self._since_ns = 0  # for so long it has been waiting
+        self._ready_ns = 0  # it does not request earlier
+        self._since_ns = 0  # start of the present wait
         self._asked = self._sent = 0  # attempts
         self._expect()
 
     # -- What it is told ------------------------------------------------------------------------------------------
 
     def send(self, data: bytes, ready_ns: int) -> None:
-        """Send a block as soon as it may, in place of one that has not been sent."""
+        """Send a block as soon as possible, replacing one that has not been sent."""
         self._to_send, self._ready_ns = data, ready_ns
         self._asked = self._sent = 0
 
@@ -107,12 +107,12 @@ class Partner:
         self._to_send = None
 
     def said(self, end_ns: int) -> None:
-        """Note when all that it said was out: what it waits for counts from there."""
+        """Note when everything was sent: the next wait begins there."""
         self._since_ns = end_ns
 
     @property
     def due_ns(self) -> int | None:
-        """When to look again; None: only a character makes a difference."""
+        """Return when to call look again; None: only a character matters."""
         if self._state == State.IDLE:
             return None if self._to_send is None else self._ready_ns
         return self._since_ns + _LIMITS_NS[self._state]
@@ -129,7 +129,7 @@ class Partner:
         return self._grant() if value == STX and self._state != State.REFUSING else None
 
     def look(self, now_ns: int) -> Saying | None:
-        """Do what is due."""
+        """Act on what is due."""
         due_ns = self.due_ns
         if due_ns is None or now_ns < due_ns:
             return None
@@ -143,7 +143,7 @@ class Partner:
     # -- The sender -----------------------------------------------------------------------------------------------
 
     def ask(self) -> Saying | None:
-        """Ask, unless it has asked in vain as often as it may."""
+        """Request, unless all attempts failed."""
         self._asked += 1
         if self._to_send is None or self._asked > ATTEMPTS:
             return self._done(good=False)
@@ -169,11 +169,11 @@ class Partner:
         return Saying(block, block)
 
     def _again(self) -> Saying | None:
-        """Ask again, as the block was not acknowledged."""
+        """Request again, because the block was not acknowledged."""
         return self.ask() if self._sent < ATTEMPTS else self._done(good=False)
 
     def _done(self, *, good: bool) -> Saying | None:
-        """Note the outcome; there is nothing to say to it."""
+        """Note the outcome; nothing is sent."""
         if self._to_send is not None:
             self.outcomes.append(good)
         self._to_send = None
@@ -190,7 +190,7 @@ class Partner:
 
     def _grant(self) -> Saying | None:
         self._state = State.IDLE
-        self._asked = 0  # who gave way begins again
+        self._asked = 0  # the side that gave way starts again
         trouble = self._disturb(Occasion.GRANT)
         if trouble and trouble.kind == "unheard":
             return None

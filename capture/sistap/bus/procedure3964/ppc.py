@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The PPC: a slave that executes commands of RK512 and answers each telegram."""
+"""The PPC: a slave that executes RK512 commands and answers each telegram."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ Place = tuple[int, bytes]  # axis, and type and number of a parameter
 
 @dataclass
 class Memory:
-    """What a PPC has, and what has come of a command that is not complete."""
+    """The contents of a PPC, and the state of a command that is not complete."""
 
     parameters: dict[Place, bytes]
-    lists: frozenset[Place]  # those of them whose length words are sent first
+    lists: frozenset[Place]  # places whose length words are sent first
     blocks: dict[int, bytes] = field(default_factory=dict)
     _writing: Command | None = None  # data of follow-ups are added to its data
-    _list: bytes = b""  # of data blocks with higher numbers
+    _list: bytes = b""  # from data blocks with higher numbers
     _reading: bytes = b""  # what is still to be fetched
 
     def react(self, telegram: bytes) -> Reaction:
-        """Execute a telegram; return what is answered."""
+        """Execute a telegram; return the answer."""
         try:
             command = rk512.read_command(telegram)
         except ValueError:
@@ -73,7 +73,7 @@ class Memory:
         return self._written(self._writing)
 
     def _written(self, command: Command) -> Error:
-        """Take what a command has brought, if it is all there."""
+        """Store what a command has brought, if it is complete."""
         missing = 2 * command.words - len(command.data)
         if missing > 0:
             return Error.NONE
@@ -108,7 +108,7 @@ class Ppc:
     """A PPC at the procedure."""
 
     def __init__(self, partner: Partner, memory: Memory, reaction_ns: int, slow: Mapping[int, int]) -> None:
-        """React so long after a command, to the n-th one as long as `slow` says."""
+        """React that long after a command; `slow` gives the delay of the n-th one."""
         self.partner = partner
         self.memory = memory
         self._reaction_ns = reaction_ns
@@ -117,11 +117,11 @@ class Ppc:
 
     @property
     def due_ns(self) -> int | None:
-        """When to look again."""
+        """Return when to call look again."""
         return self.partner.due_ns
 
     def look(self, now_ns: int) -> None:
-        """Take what the procedure has brought."""
+        """Take what the procedure has received."""
         while self.partner.received:
             self._commands += 1
             reaction = bytes(self.memory.react(self.partner.received.popleft()))

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 LARGEST = 128  # bytes of data in one telegram
-LIST_WORDS = 1984  # of a data block, where an S5 sends a long list in several
+LIST_WORDS = 1984  # in a data block, when an S5 sends a long list in several
 SEND, FETCH = ord("A"), ord("E")
 _DATA_BLOCK = ord("D")
 _FIRST, _FOLLOW_UP = 0x00, 0xFF
@@ -16,7 +16,7 @@ _HEAD, _SHORT_HEAD, _REACTION = 10, 4, 4  # bytes
 
 
 class Error(enum.IntEnum):
-    """The last byte of a reaction, as Siemens numbers them: those of SYNAX are not known."""
+    """The last byte of a reaction, with Siemens' numbers: those of SYNAX are not known."""
 
     NONE = 0x00
     NO_SUCH_BLOCK = 0x14
@@ -26,7 +26,7 @@ class Error(enum.IntEnum):
 
 
 class Command(NamedTuple):
-    """What a command telegram says; of a follow-up letter and data alone."""
+    """The contents of a command telegram; a follow-up has the letter and data only."""
 
     follow_up: bool
     letter: int
@@ -36,36 +36,35 @@ class Command(NamedTuple):
 
 
 class Reaction(NamedTuple):
-    """What a reaction says."""
+    """The contents of a reaction."""
 
     follow_up: bool
     error: int
     data: bytes
 
     def __bytes__(self) -> bytes:
-        """Make the telegram."""
         return bytes([_FOLLOW_UP if self.follow_up else _FIRST, 0, 0, self.error]) + self.data
 
 
 def command(letter: int, block: int, words: int, data: bytes = b"") -> bytes:
-    """Make the first telegram of a command; SYNAX writes 00 00 where Siemens names a coordination flag."""
+    """Return the first telegram of a command; SYNAX writes 00 00 where Siemens has a coordination flag."""
     return bytes([_FIRST, 0, letter, _DATA_BLOCK, block, 0]) + words.to_bytes(2, "big") + bytes(2) + data
 
 
 def follow_up(letter: int, data: bytes = b"") -> bytes:
-    """Make a follow-up telegram."""
+    """Return a follow-up telegram."""
     return bytes([_FOLLOW_UP, 0, letter, _DATA_BLOCK]) + data
 
 
 def sending(block: int, data: bytes) -> Iterator[bytes]:
-    """Yield all telegrams that bring data into a block. They are whole words."""
+    """Yield all telegrams that write data into a block. The data are whole words."""
     yield command(SEND, block, len(data) // 2, data[:LARGEST])
     for start in range(LARGEST, len(data), LARGEST):
         yield follow_up(SEND, data[start : start + LARGEST])
 
 
 def blocks(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield the data blocks of a long list, the highest number first: what does not fit is left for those below."""
+    """Yield the data blocks of a long list, the highest number first: the lower ones hold what does not fit."""
     size = 2 * LIST_WORDS
     count = -(-len(data) // size)
     for place in range(count):
@@ -73,7 +72,7 @@ def blocks(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def read_command(telegram: bytes) -> Command:
-    """Read a command telegram. ValueError if it is none."""
+    """Parse a command telegram. ValueError if it is none."""
     if len(telegram) >= _SHORT_HEAD and telegram[0] == _FOLLOW_UP:
         return Command(True, telegram[2], 0, 0, telegram[_SHORT_HEAD:])
     if len(telegram) < _HEAD or telegram[0] != _FIRST or telegram[3] != _DATA_BLOCK:
@@ -83,7 +82,7 @@ def read_command(telegram: bytes) -> Command:
 
 
 def read_reaction(telegram: bytes) -> Reaction:
-    """Read a reaction. ValueError if it is none."""
+    """Parse a reaction. ValueError if it is none."""
     if len(telegram) < _REACTION or telegram[0] not in (_FIRST, _FOLLOW_UP):
         raise ValueError("no reaction")
     return Reaction(telegram[0] == _FOLLOW_UP, telegram[3], telegram[_REACTION:])

@@ -13,22 +13,22 @@ from sistap.bus.procedure3964.heads import Head
 from sistap.bus.procedure3964.partner import MS, Partner
 from sistap.bus.procedure3964.rk512 import Error, Reaction
 
-REACTION_NS = 5000 * MS  # so long it waits for a reaction at 1200 to 19200 Bd
+REACTION_NS = 5000 * MS  # longest wait for a reaction at 1200 to 19200 Bd
 
 
 class Wait(NamedTuple):
-    """It is silent for so long."""
+    """A silence of that length."""
 
     ns: int
 
 
-# Bytes are a telegram; the script is told its reaction, None if none came.
+# Bytes are a telegram. The script receives its reaction, None if none came.
 Script = Generator[bytes | Wait, Reaction | None, None]
 Step = Callable[[], Script]
 
 
 def fetch(block: int, words: int, head: Head | None = None) -> Script:
-    """Fetch a data block, or what a head names; what does not fit into one telegram comes with follow-ups."""
+    """Fetch a data block, or what a head names; follow-ups fetch what exceeds one telegram."""
     yield from _fetch_on((yield rk512.command(rk512.FETCH, block, words, bytes(head) if head else b"")), 2 * words)
 
 
@@ -40,13 +40,13 @@ def fetch_list(head: Head) -> Script:
 
 
 def _fetch_on(reaction: Reaction | None, size: int) -> Script:
-    """Fetch with follow-ups what is missing of so many bytes."""
+    """Fetch the rest of that many bytes with follow-ups."""
     while reaction is not None and reaction.data and (size := size - len(reaction.data)) > 0:
         reaction = yield rk512.follow_up(rk512.FETCH)
 
 
 def send(pieces: Iterable[tuple[int, bytes]]) -> Script:
-    """Send data blocks, each with as many telegrams as it needs, until one is refused."""
+    """Send data blocks, each with as many telegrams as needed, until one is refused."""
     for block, data in pieces:
         for telegram in rk512.sending(block, data):
             reaction = yield telegram
@@ -58,27 +58,26 @@ class S5:
     """An S5 at the procedure."""
 
     def __init__(self, partner: Partner, script: Script, timing: random.Random) -> None:
-        """Begin with the script at once."""
         self.partner = partner
         self._script = script
         self._timing = timing
-        self._command: bytes | None = None  # to which a reaction is waited for
-        self._due_ns: int | None = 0  # when it goes on without one
+        self._command: bytes | None = None  # waits for its reaction
+        self._due_ns: int | None = 0  # when it continues without one
         self._begun = False
 
     @property
     def due_ns(self) -> int | None:
-        """When to look again."""
+        """Return when to call look again."""
         dues = [due_ns for due_ns in (self._due_ns, self.partner.due_ns) if due_ns is not None]
         return min(dues, default=None)
 
     @property
     def over(self) -> bool:
-        """Whether it has nothing more to say."""
+        """Tell whether it has nothing more to send."""
         return self._due_ns is None
 
     def look(self, now_ns: int) -> None:
-        """Take what the procedure has brought, and go on."""
+        """Take what the procedure has received, and continue."""
         while self.partner.outcomes:
             if not self.partner.outcomes.popleft():
                 self._go_on(None, now_ns)
@@ -93,7 +92,7 @@ class S5:
             self._go_on(None, now_ns)
 
     def repeat(self, now_ns: int) -> None:
-        """Send the command again: it takes its reaction for missing."""
+        """Send the command again, as if its reaction were missing."""
         if self._command is not None:
             self.partner.send(self._command, now_ns)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Stations that answer a real master, at a pseudo terminal or a port (IF02 chapters 2.4, 6 and 10).
 
-What they do when is `Answering`, which knows no clock and no port; `serve` binds it to both.
+`Answering` decides what they do and when; it knows no clock and no port. `serve` binds it to both.
 """
 
 from __future__ import annotations
@@ -19,44 +19,43 @@ from sistap.line.settings import LineSettings
 
 _MS = 1_000_000
 _SECOND = 1_000_000_000
-_LOOK_NS = _SECOND // 2  # so often, at least, does `serve` look up, e.g. to notice a signal on Windows
-# Until the bus has said a TzA this many character times stand in for it: there is no default.
+_LOOK_NS = _SECOND // 2  # longest wait in `serve`, e.g. to notice a signal on Windows
+# Stands in for TzA, in character times, until the bus sets one: there is no default.
 _CHARACTERS_WITHOUT_TZA = 4
 
 
 class Port(Protocol):
-    """Where the master is."""
+    """The connection to the master."""
 
     @property
     def settings(self) -> LineSettings:
-        """With which settings it is open."""
+        """Return the settings with which it is open."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what arrived, nothing if nothing did in that time."""
+        """Return what arrived; empty if nothing did in that time."""
 
     def write(self, data: bytes) -> None:
         """Send."""
 
     def drain(self) -> None:
-        """Come back when all was sent."""
+        """Return when everything was sent."""
 
     def change(self, settings: LineSettings) -> None:
-        """Go on with other settings."""
+        """Continue with other settings."""
 
 
 class BusTime:
     """The time of the bus, in ns since it was started."""
 
     def __init__(self) -> None:
-        """Start at 0."""
         self._zero = monotonic_ns()
 
     def now_ns(self) -> int:
-        """Tell the time."""
+        """Return the time."""
         return monotonic_ns() - self._zero
 
     def until_s(self, time_ns: int) -> float:
-        """Tell how long one would have to sleep from now, in seconds; 0 if it is over."""
+        """Return the seconds from now until then; 0 if it is past."""
         return max(0.0, (time_ns - self.now_ns()) / _SECOND)
 
     def wait_until(self, time_ns: int) -> None:
@@ -65,7 +64,7 @@ class BusTime:
 
 
 class Answer(NamedTuple):
-    """A reaction, and when it is to be sent, at the rate that the line has then."""
+    """A reaction, its time, and the rate of the line then."""
 
     time_ns: int
     reaction: bytes
@@ -75,17 +74,16 @@ class Answering:
     """The stations of a line: characters in, answers out; times are in ns since the bus was started."""
 
     def __init__(self, stations: Sequence[Station], settings: LineSettings) -> None:
-        """Switch the stations on, with the rate of the line."""
         self._settings = settings
         self._ears = [_Ear(station, settings.baud) for station in stations]
 
     @property
     def settings(self) -> LineSettings:
-        """Those of the line. Its rate is the one that some station was last told to have."""
+        """Return the settings of the line. The rate is the last one that any station was told to use."""
         return self._settings
 
     def hear(self, values: bytes, time_ns: int) -> list[Answer]:
-        """Take characters that came together; gives what is to be answered."""
+        """Take characters that came together; return the answers."""
         answers: list[Answer] = []
         for value in values:
             for ear in self._listening():
@@ -95,7 +93,7 @@ class Answering:
         return answers
 
     def wait(self, now_ns: int) -> list[Answer]:
-        """Let time pass: what was damaged is over, a test of a rate begins or ends."""
+        """Let time pass: a damaged telegram ends, or a test of a rate begins or ends."""
         answers: list[Answer] = []
         for ear in self._listening():
             damaged = ear.receiver.silence(now_ns, ear.tza_ns(now_ns, self._settings))
@@ -104,13 +102,13 @@ class Answering:
         return answers
 
     def wake_ns(self, now_ns: int) -> int | None:
-        """Return when `wait` has something to do, if nothing is heard until then; None: never."""
+        """Return when `wait` has something to do if nothing is heard until then; None: never."""
         tests = [ear.station.initialization.test_ends_ns(now_ns) for ear in self._ears]
         silences = [ear.receiver.silence_ends_ns(ear.tza_ns(now_ns, self._settings)) for ear in self._listening()]
         return min((time_ns for time_ns in (*tests, *silences) if time_ns is not None), default=None)
 
     def _listening(self) -> list[_Ear]:
-        """Whoever has another rate than the line hears nothing."""
+        """Return the stations that hear the line: those with its rate."""
         return [ear for ear in self._ears if ear.baud == self._settings.baud]
 
     def _answer(self, ear: _Ear, command: bytes | None, now_ns: int) -> Iterator[Answer]:
@@ -119,7 +117,7 @@ class Answering:
             yield Answer(now_ns + ear.pause_ns(now_ns, self._settings), reaction)
 
     def _follow(self, now_ns: int) -> None:
-        """Give the line the rate of a station that has another since it was looked at last."""
+        """Set the line to the rate of a station whose rate has changed since the last look."""
         for ear in self._ears:
             baud = ear.station.initialization.timing(now_ns).baud
             if baud != ear.baud:
@@ -128,7 +126,7 @@ class Answering:
 
 
 class _Ear:
-    """A station and what it hears."""
+    """A station and its receiver."""
 
     def __init__(self, station: Station, baud: int) -> None:
         self.station = station
@@ -137,12 +135,12 @@ class _Ear:
         station.initialization.power_on(baud)
 
     def tza_ns(self, now_ns: int, settings: LineSettings) -> int:
-        """The longest interval of characters in a telegram."""
+        """Return the longest interval between the characters of a telegram."""
         tza = self._timing(now_ns).tza
         return settings.character_ns * _CHARACTERS_WITHOUT_TZA if tza is None else tza * _MS
 
     def pause_ns(self, now_ns: int, settings: LineSettings) -> int:
-        """How long to wait with a reaction: more than TzA, else nobody takes its start for one, and less than TrS."""
+        """Return the delay of a reaction: more than TzA, else its start is not recognised, and less than TrS."""
         tza_ns, trs = self.tza_ns(now_ns, settings), self._timing(now_ns).trs
         pause_ns = tza_ns + settings.character_ns
         return pause_ns if trs is None else max(tza_ns, min(pause_ns, trs * _MS))
@@ -154,10 +152,10 @@ class _Ear:
 def serve(
     port: Port, stations: Sequence[Station], bus_time: BusTime | None = None, noting: Noting | None = None
 ) -> NoReturn:
-    """Answer the master at a port until a signal handler raises something, or the port is lost, as it says that.
+    """Answer the master at a port until a signal handler raises something, or the port is lost.
 
-    The stations begin with the rate of the port; when they are told another one, the port changes to it. `noting`
-    gets to know what comes and what is answered.
+    The stations begin with the rate of the port; when they are told another one, the port changes to it. `noting` logs
+    what comes and what is answered.
     """
     clock = bus_time or BusTime()
     answering = Answering(stations, port.settings)
@@ -186,7 +184,7 @@ def _serve(port: Port, answering: Answering, clock: BusTime, noting: Noting | No
             port.write(answer.reaction)
             port.drain()
         if answers:
-            answering.wait(clock.now_ns())  # a test begins when its reaction has gone
+            answering.wait(clock.now_ns())  # a test begins after its reaction is sent
             _tune(port, answering, noting)
 
 

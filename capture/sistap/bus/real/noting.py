@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a real master says and is answered, as lines of a log.
+"""Logs what a real master says and the answers, one line each.
 
-Stations cut telegrams by silence; the log cuts them by content, as a tap does. So it has all that came: telegrams for
-others, damaged ones and other characters, too.
+Stations cut telegrams by silence; the log cuts them by content, as a tap does. So it has everything that came,
+including telegrams for others, damaged ones and other characters.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from sistap.line.settings import LineSettings, Read
 from sistap.records.framer import SisFramer
 from sistap.records.record import Record, Type
 
-DAMAGED = "damaged"  # the mark of a telegram with a wrong checksum, and of characters that are none
+DAMAGED = "damaged"  # mark of a telegram with a wrong checksum, and of characters outside telegrams
 _LINE = 0
 
 
 class Noting:
-    """Brings characters and reactions into a log, in the order of their times."""
+    """Logs characters and reactions in the order of their times."""
 
     def __init__(self, log: Log, settings: LineSettings) -> None:
-        """Begin at time 0 of the bus. May raise OSError, here and below."""
+        """Begin at time 0 of the bus. May raise OSError, as do the methods below."""
         self._log = log
         self._settings = settings
         self._framer = SisFramer(_LINE, settings)
-        self._last_ns = 0  # when characters came
+        self._last_ns = 0  # time of the last characters
 
     def heard(self, values: bytes, time_ns: int) -> None:
-        """Take characters that came together, none, too: after a silence nothing more of a telegram comes."""
+        """Take characters that came together, or none: after a silence a telegram is over."""
         if values:
             self._last_ns = time_ns
             self._write(self._framer.feed(Read(_LINE, time_ns, values, bytes(len(values)))))
@@ -38,18 +38,18 @@ class Noting:
             self._write(self._framer.idle(time_ns - self._last_ns))
 
     def said(self, reaction: bytes, time_ns: int) -> None:
-        """Note a reaction that begins now: what came before it is over."""
+        """Log a reaction that begins now: everything before it is over."""
         self.end()
         self._add(reaction, time_ns + self._settings.character_ns, [])
 
     def change(self, settings: LineSettings) -> None:
-        """Go on with other settings."""
+        """Continue with other settings."""
         self.end()
         self._settings = settings
         self._framer = SisFramer(_LINE, settings)
 
     def end(self) -> None:
-        """Note what is left."""
+        """Log what is left."""
         self._write(self._framer.flush())
 
     def _write(self, records: Iterable[Record]) -> None:

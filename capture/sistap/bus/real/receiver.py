@@ -1,27 +1,28 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The ear of a slave: characters with their times in, commands out (IF02 chapters 2.4, 10.3 and 10.5).
+"""The receiver of a slave: characters with their times in, commands out (IF02 chapters 2.4, 10.3 and 10.5).
 
-It knows no clock: every call says what time it is.
+It has no clock: every call passes the time.
 """
 
 from __future__ import annotations
 
 from sistap.sis.telegram import MAX_LENGTH, START, STATIC_LENGTH, checksum_good
 
-_LENGTHS = 4  # characters after which both lengths are there
+_LENGTHS = 4  # characters up to both lengths
 
 
 class Receiver:
-    """Cuts telegrams as a station does, by silence and by the lengths; how good they are is for others to judge."""
+    """Cuts telegrams as a station does, by silence and by the lengths, without checking them."""
 
     def __init__(self) -> None:
-        """Listen to a line that has been silent for long."""
         self._heard = bytearray()  # the telegram so far; empty: waiting for a start
-        self._alternative: int | None = None  # where in it another telegram may have begun
+        self._alternative: int | None = None  # where another telegram may have begun in it
         self._last_ns: int | None = None  # when the last character came
 
     def hear(self, value: int, time_ns: int, tza_ns: int) -> bytes | None:
-        """Take a character; gives the telegram that it completes, or what cannot become one and is over now."""
+        """Take a character; return the telegram that it completes, or characters that cannot become one and have
+        ended.
+        """
         silent = self._last_ns is None or time_ns - self._last_ns > tza_ns
         self._last_ns = time_ns
         over = self._take() if silent and self._hopeless else None
@@ -32,16 +33,16 @@ class Receiver:
         return self._take() if self._complete else over
 
     def silence_ends_ns(self, tza_ns: int) -> int | None:
-        """Return when what cannot become a telegram is over, if no more characters come; None if nothing waits."""
+        """Return when characters that cannot become a telegram end in silence; None if nothing waits."""
         return self._last_ns + tza_ns if self._last_ns is not None and self._hopeless else None
 
     def silence(self, now_ns: int, tza_ns: int) -> bytes | None:
-        """Return what cannot become a telegram, if it is over."""
+        """Return characters that cannot become a telegram, if they have ended."""
         ends_ns = self.silence_ends_ns(tza_ns)
         return self._take() if ends_ns is not None and now_ns >= ends_ns else None
 
     def _go_on(self, value: int, silent: bool) -> None:
-        """Take one more character; after a pause that was too long, another telegram may begin with it."""
+        """Take one more character; after too long a pause, another telegram may begin with it."""
         if silent and value == START:
             self._alternative = len(self._heard)
         if len(self._heard) < MAX_LENGTH:
@@ -63,7 +64,7 @@ class Receiver:
 
     @property
     def _hopeless(self) -> bool:
-        """Whether it has no start character, or two lengths that differ: then only a silence ends it."""
+        """Tell whether it lacks a start character or its lengths differ: then only silence ends it."""
         heard = self._heard
         return bool(heard) and (heard[0] != START or (len(heard) >= _LENGTHS and heard[2] != heard[3]))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A master at a real port: sends commands, waits for reactions, and for the times of the bus (IF02 chapter 10)."""
+"""A master at a real port: sends commands, and waits for reactions and for the times of the bus (IF02 chapter 10)."""
 
 from __future__ import annotations
 
@@ -24,20 +24,19 @@ from sistap.sis.follow import Change, Follow
 from sistap.sis.telegram import parse
 
 _MS = 1_000_000
-_HELD_BACK_NS = 20 * _MS  # a USB adapter delivers so late, at most: its latency timer, and the way
+_HELD_BACK_NS = 20 * _MS  # longest delay of a USB adapter: its latency timer, and the transfer
 _LOOK_S = 0.005
 _LINE = 0
 
-UNASKED = "unasked"  # the mark of what nobody had asked for, or that is damaged
+UNASKED = "unasked"  # the mark of unrequested or damaged characters
 
 
 class RealLine:
-    """A line behind a port, with stations that are not ours."""
+    """A line behind a port, with stations that are not simulated."""
 
     collided = False
 
     def __init__(self, port: TransmittingPort, times: Times) -> None:
-        """Begin at time 0."""
         self.commands = self.reactions = self.unanswered = 0
         self._port = port
         self._times = times
@@ -46,26 +45,26 @@ class RealLine:
 
     @property
     def settings(self) -> LineSettings:
-        """The settings of now."""
+        """Return the present settings."""
         return self._port.settings
 
     @property
     def now_ns(self) -> int:
-        """The time, in ns since the line was opened."""
+        """Return the time in ns since the line was opened."""
         return monotonic_ns() - self._zero
 
     @property
     def counts(self) -> str:
-        """What was sent and heard, in words."""
+        """Return the counts of what was sent and heard, in words."""
         return f"{self.commands} commands, {self.reactions} reactions, {self.unanswered} commands not answered"
 
     def exchange(self, command: bytes, rival: bytes | None = None) -> Exchange:
-        """Send a command; come to its reaction, or None if none begins within TrS. May raise PortLost, PortError."""
+        """Send a command; return its reaction, or None if none begins within TrS. May raise PortLost, PortError."""
         self._go_to(self._follow.due(self.now_ns))
         yield from self._unasked()
         yield self._sent(command)
         self.commands += 1
-        self._go_to(self._follow.take(command, self.now_ns))  # who accepts alone answers at the new rate
+        self._go_to(self._follow.take(command, self.now_ns))  # a station that accepts alone answers at the new rate
         reaction = None
         if is_answered(command):
             reaction = yield from self._reaction(command)
@@ -80,17 +79,17 @@ class RealLine:
         return reaction
 
     def send(self, characters: bytes) -> Iterator[Played]:
-        """Send characters that nobody has to answer; what comes all the same is noted. May raise PortLost."""
+        """Send characters that need no answer; log what comes anyway. May raise PortLost."""
         yield from self._unasked()
         yield self._sent(characters)
         self.wait(self._times.trs * _MS)
 
     def wait(self, ns: int) -> None:
-        """Be silent for so long."""
+        """Be silent for that long."""
         time.sleep(ns / 1e9)
 
     def change(self, rate: Rate) -> None:
-        """Go on at another rate. May raise PortError."""
+        """Continue at another rate. May raise PortError."""
         self.wait(rate.after_ms * _MS)
         self._port.change(self.settings._replace(baud=rate.baud))
 
@@ -99,7 +98,7 @@ class RealLine:
             self._port.change(self.settings._replace(baud=change.baud))
 
     def _sent(self, characters: bytes) -> Played:
-        """Send, and come back when the last character must be out."""
+        """Send; return when the last character must have left."""
         begun_ns = self.now_ns
         character_ns = self.settings.character_ns
         self._port.write(characters)
@@ -108,7 +107,7 @@ class RealLine:
         return Played(begun_ns + character_ns, characters, [], [], self.settings)
 
     def _reaction(self, command: bytes) -> Exchange:
-        """Listen until the reaction is there; it has to begin within TrS, and not to pause for longer than TzA."""
+        """Wait for the reaction. It must begin within TrS, without a pause longer than TzA."""
         framer = SisFramer(_LINE, self.settings)
         reaction = None
         until_ns = self.now_ns + self._times.trs * _MS + _HELD_BACK_NS
@@ -126,13 +125,13 @@ class RealLine:
         return reaction
 
     def _heard(self, record: Record, command: bytes) -> Iterator[Played]:
-        """Note what came, but not what the adapter heard of ourselves."""
+        """Log what came, but not the adapter's echo of our own characters."""
         if record.data != command:
             marks = [] if _answers(record, command) else [UNASKED]
             yield Played(record.time_ns, record.data, [], marks, self.settings)
 
     def _unasked(self) -> Iterator[Played]:
-        """Take what has come meanwhile, such as a reaction that was too late."""
+        """Log what has come meanwhile, such as a late reaction."""
         if data := self._port.read(0):
             yield Played(self.now_ns, data, [], [UNASKED], self.settings)
 
@@ -151,7 +150,7 @@ def _answers(record: Record, command: bytes) -> bool:
 
 
 def talk(name: str, settings: LineSettings, scenario: Scenario, how: Playing, log: Log | None) -> None:
-    """Play the masters of a scenario at a port, and print what came of it. May raise PortError, PortLost, OSError."""
+    """Play the masters of a scenario at a port, and print the result. May raise PortError, PortLost, OSError."""
     with closing(TransmittingPort(name, settings)) as port:
         line = RealLine(port, scenario.times_for(settings))
         if log:

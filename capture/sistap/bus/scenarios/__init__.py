@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Scenarios: the built-in ones, and the code that reads them. How one is written is in README.md.
+"""Scenarios: the built-in ones, and the code that reads them. README.md explains how to write one.
 
-scenario reads a file and can play it; steps are those of a master's script, bodies the useful data of their commands,
-faults what goes wrong. procedure3964 reads those of 3964R. demo is what the demo's master says.
+scenario reads a file and can play it; steps has the steps of a master's script, bodies the useful data of their
+commands, faults the disturbances. procedure3964 reads those of 3964R. demo is the script of the demo's master.
 """

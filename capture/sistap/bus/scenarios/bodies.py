@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The useful data of commands, as a scenario writes them: which keys belong to which service (IF02 chapters 3 to 9)."""
+"""The useful data of commands in a scenario: which keys belong to which service (IF02 chapters 3 to 9)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _TARGETS = {"firmware": 0, "loader": 1}
 
 
 def _sized(size: int) -> Reading[bytes]:
-    """Read a number of so many bytes; negative ones as two's complement."""
+    """Parse a number of that many bytes; negative ones become two's complement."""
     limit = 1 << 8 * size
     reading = whole(-limit // 2, limit - 1)
     return lambda value: (reading(value) % limit).to_bytes(size, "little")
@@ -44,7 +44,7 @@ _OPERATING_DATA: dict[str, Reading[bytes]] = {
     "text": _characters,
 }
 
-# Subservices of service 0x02: number, and its keys in the order of the bytes (chapter 5).
+# Subservices of service 0x02: number, and keys in the order of the bytes (chapter 5).
 _FLASH: dict[str, tuple[int, dict[str, Reading[bytes]]]] = {
     "shutdown": (0x90, {"target": lambda value: bytes([choice(_TARGETS)(value)]), "address": _sized(4)}),
     "reboot": (0x91, {"address": _sized(4)}),
@@ -58,13 +58,13 @@ _FLASH: dict[str, tuple[int, dict[str, Reading[bytes]]]] = {
 
 
 def operating_data(table: Table) -> bytes:
-    """Read what is to be written: data, word, value or text."""
+    """Read the operating data to write: data, word, value or text."""
     key = table.one_of(list(_OPERATING_DATA))
     return table.need(key, _OPERATING_DATA[key])
 
 
 def access(table: Table, key: str, device: int) -> bytes:
-    """Read which element of which parameter: control byte, device address, parameter (chapter 8)."""
+    """Read the element and the parameter: control byte, device address, parameter (chapter 8)."""
     which = table.need(key, lambda name: ident(text(name)))
     element = table.take("element", choice(_ELEMENTS), Element.DATA)
     return bytes([control(element), table.take("device", BYTE, device)]) + which
@@ -106,7 +106,7 @@ def _write(table: Table, device: int) -> Body:
 
 
 def _segment(table: Table, key: str, device: int) -> bytes:
-    """Read which part of a list, in bytes."""
+    """Read the part of a list, in bytes."""
     where = access(table, key, device)
     return where + b"".join(table.need(name, WORD).to_bytes(2, "little") for name in ("offset", "length"))
 
@@ -133,11 +133,11 @@ def _service(table: Table, device: int) -> Body:
 
 
 def rate_mask(value: object) -> bytes:
-    """Read a rate, give its mask (fig. 6-11)."""
+    """Read a rate; return its mask (fig. 6-11)."""
     return bytes([choice({str(rate): mask for rate, mask in BAUD_MASKS.items()})(str(value))])
 
 
-# The key that says what a command is for -> its reading; the second argument is the device, unless a key says it.
+# Maps the key of a command to its reader. The second argument is the device, unless a key names one.
 BODIES: Mapping[str, Callable[[Table, int], Body]] = {
     "identify": _identify,
     "cancel": _cancel,

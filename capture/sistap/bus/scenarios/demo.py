@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The script of the demo's master: which commands it sends, in which order."""
+"""The script of the demo's master: its commands, in order."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _VELOCITY_LIMIT = 29_000_000
 
 
 def commands(settings: LineSettings, seed: int, cycles: int, rates: Sequence[int] = ()) -> Script:
-    """Play the demo: the start-up, then the loop `cycles` times, 0: without end.
+    """Play the demo: the start-up, then the loop `cycles` times (0: endlessly).
 
-    After each loop the bus goes on to the next of `rates` (of RATES), in turn.
+    After each loop the bus changes to the next of `rates` (of RATES), in turn.
     """
     for drive in DRIVES:
         yield from _identification(drive)
@@ -52,7 +52,7 @@ def _identification(drive: int) -> Iterator[bytes]:
 
 
 def _initialization(drive: int, settings: LineSettings) -> Iterator[bytes]:
-    if settings.baud in BAUD_MASKS:  # other rates cannot be said
+    if settings.baud in BAUD_MASKS:  # other rates have no code
         yield build(0x03, MASTER, drive, bytes([drive, 0x07, BAUD_MASKS[settings.baud]]))
     for subservice, milliseconds in enumerate(Times.for_line(settings), start=0x01):
         yield build(0x03, MASTER, drive, bytes([drive, subservice]) + milliseconds.to_bytes(2, "little"))
@@ -70,11 +70,11 @@ def _velocities(scatter: random.Random) -> Iterator[int]:
 def _cycle(cycle: int, velocity: int) -> Iterator[bytes]:
     described = DESCRIBED[cycle % len(DESCRIBED)]
     for drive in DRIVES:
-        # So that whoever listens, since whenever, learns sooner or later how to show every value.
+        # So that a listener who joins at any time learns how to show every value.
         for element in (Element.ATTRIBUTE, Element.NAME, Element.UNIT, Element.DATA):
             yield read_parameter(drive, described, element)
     for drive in DRIVES:
-        # Number 0 would say: do not keep the reaction.
+        # Number 0 would mean: do not keep the reaction.
         yield write_parameter(drive, "S-0-0036", number(velocity), number_of_telegram=cycle % 255 + 1)
         yield read_parameter(drive, "S-0-0040")
         yield read_parameter(drive, "S-0-0051")
@@ -85,7 +85,7 @@ def _cycle(cycle: int, velocity: int) -> Iterator[bytes]:
 
 
 def _change_of_rate(before: int, baud: int) -> Iterator[bytes | Rate]:
-    """Test a rate with one drive (fig. 6-18), then tell it to all: set (fig. 6-12), accept (fig. 6-24)."""
+    """Test a rate with one drive (fig. 6-18), then broadcast it: set (fig. 6-12), accept (fig. 6-24)."""
     drive, mask = DRIVES[0], bytes([BAUD_MASKS[baud]])
     yield build(0x03, MASTER, drive, bytes([drive, 0x08]) + TEST_MS.to_bytes(2, "little") + mask)
     yield Rate(baud)
@@ -106,13 +106,13 @@ def _command(drive: int, parameter: str) -> Iterator[bytes]:
 
 
 def read_parameter(drive: int, parameter: str, element: Element = Element.DATA) -> bytes:
-    """Make a command of service 0x10."""
+    """Return a command of service 0x10."""
     return build(0x10, MASTER, drive, bytes([control(element), drive]) + ident(parameter))
 
 
 def write_parameter(
     drive: int, parameter: str, data: bytes, element: Element = Element.DATA, number_of_telegram: int | None = None
 ) -> bytes:
-    """Make a command of service 0x1F."""
+    """Return a command of service 0x1F."""
     body = bytes([control(element), drive]) + ident(parameter) + data
     return build(0x1F, MASTER, drive, body, number=number_of_telegram)

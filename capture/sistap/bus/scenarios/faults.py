@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What goes wrong on the line of a scenario: which telegram is disturbed, and how."""
+"""The faults on the line of a scenario: which telegram is disturbed, and how."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Place = Callable[[Sending, random.Random], int]
 
 
 def _place(table: Table) -> Place:
-    """Read which character; without the key any."""
+    """Read which character to disturb; without the key any."""
     fixed = table.take("character", whole(0, 262), -1)
 
     def place(sending: Sending, scatter: random.Random) -> int:
@@ -59,10 +59,10 @@ def _lost(table: Table) -> Effect:
 
     def effect(sending: Sending, scatter: random.Random) -> None:
         at = place(sending, scatter)
-        if len(sending.slots) <= 2:  # something has to be left to be sent
+        if len(sending.slots) <= 2:  # something must remain to be sent
             return
         del sending.slots[at]
-        if at < len(sending.slots):  # the line is at rest where it would have been
+        if at < len(sending.slots):  # the line is idle where the character would have been
             sending.slots[at].pause_ns += sending.settings.character_ns
         sending.marks.append(f"lost@{at}")
         sending.damaged = True
@@ -83,7 +83,7 @@ def _extra(table: Table) -> Effect:
 
 
 def _pause(table: Table) -> Effect:
-    """Read a pause: the receiver reads on (chapter 2.4), so it still understands."""
+    """Read a pause. The receiver reads on (chapter 2.4), so it still understands."""
     place, ns = _place(table), table.need("ms", milliseconds)
 
     def effect(sending: Sending, scatter: random.Random) -> None:
@@ -139,7 +139,7 @@ def _break(table: Table) -> Effect:
 
 
 def _noise(table: Table) -> Effect:
-    """Read noise on an idle line: any values, and as often as not a stop bit or a parity that is wrong."""
+    """Read noise on an idle line: any values, half of them with a wrong stop bit or parity."""
     count = table.take("count", whole(1, 4096), 4)
 
     def effect(sending: Sending, scatter: random.Random) -> None:
@@ -159,7 +159,7 @@ def _ascii(table: Table) -> Effect:
 
 
 def _baud(table: Table) -> Effect:
-    """Read a rate that nobody else on the line has."""
+    """Read a rate that no other station uses."""
     baud = table.need("baud", RATE)
 
     def effect(sending: Sending, scatter: random.Random) -> None:
@@ -179,7 +179,7 @@ def _collision(table: Table) -> Effect:
 
 COMMAND, REACTION, TELEGRAM = "command", "reaction", "telegram"
 
-# By kind: its reading, and of which telegrams it can be, most usual first.
+# Maps a kind to its reader and to the telegrams it can affect, most usual first.
 _KINDS: dict[str, tuple[Callable[[Table], Effect], Sequence[str]]] = {
     "checksum": (_checksum, (TELEGRAM, COMMAND, REACTION)),
     "lost": (_lost, (TELEGRAM, COMMAND, REACTION)),
@@ -206,18 +206,18 @@ class Fault:
     kind: str
     effect: Effect
     of: str
-    station: int | None  # the receiver of the command, who sends the reaction
+    station: int | None  # the receiver of the command, which sends the reaction
     master: int | None
     service: int | None
-    places: Sequence[int]  # of the telegrams that are meant, counted from 1; none: all of them
+    places: Sequence[int]  # which of the matching telegrams, counted from 1; none: all
     probability: float
     from_ns: int
     to_ns: int
-    count: int = 0  # telegrams that were meant
+    count: int = 0  # matching telegrams so far
 
     @classmethod
     def of_table(cls, table: Table) -> Fault:
-        """Read it. ValueError names key and cure."""
+        """Parse a table. ValueError names key and cure."""
         kind = table.need("kind", choice({name: name for name in _KINDS}))
         reading, telegrams = _KINDS[kind]
         fault = cls(
@@ -236,7 +236,7 @@ class Fault:
         return fault
 
     def meant(self, telegram: bytes, now_ns: int, scatter: random.Random) -> bool:
-        """Tell whether it happens to this telegram; call it once for each."""
+        """Tell whether it affects this telegram; call it once for each."""
         if not is_whole(telegram):
             return False
         header = parse(telegram)
@@ -254,15 +254,15 @@ class Fault:
 
 
 class Disturbances:
-    """All that goes wrong on a line."""
+    """All faults of a line."""
 
     def __init__(self, faults: Sequence[Fault], seed: int) -> None:
-        """Begin to count; the seed decides what is left to chance."""
+        """Begin to count; the seed decides random values."""
         self._faults = [replace(fault) for fault in faults]
         self._scatter = random.Random(f"{seed} faults")
 
     def __call__(self, sending: Sending, now_ns: int) -> Sending:
-        """Disturb what is sent, as far as a fault is meant for it."""
+        """Disturb what is sent, if a fault applies to it."""
         telegram = sending.sent
         for fault in self._faults:
             if fault.meant(telegram, now_ns, self._scatter):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Scenarios of procedure 3964R: what the tables [s5], [ppc] and [[fault]] say."""
+"""Scenarios of procedure 3964R: the tables [s5], [ppc] and [[fault]]."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _PAUSE_MS = 20
 
 @dataclass
 class Fault:
-    """One [[fault]] table: what becomes of the n-th time that one of the two says something."""
+    """One [[fault]] table: what happens the n-th time that one of the two sends something."""
 
     side: str
     occasion: Occasion
@@ -37,7 +37,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Procedure:
-    """What a file says. It can be played again and again."""
+    """The contents of a file. It can be played again and again."""
 
     duplex: bool
     s5_high: bool
@@ -49,10 +49,10 @@ class Procedure:
     slow_ns: Mapping[int, int]
     faults: Sequence[Fault]
 
-    def play(  # noqa: PLR0913 - as a scenario is played
+    def play(  # noqa: PLR0913 - the options of playing a scenario
         self, settings: LineSettings, seed: int, cycles: int, tap_faults: Faults, end_ns: float
     ) -> Iterator[Played]:
-        """Play the script so often; 0 is without end."""
+        """Play the script that often; 0 means endlessly."""
         memory = Memory(dict(self.parameters), self.lists, dict(self.blocks))
         master = S5(
             Partner(high=self.s5_high, disturb=self._disturb("s5")),
@@ -186,7 +186,7 @@ def _write(table: Table) -> Step:
 
 
 def _write_points(table: Table) -> Step:
-    """Read a cam: points of four bytes, each its own number, in as many data blocks as an S5 needs."""
+    """Read a cam: points of four bytes with its own number as value, in as many data blocks as an S5 needs."""
     points = table.need("points", whole(1, 4000))
     data = _elements(b"".join(point.to_bytes(4, "big") for point in range(1, points + 1)))
     head = _head(table, "write_points", write=True, last=len(data) <= _LARGE)
@@ -225,7 +225,7 @@ _STEPS: Mapping[str, Callable[[Table], Step]] = {
 
 # -- Faults ---------------------------------------------------------------------------------------------------------
 
-# By kind: at what it can be.
+# Maps a kind to the occasions it can affect.
 _KINDS: Mapping[str, Sequence[Occasion]] = {
     "refused": (Occasion.GRANT,),
     "unheard": (Occasion.GRANT,),

@@ -23,7 +23,7 @@ from sistap.bus.scenarios.procedure3964 import Procedure
 from sistap.bus.scenarios.steps import Master, Step, read_steps, script
 from sistap.bus.stations.making import make
 from sistap.bus.stations.station import Station
-from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, flag, tables, text, whole
+from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, flag, instant_ns, tables, text, whole
 from sistap.line.settings import LineSettings
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 
@@ -39,10 +39,10 @@ class Playing:
     """How a scenario is played."""
 
     seed: int = 1
-    cycles: int = 0  # passes of a loop, 0: without end
+    cycles: int = 0  # passes of a loop, 0: endless
     tap_faults: Faults = NO_FAULTS
-    rates: Sequence[int] = ()  # to go to after each loop of the demo
-    end_ns: float = math.inf  # of the bus's time
+    rates: Sequence[int] = ()  # rates to change to after each loop of the demo
+    end_ns: float = math.inf  # time of the bus
 
 
 @dataclass(frozen=True)
@@ -54,53 +54,54 @@ class _MasterTable:
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a file says. It can be played again and again."""
+    """The contents of a file. It can be played again and again."""
 
     title: str
     settings: LineSettings
-    times: Mapping[str, int]  # TrS, TzA and TwM in ms, those that the file says
+    times: Mapping[str, int]  # TrS, TzA and TwM in ms, if the file has them
     ascii_first: bytes
     masters: Sequence[_MasterTable]
     station_tables: Sequence[Mapping[str, object]]
     faults: Sequence[Fault]
     procedure: Procedure | None = None  # of a scenario of 3964R: all that is played
+    begin_ns: int | None = None  # since 1970: its time 0, where time is simulated
 
     @property
     def cut(self) -> Cut:
-        """How a tap cuts what it hears."""
+        """Return how a tap cuts what it hears."""
         return PROCEDURE_3964R if self.procedure else SIS
 
     @property
     def lines(self) -> Sequence[int]:
-        """Their numbers: a shared bus, or the directions of a full-duplex line."""
+        """Return their numbers: a shared bus, or the directions of a full-duplex line."""
         return (1, 2) if self.procedure and self.procedure.duplex else (0,)
 
     @property
     def has_masters(self) -> bool:
-        """Whether somebody asks."""
+        """Tell whether it has masters."""
         return bool(self.masters or self.procedure)
 
     @property
     def has_stations(self) -> bool:
-        """Whether somebody answers."""
+        """Tell whether it has stations."""
         return bool(self.station_tables or self.procedure)
 
     @property
     def is_complete(self) -> bool:
-        """Whether it needs nobody else: masters and stations are its own."""
+        """Tell whether it has both masters and stations."""
         return self.has_masters and self.has_stations
 
     def stations(self, seed: int) -> list[Station]:
-        """Make the stations, as they are when they have been switched on."""
+        """Return the stations, as they are after power-on."""
         return make(self.station_tables, seed)
 
     def times_for(self, settings: LineSettings) -> Times:
-        """Return the times that are kept on the line: those of the file, or what the line can keep."""
+        """Return the times on the line: those of the file, or what the line can keep."""
         usual = Times.for_line(settings)
         return usual._replace(**{name: self.times[name] for name in ("trs", "tza") if name in self.times})
 
     def scripts(self, line: Line, how: Playing) -> dict[int, Script]:
-        """Return what the masters say on this line, by address."""
+        """Return the scripts of the masters on this line, by address."""
         twm_ns = self.times.get("twm", self.times_for(line.settings).trs) * _MS
         return {
             master.address: repeating(
@@ -112,7 +113,7 @@ class Scenario:
         }
 
     def play(self, settings: LineSettings, how: Playing) -> Iterator[Played]:
-        """Play it on a simulated line: all that is sent, in order."""
+        """Play it on a simulated line; yield all that is sent, in order."""
         if self.procedure:
             yield from self.procedure.play(settings, how.seed, how.cycles, how.tap_faults, how.end_ns)
             return
@@ -124,12 +125,12 @@ class Scenario:
 
 
 def names() -> list[str]:
-    """Name the built-in scenarios."""
+    """Return the names of the built-in scenarios."""
     return sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
 
 
 def load(name: str) -> Scenario:
-    """Read a built-in scenario or a file. ValueError or OSError; the text names the file, and a key and its cure."""
+    """Read a built-in scenario or a file. ValueError or OSError; the text has the file, the key and the cure."""
     if name.endswith(_SUFFIX) or "/" in name:
         data = _contents(Path(name))
     elif name in names():
@@ -137,7 +138,7 @@ def load(name: str) -> Scenario:
     else:
         raise ValueError(f"{name} is neither FILE.toml nor a built-in scenario: {', '.join(names())}")
     try:
-        content = tomllib.loads(data.decode("utf-8-sig"))  # Windows editors like to begin with a mark
+        content = tomllib.loads(data.decode("utf-8-sig"))  # Windows editors add a byte order mark
         scenario = _read(Table(content, "the scenario"))
         _check(scenario, set(_tokens(content.get("master"))))
     except UnicodeDecodeError as error:
@@ -145,13 +146,13 @@ def load(name: str) -> Scenario:
     except RecursionError:
         raise ValueError(f"{name}: tables in tables in tables; use fewer levels") from None
     except ValueError as error:  # also from tomllib, with line and column
-        one_line = str(error).replace("\n", "\\n")  # keys and values can have several
+        one_line = str(error).replace("\n", "\\n")  # keys and values can have several lines
         raise ValueError(f"{name}: {one_line}") from None
     return scenario
 
 
 def _contents(path: Path) -> bytes:
-    """Read a file. ValueError if it has no end, such as /dev/zero, or is far too long for a person to have written."""
+    """Read a file. ValueError if it is endless, such as /dev/zero, or far too long for a scenario."""
     with path.open("rb") as file:
         data = file.read(_LONGEST + 1)
     if len(data) > _LONGEST:
@@ -172,6 +173,7 @@ def _read(table: Table) -> Scenario:
         [_master(master) for master in table.take("master", tables("[[master]]"), NO_TABLES)],
         table.take("station", _list, []),
         [Fault.of_table(fault) for fault in table.take("fault", tables("[[fault]]"), NO_TABLES)],
+        begin_ns=table.take("begin", instant_ns, None),
     )
     table.end()
     return scenario
@@ -204,7 +206,7 @@ def _line(table: Table) -> tuple[LineSettings, dict[str, int]]:
 
 
 def character_format(baud: int, format: str) -> LineSettings:
-    """Read rate and format. ValueError if it is none, or has not 8 data bits."""
+    """Read rate and format. ValueError if they are invalid, or without 8 data bits."""
     settings = LineSettings.parse(baud, format)
     if settings.data_bits != 8:
         raise ValueError("SIS needs 8 data bits (for example 8E1)")
@@ -220,7 +222,7 @@ def _master(table: Table) -> _MasterTable:
 
 
 def _tokens(content: object) -> Iterator[object]:
-    """Yield to whom tokens are handed, wherever in scripts."""
+    """Yield the receivers of tokens, anywhere in scripts."""
     if isinstance(content, Mapping):
         if "token" in content:
             yield content["token"]
@@ -231,7 +233,7 @@ def _tokens(content: object) -> Iterator[object]:
 
 
 def _check(scenario: Scenario, tokens: Set[object]) -> None:
-    """Refuse what does not go together. ValueError says what."""
+    """Refuse contradictions. ValueError says which."""
     scenario.stations(0)
     addresses = [master.address for master in scenario.masters]
     if len(set(addresses)) < len(addresses):

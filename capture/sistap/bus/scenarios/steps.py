@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The steps of a master's script, as a scenario writes them: each is a table with one key that says what is done."""
+"""The steps of a master's script in a scenario: each is a table with one key that names the action."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from sistap.bus.stations.memory import CHECKSUMS, module
 from sistap.bus.table import BYTE, LONG, STATION, Table, choice, milliseconds, octets, several, tables, whole
 from sistap.sis.telegram import build, parse, status
 
-_POLL_NS = 100_000_000  # between two questions whether the phase is reached
-_FALL_BACK_MS = 50  # nobody's timer is exact: silence until all have the old rate again
-_POLLS = 100  # then the master gives up
-_PIECES = 1000  # as many a list of 64 KB has, and some more
-_BLOCK = 240  # bytes of a flash program command, at most (chapter 5.6)
+_POLL_NS = 100_000_000  # interval between questions whether the phase is reached
+_FALL_BACK_MS = 50  # silence until all have the old rate again: timers are not exact
+_POLLS = 100  # after that many the master gives up
+_PIECES = 1000  # more than a list of 64 KB has
+_BLOCK = 240  # largest number of bytes of a flash program command (chapter 5.6)
 
 
 @dataclass
 class Master:
-    """Who plays a script, and what is decided when it is played."""
+    """The master that plays a script, and the options of playing."""
 
     address: int
     line: Line
     seed: int
-    cycles: int  # passes of a loop, 0: without end
-    rates: Sequence[int]  # to go to after each loop of the demo
+    cycles: int  # passes of a loop, 0: endless
+    rates: Sequence[int]  # rates to change to after each loop of the demo
     number: Iterator[int] = field(default_factory=lambda: itertools.cycle(range(1, 256)))
 
 
@@ -41,11 +41,11 @@ Step = Callable[[Master], Script]
 
 @dataclass(frozen=True)
 class Address:
-    """To whom a command goes, and with which telegram number."""
+    """The receiver of a command, and its telegram number."""
 
     receiver: int
     route: bytes
-    number: int | None  # NEXT: another one each time
+    number: int | None  # NEXT: a new one each time
 
     @classmethod
     def of(cls, table: Table) -> Address:
@@ -56,11 +56,11 @@ class Address:
 
     @property
     def last(self) -> int:
-        """The address at the end of the route: the device, unless a step says another."""
+        """Return the address at the end of the route: the device, unless a step names another."""
         return self.route[-1] if self.route else self.receiver
 
     def command(self, master: Master, body: Body) -> bytes:
-        """Make the telegram."""
+        """Return the telegram."""
         number = next(master.number) if self.number == NEXT else self.number
         return build(body.service, master.address, self.receiver, body.data, subaddresses=self.route, number=number)
 
@@ -103,7 +103,7 @@ def _body(table: Table, device: int) -> Body:
 
 
 def _list(table: Table) -> Step:
-    """Read a list of services (chapter 7): each item as a step of its own, but for whom."""
+    """Read a list of services (chapter 7): each item is a step, without a receiver."""
     address = Address.of(table)
     data = b""
     for item in table.need("list", tables(f"{table.where}, list item")):
@@ -133,7 +133,7 @@ def _raw(table: Table) -> Step:
 
 
 def _read(table: Table) -> Step:
-    """Read an element; while more follows, the same command asks for the next piece (chapter 8.4)."""
+    """Read an element; the same command asks for the next piece while more follows (chapter 8.4)."""
     address = Address.of(table)
     body = Body(0x10, access(table, "read", address.last))
 
@@ -147,7 +147,7 @@ def _read(table: Table) -> Step:
 
 
 def _write(table: Table) -> Step:
-    """Write an element, in pieces if told so: all but the last say that more follows."""
+    """Write an element, in pieces if required: all but the last say that more follows."""
     address = Address.of(table)
     where, data = access(table, "write", address.last), operating_data(table)
     size = table.take("piece", whole(1, 240), max(1, len(data)))
@@ -164,7 +164,7 @@ def _write(table: Table) -> Step:
 
 
 def _switch(table: Table) -> Step:
-    """Switch the phase and ask until it is reached: the reaction acknowledges the command only (chapter 8.7)."""
+    """Switch the phase and ask until it is reached: the reaction acknowledges only the command (chapter 8.7)."""
     address = Address.of(table)
     phase = table.need("switch", BYTE)
 
@@ -180,7 +180,9 @@ def _switch(table: Table) -> Step:
 
 
 def _download(table: Table) -> Step:
-    """Program a module of so many bytes, block by block, until one is refused (chapter 5.6); the seed decides it."""
+    """Program a module of that many bytes, block by block, until one is refused (chapter 5.6); the seed decides its
+    contents.
+    """
     address = Address.of(table)
     start, length = table.need("download", LONG), table.need("length", whole(CHECKSUMS + 2, 1 << 24))
     device_type = table.take("device_type", BYTE, 4)
@@ -237,7 +239,7 @@ def _repeat(table: Table) -> Step:
 
 
 def _passes(table: Table, key: str, count: Callable[[Master], int]) -> Step:
-    """Read steps that are played again and again, each pass `every_ms` after the one before."""
+    """Read steps that are repeated; each pass begins `every_ms` after the one before."""
     steps = read_steps(table.need(key, tables(f"{table.where}, {key} step")))
     every_ns = table.take("every_ms", milliseconds, 0)
     if not _sends(table.need(key, lambda value: value)):
@@ -254,7 +256,7 @@ def _passes(table: Table, key: str, count: Callable[[Master], int]) -> Step:
 
 
 def _sends(content: object) -> bool:
-    """Tell whether there is a step that takes time whatever it is told: else a loop would never come to an end."""
+    """Tell whether a step takes time in any case: otherwise a loop would never end."""
     if isinstance(content, Mapping):
         silent = {"wait_ms", "at_ms", "repeat", "loop"}
         return any(key in _STEPS.keys() - silent for key in content) or _sends(list(content.values()))
@@ -262,7 +264,7 @@ def _sends(content: object) -> bool:
 
 
 def _test_rate(table: Table) -> Step:
-    """Test a rate for a time (chapter 6.6): the steps are played at that rate, then the old one is back."""
+    """Test a rate for a time (chapter 6.6): play the steps at that rate, then return to the old one."""
     address = Address.of(table)
     mask = table.need("test_rate", rate_mask)
     ms = table.need("ms", whole(1, 0xFFFF))
@@ -285,14 +287,14 @@ def _token(table: Table) -> Step:
     receiver = table.need("token", STATION)
 
     def step(master: Master) -> Script:
-        # The specification reserves the service and does not say what is in it: nothing is.
+        # The specification reserves the service without contents, so it has none.
         yield Token(receiver, build(0x0F, master.address, receiver))
 
     return step
 
 
 def _demo(table: Table) -> Step:
-    """Play what the demo's master says; it is written in Python (master.py), with values that vary."""
+    """Play the script of the demo's master, which is Python (demo.py), with varying values."""
     table.need("play", choice({"demo": 0}))
 
     def step(master: Master) -> Script:

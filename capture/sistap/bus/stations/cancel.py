@@ -8,9 +8,9 @@ from sistap.bus.stations.sercos import Parameters
 
 
 def cancel(parameters: Parameters) -> Service:
-    """Make the service. Device and service may be missing, and one byte alone is taken for the device.
+    """Return the service. Device and service may be missing; a single byte is the device.
 
-    It is good also if there is nothing to cancel. A phase switch goes on.
+    It succeeds even if there is nothing to cancel. A phase switch continues.
     """
 
     def execute(request: Request) -> bytes:

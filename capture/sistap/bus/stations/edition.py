@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What differs between the documents that describe SIS."""
+"""The differences between the documents that describe SIS."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ _STATES = {0x8001: 0b001, 0x800C: 0b010}
 
 
 def _diagnosis(body: bytes, error: bool) -> int:
-    """IF02: the system diagnosis of the station."""
+    """Return the system diagnosis of the station (IF02)."""
     return _SYSTEM_ERROR if error else 0
 
 
 def _state(body: bytes, error: bool) -> int:
-    """ECODRIVE03: what became of the request."""
+    """Return what became of the request (ECODRIVE03)."""
     if body[0] == Status.OK:
         return 0
     return _STATES.get(int.from_bytes(body[-2:], "little"), _STATE_ERROR) << 5
 
 
 class Edition(NamedTuple):
-    """A document, as a station follows it."""
+    """A document that a station follows."""
 
     longest: int  # bytes of data in the reaction to a read parameter
-    point_to_point: int | None  # the receiver address to which everybody answers
+    point_to_point: int | None  # the receiver address that every station answers
     groups: range  # receiver addresses of groups
     lists: bool  # whether there is service 0x04
-    no_shutdown: Mapping[int, int]  # error byte of shutdown and reboot in a phase
+    no_shutdown: Mapping[int, int]  # error byte of shutdown and reboot for each phase
     control: Callable[[bytes, bool], int]  # bits 5 to 7 of the telegram control, by body and error of the station
-    channel_status: int = Status.CHANNEL_ERROR  # the status before the code of the way to a parameter
-    crc32: bool = False  # 0x97 of service 0x02 gives it
+    channel_status: int = Status.CHANNEL_ERROR  # the status before a code of the channel to a parameter
+    crc32: bool = False  # returned by 0x97 of service 0x02
     length_words: bool = False  # the list offset of 0x11 and 0x1E counts from the two lengths before the elements
 
 

@@ -11,12 +11,12 @@ from sistap.bus.stations.edition import Edition
 from sistap.bus.stations.memory import DUAL_PORT_RAM, FIRMWARE, RAM, Memory, additive_good, crc_good
 
 LONGEST_READ = 244  # bytes
-_EVERYTHING = b"\xff" * 8  # to be erased
+_EVERYTHING = b"\xff" * 8  # the whole flash
 _FIRMWARE_TARGET, _LOADER_TARGET = 0, 1
 _FLASH = 4  # device type
-_DEVICES = {2: RAM, 3: DUAL_PORT_RAM}  # device types that are simply written
+_DEVICES = {2: RAM, 3: DUAL_PORT_RAM}  # device types with plain writes
 
-# Error bytes; the code is the subservice and this.
+# Error bytes; the code is the subservice followed by this byte.
 _FIRMWARE_DELETED = 0x02
 _READ_ERROR, _TOO_MUCH = 0x00, 0x0B
 _ERASE_TIMEOUT, _ONLY_IN_LOADER = 0x00, 0x0A
@@ -27,7 +27,7 @@ _ADDITIVE_WRONG, _CRC_WRONG = 0x01, 0x02
 class Flash:
     """A station's loader.
 
-    What failed shows as a system error of the station until 0x9F resets it.
+    A failure is a system error of the station until 0x9F resets it.
     """
 
     def __init__(
@@ -40,8 +40,8 @@ class Flash:
     ) -> None:
         """Start in the firmware.
 
-        `phase` tells the phase at a time, `restart` is what a reboot does besides; a `worn` flash is neither erased
-        nor programmed in time.
+        `phase` returns the phase at a time, `restart` acts on a reboot; a `worn` flash cannot be erased or programmed
+        in time.
         """
         self._memory = memory
         self._phase = phase
@@ -143,7 +143,7 @@ class Flash:
 
 
 def _crc32(block: bytes | None) -> bytes:
-    """IndraDrive: the master compares it; which block has which checksum, only he knows."""
+    """Return a CRC32 (IndraDrive). Only the master knows which block has which checksum."""
     if block is None:
         raise ServiceRefused(Status.INVALID_ADDRESS)
     return zlib.crc32(block).to_bytes(4, "little")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Service 0x00: what a station is (IF02 chapter 3)."""
+"""Service 0x00: identification of a station (IF02 chapter 3)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LONGEST = 40  # characters of firmware and type key
 
 
 def identification(type_key: str, firmware: str, rates: Iterable[int]) -> Service:
-    """Make the service; `rates` in Bd, of RATES."""
+    """Return the service; `rates` in Bd, of RATES."""
     masks = 0
     for baud in rates:
         masks |= BAUD_MASKS[baud]

@@ -19,7 +19,7 @@ _TEST_TOO_LONG = b"\x01"
 
 
 class Timing(NamedTuple):
-    """What holds for a station's line. The times are in ms; None: nobody has said, and there are no defaults."""
+    """The settings of a station's line. The times are in ms; None: never set, and there are no defaults."""
 
     baud: int = RATES[0]
     trs: int | None = None  # slave reaction time
@@ -33,15 +33,15 @@ class _Test(NamedTuple):
     end_ns: int
 
     def holds(self, now_ns: int) -> bool:
-        """At its very beginning not yet: the reaction to the command still comes at the rate before."""
+        """Tell whether a test holds: not at its very beginning, because the reaction still comes at the former rate."""
         return self.begin_ns < now_ns < self.end_ns
 
 
 class Initialization:
-    """What a station was told of its line."""
+    """The settings that a station was told for its line."""
 
     def __init__(self, rates: Collection[int] = RATES) -> None:
-        """Switch it on; `rates` are those that it can be told to have."""
+        """Switch it on; `rates` are those that it accepts."""
         self._rates = rates
         self.power_on()
         self._subservices = {
@@ -55,13 +55,13 @@ class Initialization:
         self.service = Service(2, 2, self._execute)
 
     def power_on(self, baud: int = RATES[0]) -> None:
-        """Forget what it was told; `baud` is the rate that it begins with (9600 unless it keeps another)."""
+        """Forget all settings; `baud` is the rate after power-on (9600 unless the station keeps another)."""
         self.accepted = Timing(baud)
         self._told: dict[str, int] = {}
         self._test: _Test | None = None
 
     def timing(self, now_ns: int) -> Timing:
-        """Return what holds now, with the rate of a test while it lasts."""
+        """Return the present settings, with the rate of a test while it lasts."""
         if self._test and self._test.holds(now_ns):
             return self.accepted._replace(baud=self._test.baud)
         return self.accepted
@@ -71,9 +71,9 @@ class Initialization:
         return self._test.end_ns if self._test and now_ns < self._test.end_ns else None
 
     def _execute(self, request: Request) -> bytes:
-        """Do all that a telegram says, up to what fails; that one is named in the reaction.
+        """Execute all subservices of a telegram up to one that fails; the reaction names that one.
 
-        No document has the reaction to several of them: it is the command without the data, as for a single one.
+        No document has the reaction to several of them. It is the command without the data, as for a single one.
         """
         said = settings(request.body)
         for setting in said:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Stations made from tables, such as the [[station]] tables of a scenario. Their keys are in sets/README.md."""
+"""Makes stations from tables, such as the [[station]] tables of a scenario. Their keys are in sets/README.md."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from sistap.sis.rates import BAUD_MASKS, RATES
 
 _GENERAL = 0x10  # the group of services that every station has
 _DRIVES = 0x80
-_LOADER_SERVICES = range(0x04)  # what is there while no firmware runs
+_LOADER_SERVICES = range(0x04)  # services available without firmware
 _NOTHING: Mapping[int, int] = {}
 
 
 class _Kind(NamedTuple):
-    """What a station can be."""
+    """A kind of station."""
 
     type_key: str
     firmware: str
@@ -52,7 +52,7 @@ _KINDS = {
 
 
 def make(tables: Sequence[Mapping[str, object]], seed: int) -> list[Station]:
-    """Make the stations of one level. ValueError is one line that names the key and the cure."""
+    """Return the stations of one level. ValueError is one line with the key and the cure."""
     return _level([Table(content, f"station {place}") for place, content in enumerate(tables, 1)], seed)
 
 
@@ -119,7 +119,9 @@ def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
 
 
 def _sercos_services(kind: _Kind, edition: Edition, parameters: Parameters, phases: Phases) -> dict[int, Service]:
-    """Return those for parameters, general and of the product group, and for phases; ECODRIVE has no own for these."""
+    """Return the services for parameters, general and of the product group, and for phases. ECODRIVE has no phase
+    services of its own.
+    """
     services = parameters.services(_GENERAL, Segments(length_words=edition.length_words))
     if kind.group != _GENERAL:
         services |= parameters.services(kind.group, OF_DRIVES if kind.group == _DRIVES else Segments())
@@ -135,7 +137,7 @@ def _rate(value: object) -> int:
 
 
 def _refuse(value: object) -> Mapping[int, int]:
-    """Read services and the status with which they are refused; TOML has the services as text."""
+    """Read services and the status of their refusal; TOML has the services as text."""
     cure = "use a table of services and status bytes, { 0x80 = 0xF0 }"
     if not isinstance(value, Mapping):
         raise ValueError(cure)

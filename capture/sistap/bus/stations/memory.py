@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The memory of a station: flash with loader and firmware, RAM and dual-port RAM; modules and their checksums.
 
-No document gives a map; this one is small enough to be downloaded in a minute.
+No document has a memory map; this one is small enough to be downloaded in a minute.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ CHECKSUMS = 6  # bytes at the end of a module
 def module(payload: bytes) -> bytes:
     """Return a module: the payload, its CRC32, and the word that makes the sum of all words zero (chapter 5.1, 0x97).
 
-    Which CRC32, and that the sum is of words, is not said; it is the one of Ethernet, and words are what can give
-    zero. The payload has an even length.
+    The documents do not define the CRC32 or the unit of the sum. This is the CRC32 of Ethernet, and words are the unit
+    that can give zero. The payload has an even length.
     """
     whole = payload + zlib.crc32(payload).to_bytes(4, "little")
     return whole + (-_sum_of_words(whole) & 0xFFFF).to_bytes(2, "little")
@@ -58,10 +58,10 @@ def _sum_of_words(data: bytes) -> int:
 
 
 class Memory:
-    """What is in it."""
+    """The contents of the memory."""
 
     def __init__(self, seed: str) -> None:
-        """Fill it; `seed` decides with what."""
+        """Fill it; `seed` decides the contents."""
         contents = random.Random(seed)
         self._bytes = {area: bytearray(contents.randbytes(area.size)) for area in _AREAS}
         self._bytes[FIRMWARE][:] = module(contents.randbytes(FIRMWARE.size - CHECKSUMS))
@@ -74,14 +74,14 @@ class Memory:
         return None
 
     def write(self, area: Area, address: int, data: bytes) -> bool:
-        """Write a block; False if it is not in that area."""
+        """Write a block; return False if it is not in that area."""
         if area.has(address, len(data)):
             self._bytes[area][address - area.begin : address - area.begin + len(data)] = data
             return True
         return False
 
     def program(self, address: int, data: bytes) -> bool:
-        """Program flash: that only clears bits. False if afterwards it is not what was wanted."""
+        """Program flash, which only clears bits. Return False if the result differs from the data."""
         before = self.read(address, len(data)) if FIRMWARE.has(address, len(data)) else None
         if before is None:
             return False
@@ -89,10 +89,10 @@ class Memory:
         return self.write(FIRMWARE, address, after) and after == data
 
     def erase(self, address: int, length: int) -> bool:
-        """Erase flash; False if it is not in that of the firmware."""
+        """Erase flash; return False outside the firmware's area."""
         return FIRMWARE.has(address, length) and self.write(FIRMWARE, address, bytes([_ERASED]) * length)
 
     @property
     def has_firmware(self) -> bool:
-        """Whether there is a base module to start."""
+        """Tell whether there is a base module to start."""
         return any(byte != _ERASED for byte in self._bytes[FIRMWARE]) and additive_good(self._bytes[FIRMWARE])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Passing telegrams on to stations on lower levels (IF02 chapter 2.2, fig. 2-10 to 2-15)."""
+"""Routes telegrams to stations on lower levels (IF02 chapter 2.2, fig. 2-10 to 2-15)."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from sistap.sis.telegram import BROADCAST, CONTROL_SYSTEM, Header, build, parse
 
 
 class Router:
-    """A station that answers for itself and passes on what has subaddresses."""
+    """A station that answers for itself and routes telegrams with subaddresses."""
 
     def __init__(self, station: Slave, behind: Sequence[Station]) -> None:
-        """Put a level with the stations `behind` below `station`."""
+        """Put the stations `behind` on a level below `station`."""
         self.address = station.address
         self._station = station
         self._behind = behind
 
     @property
     def initialization(self) -> Initialization:
-        """What the station was told of the line above."""
+        """Return the settings of the line above."""
         return self._station.initialization
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Return the station's own reaction, or that from below; None also if nobody below answers."""
+        """Return the station's own reaction, or that from below; None if nobody answers."""
         if damage(command) is not None:
             return self._station.react(command, now_ns)
         header = parse(command)
         if not header.reaction and header.receiver == BROADCAST:
-            self._pass_on(header, BROADCAST, header.subaddresses, now_ns)  # global: to all levels
+            self._pass_on(header, BROADCAST, header.subaddresses, now_ns)  # global: for all levels
         if header.reaction or not self._station.is_meant(header.receiver) or not header.subaddresses:
             return self._station.react(command, now_ns)
         answer = self._pass_on(header, header.subaddresses[0], header.subaddresses[1:], now_ns)
@@ -50,7 +50,7 @@ class Router:
         )
 
     def _pass_on(self, header: Header, receiver: int, subaddresses: bytes, now_ns: int) -> bytes | None:
-        """Let all stations of the level below hear the command; gives the reaction of the one that it is for."""
+        """Let all stations of the level below hear the command; return the reaction of its receiver."""
         passed_on = build(
             header.service, self.address, receiver, header.body, subaddresses=subaddresses, number=header.number
         )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Services 0x10, 0x11, 0x1E and 0x1F and their likes of the product groups: parameters (IF02 chapter 8)."""
+"""Services 0x10, 0x11, 0x1E and 0x1F and their equivalents of the product groups: parameters (IF02 chapter 8)."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from sistap.bus.devices.transfers import HEADER, SEGMENT, Transfer
 from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 from sistap.bus.stations.edition import Edition
 
-_LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can say
+_LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can describe
 
 
 class Segments(NamedTuple):
-    """How a group of services takes parts of lists."""
+    """How a group of services addresses parts of lists."""
 
-    unit: int = 1  # bytes that offset and length count
-    in_pieces: bool = False  # a part that is too long for one telegram is read in sequential telegrams
+    unit: int = 1  # bytes in one unit of offset and length
+    in_pieces: bool = False  # a part that exceeds one telegram is read in sequential telegrams
     length_words: bool = False  # the offset counts from the two lengths before the elements
 
     def of(self, body: bytes) -> tuple[int, int]:
@@ -43,15 +43,14 @@ class Segments(NamedTuple):
             parameter.write_segment(offset, data, phase)
 
 
-# Those of drives, 0x81 and 0x8E: words, and reading goes on with the unchanged command (IndraDrive and ECODRIVE Cs).
+# For drives, 0x81 and 0x8E: words; repeating the same command continues reading (IndraDrive and ECODRIVE Cs).
 OF_DRIVES = Segments(unit=2, in_pieces=True)
 
 
 class Parameters:
-    """The parameters of the devices that a station gives access to."""
+    """The parameters of all devices of a station."""
 
     def __init__(self, devices: Mapping[int, tuple[Device, Gate]], edition: Edition) -> None:
-        """Take the devices by their addresses."""
         self._devices = devices
         self._longest = edition.longest
         self._channel_status = edition.channel_status
@@ -66,7 +65,9 @@ class Parameters:
         }
 
     def cancel(self, device: int | None, service: int | None) -> None:
-        """End transfers: of all devices or of one, of all services or of one. Raises ServiceRefused for no device."""
+        """End transfers: of all devices or of one, of all services or of one. Raise ServiceRefused if there is no
+        such device.
+        """
         if device is not None:
             self._device(device)[0].channel.cancel(service)
             return
@@ -79,7 +80,7 @@ class Parameters:
         return self._piece(request, device, transfer, data)
 
     def _piece(self, request: Request, device: Device, transfer: Transfer | None, data: bytes) -> bytes:
-        """Answer with what one telegram holds; the unchanged command brings the rest."""
+        """Answer with what fits into one telegram; the same command then fetches the rest."""
         piece, rest = data[: self._longest], data[self._longest :]
         if rest:
             device.channel.transfer = transfer or Transfer.begun(request, rest)
@@ -135,7 +136,9 @@ class Parameters:
         return self._devices[address]
 
     def _translated(self, least: int, execute: Callable[[Request], bytes]) -> Service:
-        """Make a service of which an AccessError is an execution error; of the channel's, the edition says what."""
+        """Return a service that turns an AccessError into an execution error; the edition defines that of the
+        channel.
+        """
 
         def translating(request: Request) -> bytes:
             try:

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 
 SERVICE = 0x04
-_LONGEST = 247  # bytes of the reaction that fit with any header, but for the overall status
+_LONGEST = 247  # bytes of the reaction that fit with any header, without the overall status
 
 
 def service_list(execute: Callable[[Request], bytes]) -> Service:
-    """Make the service; `execute` gives the whole body of the reaction to one of the list."""
+    """Return the service; `execute` returns the whole body of the reaction to one service of the list."""
 
     def run(request: Request) -> bytes:
         answers, good = b"", True
@@ -20,7 +20,7 @@ def service_list(execute: Callable[[Request], bytes]) -> Service:
             answer = _answer(execute, request._replace(service=service, body=body))
             good = good and answer[0] == Status.OK
             item = bytes([1 + len(answer), service]) + answer
-            if len(answers) + len(item) > _LONGEST:  # no document says what then; what fits, and not good
+            if len(answers) + len(item) > _LONGEST:  # no document covers this: return what fits, without success
                 good = False
                 break
             answers += item
@@ -32,12 +32,12 @@ def service_list(execute: Callable[[Request], bytes]) -> Service:
 
 
 def _answer(execute: Callable[[Request], bytes], request: Request) -> bytes:
-    """A list in a list is not allowed."""
+    """Answer one service; a list within a list is not allowed."""
     return bytes([Status.INVALID_SERVICE]) if request.service == SERVICE else execute(request)
 
 
 def _items(body: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield service and body of each; ServiceRefused where a length does not fit."""
+    """Yield service and body of each; raise ServiceRefused for a wrong length."""
     place = 0
     while place < len(body):
         end = place + 1 + body[place]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a station makes of several subservices in one telegram of service 0x03, and how it refuses them."""
+"""Parses several subservices in one telegram of service 0x03, or refuses them."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _STATUS = {
 
 
 def settings(body: bytes) -> list[Setting]:
-    """Take a body apart.
+    """Split a body into subservices.
 
-    ServiceRefused where no layout consumes all bytes, with the status of the one that went further; and where both
-    do and differ: then nobody can tell what was meant.
+    Raise ServiceRefused if no layout consumes all bytes, with the status of the layout that went further. Refuse also
+    if both do and differ: then the meaning is ambiguous.
     """
     if (found := subservices.settings(body)) is not None:
         return found

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A station that answers for itself: whose telegrams it takes, and how it answers them (IF02 chapter 2)."""
+"""A station that answers for itself: which telegrams it accepts, and how it answers them (IF02 chapter 2)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sistap.sis.telegram import BROADCAST, LEVEL_BROADCAST, START, STATIC_LENGTH
 class Slave:
     """Address, services, and the reaction that is kept for a repeated command."""
 
-    def __init__(  # noqa: PLR0913 - what makes a station
+    def __init__(  # noqa: PLR0913 - the parts of a station
         self,
         address: int,
         edition: Edition,
@@ -26,10 +26,10 @@ class Slave:
         available: Callable[[int], bool] = lambda service: True,
         error: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Give it what it consists of.
+        """Take the parts of the station.
 
-        It obeys commands for its `groups`. `refuse` has services and the status with which they are refused;
-        `available` tells whether a service is there at present, `error` whether the system diagnosis has one.
+        It obeys commands for its `groups`. `refuse` maps services to the status of their refusal. `available` tells
+        whether a service is available now, `error` whether the system diagnosis has an error.
         """
         self.address = address
         self.initialization = initialization
@@ -42,9 +42,9 @@ class Slave:
         self._kept: tuple[bytes, bytes] | None = None  # static header with number, and the reaction to it
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Return the reaction, with the addresses of the command; None to what is for others or for all.
+        """Return the reaction, with the addresses of the command; None for commands to others or to all.
 
-        What is damaged is answered at a point-to-point connection only: on a bus nobody can tell for whom it was.
+        A damaged command is answered only at a point-to-point connection: on a bus its receiver is unknown.
         """
         if len(command) < STATIC_LENGTH:
             return None
@@ -61,11 +61,11 @@ class Slave:
         return None if header.receiver in self._all else reaction
 
     def is_meant(self, receiver: int) -> bool:
-        """Tell whether a receiver address is this station, and nobody besides."""
+        """Tell whether a receiver address means this station alone."""
         return receiver in (self.address, self._edition.point_to_point)
 
     def execute(self, request: Request) -> bytes:
-        """Execute a service; gives the body of the reaction, status first."""
+        """Execute a service; return the body of the reaction, status first."""
         service = self._services.get(request.service)
         repeated = request.body[: service.repeated] if service else b""
         try:
@@ -85,7 +85,7 @@ class Slave:
         return service
 
     def _once(self, header: Header, static_header: bytes, now_ns: int) -> bytes:
-        """Execute a command, unless it is the one before, by its number: then its reaction is sent again."""
+        """Execute a command, unless its number shows a repetition: then send the same reaction again."""
         kept = static_header + bytes([header.number or 0])
         if self._kept and self._kept[0] == kept:
             return self._kept[1]

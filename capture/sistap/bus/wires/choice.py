@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where a bus is played: a pseudo terminal, a socket, or, if it is allowed, a real port. Options, and the opening."""
+"""The place where a bus is played: a pseudo terminal, a socket, or, if allowed, a real port. Options, and opening."""
 
 from __future__ import annotations
 
@@ -19,31 +19,33 @@ if TYPE_CHECKING:  # Windows has no pseudo terminals, and a pty needs no pyseria
     from sistap.bus.wires.pty_port import PseudoTerminalPort
     from sistap.bus.wires.transmitting import TransmittingPort
 
-ALL = 0xFFFF  # characters of a read, at most
+ALL = 0xFFFF  # largest number of characters in a read
 ANY_LOCAL = "127.0.0.1:0"  # any free port; only programs of this computer reach it
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> argparse._MutuallyExclusiveGroup:
-    """Declare where to play; gives the group for more such options."""
+    """Declare the options of the place; return the group for more such options."""
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--pty", action="store_true", help="at a pseudo terminal; its name is printed (default)")
+    where.add_argument("--pty", action="store_true", help="play at a pseudo terminal and print its name (default)")
     where.add_argument(
-        "--listen", metavar="HOST:PORT|PATH", help="at a socket, for `sistap capture -i bus://...` (default on Windows)"
+        "--listen",
+        metavar="HOST:PORT|PATH",
+        help="play at a socket, for `sistap capture -i bus://...` (default on Windows)",
     )
-    where.add_argument("--port", metavar="PORT", help="at a real port, with --transmit")
+    where.add_argument("--port", metavar="PORT", help="play at a real port; needs --transmit")
     parser.add_argument(
-        "--transmit", action="store_true", help="allow sending on PORT; without it nothing is ever sent there"
+        "--transmit", action="store_true", help="allow sending on PORT; without it, sistap sends nothing there"
     )
     parser.add_argument("--fast", action="store_true", help="do not wait for real time (with --listen)")
     return where
 
 
 def settle(args: argparse.Namespace, *, has_ptys: bool = sys.platform != "win32") -> None:
-    """Choose a socket where no place is named and there are no pseudo terminals. ValueError: one is asked for."""
+    """Choose a socket if no place is given and there are no pseudo terminals. ValueError if one is requested."""
     if has_ptys:
         return
     if args.pty:
-        raise ValueError("this system has no pseudo terminals: leave out --pty")
+        raise ValueError("this system has no pseudo terminals: omit --pty")
     if not (args.listen or args.port or getattr(args, "file", None)):
         args.listen = ANY_LOCAL
 
@@ -58,13 +60,15 @@ def check(args: argparse.Namespace) -> None:
             "add --transmit if that is what you want"
         )
     if args.transmit and not args.port:
-        raise ValueError("--transmit needs the port to send on: say it with --port")
+        raise ValueError("--transmit needs the port to send on: name it with --port")
     if args.port and ports.is_own_terminal(args.port):
         raise ValueError(f"{args.port} is the terminal that sistap itself reads or writes: choose another with --port")
 
 
 def opened(args: argparse.Namespace, settings: LineSettings, pace: Pace, seed: int = 0, most: int = ALL) -> Wire:
-    """Open what the options say; reads at a socket have `most` characters. May raise Refusal or PortError."""
+    """Open the place that the options name; reads at a socket have `most` characters. May raise Refusal or
+    PortError.
+    """
     # Imported here: Windows has no pseudo terminals, and a pty needs neither sockets nor pyserial.
     try:
         if args.listen:
@@ -85,7 +89,7 @@ def opened(args: argparse.Namespace, settings: LineSettings, pace: Pace, seed: i
 
 
 def port(args: argparse.Namespace, settings: LineSettings, seed: int) -> TransmittingPort | PseudoTerminalPort:
-    """Open what a real master talks to. May raise Refusal or PortError."""
+    """Open the connection for a real master. May raise Refusal or PortError."""
     if args.port:
         from sistap.bus.wires.transmitting import TransmittingPort
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus at a real port: what is played is sent there, at its time."""
+"""The bus at a real port: each character is sent there at its time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from sistap.line.settings import LineSettings
 
 
 class PortWire:
-    """A port that sends. It carries values, times and rates; no parity errors and no breaks."""
+    """A port that sends. It carries values, times and rates, but no parity errors and no breaks."""
 
-    deserted = False  # whether somebody listens, nobody knows
+    deserted = False  # a port cannot tell whether somebody listens
 
     def __init__(self, pace: Pace, port: str, settings: LineSettings) -> None:
         """Open it. May raise PortError."""
@@ -34,5 +34,5 @@ class PortWire:
         return []
 
     def close(self) -> None:
-        """Let the port go."""
+        """Release the port."""
         self._port.close()

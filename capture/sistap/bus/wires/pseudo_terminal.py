@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus at a pseudo terminal: real time and a real tty, but no parity and no breaks (a pty cannot carry them).
+"""The bus at a pseudo terminal: real time and a real tty, but no parity and no breaks, which a pty cannot carry.
 
-As on a wire, a character that nobody listens to is gone, and so is one that does not fit into the buffer of a
-listener who does not read.
+As on a wire, a character without a listener is lost. So is one that does not fit into the buffer of a listener that
+does not read.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from sistap.sis.rates import RATES
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")
 
-SETTLE_S = 0.5  # a listener opens, configures and flushes the port
+SETTLE_S = 0.5  # time for a listener to open, configure and flush the port
 _LOOK_S = 0.02
 _RATES = {getattr(termios, f"B{baud}"): baud for baud in RATES}
 
@@ -32,16 +32,16 @@ _RATES = {getattr(termios, f"B{baud}"): baud for baud in RATES}
 class PseudoTerminal:
     """A pty whose master side plays the bus."""
 
-    deserted = False  # a bus goes on whether somebody listens or not
+    deserted = False  # a bus plays with or without listeners
 
     def __init__(self, pace: Pace, baud: int, seed: int = 0) -> None:
-        """Make it, raw from the start: nothing is echoed or translated, whenever a listener configures it."""
+        """Open it raw: nothing is echoed or translated, even before a listener configures it."""
         self._pace = pace
         self._master, slave = os.openpty()
         self.name = os.ttyname(slave)
         tty.setraw(slave)
         set_speed(slave, baud)
-        os.close(slave)  # from now on POLLHUP tells that nobody has it open
+        os.close(slave)  # from now on POLLHUP means that nobody has it open
         os.set_blocking(self._master, False)
         self._poll = select.poll()
         self._poll.register(self._master, 0)
@@ -56,7 +56,7 @@ class PseudoTerminal:
         self._pace.start(SETTLE_S)
 
     def deliver(self, played: Played) -> list[str]:
-        """Write each character at its time; marks "overrun=2" and "unheard=3" count what nobody got."""
+        """Write each character at its time; marks "overrun=2" and "unheard=3" count lost characters."""
         overrun = unheard = 0
         for character in played.characters:
             self._pace.wait_until(character.time_ns)
@@ -71,13 +71,13 @@ class PseudoTerminal:
         return [f"{name}={count}" for name, count in (("overrun", overrun), ("unheard", unheard)) if count]
 
     def close(self) -> None:
-        """Close it after a silence: closing throws away what a listener has not read yet."""
+        """Close it after a silence: closing discards what a listener has not read yet."""
         if self._listening():
             time.sleep(SETTLE_S)
         os.close(self._master)
 
     def _hear(self, value: int, line: LineSettings) -> int:
-        """What a listener with another rate makes of a character; its parity nobody can see."""
+        """Return what a listener with another rate hears of a character; its parity setting is unknown."""
         rate = speed(self._master)
         if rate is None or rate == line.baud:
             return value
@@ -93,17 +93,17 @@ class PseudoTerminal:
         return not any(event & select.POLLHUP for _, event in self._poll.poll(0))
 
     def _forget_unread(self) -> None:
-        """Throw away what the listener left in the buffer: the next one shall hear the bus as it is then."""
+        """Discard what the listener left in the buffer: the next one must hear the bus as it is then."""
         try:
             slave = os.open(self.name, os.O_RDWR | os.O_NOCTTY)
-        except OSError:  # the next one is here already and wants it for itself
+        except OSError:  # the next listener has it already
             return
         termios.tcflush(slave, termios.TCIFLUSH)
         os.close(slave)
 
 
 def set_speed(slave: int, baud: int) -> None:
-    """Set the rate where the terminal knows it: to the pty it is nothing but a note."""
+    """Set the rate if the terminal supports it: to the pty it is only a note."""
     speed = getattr(termios, f"B{baud}", None)
     if speed is not None:
         attributes = termios.tcgetattr(slave)
@@ -112,5 +112,5 @@ def set_speed(slave: int, baud: int) -> None:
 
 
 def speed(terminal: int) -> int | None:
-    """Return the rate that whoever has it open has set; None if it is none of RATES."""
+    """Return the rate that the listener has set; None if it is not in RATES."""
     return _RATES.get(termios.tcgetattr(terminal)[4])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus straight into a capture file, as a tap would have written it: its assembler and writer, no waiting."""
+"""The bus directly in a capture file, as a tap would have written it: same assembler and writer, no waiting."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Framing, Record, event
 from sistap.sis.follow import Change, Follow
 
-START_NS = 946_684_800_000_000_000  # 2000-01-01: nobody takes it for today, and the same seed makes the same file
+START_NS = 946_684_800_000_000_000  # 2000-01-01: obviously not today, and the same seed makes the same file
 _LINE = 0  # of SIS: one shared bus
 
 
@@ -38,29 +38,31 @@ class Recording:
         most: int,
         cut: Cut = SIS,
         lines: Sequence[int] = (_LINE,),
+        start_ns: int = START_NS,
     ) -> None:
-        """Begin the file; `text` says what is played, reads have `most` characters. May raise OutputError."""
+        """Begin the file; `text` describes what is played, reads have `most` characters. May raise OutputError."""
         self.counters = Counters()
+        self._start_ns = start_ns
         self._output = output
         self._most = most
         self._noise = random.Random(f"{seed} tap")
         self._assembler = Assembler(self._write, cut)
         for line in lines:
-            self._assembler.add_line(line, settings, START_NS)
+            self._assembler.add_line(line, settings, start_ns)
         self._follow = Follow(settings.baud)
-        self._now_ns = START_NS
+        self._now_ns = start_ns
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {TIMING}", settings.baud, "virtual bus")
         self._writer = PcapngWriter(output, dict.fromkeys(lines, interface), self.counters)
         said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {TIMING}{cut.said}"
-        self._writer.begin(*(event(START_NS, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
+        self._writer.begin(*(event(start_ns, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
 
     def wait_for_listener(self) -> None:
-        """Go on: it listens already."""
+        """Do nothing: the file listens already."""
 
     def deliver(self, played: Played) -> list[str]:
         """Record all characters. May raise OutputError."""
         for read in reads(played.characters, self._most, played.settings.character_ns):
-            time_ns = START_NS + read[-1].time_ns
+            time_ns = self._start_ns + read[-1].time_ns
             if played.line == _LINE:
                 self._change(self._follow.due(time_ns - uncertainty(read)))
             settings = self._assembler.settings(played.line)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The bus at a socket: taps connect, say their line settings and get reads with times and errors
+"""The bus at a socket: taps connect, send their line settings and get reads with times and errors
 (sistap.line.bus_socket).
 
-A tap that stops reading holds up the bus once the buffers are full, and so loses nothing. But not for ever: after
-PATIENCE_S it is let go.
+A tap that stops reading delays the bus once the buffers are full, and so loses nothing. After PATIENCE_S it is
+disconnected.
 """
 
 from __future__ import annotations
@@ -17,44 +17,44 @@ from sistap.bus.playing.hearing import received
 from sistap.bus.playing.played import TIMING, Character, Played, reads, uncertainty
 from sistap.bus.wires.pace import Pace
 from sistap.line import bus_socket
+from sistap.line.clock import CLOCK
 from sistap.line.clocks import monotonic_ns
 from sistap.line.peers import Peer, Peers
 from sistap.line.settings import LineSettings, Read
 from sistap.terminal.visible import visible
 
 PATIENCE_S = 30.0  # for a tap that does not read, or does not answer
-INTRODUCTION_S = 10.0  # for somebody who connects to say line settings
+INTRODUCTION_S = 10.0  # for a new connection to send line settings
 
-_ROOM = 1 << 16  # bytes that may wait for a tap before the bus does
-_TICK_NS = 1_000_000_000  # so often, at least, does a tap hear of simulated time
+_ROOM = 1 << 16  # bytes that may wait for a tap before the bus waits
+_TICK_NS = 1_000_000_000  # longest step of simulated time that a tap is told
 _LOOK_S = 1.0
-_SLACK_S = 0.005  # at the end of a pause of the bus, in which nobody is let in or heard
+_SLACK_S = 0.005  # end of a bus pause in which taps are not served
 
 
 class Tap(Peer):
     """One connected tap."""
 
     def __init__(self, connection: socket.socket, seed: int) -> None:
-        """Wait for its settings."""
         super().__init__(connection)
         self.settings: LineSettings | None = None
         self._noise = random.Random(f"{seed} tap")
         self._decoder = bus_socket.Decoder(bus_socket.FROM_LISTENER)
-        self._dealt_with_ns: int | None = None  # all before this; None: this tap does not tell
-        self._told_ns = 0  # that nothing arrives before this
+        self._dealt_with_ns: int | None = None  # everything before this; None: this tap does not say
+        self._told_ns = 0  # nothing arrives before this, as it was told
 
     @property
     def full(self) -> bool:
-        """Whether the bus has to wait for it to read."""
+        """Tell whether the bus must wait for it to read."""
         return self.waiting > _ROOM
 
     @property
     def owes_an_answer(self) -> bool:
-        """Whether it was told a time, and has not yet dealt with what came before."""
+        """Tell whether it was told a time and has not yet confirmed it."""
         return self._dealt_with_ns is not None and self._dealt_with_ns < self._told_ns
 
     def take(self, data: bytes) -> None:
-        """Take what it says. ValueError: it speaks something else."""
+        """Take what it sends. ValueError if it uses another protocol."""
         for message in self._decoder.feed(data):
             if isinstance(message, LineSettings):
                 self.settings = message
@@ -63,7 +63,7 @@ class Tap(Peer):
                 self._dealt_with_ns = message.time_ns
 
     def tell(self, wall_ns: int) -> None:
-        """Say that nothing arrives before this time, if it wants to know."""
+        """Tell it that nothing arrives before this time, if it asks for times."""
         if self._dealt_with_ns is not None:
             self._told_ns = wall_ns
             self.put(bus_socket.pack_time(wall_ns))
@@ -79,26 +79,28 @@ class Tap(Peer):
 
 
 class Taps:
-    """A listening socket and the taps that came."""
+    """A listening socket and the connected taps."""
 
-    def __init__(  # noqa: PLR0913 - what the bus is, and how it is to be heard
+    def __init__(  # noqa: PLR0913 - the bus, and how it is heard
         self, pace: Pace, address: str, seed: int, most: int
     ) -> None:
-        """Listen at HOST:PORT or at a PATH; reads have `most` characters. May raise OSError; ValueError: no address."""
+        """Listen at HOST:PORT or at a PATH; reads have `most` characters. Raise OSError; or ValueError for an
+        invalid address.
+        """
         self._pace = pace
         self._seed = seed
-        self._now = 0  # so far taps know the time
+        self._now = 0  # the time that taps know
         self._most = most
         self._peers = Peers(address, self._welcome, _say)
         self.name = self._peers.name
 
     @property
     def deserted(self) -> bool:
-        """Whether the last tap has left; simulated time then stops, real time goes on."""
+        """Tell whether the last tap has left. Then simulated time stops; real time goes on."""
         return self._pace.simulated and not self._heard
 
     def wait_for_listener(self) -> None:
-        """Wait until a tap has said its settings."""
+        """Wait until a tap has sent its settings."""
         while not self._heard:
             self._attend(_LOOK_S)
         self._pace.start()
@@ -127,19 +129,20 @@ class Taps:
     def _welcome(self, connection: socket.socket) -> Tap:
         tap = Tap(connection, self._seed)
         began_ns = self._pace.wall_ns()
-        hello = bus_socket.Hello(bus_socket.Kind.BUS, began_ns, began_ns, 0, self.name, "virtual bus", TIMING)
+        now_ns = self._pace.wall_ns(self._now) if self._pace.simulated else CLOCK.now_ns()
+        hello = bus_socket.Hello(bus_socket.Kind.BUS, now_ns, began_ns, 0, self.name, "virtual bus", TIMING)
         tap.put(bus_socket.pack_hello(hello))
         return tap
 
     def _wait_until(self, time_ns: int) -> None:
-        """Wait for a time, and let taps in and hear them meanwhile."""
+        """Wait for a time while serving taps."""
         while (left_s := self._pace.left_s(time_ns) - _SLACK_S) > 0:
             self._attend(min(left_s, _LOOK_S))
         self._pace.wait_until(time_ns)
         self._attend(0)
 
     def _pass_time(self, until_ns: int) -> None:
-        """Let simulated time go on, with the taps that want to know it."""
+        """Advance simulated time, together with the taps that ask for it."""
         while self._now < until_ns:
             self._now = min(self._now + _TICK_NS, until_ns)
             for tap in self._peers:
@@ -147,7 +150,7 @@ class Taps:
             self._wait_for(lambda tap: tap.owes_an_answer)
 
     def _wait_for(self, behind: Callable[[Tap], bool]) -> None:
-        """Wait until no tap is behind; let those go that stay so."""
+        """Wait until no tap is behind; disconnect those that stay behind."""
         end_ns = monotonic_ns() + int(PATIENCE_S * 1e9)
         while any(map(behind, self._peers)):
             left_ns = end_ns - monotonic_ns()
@@ -159,16 +162,16 @@ class Taps:
 
     @property
     def _heard(self) -> bool:
-        """Whether anybody who connected has turned out to be a tap."""
+        """Tell whether any connection has turned out to be a tap."""
         return any(tap.settings for tap in self._peers)
 
     def _attend(self, timeout_s: float) -> None:
-        """Let new taps in and hear what taps say; those who say nothing make room for others."""
+        """Accept and serve taps; disconnect silent connections."""
         self._peers.attend(timeout_s)
         oldest_ns = monotonic_ns() - int(INTRODUCTION_S * 1e9)
         for tap in self._peers:
             if tap.settings is None and tap.came_ns < oldest_ns:
-                self._peers.drop(tap, f"it said nothing for {INTRODUCTION_S:g} s")
+                self._peers.drop(tap, f"it sent nothing for {INTRODUCTION_S:g} s")
 
 
 def _say(text: str) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A real port that is written to. Only what --transmit allows opens one."""
+"""A real port for writing. Only --transmit allows opening one."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ else:
 
     _TROUBLE = (OSError, ValueError, KeyError, OverflowError, termios.error)
 
-_WRITE_S = 2.0  # so long, at most, may a port take nothing
+_WRITE_S = 2.0  # longest time that a port may accept nothing
 
 
 class TransmittingPort:
-    """A device or URL that pyserial opens, RTS and DTR down."""
+    """A device or URL that pyserial opens, with RTS and DTR low."""
 
     def __init__(self, name: str, settings: LineSettings) -> None:
         """Open it. May raise PortError."""
@@ -31,7 +31,7 @@ class TransmittingPort:
         self._pseudo_terminal = ports.adapter(name).pseudo_terminal
         self.settings = settings
         try:
-            # Linux strips the parity from a pty, and refuses it the second time.
+            # Linux strips the parity of a pty, and then refuses it the second time.
             self._device = closed_serial(name, settings._replace(parity="N") if self._pseudo_terminal else settings)
             self._device.write_timeout = _WRITE_S
             self._device.open()
@@ -39,21 +39,21 @@ class TransmittingPort:
             raise PortError(_trouble(name, settings, error)) from error
 
     def write(self, data: bytes) -> None:
-        """Send; come back when the system has it. May raise PortLost."""
+        """Send; return when the system has the data. May raise PortLost."""
         try:
             self._device.write(data)
         except _TROUBLE as error:
             raise self._lost(error) from error
 
     def drain(self) -> None:
-        """Come back when all was sent. May raise PortLost."""
+        """Return when all was sent. May raise PortLost."""
         try:
             self._device.flush()
         except _TROUBLE as error:
             raise self._lost(error) from error
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what arrived, nothing if nothing did in that time. May raise PortLost."""
+        """Return what arrived; empty if nothing did in that time. May raise PortLost."""
         try:
             self._device.timeout = timeout_s
             data: bytes = self._device.read(1)
@@ -64,7 +64,7 @@ class TransmittingPort:
         return data
 
     def change(self, settings: LineSettings) -> None:
-        """Go on at another rate, when all before was sent. PortError if the port cannot; PortLost."""
+        """Continue at another rate after sending everything. PortError if the port cannot; PortLost."""
         self.drain()
         try:
             self._device.baudrate = settings.baud
@@ -73,16 +73,16 @@ class TransmittingPort:
         self.settings = settings
 
     def close(self) -> None:
-        """Let it go, after what is still to be sent."""
+        """Release it after sending the rest."""
         with suppress(PortLost):
             self.drain()
         self._device.close()
 
     def _lost(self, error: Exception) -> PortLost:
-        return PortLost(f"{self.name} is gone or takes nothing ({error}): connect it and start again")
+        return PortLost(f"{self.name} is gone or accepts nothing ({error}): connect it and start again")
 
 
 def _trouble(name: str, settings: LineSettings, error: Exception) -> str:
-    """Say why it cannot be opened or changed: on Windows only pyserial's words tell."""
+    """Return why it cannot be opened or changed: on Windows only pyserial's message tells."""
     trouble = url_trouble if "://" in name or sys.platform == "win32" else device_trouble
     return trouble(name, settings, error)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Readers: what each read of a device, a pyserial URL, a virtual bus or an analyser delivered, with time and errors.
+"""Readers: each returns what one read of a device, a pyserial URL, a virtual bus or an analyser delivered.
 
-A reader only listens. It never writes to a port, sends no break, flushes no output, and lowers RTS and DTR: on many
+A reader only listens. It never writes to a port, sends no break and flushes no output. It lowers RTS and DTR: on many
 adapters RTS switches the RS485 transmitter on.
 """
 
@@ -11,11 +11,22 @@ import sys
 
 from sistap.line.analyser import is_analyser
 from sistap.line.bus_socket import Kind
-from sistap.line.reader.contract import Distant, Measuring, PortError, PortLost, Reader
+from sistap.line.reader.contract import Distant, Measuring, OwnTime, PortError, PortLost, Reader
 from sistap.line.reader.several import Several, Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = ["Distant", "Measuring", "PortError", "PortLost", "Reader", "Several", "Source", "open_reader", "together"]
+__all__ = [
+    "Distant",
+    "Measuring",
+    "OwnTime",
+    "PortError",
+    "PortLost",
+    "Reader",
+    "Several",
+    "Source",
+    "open_reader",
+    "together",
+]
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
@@ -23,7 +34,7 @@ def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
 
     May raise PortError.
     """
-    # Each imported where it is needed: a program that only lists ports is to start at once.
+    # Each reader is imported where it is needed, so that listing ports starts quickly.
     if port.startswith("bus://"):
         from sistap.line.reader.connection import connect
 
@@ -36,7 +47,7 @@ def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
 
         return WireReader(port, settings, line, connection)
     if settings.baud <= 0:
-        raise PortError(f"{port} needs a rate: say it with --baud")
+        raise PortError(f"{port} needs a rate: give it with --baud")
     if is_analyser(port):
         from sistap.line.reader.sigrok import SigrokReader
 

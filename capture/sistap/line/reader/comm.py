@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A COM port that pyserial has opened, read so that nothing is lost of what its driver says of errors.
+"""A COM port that pyserial has opened, read so that no error report of its driver is lost.
 
-ClearCommError both tells the errors since it was last called and how many characters wait. pyserial calls it before
-each read and drops the errors. So here it is called by nobody else.
+ClearCommError returns the errors since its last call and the number of waiting characters. pyserial calls it before
+each read and drops the errors. So only this module calls it.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 from sistap.line.reader.contract import READ_SIZE, STEP_MS
 from sistap.line.settings import Flag
 
-if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
+if TYPE_CHECKING:  # imported late: the rest works without pyserial
     import serial
 
 # winbase.h: CE_RXOVER and CE_OVERRUN, then CE_RXPARITY, CE_FRAME and CE_BREAK.
 LOST, DAMAGED = 0x01 | 0x02, 0x04 | 0x08 | 0x10
 
 _ERROR_IO_PENDING = 997
-_ENDED_EARLY = (995, 1460)  # ERROR_OPERATION_ABORTED, ERROR_TIMEOUT: what came until then was read
+_ENDED_EARLY = (995, 1460)  # ERROR_OPERATION_ABORTED, ERROR_TIMEOUT: what came before is valid
 
 
 class CommPort:
@@ -31,15 +31,15 @@ class CommPort:
         """Take pyserial's open port; `api` is serial.win32."""
         self._api = api or _win32()
         self._device = device
-        self._handle: Any = getattr(device, "_port_handle")  # noqa: B009 - private, and of Windows alone
+        self._handle: Any = getattr(device, "_port_handle")  # noqa: B009 - private, and on Windows only
         self._overlapped = self._api.OVERLAPPED()
         self._overlapped.hEvent = self._api.CreateEvent(None, 1, 0, None)
         self._buffer = ctypes.create_string_buffer(READ_SIZE)
-        self._errors = 0  # since they were last asked for
+        self._errors = 0  # since errors() was last called
         self.prepare()
 
     def prepare(self) -> None:
-        """Let no read wait longer than STEP_MS; again after pyserial has changed settings."""
+        """Limit the wait of a read to STEP_MS; call it again after pyserial has changed settings."""
         time_outs = self._api.COMMTIMEOUTS()
         time_outs.ReadTotalTimeoutConstant = STEP_MS
         self._api.SetCommTimeouts(self._handle, ctypes.byref(time_outs))
@@ -56,7 +56,7 @@ class CommPort:
     def take(self, waiting: int) -> bytes:
         """Read what waits; if nothing does, the first character that comes within STEP_MS. OSError if the port is gone.
 
-        Not more than that one: Windows would wait for all that is asked for.
+        It reads one character only: Windows would wait for as many as are asked for.
         """
         size = min(waiting, READ_SIZE) or 1
         api, count = self._api, self._api.DWORD()
@@ -71,12 +71,12 @@ class CommPort:
         return self._buffer.raw[: count.value]
 
     def errors(self) -> int:
-        """Return the errors since this was last asked for."""
+        """Return the errors since the last call."""
         errors, self._errors = self._errors, 0
         return errors
 
     def close(self) -> None:
-        """Let the port go."""
+        """Release the port."""
         self._device.close()
         self._api.CloseHandle(self._overlapped.hEvent)
 
@@ -87,7 +87,7 @@ class CommPort:
 def flags(errors: int, count: int) -> bytes:
     """Return the flags of the characters of a read during which these errors came."""
     lost = errors & LOST
-    # A loss is before one of the characters, another error at one of them.
+    # A loss is before one of the characters; any other error is at one of them.
     unlocated = errors & DAMAGED or (lost and count > 1)
     marked = bytearray([Flag.UNLOCATED_ERROR if unlocated else 0]) * count
     if lost:

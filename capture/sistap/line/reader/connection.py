@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The connection to a virtual bus or a distant tap, up to what it says of itself."""
+"""The connection to a virtual bus or a distant tap, up to its introduction."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Connection(NamedTuple):
     decoder: bus_socket.Decoder
     hello: bus_socket.Hello
     after_hello: list[bus_socket.Message]
-    ahead_ns: int  # of our clock is the one at the other end
-    ahead_by_ns: int  # no more wrong than this
+    ahead_ns: int  # how far our clock is ahead of the other end's
+    ahead_by_ns: int  # largest error of ahead_ns
 
 
 def connect(port: str) -> Connection:
@@ -64,23 +64,23 @@ def _received(connection: socket.socket, decoder: bus_socket.Decoder) -> list[bu
         data = connection.recv(4096)
         if not data:
             raise OSError(
-                0, "it ends the connection at once: --allow there has to name you, and not too many may listen"
+                0, "the other end closes the connection at once: its --allow must name you, and it may be full"
             )
         messages = decoder.feed(data)
     return messages
 
 
 def _connected(port: str) -> socket.socket:
-    """Connect. OSError, or PortError if the address is written otherwise."""
+    """Connect. OSError, or PortError for an invalid address."""
     try:
         url = urlsplit(port)
         host, number, path = url.hostname, url.port, url.path
         if host and number:
             return socket.create_connection((host, number), TIMEOUT_S)
-    except ValueError:  # also from a host that cannot be one, "a..b"
+    except ValueError:  # also for an impossible host such as "a..b"
         host, path = None, ""
     if host or not path:
-        raise PortError(f"{port} is not the address of a bus: it is written bus://HOST:PORT or bus:///SOCKET")
+        raise PortError(f"{port} is not the address of a bus: write bus://HOST:PORT or bus:///SOCKET")
     if sys.platform == "win32":
         raise PortError(f"{port}: Windows has no sockets that are files: start the bus with --listen HOST:PORT")
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)

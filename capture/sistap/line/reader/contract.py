@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What every reader is, and how it fails."""
+"""The interface of all readers, and their errors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 from sistap.line.settings import LineSettings, Read
 
 READ_SIZE = 4096  # as much as the line discipline of Linux holds
-STEP_MS = 10  # so long, at most, is a sleep: one that was longer shows that the process had been stopped
+STEP_MS = 10  # longest sleep; a longer one means that the process was suspended
 
 
 class PortError(Exception):
@@ -19,7 +19,6 @@ class PortLost(Exception):
     """A port was lost while it was read; the text is one line that names the cure."""
 
     def __init__(self, text: str, line: int = 0) -> None:
-        """Lose the port of this line."""
         super().__init__(text)
         self.line = line
 
@@ -27,37 +26,44 @@ class PortLost(Exception):
 class Reader(Protocol):
     """A source of characters."""
 
-    name: str  # what the user called it, e.g. "/dev/ttyUSB0"
+    name: str  # as the user wrote it, e.g. "/dev/ttyUSB0"
     adapter: str  # e.g. "FT232R USB UART (ftdi_sio, latency timer 16 ms)"
-    timing: str  # one phrase: how the times are bounded
-    notes: tuple[str, ...]  # lines for the user: what makes the times worse than they could be, and the cure
+    timing: str  # one phrase: the bounds of the times
+    notes: tuple[str, ...]  # messages for the user: what makes the times less exact, and the cure
     settings: LineSettings
     line: int
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
 
     def change(self, settings: LineSettings) -> None:
-        """Read with other settings from now on. Read first what is there: it came with the old ones.
+        """Read with other settings from now on. First read what is there: it came with the old settings.
 
-        PortError if the port cannot do them: then the old ones stay.
+        PortError if the port does not support them: then the old settings stay.
         """
 
     def close(self) -> None:
-        """Let the port go."""
+        """Release the port."""
 
 
 @runtime_checkable
-class Distant(Reader, Protocol):
-    """A tap on another computer: its times are of the clock there, and its settings are set there."""
+class OwnTime(Reader, Protocol):
+    """A reader with times of another clock: that of a virtual bus, or of another computer."""
 
     def now_ns(self) -> int:
-        """Return what time it is there, in ns since 1970."""
+        """Return the time there, in ns since 1970."""
+
+
+@runtime_checkable
+class Distant(OwnTime, Protocol):
+    """A tap on another computer."""
+
+    settings_are_told: bool  # by the other computer; nobody changes them here
 
 
 @runtime_checkable
 class Measuring(Protocol):
-    """A reader that sees the line itself, and so its rate."""
+    """A reader that samples the line itself, and so can measure its rate."""
 
     def measured_baud(self) -> float | None:
-        """Return the rate that the line has, in Bd; None: too little was heard."""
+        """Return the measured rate of the line in Bd; None: too little was heard."""

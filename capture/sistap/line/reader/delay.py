@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Measures how late characters are seen that this program itself sends round: through a pseudo terminal, or a port."""
+"""Measures how late this program sees characters that it sends itself, through a pseudo terminal or a port."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ from sistap.line.reader.contract import READ_SIZE
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")
 
-PATIENCE_NS = 1_000_000_000  # for a character to come back
+PATIENCE_NS = 1_000_000_000  # longest time for a character to come back
 
-_FIRST, _VALUES = ord("@"), 63  # the characters sent: never FF, which a port would mark, nor a start character of SIS
+# the characters sent: never FF, which a port would escape, and never a start character of SIS
+_FIRST, _VALUES = ord("@"), 63
 
 
 class LoopBroken(OSError):
@@ -41,12 +42,12 @@ def through_pty(duration_ns: int) -> array[int]:
 
 
 def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0) -> array[int]:
-    """Send characters one by one; give for each the time from its end on the line until it was seen, in ns.
+    """Send characters one by one; return for each the time from its end on the line until it was seen, in ns.
 
     OSError if they do not come back.
     """
     written = array("q")
-    # A descriptor of its own: after a signal the reader does not wait for this.
+    # A descriptor of its own: so the reader does not wait for this thread after a signal.
     arguments = (os.dup(writing), written, monotonic_ns() + duration_ns, character_ns)
     writer = threading.Thread(target=_write, args=arguments, daemon=True)
     writer.start()
@@ -56,7 +57,7 @@ def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0)
 
 
 def _write(writing: int, written: array[int], end_ns: int, character_ns: int) -> None:
-    """Write a character now and then, at no rhythm that the hardware's could hide; one at least, however late."""
+    """Write a character now and then, at random times that no rhythm of the hardware can match; at least one."""
     with suppress(OSError), os.fdopen(writing, "wb", buffering=0) as stream:
         while (now := monotonic_ns()) < end_ns or not written:
             written.append(now)
@@ -65,7 +66,7 @@ def _write(writing: int, written: array[int], end_ns: int, character_ns: int) ->
 
 
 def _read(reading: int, written: array[int], writer: threading.Thread) -> array[int]:
-    """Read what the writer writes, until it ends; give the times from write to read, in ns."""
+    """Read what the writer writes, until it ends; return the times from write to read, in ns."""
     poll = select.poll()
     poll.register(reading, select.POLLIN)
     delays = array("q")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads a serial device of this machine."""
+"""Reads a serial device of this computer."""
 
 from __future__ import annotations
 
@@ -24,16 +24,18 @@ from sistap.line.settings import Flag, LineSettings, Read
 if sys.platform == "win32":
     raise ImportError("Windows has no terminals: sistap.line.reader.url reads its ports")
 
-# Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct, of it the counters frame, overrun, parity, brk and
+# Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct; of it the counters frame, overrun, parity, brk and
 # buf_overrun.
 _TIOCGICOUNT = 0x545D
 _COUNTERS = struct.Struct("24x5i36x")
 
-_MARKING_PACKETS = ("ftdi_sio",)  # drivers that mark all characters of a USB packet when one has an error
+_MARKING_PACKETS = ("ftdi_sio",)  # drivers that mark all characters of a USB packet if one has an error
 
 
 class PosixReader:
-    """Reads a descriptor itself, by poll and read: a time stamp is microseconds late, through pyserial tens of them."""
+    """Reads a descriptor directly with poll and read. A time stamp is microseconds late; through pyserial, tens of
+    them.
+    """
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Open and configure the port. May raise PortError."""
@@ -41,13 +43,13 @@ class PosixReader:
         self.settings = settings
         self.line = line
         pseudo_terminal = ports.adapter(port).pseudo_terminal
-        self._known = latency.known()  # before opening: the port would fill while this is measured
-        self._emptied_ns = monotonic_ns()  # everything unread came later than this
+        self._known = latency.known()  # before opening: the port would fill during this measurement
+        self._emptied_ns = monotonic_ns()  # everything unread came after this
         self._serial = open_device(port, settings, pseudo_terminal)
         self._lost = lost_text(port, pseudo_terminal)
         self._fd: int = self._serial.fileno()
         self._tuning = Tuning(port, self._fd, settings)
-        self._behind = ports.adapter(port)  # as it is now that it is tuned
+        self._behind = ports.adapter(port)  # after tuning
         self.adapter = str(self._behind)
         bound = latency.bound(self._known, port, self._behind, settings)
         self._latency_ns = bound.ns
@@ -63,7 +65,7 @@ class PosixReader:
         self._reads: deque[Read] = deque()
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
         while not self._reads:
             in_time = self._wait(timeout_s)
             if in_time is not None:
@@ -75,23 +77,24 @@ class PosixReader:
         return self._reads.popleft() if self._reads else None
 
     def fileno(self) -> int:
-        """Return the descriptor, for who waits for several ports at once and then calls take() and nothing_until()."""
+        """Return the descriptor, for a caller that polls several ports and then calls take() and nothing_until()."""
         return self._fd
 
     def nothing_until(self, time_ns: int) -> list[Read]:
-        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back till then."""
+        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back until then."""
         if not self._decoder.pending:
             self._emptied_ns = time_ns
         return self._errors.due(time_ns)
 
     def held(self) -> list[Read]:
-        """Hold nothing back any longer: return it."""
+        """Stop holding characters back: return them."""
         return self._errors.all()
 
     def take(self, *, in_time: bool) -> list[Read]:
-        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost.
+        """Return what is there; `in_time`: it came during the wait. May raise PortLost.
 
-        What was held back comes first. Where the driver has counted an error, it is not known yet: then it is held.
+        What was held back comes first. If the driver has counted an error whose place is not known yet, the read is
+        held.
         """
         asked_ns = monotonic_ns()
         try:
@@ -103,7 +106,7 @@ class PosixReader:
         now = monotonic_ns()
         if not data:
             if held := self.held():
-                return held  # that the port is lost is still so when it is read next
+                return held  # the next read finds the port lost again
             raise PortLost(self._lost)
         decoder = self._decoder
         in_time = in_time and not decoder.pending
@@ -119,20 +122,22 @@ class PosixReader:
         return self._errors.take(read, now)
 
     def change(self, settings: LineSettings) -> None:
-        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        """Read with other settings from now on. PortError if the port does not support them: then the old settings
+        stay.
+        """
         change_device(self._serial, settings, self._behind.pseudo_terminal)
         self.settings = settings
         self._latency_ns = latency.bound(self._known, self.name, self._behind, settings).ns
 
     def _wait(self, timeout_s: float) -> bool | None:
-        """Wait for characters: None if none came, else whether they came while it waited for them.
+        """Wait for characters. Return None if none came, else whether they came during the wait.
 
-        None also if something that was held back is due.
+        Also return None if something that was held back is due.
         """
         left_ms, step_ms = timeout_s * 1000, 0.0
         asked_ns = monotonic_ns()
         while not self._poll(step_ms):
-            # poll looked once more when its time was up
+            # poll looks once more when its time is up
             self._reads.extend(self.nothing_until(asked_ns + int(step_ms * 1e6)))
             if left_ms <= 0 or self._reads:
                 return None
@@ -142,13 +147,13 @@ class PosixReader:
         return step_ms > 0
 
     def close(self) -> None:
-        """Set the port back to what it was, and let it go."""
+        """Restore the settings of the port and release it."""
         self._tuning.undo()
         self._serial.close()
 
 
 def _error_counters(fd: int) -> Counts | None:
-    """Return the driver's counters; None where it has none."""
+    """Return the driver's counters; None if it has none."""
     try:
         frame, overrun, parity, breaks, buffer_overrun = _COUNTERS.unpack(
             fcntl.ioctl(fd, _TIOCGICOUNT, bytes(_COUNTERS.size))
@@ -159,14 +164,13 @@ def _error_counters(fd: int) -> Counts | None:
 
 
 class MarkDecoder:
-    """Takes the error marks of PARMRK out of what a terminal delivers (termios(3)), wherever reads cut it.
+    """Removes the error marks of PARMRK from what a terminal delivers (termios(3)), wherever a read cuts them.
 
     FF FF is the character FF, FF 00 xx a character xx with an error, FF 00 00 a break. Any other FF is kept as it is.
     """
 
     def __init__(self) -> None:
-        """Start with nothing received."""
-        self.pending = b""  # the beginning of a mark that the last read cut
+        self.pending = b""  # the beginning of a mark that the last read cut off
 
     def feed(self, data: bytes) -> tuple[bytes, bytes]:
         """Return the characters and, for each, its Flag."""

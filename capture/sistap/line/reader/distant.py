@@ -15,20 +15,22 @@ from sistap.line.reader.connection import Connection, connect
 from sistap.line.reader.contract import PortError
 from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
 
-PATIENCE_NS = 10_000_000_000  # without a word from the tap, which says something every half second
-AGAIN_S = 1.0  # until the next try
+PATIENCE_NS = 10_000_000_000  # longest silence of the tap, which sends something every half second
+AGAIN_S = 1.0  # pause before the next try
 
 _OF_A_READER = bytes(flag & Flag.FROM_READER for flag in range(256))
 
 
 class DistantReader:
-    """Reads the socket of a distant tap; when the connection is lost, it makes a new one.
+    """Reads the socket of a distant tap; reconnects after the connection is lost.
 
-    The tap says its settings, and nobody else sets them. All that is said to it is that it was heard.
+    The tap defines its settings; nobody else sets them. It receives nothing but a sign of life.
     """
 
+    settings_are_told = True
+
     def __init__(self, port: str, line: int, connection: Connection) -> None:
-        """Go on with a connection, on which nothing but the first message was read."""
+        """Continue with a connection on which only the first message was read."""
         self.name = port
         self.line = line
         self.adapter = f"{connection.hello.name}: {connection.hello.adapter}"
@@ -38,13 +40,13 @@ class DistantReader:
             (message for message in connection.after_hello if isinstance(message, LineSettings)), LineSettings(0)
         )
         self._reads: deque[Read] = deque()
-        self._time_ns = connection.hello.time_ns  # so far is everything known
-        self._lost = False  # something before the next character
+        self._time_ns = connection.hello.time_ns  # everything up to here is known
+        self._lost = False  # whether something is missing before the next character
         self._search: _Search | None = None
         self._begin(connection)
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. A lost connection does not end it."""
+        """Return what arrived; None if nothing arrived in that time. A lost connection is no end."""
         if not self._reads:
             if self._connection:
                 self._receive(self._connection, timeout_s)
@@ -53,12 +55,12 @@ class DistantReader:
         return self._reads.popleft() if self._reads else None
 
     def now_ns(self) -> int:
-        """Return what time it is there."""
+        """Return the time there."""
         return CLOCK.now_ns() + self._ahead_ns
 
     def change(self, settings: LineSettings) -> None:  # noqa: ARG002 - whatever they are
-        """Refuse."""
-        raise PortError(f"{self.name}: rate and format are set there, with the options of `sistap serve`")
+        """Refuse: the settings are set at the tap."""
+        raise PortError(f"{self.name}: set rate and format there, with the options of `sistap serve`")
 
     def close(self) -> None:
         """Leave the tap."""
@@ -111,7 +113,7 @@ class DistantReader:
             self._miss(message.characters, "they were not taken in time here, or by the network")
 
     def _own(self, read: Read) -> Read:
-        """Make what the tap has read ours."""
+        """Convert a read of the tap into one of ours."""
         flags = read.flags.translate(_OF_A_READER)
         if self._lost and flags:
             flags = bytes([flags[0] | Flag.LOST_BEFORE]) + flags[1:]
@@ -119,7 +121,7 @@ class DistantReader:
         return read._replace(line=self.line, flags=flags, settings=self.settings)
 
     def _answer(self, heard: bus_socket.Time) -> None:
-        """Tell the tap that somebody is here. No room for that: it does not read, and will not miss it."""
+        """Send the tap a sign of life. If there is no room, the tap does not read and does not miss it."""
         if self._connection:
             with suppress(OSError):
                 self._connection.socket.sendall(bus_socket.pack_time(heard.time_ns))
@@ -140,7 +142,7 @@ class DistantReader:
         self._tell(Happening.GONE, f"the connection to {self.name} is lost ({why}): trying until it is back")
 
     def _look(self, timeout_s: float) -> None:
-        """Go on with a new connection, if there is one in that time."""
+        """Continue with a new connection, if one appears in that time."""
         connection = self._search.found(timeout_s) if self._search else None
         if not connection:
             return
@@ -167,24 +169,23 @@ class DistantReader:
 
 
 class _Search:
-    """Tries to connect, in a thread of its own: to find a host may take long."""
+    """Tries to connect, in a thread of its own: resolving a host may take long."""
 
     def __init__(self, port: str) -> None:
-        """Begin."""
         self._port = port
         self._found: SimpleQueue[Connection] = SimpleQueue()
         self._ended = threading.Event()
         threading.Thread(target=self._try, daemon=True).start()
 
     def found(self, timeout_s: float) -> Connection | None:
-        """Return the connection, if there is one in that time; once."""
+        """Return the connection once, if it is there in that time."""
         try:
             return self._found.get(timeout=timeout_s) if timeout_s else self._found.get_nowait()
         except Empty:
             return None
 
     def give_up(self) -> None:
-        """Try no more."""
+        """Stop trying."""
         self._ended.set()
 
     def _try(self) -> None:
@@ -196,7 +197,7 @@ class _Search:
 
 
 def _clock(connection: Connection, port: str) -> str:
-    """Say whose times they are."""
+    """Describe the clock of the times."""
     ahead_ns, by_ms = connection.ahead_ns, connection.ahead_by_ns / 1e6
     which = "ahead of" if ahead_ns >= 0 else "behind"
     return f"times are of the clock at {port}, {abs(ahead_ns) / 1e9:.4f} s {which} this one, within {by_ms:.1f} ms"

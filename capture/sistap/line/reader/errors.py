@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which characters had errors: what the terminal marks and what the driver counts, taken together.
+"""Finds the characters with errors, from the marks of the terminal and the counters of the driver.
 
-A driver counts an error before it hands the character on. So a counter can move with the read before the one that has
-the mark: such a read waits, a moment, whether a mark comes.
+A driver counts an error before it passes the character on. So the counter can change one read before the mark comes.
+Such a read waits a moment for a mark.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from sistap.line.settings import Flag, Read
 
-HOLD_NS = 20_000_000  # so long does a read wait for the mark of an error that was counted
+HOLD_NS = 20_000_000  # how long a read waits for the mark of a counted error
 
 _MARKED = re.compile(rb"[^\0]+")
 
@@ -30,24 +30,26 @@ class Counts(NamedTuple):
 
 
 class Errors:
-    """Settles the flags of reads. Times are those of any clock that goes on, in ns."""
+    """Settles the flags of reads. Times are from any monotonic clock, in ns."""
 
     def __init__(self, count: Callable[[], Counts | None], *, by_packet: bool) -> None:
-        """`count` asks the driver; `by_packet`: it marks all characters of a USB packet if one is wrong."""
+        """`count` reads the driver's counters; `by_packet`: the driver marks all characters of a USB packet with an
+        error.
+        """
         self._count = count
         self._counted = count()
         self._by_packet = by_packet
-        self._breaks: int | None = None  # counted, and not yet marked; None: nobody has seen that breaks are counted
+        self._breaks: int | None = None  # counted but not marked yet; None: nobody knows whether breaks are counted
         self._held: deque[tuple[Read, bool]] = deque()  # and whether an error was counted with it
         self._due_ns = 0
 
     @property
     def holding(self) -> bool:
-        """Whether a read waits."""
+        """Tell whether a read waits."""
         return bool(self._held)
 
     def take(self, read: Read, now_ns: int) -> list[Read]:
-        """Take a read with the marks of the terminal. Return the reads of which all is known, in their order."""
+        """Take a read with the marks of the terminal. Return the reads whose errors are settled, in order."""
         moved = self._moved()
         damaged = bool(moved.frame or moved.parity or moved.breaks)
         if damaged:
@@ -56,7 +58,7 @@ class Errors:
         read = read._replace(flags=self._located(read.flags))
         if moved.overrun or moved.buffer_overrun:
             read = _with_loss(read)
-        if marked:  # it takes what was counted before
+        if marked:  # it uses up what was counted before
             settled = [held for held, _ in self._held]
             self._held.clear()
             return [*settled, read]
@@ -72,7 +74,7 @@ class Errors:
         return self.all() if self._held and now_ns >= self._due_ns else []
 
     def all(self) -> list[Read]:
-        """Return the reads that wait: what was counted with them is somewhere among their characters."""
+        """Return all waiting reads: what was counted with them is somewhere among their characters."""
         settled = [_somewhere(read) if damaged else read for read, damaged in self._held]
         self._held.clear()
         return settled
@@ -87,8 +89,8 @@ class Errors:
     def _located(self, marks: bytes) -> bytes:
         """Return flags that claim no more than is known.
 
-        A damaged 00 is marked like a break, so a break is one only if it was counted. In a row of marked characters the
-        packets cannot be told apart; the break of a packet is its last character.
+        A damaged 00 is marked like a break, so only a counted break is one. In a run of marked characters the packets
+        cannot be told apart. The break of a packet is its last character.
         """
         if not any(marks):
             return marks
@@ -111,7 +113,7 @@ def _somewhere(read: Read) -> Read:
 
 
 def _with_loss(read: Read) -> Read:
-    """Mark a loss: before one of the characters, nobody knows which."""
+    """Mark a loss: it is before one of the characters, but nobody knows which."""
     if len(read.flags) > 1:
         read = _somewhere(read)
     return read._replace(flags=bytes([read.flags[0] | Flag.LOST_BEFORE]) + read.flags[1:])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How late a character can be seen: what the adapter adds, and what this machine was measured to add."""
+"""How late a character can be seen: the delay of the adapter, and the measured delay of this computer."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
 MEASURE_NS = 200_000_000
 
-# A 16550 raises its interrupt at its trigger level, or four character times after the last character: then the first of
-# trigger - 1 characters has been there for trigger - 2 more.
+# A 16550 raises its interrupt at its trigger level, or four character times after the last character. In the first
+# case, the first of trigger - 1 characters has waited for trigger - 2 more.
 _FIFO_TIMEOUT_CHARACTERS = 4
 
 
 class Known(NamedTuple):
-    """What is known before a port is opened: how late this machine is, and the self-tests there were."""
+    """What is known before a port is opened: the delay of this computer, and the self-tests."""
 
     machine_ns: int
     how: str  # "measured when the capture started"
@@ -30,7 +30,7 @@ class Known(NamedTuple):
 
 
 class Bound(NamedTuple):
-    """The longest time from a character's arrival to its time stamp, in ns, a phrase that says how, and notes."""
+    """The longest time from a character's arrival to its time stamp in ns, a phrase for its source, and notes."""
 
     ns: int
     how: str
@@ -38,7 +38,7 @@ class Bound(NamedTuple):
 
 
 def known() -> Known:
-    """Take the machine's part from the self-test if there was one that holds here, else measure it for MEASURE_NS."""
+    """Take the computer's part from a self-test that holds here, else measure it for MEASURE_NS."""
     results, trouble = measurement.load()
     result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
     notes = tuple(note for note in (trouble, misfit) if note)
@@ -48,9 +48,9 @@ def known() -> Known:
 
 
 def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> Bound:
-    """Bound what machine and adapter add together; a self-test of the port itself only ever makes it more."""
+    """Bound computer and adapter together; a self-test of the port itself can only increase the bound."""
     if before.machine_ns >= UNCERTAINTY_UNKNOWN:
-        return Bound(UNCERTAINTY_UNKNOWN, "uncertainty unknown: there is no pseudo terminal to measure it with")
+        return Bound(UNCERTAINTY_UNKNOWN, "uncertainty unknown: there is no pseudo terminal to measure with")
     place = ports.identity(port, behind)
     result, misfit = measurement.fitting(before.results, place, port_conditions(behind, settings))
     notes = (*before.notes, misfit) if misfit else before.notes
@@ -71,7 +71,7 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
     return Bound(total_ns, f"uncertainty {_ms(total_ns)}{parts}, {before.how}{unknown}", notes)
 
 
-def uncertainty_ns(  # noqa: PLR0913 - all that is known of a read
+def uncertainty_ns(  # noqa: PLR0913 - everything known about a read
     latency_ns: int,
     settings: LineSettings,
     count: int,
@@ -80,31 +80,30 @@ def uncertainty_ns(  # noqa: PLR0913 - all that is known of a read
     in_time: bool,
     sleep_ns: int = STEP_MS * 1_000_000,
 ) -> int:
-    """Bound how long characters had been there; for `unseen_ns` nobody had looked, or slept until they came.
+    """Bound how long characters had waited; for `unseen_ns` nobody had read, or the reader slept until they came.
 
-    They were not read within the latency if they were there before they were asked for, if so many take longer
-    than that, or if the sleep was longer than `sleep_ns` (the process was stopped): then, since when they were there,
-    nobody knows.
+    The latency is no bound in three cases. They were there before the read began. That many characters take longer than
+    the latency. Or the sleep exceeded `sleep_ns`, so the process was suspended. Then their arrival is unknown.
     """
     character_ns = settings.character_ns
     if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > sleep_ns + latency_ns:
         return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
-    # Several at once: it was woken late, and its last character waited, too, for as long as one more takes.
+    # Several at once: the reader was woken late, and the last character waited for up to one more.
     return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)
 
 
 def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:
-    """Return what a self-test of a port depends on; the adapter as it is while it is tuned."""
+    """Return what a self-test of a port depends on; the adapter must be tuned."""
     return measurement.conditions(adapter=str(behind), line=f"{settings.baud} Bd {settings.format}")
 
 
 def held_by_fifo_ns(trigger: int, settings: LineSettings) -> int:
-    """Return how long at most a 16550 keeps a character until its interrupt, in ns."""
+    """Return how long a 16550 keeps a character until its interrupt, at most, in ns."""
     return (trigger - 2 + _FIFO_TIMEOUT_CHARACTERS) * settings.character_ns
 
 
 def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
-    """Return how long the adapter is known to hold characters back, in ns, and why."""
+    """Return how long the adapter holds characters back, as far as known, in ns, and why."""
     if behind.latency_ms is not None:
         return behind.latency_ms * 1_000_000, behind.latency
     if behind.fifo_trigger is not None and behind.fifo_trigger > 1:
@@ -114,7 +113,7 @@ def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
 
 def _unknown(port: str) -> str:
     return (
-        f"{port}: how long its adapter holds characters back is not known and not in the uncertainty: off the bus, "
+        f"{port}: the delay of its adapter is not known and not in the uncertainty; off the bus, "
         f"with its lines joined, `sistap selftest -i {port} --transmit` measures it"
     )
 
@@ -125,9 +124,10 @@ def _ms(ns: int) -> str:
 
 @functools.cache
 def measured_latency_ns() -> int:
-    """Measure how late, at worst, this process sees a character: for MEASURE_NS, once in its life.
+    """Measure, once for MEASURE_NS, how late this process sees a character in the worst case.
 
-    Fewer than a thousand samples: so the bound p99.9 is the largest. UNCERTAINTY_UNKNOWN if it cannot be measured.
+    There are fewer than a thousand samples, so the bound p99.9 is the largest. UNCERTAINTY_UNKNOWN if it cannot be
+    measured.
     """
     if sys.platform == "win32":
         from sistap.line.reader import loopback

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes ports of pyserial, on every system, so that they only listen from the moment they are open."""
+"""Makes pyserial's ports on every system listen only, from the moment they are open."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 from sistap.line.settings import LineSettings
 
-if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
+if TYPE_CHECKING:  # imported late: the rest works without pyserial
     import serial
 
-_URL_TIMEOUT_S = 0.05  # pyserial's own; changing it per read would configure the port each time
+_URL_TIMEOUT_S = 0.05  # pyserial's own; changing it for each read would configure the port each time
 
 
 def closed_serial(port: str, settings: LineSettings, device_class: type[serial.Serial] | None = None) -> serial.Serial:
-    """Make pyserial's port, not yet open, so that RTS and DTR are known to be low before it is.
+    """Return pyserial's port, not yet open, so that RTS and DTR are certain to be low before it opens.
 
-    Without `device_class`, of the class that is for such a name or URL.
+    Without `device_class`, it has the class for this name or URL.
     """
     import serial
 
@@ -34,7 +34,7 @@ def closed_serial(port: str, settings: LineSettings, device_class: type[serial.S
 
 
 def configure(device: serial.Serial, settings: LineSettings) -> None:
-    """Set rate and format of a port of pyserial, open or not. OSError or ValueError if it cannot do them."""
+    """Set rate and format of a port of pyserial, open or not. OSError or ValueError if it does not support them."""
     device.baudrate = settings.baud
     device.bytesize = settings.data_bits
     device.parity = settings.parity

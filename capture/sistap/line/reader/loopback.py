@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Measures how late this program sees what comes through a socket: where there are no pseudo terminals."""
+"""Measures how late this program sees data from a socket, where there are no pseudo terminals."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from contextlib import suppress
 
 from sistap.line.clocks import monotonic_ns
 
-_PATIENCE_S = 1.0  # for a byte to come
+_PATIENCE_S = 1.0  # longest wait for a byte
 
 
 def through_socket(duration_ns: int) -> array[int]:
-    """Send bytes one by one through a socket of our own; return the time that each took, in ns. OSError."""
+    """Send bytes one by one through a socket of our own; return the time of each in ns. May raise OSError."""
     reading, writing = socket.socketpair()
     with reading, writing:
         reading.settimeout(_PATIENCE_S)
@@ -35,7 +35,7 @@ def through_socket(duration_ns: int) -> array[int]:
 
 
 def _write(writing: socket.socket, written: array[int], end_ns: int) -> None:
-    """Write a byte now and then, at no rhythm; then end the connection."""
+    """Write a byte now and then at random times; then end the connection."""
     with suppress(OSError):
         while (now_ns := monotonic_ns()) < end_ns:
             written.append(now_ns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Opens and configures serial devices of this machine, so that they only listen."""
+"""Opens and configures serial devices of this computer so that they only listen."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from sistap.line.settings import LineSettings
 if sys.platform == "win32":
     raise ImportError("Windows has no terminals: sistap.line.reader.url opens its ports")
 
-if TYPE_CHECKING:  # imported where it is needed: without pyserial the rest still works
+if TYPE_CHECKING:  # imported late: the rest works without pyserial
     import serial
 
-_STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which termios does not know
+_STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which the module termios lacks
 _PARITIES = {
     "N": 0,
     "E": termios.PARENB,
@@ -34,20 +34,20 @@ _PARITIES = {
 
 _FORMAT = termios.CSIZE | termios.PARENB | termios.PARODD | termios.CSTOPB | _STICK_PARITY  # all bits of a format
 
-# Linux, <asm-generic/ioctls.h>: struct termios2, of it c_ospeed.
+# Linux, <asm-generic/ioctls.h>: c_ospeed of struct termios2.
 _TCGETS2 = 0x802C542A
 _TERMIOS2 = struct.Struct("40xI")
 
-_TOLERANCE = 0.03  # of the rate: so much can a character bear
+_TOLERANCE = 0.03  # of the rate: the largest error that a character tolerates
 _MODEM_LINES = struct.pack("I", termios.TIOCM_DTR | termios.TIOCM_RTS)
 
 
 def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> serial.Serial:
-    """Open a device exclusively, RTS and DTR down, no flow control, errors marked. May raise PortError."""
+    """Open a device exclusively: RTS and DTR low, no flow control, errors marked. May raise PortError."""
     try:
         device = closed_serial(port, settings, _lowering())
         if pseudo_terminal:
-            # Linux strips these from a pty, and libc takes it for an error when nothing else was to change.
+            # Linux strips these from a pty. If nothing else was to change, libc reports an error.
             device.bytesize, device.parity = 8, "N"
         device.open()
         try:
@@ -62,7 +62,7 @@ def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> ser
 
 
 def change_device(device: serial.Serial, settings: LineSettings, pseudo_terminal: bool) -> None:
-    """Change rate and format of an open device, dropping nothing. PortError if it cannot: then the old ones stay.
+    """Change rate and format of an open device without loss. PortError if it cannot: then the old settings stay.
 
     Not through pyserial, which would switch the marking of errors off for a moment.
     """
@@ -81,35 +81,36 @@ def change_device(device: serial.Serial, settings: LineSettings, pseudo_terminal
 
 
 def _lowering() -> type[serial.Serial]:
-    """Make pyserial's class, but with RTS and DTR down before it is configured: on adapters that takes up to 40 ms."""
+    """Return pyserial's class with RTS and DTR low before it is configured: on adapters that takes up to 40 ms."""
     import serial
 
     class Lowering(serial.Serial):
         def _reconfigure_port(self, force_update: bool = False) -> None:
             if self.fd is not None and not self.is_open:
-                # Locked first: the lines of a port that another program has are none of ours. pyserial says so then.
+                # Lock it first: the lines of a port that another program uses must not change. pyserial then reports
+                # the error.
                 with suppress(OSError):
                     fcntl.flock(self.fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
                     fcntl.ioctl(self.fd, termios.TIOCMBIC, _MODEM_LINES)
-            pyserial: Any = super()  # whose types have no private names
+            pyserial: Any = super()  # its types have no private names
             pyserial._reconfigure_port(force_update)
 
     return Lowering
 
 
 def _set(device: serial.Serial, attributes: list[Any], baud: int | None) -> None:
-    """Set the attributes of a device, and a rate, also one that has no constant; None: that of the attributes."""
+    """Set the attributes of a device, and any rate; None: the rate of the attributes."""
     constant = getattr(termios, f"B{baud}", None)
     if constant is not None:
         attributes[4] = attributes[5] = constant
     termios.tcsetattr(device.fileno(), termios.TCSANOW, attributes)
     if baud is not None and constant is None:
         pyserial: Any = device
-        pyserial._set_special_baudrate(baud)  # as it does when it opens a port
+        pyserial._set_special_baudrate(baud)  # as pyserial does when it opens a port
 
 
 def _control(settings: LineSettings, pseudo_terminal: bool) -> int:
-    """Return the control flags of a format; a pseudo terminal has only one."""
+    """Return the control flags of a format; a pseudo terminal has only one format."""
     if pseudo_terminal:
         return termios.CS8
     size: int = getattr(termios, f"CS{settings.data_bits}")
@@ -117,21 +118,21 @@ def _control(settings: LineSettings, pseudo_terminal: bool) -> int:
 
 
 def _mark_errors(fd: int) -> None:
-    """Let the line discipline mark errors, which pyserial has switched off, and drop what came before."""
+    """Let the line discipline mark errors, which pyserial has switched off, and drop earlier input."""
     attributes = termios.tcgetattr(fd)
-    attributes[0] |= termios.PARMRK | termios.INPCK  # INPCK: without it no framing errors either
+    attributes[0] |= termios.PARMRK | termios.INPCK  # without INPCK, framing errors are not marked either
     attributes[0] &= ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT | termios.ISTRIP)
-    attributes[6][termios.VMIN] = 1  # so that a read of nothing means that the port has gone
+    attributes[6][termios.VMIN] = 1  # so that an empty read means that the port is gone
     attributes[6][termios.VTIME] = 0
     termios.tcsetattr(fd, termios.TCSANOW, attributes)
     termios.tcflush(fd, termios.TCIFLUSH)
 
 
 def _check(device: serial.Serial, settings: LineSettings, pseudo_terminal: bool) -> None:
-    """Raise Otherwise if the driver has quietly set another rate or format."""
+    """Raise Otherwise if the driver has silently set another rate or format."""
     fd = device.fileno()
     baud = true_rate(fd, str(device.port), settings)
-    # Of a pseudo terminal, Linux takes no format.
+    # Linux ignores the format of a pseudo terminal.
     found = settings.format if pseudo_terminal else _format(termios.tcgetattr(fd)[2])
     wanted = settings.format if pseudo_terminal else _format(_control(settings, pseudo_terminal))
     if abs(baud - settings.baud) > settings.baud * _TOLERANCE or found != wanted:
@@ -139,7 +140,7 @@ def _check(device: serial.Serial, settings: LineSettings, pseudo_terminal: bool)
 
 
 def _format(control: int) -> str:
-    """Name the format that control flags set; 1.5 stop bits have the flag of two."""
+    """Return the format of control flags; 1.5 stop bits have the flag of two."""
     bits = next(bits for bits in (5, 6, 7, 8) if control & termios.CSIZE == getattr(termios, f"CS{bits}"))
     flags = control & (termios.PARENB | termios.PARODD | _STICK_PARITY) if control & termios.PARENB else 0
     parity = next(parity for parity, meant in _PARITIES.items() if flags == meant)
@@ -147,13 +148,13 @@ def _format(control: int) -> str:
 
 
 def true_rate(fd: int, port: str, settings: LineSettings) -> int:
-    """Return the rate at which an open port really runs, in Bd, as far as its driver tells."""
+    """Return the true rate of an open port in Bd, as far as its driver states it."""
     set_by_driver = _speed(fd) or settings.baud
     return (divisor.rate(fd, set_by_driver) if ports.is_8250(port) else None) or set_by_driver
 
 
 def _speed(fd: int) -> int | None:
-    """Return the rate that the driver says it has set; None where it says none."""
+    """Return the rate that the driver reports; None if it reports none."""
     try:
         (speed,) = _TERMIOS2.unpack(fcntl.ioctl(fd, _TCGETS2, bytes(_TERMIOS2.size)))
     except OSError:

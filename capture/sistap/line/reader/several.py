@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Several ports read as one, each character in its turn.
+"""Reads several ports as one, with all characters in order.
 
-Where the system can wait for all of them at once, one thread does: a time stamp is then as good as that of a single
-port, and a reader that was late knows it. Threads of their own would wait for each other without noticing.
+If the system can wait for all of them at once, one thread reads them. Then a time stamp is as good as that of a single
+port, and a late reader knows it. Separate threads would delay each other without noticing.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from sistap.line.clocks import monotonic_ns
 from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 
-if sys.platform == "win32":  # which has no poll, and never needs it
+if sys.platform == "win32":  # it has no poll, and does not need it
     _TO_READ = 0
 else:
     _TO_READ = select.POLLIN
@@ -30,39 +30,39 @@ class Source(Protocol):
     """Where characters come from: a reader, or several as one."""
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
 
 
 @runtime_checkable
 class Pollable(Reader, Protocol):
-    """A reader that somebody else can wait for."""
+    """A reader that a caller can poll."""
 
     def fileno(self) -> int:
-        """Return the descriptor to wait for."""
+        """Return the descriptor to poll."""
 
     def take(self, *, in_time: bool) -> list[Read]:
-        """Return what is there; `in_time`: it came while it was waited for. May raise PortLost."""
+        """Return what is there; `in_time`: it came during the wait. May raise PortLost."""
 
     def nothing_until(self, time_ns: int) -> list[Read]:
-        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back till then."""
+        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back until then."""
 
     def held(self) -> list[Read]:
-        """Hold nothing back any longer: return it."""
+        """Stop holding characters back: return them."""
 
 
 @runtime_checkable
 class Several(Source, Protocol):
-    """Readers that are read as one, and may become more."""
+    """Readers that are read as one; more can be added."""
 
     def add(self, reader: Reader) -> None:
-        """Read this one, too."""
+        """Add a reader."""
 
 
 @contextmanager
 def together(readers: Sequence[Reader], *, may_change: bool = False) -> Iterator[Source]:
-    """Read several readers as one, each with a line of its own, until the block ends. They stay open.
+    """Read several readers as one, each with its own line, until the block ends. They stay open.
 
-    `may_change`: what is read then is Several, to which a reader can be added in place of one that was lost.
+    `may_change`: the result is a Several, to which a reader can be added in place of a lost one.
     """
     pollable = [reader for reader in readers if isinstance(reader, Pollable)]
     if len(readers) == 1 and not may_change:
@@ -78,10 +78,9 @@ def together(readers: Sequence[Reader], *, may_change: bool = False) -> Iterator
 
 
 class PolledReaders:
-    """One thread waits for all."""
+    """Readers polled by one thread."""
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
-        """Wait for these."""
         self._readers: dict[int, Pollable] = {}
         self._poll = select.poll()
         for reader in readers:
@@ -90,13 +89,13 @@ class PolledReaders:
         self._lost: deque[PortLost] = deque()
 
     def add(self, reader: Reader) -> None:
-        """Read this one, too. It has to be one that can be waited for."""
+        """Add a reader, which must be Pollable."""
         assert isinstance(reader, Pollable)
         self._readers[reader.fileno()] = reader
         self._poll.register(reader.fileno(), _TO_READ)
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
         if not self._reads and not self._lost:
             self._wait(timeout_s)
         if not self._reads and not timeout_s:
@@ -115,15 +114,15 @@ class PolledReaders:
             step_ms = min(STEP_MS, left_ms)
             left_ms -= step_ms
         if step_ms:
-            self._look(0)  # until when the others were silent
+            self._look(0)  # note until when the others were silent
 
     def _look(self, step_ms: float) -> bool:
         """Take what comes within the step; tell whether anything did."""
         asked_ns = monotonic_ns()
         ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
-        for descriptor in ready:  # first of all: until then nothing has its time
+        for descriptor in ready:  # before anything else: it gets its time here
             self._take(descriptor, self._readers[descriptor], in_time=step_ms > 0)
-        silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looked once more when its time was up
+        silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looks once more when its time is up
         for descriptor in self._readers.keys() - ready:
             self._reads.extend(self._readers[descriptor].nothing_until(silent_ns))
         return bool(self._reads or self._lost)
@@ -138,10 +137,9 @@ class PolledReaders:
 
 
 class ThreadedReaders:
-    """A thread waits for each: for ports whose times have no bound anyway, or are those of a virtual bus."""
+    """Readers with a thread each: for ports whose times have no bound, or are those of a virtual bus."""
 
     def __init__(self, readers: Sequence[Reader]) -> None:
-        """Begin to read these."""
         self._queue: SimpleQueue[Read | PortLost] = SimpleQueue()
         self._ended = False
         self._threads: list[threading.Thread] = []
@@ -149,19 +147,19 @@ class ThreadedReaders:
             self.add(reader)
 
     def add(self, reader: Reader) -> None:
-        """Read this one, too."""
+        """Add a reader."""
         self._threads = [thread for thread in self._threads if thread.is_alive()]
         self._threads.append(threading.Thread(target=self._listen, args=(reader,), daemon=True))
         self._threads[-1].start()
 
     def end(self) -> None:
-        """Read no more: afterwards the ports can be closed."""
+        """Stop reading: then the ports can be closed."""
         self._ended = True
         for thread in self._threads:
             thread.join()
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost, for each port once."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
         try:
             item = self._queue.get(timeout=timeout_s) if timeout_s else self._queue.get_nowait()
         except Empty:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads a logic analyser, which samples the line itself: sigrok-cli passes the samples on, and they are decoded here.
+"""Reads a logic analyser, which samples the line: sigrok-cli delivers the samples, and this module decodes them.
 
-sigrok-cli has a decoder of its own. At 115200 Bd it needs 1.4 s of a processor for each second of a busy line, and at
-another rate it had to be started again; so it is the judge of the tests only.
+sigrok-cli has a decoder of its own. At 115200 Bd it needs 1.4 s of processor time for each second of a busy line, and
+it must be restarted for another rate. So only the tests use it, as a reference.
 """
 
 from __future__ import annotations
@@ -27,23 +27,23 @@ from sistap.line.reader.contract import PortError, PortLost
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.line.uart import ENOUGH_SAMPLES, FEWEST_SAMPLES, HIGH, LOW, Uart, rate_of
 
-START_S = 10  # for a device: an FX2 gets its firmware first, and is a new device then
+START_S = 10  # for a device: an FX2 first gets its firmware, and then is a new device
 END_S = 2
-CRYSTAL_PPM = 100  # that USB asks of an FX2
+CRYSTAL_PPM = 100  # as USB requires of an FX2
 
 _NS = 1_000_000_000
 _CHUNK = 1 << 20
-_CHUNKS = 1 << 10  # kept; where sistap is later than that, sigrok-cli has to wait, and the analyser ends
+_CHUNKS = 1 << 10  # chunks kept; if sistap is later than that, sigrok-cli must wait, and the analyser stops
 _WIDTH = 2048  # samples in a line of sigrok-cli
-_PIPE_BYTES = 1 << 20  # as much as an ordinary user may have
+_PIPE_BYTES = 1 << 20  # as much as an ordinary user may set
 _HEADER = re.compile(rb"^Acquisition with .*channels(?: at (?P<rate>.+))?\n", re.MULTILINE)
 _NOT_BITS = bytes(set(range(256)) - set(b"01"))
 _SWAPPED = bytes.maketrans(HIGH + LOW, LOW + HIGH)
-_HEARD_SAMPLES = 1 << 18  # of which the rate of the line is measured
+_HEARD_SAMPLES = 1 << 18  # samples by which the rate of the line is measured
 
 
 class SigrokReader:
-    """The lines of one analyser, one or both directions. Each character is a read of its own."""
+    """Reads the lines of one analyser, one or both directions. Each character is a read of its own."""
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Start sigrok-cli, and wait until samples come. May raise PortError."""
@@ -52,7 +52,7 @@ class SigrokReader:
         except ValueError as error:
             raise PortError(str(error)) from error
         if line and len(probe.channels) > 1:
-            raise PortError(f"{port} has both directions: leave out the other -i, or &tx=")
+            raise PortError(f"{port} has both directions: remove the other -i, or &tx=")
         self.name = port
         self.adapter = f"logic analyser {probe.driver}, {' and '.join(probe.channels)}, by sigrok-cli"
         self.settings = settings
@@ -73,18 +73,18 @@ class SigrokReader:
             f"{CRYSTAL_PPM} ppm of an interval; a character's is the middle of its stop bit"
         )
         few = self._samplerate < ENOUGH_SAMPLES * settings.baud
-        cure = f"{port}: {self._samplerate / settings.baud:.1f} samples a bit are few: say &samplerate="
+        cure = f"{port}: {self._samplerate / settings.baud:.1f} samples a bit are few: set &samplerate="
         self.notes: tuple[str, ...] = (f"{cure}{ENOUGH_SAMPLES * settings.baud} or more",) if few else ()
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
         end_ns = monotonic_ns() + int(timeout_s * 1e9)
         while not self._reads:
             chunk = self._process.chunk(max(0.0, (end_ns - monotonic_ns()) / 1e9))
             if chunk is None:
                 return None
             if not chunk.data:
-                words = self._process.words() or "without a word"
+                words = self._process.words() or "without a message"
                 raise PortLost(
                     f"{self.name}: {analyser.PROGRAM} has ended ({words}): the analyser was unplugged, or could not "
                     "pass its samples on in time: use another USB port, or a lower &samplerate=",
@@ -101,16 +101,16 @@ class SigrokReader:
             channel.uart.set(settings)
 
     def measured_baud(self) -> float | None:
-        """Return the rate that the pulses on the line mean, None if there were too few of them."""
+        """Return the rate according to the pulses on the line; None if there were too few."""
         rates = [rate for channel in self._channels if (rate := rate_of(bytes(channel.heard), self._samplerate))]
         return float(max(rates)) if rates else None
 
     def close(self) -> None:
-        """Let the analyser go."""
+        """Release the analyser."""
         self._process.end()
 
     def _begin(self, probe: Probe) -> None:
-        """Wait for the first samples, and what sigrok-cli says before them."""
+        """Wait for the first samples, and for the messages of sigrok-cli before them."""
         until = time.monotonic() + START_S
         text = b""
         arrived_ns = 0
@@ -124,9 +124,9 @@ class SigrokReader:
                 )
             text += chunk.data
             arrived_ns = chunk.time_ns
-        with suppress(ValueError):  # of a rate that it does not say
+        with suppress(ValueError):  # for a rate that it does not state
             self._samplerate = analyser.hertz((match["rate"] or b"").decode(errors="replace"))
-        # The first sample is at least as old as what has come with it.
+        # The first sample is at least as old as the data that came with it.
         self._clock = SampleClock(arrived_ns, self._samplerate)
         self._channels = [
             _Channel(name, Uart(self._samplerate, self.settings), inverted, number)
@@ -138,7 +138,7 @@ class SigrokReader:
         return (1, 2) if len(probe.channels) > 1 else (self.line,)
 
     def _take(self, chunk: _Chunk) -> None:
-        """Decode the whole lines there are: for each channel in turn its name, a colon, and its samples in groups."""
+        """Decode the complete lines: for each channel in turn its name, a colon, and its samples in groups."""
         *lines, self._text = (self._text + chunk.data).split(b"\n")
         found: list[Read] = []
         for channel in self._channels:
@@ -166,11 +166,11 @@ class SigrokReader:
 
 
 def _check(port: str, settings: LineSettings, samplerate: int) -> None:
-    """Refuse a rate for which the line is sampled too seldom. PortError."""
+    """Refuse a rate if the sample rate is too low for it. Raise PortError."""
     if settings.baud * FEWEST_SAMPLES > samplerate:
         raise PortError(
             f"{port} cannot do {settings.baud} Bd with {samplerate} samples a second: "
-            f"say &samplerate={settings.baud * ENOUGH_SAMPLES} or more"
+            f"set &samplerate={settings.baud * ENOUGH_SAMPLES} or more"
         )
 
 
@@ -178,16 +178,15 @@ class _Channel:
     """One line, and what is heard on it."""
 
     def __init__(self, name: str, uart: Uart, inverted: bool, line: int) -> None:
-        """Decode what stands behind this name."""
         self.begin = name.encode() + b":"
         self.uart = uart
         self.inverted = inverted
         self.line = line
-        self.lost = Flag(0)  # what the next character is marked with
-        self.heard = bytearray()  # samples that are not all alike, for the rate
+        self.lost = Flag(0)  # flags of the next character
+        self.heard = bytearray()  # samples that are not all alike, to measure the rate
 
     def hear(self, samples: bytes) -> None:
-        """Keep the newest samples in which something happens."""
+        """Keep the newest samples that contain edges."""
         if LOW in samples and HIGH in samples:
             self.heard += samples
             del self.heard[:-_HEARD_SAMPLES]
@@ -196,18 +195,17 @@ class _Channel:
 class SampleClock:
     """The wall time of each sample, and whether samples are missing."""
 
-    _LOST_NS = 50_000_000  # later than that, and for good
+    _LOST_NS = 50_000_000  # samples that are permanently later than this are lost
     _LOOK_NS = _NS
-    _LOOKS = 3  # so many, one after the other, are for good
+    _LOOKS = 3  # consecutive looks that count as permanent
 
     def __init__(self, now_ns: int, samplerate: int) -> None:
-        """Begin with sample 0, now (of the monotonic clock)."""
         self._samplerate = samplerate
         self._begin_ns = CLOCK.wall_ns(now_ns)
         self.uncertainty_ns = -(-2 * _NS // samplerate)
         self._monotonic_ns = now_ns
         self._looked_ns = now_ns
-        self._least_ns: int | None = None  # by which samples were late since the last look
+        self._least_ns: int | None = None  # smallest delay of samples since the last look
         self._late_ns: deque[int] = deque(maxlen=self._LOOKS + 1)  # the same for each look
 
     def time_ns(self, sample: int) -> int:
@@ -215,9 +213,9 @@ class SampleClock:
         return self._begin_ns + sample * _NS // self._samplerate
 
     def lost_ns(self, now_ns: int, samples: int) -> int:
-        """Return how long nothing was sampled, when so many samples have come by now; 0: all are there.
+        """Return for how long nothing was sampled, given the number of samples so far; 0: none are missing.
 
-        What is only late comes in the end. So samples are missing if none in the last looks was as early as before. The
+        Delayed samples arrive in the end. So samples are missing if none in the last looks was as early as before. The
         crystal's drift is far slower.
         """
         late_ns = now_ns - self._monotonic_ns - samples * _NS // self._samplerate
@@ -232,7 +230,7 @@ class SampleClock:
         return lost_ns if len(since) == self._LOOKS and lost_ns > self._LOST_NS else 0
 
     def skip(self, lost_ns: int) -> None:
-        """Let the next samples be so much later."""
+        """Shift the times of the next samples by that much."""
         self._begin_ns += lost_ns
         self._monotonic_ns += lost_ns
         self._late_ns.clear()
@@ -240,17 +238,17 @@ class SampleClock:
 
 
 class _Chunk(NamedTuple):
-    """What came at once; without data: it was the last."""
+    """What came at once; without data: the end."""
 
-    time_ns: int  # of the monotonic clock
+    time_ns: int  # on the monotonic clock
     data: bytes
 
 
 class _Process:
-    """sigrok-cli, and a thread that takes what it writes: the analyser does not wait while a disk is slow."""
+    """sigrok-cli, and a thread that reads its output: the analyser must not wait while a disk is slow."""
 
     def __init__(self, probe: Probe, samplerate: int) -> None:
-        """Start it. PortError if it is not there."""
+        """Start it. PortError if it is not installed."""
         program = analyser.program()
         if not program:
             raise PortError(analyser.MISSING)
@@ -260,7 +258,7 @@ class _Process:
                 *(program, "-d", probe.driver, "--config", f"samplerate={samplerate}", "--continuous"),
                 *("-C", ",".join(probe.channels), "-O", f"bits:width={_WIDTH}"),
             ],
-            stdin=subprocess.PIPE,  # it goes on until this ends
+            stdin=subprocess.PIPE,  # it runs until this closes
             stdout=subprocess.PIPE,
             stderr=self._errors,
             start_new_session=True,  # Ctrl-C is for sistap alone
@@ -271,31 +269,31 @@ class _Process:
         self._thread.start()
 
     def chunk(self, timeout_s: float) -> _Chunk | None:
-        """Return what came, None if nothing did in that time."""
+        """Return what came; None if nothing came in that time."""
         try:
             return self._chunks.get(timeout=timeout_s) if timeout_s else self._chunks.get_nowait()
         except Empty:
             return None
 
     def words(self) -> str:
-        """Return the last line of what it has complained about."""
+        """Return the last line of its error output."""
         self._errors.seek(0)
         lines = self._errors.read().decode(errors="replace").split("\n")
         said = [line.strip().rstrip(".") for line in lines if line.strip()]
         return said[-1] if said else ""
 
     def end(self) -> None:
-        """End it: the analyser is told to stop first."""
+        """End it; the analyser stops first."""
         with suppress(OSError):
             assert self._process.stdin
             with self._process.stdin as key:
-                key.write(b"\n")  # it ends with any key
+                key.write(b"\n")  # any key ends it
         try:
             self._process.wait(END_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        while self._thread.is_alive():  # it may wait until there is room
+        while self._thread.is_alive():  # the thread may wait for room in the queue
             self.chunk(0.01)
         self._errors.close()
 
@@ -308,7 +306,7 @@ class _Process:
 
 
 def _widen(process: subprocess.Popen[bytes]) -> None:
-    """Let the pipe hold more, where the system can."""
+    """Enlarge the buffer of the pipe, if the system can."""
     if sys.platform == "linux":
         import fcntl
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Why a port cannot be opened or was lost, and what to do: one line each."""
+"""Messages: why a port cannot be opened or was lost, and the cure, in one line each."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ else:
 
 
 class Otherwise(ValueError):
-    """A driver has set something else than it was told, and has not said so; the text says what."""
+    """A driver has silently set something else; the text says what."""
 
 
 def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
-    """Say why a device could not be opened, and what to do."""
+    """Return why a device could not be opened, and the cure."""
     number = _errno(error)
     text = f"{port} cannot be opened: {error}"
     if number == errno.ENOENT:
@@ -48,15 +48,15 @@ def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
 
 
 def lost_text(port: str, pseudo_terminal: bool) -> str:
-    """Say that a device was lost while it was read, and what to do."""
+    """Return that a device was lost while it was read, and the cure."""
     if pseudo_terminal:
         return f"{port}: the program at its other end has ended: start it and a new capture"
     return f"{port} is gone: plug the adapter in and start a new capture"
 
 
 def url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
-    """Say why pyserial could not open a port, and what to do."""
-    import serial  # here: without pyserial the rest still works
+    """Return why pyserial could not open a port, and the cure."""
+    import serial  # imported here: the rest works without pyserial
 
     known = "bus://HOST:PORT, socket://HOST:PORT, rfc2217://HOST:PORT"
     text = f"{port} cannot be opened: {error}"
@@ -68,27 +68,27 @@ def url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     elif isinstance(cause, OSError) and not isinstance(cause, serial.SerialException):
         text = connection_trouble(port, cause)
     elif "://" in port and (cause or isinstance(error, ValueError | KeyError)):
-        text = f"{port} is not the URL of a port: it is written {known}"
+        text = f"{port} is not the URL of a port: write {known}"
     elif "FileNotFoundError" in str(error):  # Windows
         text = f"{port} does not exist: `sistap ports` lists the ports there are"
     elif "PermissionError" in str(error):
-        text = f"{port} is in use by another program: close that one first"
+        text = f"{port} is in use by another program: close that program first"
     return text
 
 
 def connection_trouble(port: str, error: OSError) -> str:
-    """Say why a connection failed, and what to do."""
+    """Return why a connection failed, and the cure."""
     if isinstance(error, ConnectionRefusedError | FileNotFoundError):
         return f"nothing listens at {port}: start the other end first"
     if isinstance(error, socket.gaierror):
-        return f"{port}: no host of that name is known"
+        return f"{port}: no host has that name"
     if isinstance(error, TimeoutError):
         return f"{port} does not answer: check address and network"
     return f"{port} cannot be reached: {error.strerror or error}"
 
 
 def _errno(error: BaseException) -> int | None:
-    """Find the number of an error that pyserial may have wrapped without it."""
+    """Return the number of an error that pyserial may have wrapped without it."""
     cause: BaseException | None = error
     while cause is not None:
         if isinstance(cause, _NUMBERED) and cause.args and isinstance(cause.args[0], int):

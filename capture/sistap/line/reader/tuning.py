@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes the hardware of a port pass characters on at once, as far as rights allow, and undoes it.
+"""Makes the hardware of a port pass characters on at once, as far as permitted, and restores its settings.
 
-Nothing of this touches the line: it changes when the driver is told of characters that have come.
+This does not affect the line: it changes when the driver learns of characters.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from sistap.line.settings import LineSettings
 if sys.platform == "win32":
     raise ImportError("Windows has none of these knobs")
 
-# Linux, <linux/serial.h>: the first members of struct serial_struct, of which the fifth is flags; the size is more
-# than it has anywhere.
+# Linux, <linux/serial.h>: the first members of struct serial_struct, of which the fifth is flags; the buffer is larger
+# than any system's.
 _SERIAL_SIZE = 128
 _FLAGS, _FLAGS_AT = struct.Struct("i"), 16
 _ASYNC_LOW_LATENCY = 1 << 13
@@ -34,13 +34,13 @@ Ioctl = Callable[[int, int, bytes], bytes]
 
 
 class _Knob(NamedTuple):
-    """A number in sysfs that holds characters back; 1 holds back least."""
+    """A number in sysfs that delays characters; 1 gives the smallest delay."""
 
     name: str
     unit: str
-    file: str  # under /sys, by the name of the terminal
-    late_ns: Callable[[int, LineSettings], int]  # so late are times at a value
-    for_good: str  # how to have it set for good
+    file: str  # below /sys, by the name of the terminal
+    late_ns: Callable[[int, LineSettings], int]  # delay of times at a given value
+    for_good: str  # how to set it permanently
 
 
 _UDEV_RULE = 'ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency_timer}="1"'
@@ -64,7 +64,7 @@ _KNOBS = (
 
 
 class Tuning:
-    """What was set at a port. `undo` sets it back; if nobody calls it, the end of the program does."""
+    """The changed settings of a port. `undo` restores them; otherwise the end of the program does."""
 
     def __init__(
         self,
@@ -74,9 +74,9 @@ class Tuning:
         sysfs: Path | None = None,
         ioctl: Ioctl | None = None,
     ) -> None:
-        """Set what can be set: never an error. `sysfs` and `ioctl` are those of Linux."""
-        self.done: list[str] = []  # a phrase for each
-        self.missed: list[str] = []  # a line for each: what it costs, and the cure
+        """Set what can be set; never raise. `sysfs` and `ioctl` are those of Linux."""
+        self.done: list[str] = []  # a phrase for each setting
+        self.missed: list[str] = []  # a message for each setting: what it costs, and the cure
         self._ioctl: Ioctl = ioctl or fcntl.ioctl
         self._before = ExitStack()
         atexit.register(self.undo)
@@ -86,17 +86,17 @@ class Tuning:
             self._turn(knob, port, (sysfs or ports.SYSFS) / knob.file.format(terminal), settings)
 
     def undo(self) -> None:
-        """Set everything back; what has gone with its port is let be."""
+        """Restore everything; ignore what has gone with its port."""
         with suppress(OSError):
             self._before.close()
         atexit.unregister(self.undo)
 
     def _set_low_latency(self, port: str, descriptor: int) -> None:
-        """Set ASYNC_LOW_LATENCY: ftdi_sio takes it for a latency timer of 1 ms, and lets every user set it."""
+        """Set ASYNC_LOW_LATENCY: ftdi_sio takes it as a latency timer of 1 ms, and every user may set it."""
         try:
             if self._low_latency(descriptor):
                 return
-            # A descriptor of its own: when this is undone at last, the port's may be that of something else.
+            # A descriptor of its own: at the time of undo, the port's number may belong to something else.
             own = os.dup(descriptor)
             self._before.callback(os.close, own)
             self._before.callback(self._write_low_latency, own, on=False)
@@ -105,7 +105,7 @@ class Tuning:
                 self.done.append("low latency mode")
         except PermissionError:
             self.missed.append(
-                f"{port}: low latency mode is not permitted, so times may be late, how much depends on the driver: "
+                f"{port}: low latency mode is not permitted, so times may be late, depending on the driver: "
                 "run sistap with sudo"
             )
         except OSError:

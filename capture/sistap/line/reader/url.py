@@ -14,7 +14,7 @@ from sistap.line.settings import LineSettings, Read
 
 
 class UrlReader:
-    """Reads through pyserial: URLs such as socket:// and rfc2217://. No error flags."""
+    """Reads through pyserial: URLs such as socket:// and rfc2217://. It has no error flags."""
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
         """Open the port. May raise PortError."""
@@ -36,7 +36,7 @@ class UrlReader:
         self._lost: str | None = None
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
         end_ns = monotonic_ns() + int(timeout_s * 1e9)
         data = b""
         while not self._lost and not data and monotonic_ns() <= end_ns:
@@ -48,7 +48,9 @@ class UrlReader:
         return None
 
     def change(self, settings: LineSettings) -> None:
-        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        """Read with other settings from now on. PortError if the port does not support them: then the old settings
+        stay.
+        """
         try:
             configure(self._device, settings)
         except (OSError, ValueError) as error:
@@ -58,7 +60,7 @@ class UrlReader:
         self.settings = settings
 
     def _waiting(self) -> bytes:
-        """Take one character, and all that are there with it; what came before the port was lost is kept."""
+        """Read one character and all that wait with it; keep what came before the port was lost."""
         data = b""
         try:
             data = self._device.read(1)
@@ -69,5 +71,5 @@ class UrlReader:
         return data
 
     def close(self) -> None:
-        """Let the port go."""
+        """Release the port."""
         self._device.close()

@@ -7,6 +7,7 @@ from collections import deque
 from contextlib import suppress
 
 from sistap.line import bus_socket
+from sistap.line.clock import CLOCK
 from sistap.line.reader.connection import Connection, connect
 from sistap.line.reader.contract import PortError, PortLost
 from sistap.line.reader.trouble import connection_trouble
@@ -14,10 +15,10 @@ from sistap.line.settings import LineSettings, Read
 
 
 class WireReader:
-    """Reads the socket of a virtual bus (sistap.line.bus_socket): its reads carry their own times, errors and line."""
+    """Reads the socket of a virtual bus (sistap.line.bus_socket). Its reads have their own times, errors and line."""
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0, connection: Connection | None = None) -> None:
-        """Connect, if that is not done, and say the line settings. May raise PortError."""
+        """Connect, if necessary, and send the line settings. May raise PortError."""
         connection = connection or connect(port)
         self.name = port
         self.adapter = connection.hello.adapter
@@ -27,31 +28,36 @@ class WireReader:
         self.line = line
         self._socket = connection.socket
         try:
-            # First the time (simulated time is to wait for this reader): with the settings the bus begins.
+            # First the time: simulated time must wait for this reader. The bus begins with the settings.
             self._socket.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(settings))
         except OSError as error:
             raise PortError(connection_trouble(port, error)) from error
         self._decoder = connection.decoder
         self._heard_with = settings
         self._reads: deque[Read] = deque()
-        self._answer = b""  # to the bus, when everything before was dealt with
+        self._ahead_ns = connection.ahead_ns
+        self._answer = b""  # for the bus, when everything before was processed
         for message in connection.after_hello:
             self._take(message)
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost.
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost.
 
-        A read without characters tells the time of a bus whose time is simulated; the next call that may wait lets it
-        go on.
+        A read without characters gives the time of a bus with simulated time. The next call that may wait lets the bus
+        continue.
         """
         if not self._reads:
             self._receive(timeout_s)
         return self._reads.popleft() if self._reads else None
 
+    def now_ns(self) -> int:
+        """Return what time it was on the bus when this began, and how long ago that was."""
+        return CLOCK.now_ns() + self._ahead_ns
+
     def change(self, settings: LineSettings) -> None:
         """Read with other settings from the bus's next character on."""
         self.settings = settings
-        with suppress(OSError):  # the next read tells that the bus has ended
+        with suppress(OSError):  # the next read reports that the bus has ended
             self._socket.sendall(bus_socket.pack_settings(settings))
 
     def _receive(self, timeout_s: float) -> None:
@@ -79,7 +85,7 @@ class WireReader:
         if isinstance(message, bus_socket.Time):
             self._answer = bus_socket.pack_time(message.time_ns)
             message = Read(0, message.time_ns, b"", b"", 0)
-        if isinstance(message, Read):  # a bus says nothing else
+        if isinstance(message, Read):  # a bus sends nothing else
             self._reads.append(message._replace(line=self.line or message.line, settings=self._heard_with))
 
     def close(self) -> None:

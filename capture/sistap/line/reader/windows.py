@@ -18,12 +18,12 @@ from sistap.line.reader.trouble import lost_text, url_trouble
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
 from sistap.terminal.advice import advice
 
-# The longest sleep of a process that nobody stopped: Windows may add a tick of its clock (15.6 ms) to each.
+# The longest sleep without suspension: Windows may add a tick of its clock (15.6 ms) to each.
 _SLEEP_NS = (STEP_MS + 16) * 1_000_000
 
 
 class WindowsReader:
-    """Reads through Windows itself, which says the errors of the line: somewhere in a read there was one."""
+    """Reads through Windows itself, which reports line errors for a whole read, not for a character."""
 
     def __init__(
         self,
@@ -33,7 +33,7 @@ class WindowsReader:
         behind: Adapter | None = None,
         comm: Callable[..., CommPort] = CommPort,
     ) -> None:
-        """Open the port. May raise PortError. `behind` is what the registry says."""
+        """Open the port. May raise PortError. `behind` comes from the registry."""
         self.name = port
         self.settings = settings
         self.line = line
@@ -42,7 +42,7 @@ class WindowsReader:
         self._known = None if self._behind.latency_ms is None else latency.known()  # before the port is open
         self._latency_ns, how, self.notes = self._bound()
         self.timing = f"{how}; {STEADY}"
-        self._emptied_ns = monotonic_ns()  # everything unread came later than this
+        self._emptied_ns = monotonic_ns()  # everything unread came after this
         try:
             self._device = closed_serial(port, settings)
             self._device.open()
@@ -52,7 +52,7 @@ class WindowsReader:
         self._is_lost = False
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived, None if nothing did in that time. May raise PortLost."""
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
         end_ns = monotonic_ns() + int(timeout_s * 1e9)
         try:
             while not self._is_lost:
@@ -72,7 +72,7 @@ class WindowsReader:
         raise PortLost(lost_text(self.name, pseudo_terminal=False))
 
     def _received(self, data: bytes, *, in_time: bool) -> Read:
-        """Add what came meanwhile: an error that Windows tells after a read may be one of these characters."""
+        """Add what came meanwhile: an error that Windows reports after a read may belong to these characters."""
         now_ns = monotonic_ns()
         since_ns = self._emptied_ns
         with suppress(OSError):  # what came before the port was lost is kept
@@ -89,7 +89,9 @@ class WindowsReader:
         return Read(self.line, CLOCK.wall_ns(now_ns), data, marked, uncertainty_ns, self.settings)
 
     def change(self, settings: LineSettings) -> None:
-        """Read with other settings from now on. PortError if the port cannot do them: then the old ones stay."""
+        """Read with other settings from now on. PortError if the port does not support them: then the old settings
+        stay.
+        """
         try:
             configure(self._device, settings)
         except (OSError, ValueError) as error:
@@ -102,11 +104,11 @@ class WindowsReader:
         self._latency_ns = self._bound()[0]
 
     def close(self) -> None:
-        """Let the port go."""
+        """Release the port."""
         self._port.close()
 
     def _bound(self) -> tuple[int, str, tuple[str, ...]]:
-        """Return how late a character can be seen, in ns; a phrase that says how; lines for the user."""
+        """Return how late a character can be seen in ns, a phrase for its source, and messages for the user."""
         behind = self._behind
         if self._known is None or behind.latency_ms is None:
             note = f"{self.name}: without a bound no verdict on its times is possible: an adapter of FTDI has one"

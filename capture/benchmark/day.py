@@ -1,0 +1,389 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Does a recorder that runs for months lose anything? A day of a busy line, in as little time as this machine takes.
+
+    python3 day.py --characters 1e8 --seed 1
+
+Telegrams, some of them damaged, and noise go into a pseudo terminal as fast as `sistap capture --keep` reads. At random
+moments the adapter is unplugged, or the recorder is ended or killed and starts again. Then all files are compared with
+what was sent: each character is in exactly one file of the ring, or behind the last one before an unplugging, which an
+event names, or before a kill. Everything damaged is in exactly one kept file. The same seed sends the same characters.
+
+Exit code 1 if anything is missing elsewhere, is there twice or changed, or if memory or descriptors grow.
+"""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import os
+import pty
+import random
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import termios
+import time
+import tty
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+from telegrams import telegrams  # noqa: E402
+
+from sistap.files import reading  # noqa: E402
+from sistap.records.record import Event, Record, Type  # noqa: E402
+from sistap.sis.telegram import build  # noqa: E402
+
+PATIENCE_S = 120
+UNPLUG, END, KILL = "unplugged", "ended", "killed"
+INCIDENTS = (UNPLUG,) * 14 + (END, KILL)
+BETWEEN = 300_000  # characters from one to the next, on average; in a short day there are at least eight
+ON_THE_WAY = 20_000  # characters: a kernel holds 12,288, sistap those of a read and a telegram that is not complete
+DAMAGED = 1 / 1000  # of the telegrams
+PIECE = 2_000  # characters that are sent at once
+LOOK = 20_000  # characters between two looks at what a recorder takes of the machine
+FEWEST = 150  # looks; before, what it remembers has not reached its bounds, and nobody sees growth
+BEFORE_NS = 50_000_000
+KEEP = ("--keep", "faults", "--keep", "sertap.type == 1", "--before", "0.05", "--after", "0.05")
+RECORDER = ("--wait-for-port", *KEEP, "--at-most", "1000000", "-b", "filesize:200")
+
+
+def traffic(chance: random.Random) -> Iterator[bytes]:
+    """Yield telegrams without end: others each time, some damaged, and noise between some."""
+    for number, telegram in enumerate(telegrams()):
+        yield build(0x1F, 16, 5, b"\x3c\x05\x00\x24\x00" + number.to_bytes(4, "little"))
+        yield build(0x1F, 16, 5, b"\x00\x3c\x05", reaction=True)
+        yield chance.choice(_DAMAGES)(chance, telegram) if chance.random() < DAMAGED else telegram
+
+
+def _changed(chance: random.Random, telegram: bytes) -> bytes:
+    place = chance.randrange(len(telegram))
+    return telegram[:place] + chance.randbytes(1) + telegram[place + 1 :]
+
+
+def _cut(chance: random.Random, telegram: bytes) -> bytes:
+    return telegram[: chance.randrange(len(telegram))]
+
+
+def _noise(chance: random.Random, telegram: bytes) -> bytes:
+    return chance.randbytes(chance.randrange(1, 600)) + telegram
+
+
+_DAMAGES: Sequence[Callable[[random.Random, bytes], bytes]] = (_changed, _cut, _noise)
+
+
+class Adapter:
+    """A pseudo terminal behind a name that stays."""
+
+    def __init__(self, name: Path) -> None:
+        """Be unplugged."""
+        self.name = name
+        self._ends: tuple[int, int] | None = None
+
+    def plug(self) -> None:
+        """Be there."""
+        self._ends = pty.openpty()
+        tty.setraw(self._ends[1])
+        os.set_blocking(self._ends[0], False)
+        self.name.symlink_to(os.ttyname(self._ends[1]))
+
+    def close(self) -> None:
+        """Be unplugged; what is on the way is lost."""
+        if self._ends:
+            self.name.unlink()
+            for end in self._ends:
+                os.close(end)
+        self._ends = None
+
+    @property
+    def waiting(self) -> int:
+        """How many characters have arrived, and nobody has read."""
+        assert self._ends
+        return int.from_bytes(fcntl.ioctl(self._ends[1], termios.FIONREAD, bytes(4)), sys.byteorder)
+
+    def send(self, data: bytes) -> None:
+        """Send all of it, as fast as somebody reads. TimeoutError if nobody does."""
+        assert self._ends
+        while data:
+            if not select.select([], [self._ends[0]], [], PATIENCE_S)[1]:
+                raise TimeoutError("nobody reads the port")
+            try:
+                data = data[os.write(self._ends[0], data) :]
+            except BlockingIOError:
+                continue
+
+
+class Look(NamedTuple):
+    """What a process has at one time."""
+
+    memory_mb: float
+    descriptors: int
+
+
+class Recorder:
+    """A recorder that runs, and what it said until now."""
+
+    def __init__(self, adapter: Adapter, folder: Path) -> None:
+        """Start. TimeoutError, now and later, if it does not do what it has to."""
+        self._said = folder / "said"
+        self.looks: list[Look] = []
+        command = [sys.executable, "-m", "sistap", "capture", "-i", str(adapter.name), "-w", str(folder / "kept")]
+        with self._said.open("wb") as errors:
+            self._process = subprocess.Popen([*command, *RECORDER], stderr=errors, cwd=HERE.parent)
+
+    @property
+    def said(self) -> str:
+        """What it has said."""
+        return self._said.read_text(errors="replace")
+
+    def wait_for(self, happens: Callable[[], bool]) -> None:
+        """Wait until something happens. TimeoutError if it does not, or the recorder has ended."""
+        end_s = time.monotonic() + PATIENCE_S
+        while not happens():
+            if time.monotonic() > end_s or self._process.poll() is not None:
+                raise TimeoutError(f"the recorder does not go on: {self.said}")
+            time.sleep(0.01)
+
+    def wait_until_said(self, text: str, times: int = 1) -> None:
+        """Wait for a line of standard error."""
+        self.wait_for(lambda: self.said.count(text) >= times)
+
+    def look(self) -> None:
+        """Note what it takes of the machine."""
+        process = Path(f"/proc/{self._process.pid}")
+        memory = next(line for line in (process / "status").read_text().splitlines() if line.startswith("VmRSS"))
+        self.looks.append(Look(int(memory.split()[1]) / 1000, len(list((process / "fd").iterdir()))))
+
+    def hold(self) -> None:
+        """Let it do nothing until its end."""
+        self._process.send_signal(signal.SIGSTOP)
+
+    def end(self, number: signal.Signals) -> int:
+        """End it; return its exit code."""
+        self._process.send_signal(number)
+        self._process.send_signal(signal.SIGCONT)
+        return self._process.wait(PATIENCE_S)
+
+
+class Shelved(NamedTuple):
+    """A record of the ring."""
+
+    time_ns: int
+    is_damaged: bool
+    is_kept: bool
+
+
+class Run:
+    """From the start of a recorder to its end: what was sent, and what has to be in its files."""
+
+    def __init__(self, adapter: Adapter, folder: Path) -> None:
+        """Plug the adapter in, and start."""
+        self._adapter = adapter
+        self._folder = folder / "kept"
+        self._sent = [bytearray()]  # from one unplugging to the next
+        adapter.plug()
+        self.recorder = Recorder(adapter, folder)
+        self.how = ""  # it ended
+        self.lost: Counter[str] = Counter()  # characters, by why
+        self.damaged = self.kept = 0  # records
+        self.faults: list[str] = []
+
+    def send(self, data: bytes) -> None:
+        """Send it, and keep it for the judge."""
+        self._sent[-1] += data
+        self._adapter.send(data)
+
+    def unplug(self) -> None:
+        """Unplug the adapter, and plug it in again."""
+        self._adapter.close()
+        self._adapter.plug()
+        self.recorder.wait_until_said(" is back after ", len(self._sent))
+        self._sent.append(bytearray())
+
+    def end(self, how: str) -> None:
+        """End it one way or the other, and judge."""
+        self.how = how
+        code = self._stop_with_something_unread() if how == END else self.recorder.end(signal.SIGKILL)
+        self._adapter.close()
+        if code != (0 if how == END else -signal.SIGKILL):
+            self.faults.append(f"exit code {code}: {self.recorder.said}")
+        try:
+            self._judge()
+        except reading.NotCaptured as error:
+            self.faults.append(str(error))
+
+    def close(self) -> None:
+        """Leave nothing running."""
+        self.recorder.end(signal.SIGKILL)
+        self._adapter.close()
+
+    def _stop_with_something_unread(self) -> int:
+        """End it by SIGTERM while characters wait that have arrived; return its exit code."""
+        last = build(0x1F, 16, 6, b"\x3c\x06\x00\x24\x00" + len(self._sent[-1]).to_bytes(4, "little"))
+        self.send(b"\0" + last)
+        self.recorder.wait_for(lambda: last in _ring(self._folder)[-1].read_bytes()[-4 * PIECE :])
+        self.recorder.hold()
+        self.send(last + last[:7])
+        self.recorder.wait_for(lambda: self._adapter.waiting == len(last) + 7)
+        return self.recorder.end(signal.SIGTERM)
+
+    def _judge(self) -> None:
+        """Compare the files with what was sent, and remove them."""
+        kept = Counter(
+            record for file in self._folder.glob("kept_*") for record in _records(file) if record.type != Type.EVENT
+        )
+        arrived = [bytearray()]
+        seen: Counter[Record] = Counter()  # those of them that are kept
+        shelved = []
+        for record in (record for file in _ring(self._folder) for record in _records(file)):
+            if record.type != Type.EVENT:
+                arrived[-1] += record.data
+                shelved.append(Shelved(record.time_ns, record.type == Type.OTHER, record in kept))
+                if record in kept:
+                    seen[record] += 1
+            elif record.event == Event.ADAPTER_LOST:
+                arrived.append(bytearray())
+        self._judge_characters(arrived)
+        if alone := kept - seen:
+            self.faults.append(f"{alone.total()} kept records are not in the ring, or more often than there")
+        self._judge_kept(shelved)
+        for file in self._folder.iterdir():
+            file.unlink()
+
+    def _judge_characters(self, arrived: list[bytearray]) -> None:
+        if len(arrived) != len(self._sent):
+            self.faults.append(f"{len(arrived) - 1} unpluggings are named, and there were {len(self._sent) - 1}")
+        for number, (sent, came) in enumerate(zip(self._sent, arrived, strict=False), 1):
+            why = UNPLUG if number < len(self._sent) else self.how
+            missing = len(sent) - len(came)
+            if not sent.startswith(came):
+                same = (place for place, pair in enumerate(zip(sent, came, strict=False)) if pair[0] != pair[1])
+                self.faults.append(f"character {next(same, len(sent))} of {len(sent)} is another one, or is missing")
+            elif missing > (0 if why == END else ON_THE_WAY):
+                self.faults.append(f"{missing} characters are missing before it was {why}")
+            self.lost[why] += missing
+
+    def _judge_kept(self, ring: list[Shelved]) -> None:
+        damaged = [number for number, record in enumerate(ring) if record.is_damaged]
+        self.damaged, self.kept = len(damaged), sum(ring[number].is_kept for number in damaged)
+        # What was not yet judged when the recorder was killed is all at the end of the ring.
+        due = damaged if self.how == END else damaged[: self.kept]
+        for number in due:
+            if missing := sum(not record.is_kept for record in _just_before(ring, number)):
+                self.faults.append(f"{missing} records are not kept up to a damaged one: {self.recorder.said}")
+
+    def grown(self) -> str:
+        """Say what has grown with the time."""
+        if len(self.recorder.looks) < FEWEST:
+            return ""
+        quarter = len(self.recorder.looks) // 4
+        early, late = self.recorder.looks[quarter : 2 * quarter], self.recorder.looks[-quarter:]
+        memory = min(look.memory_mb for look in late) > 1.1 * max(look.memory_mb for look in early)
+        descriptors = min(look.descriptors for look in late) > max(look.descriptors for look in early)
+        return " and ".join(["memory"] * memory + ["descriptors"] * descriptors)
+
+
+def _ring(folder: Path) -> list[Path]:
+    return sorted(folder.glob("ring_*"))
+
+
+def _records(file: Path) -> Iterator[Record]:
+    """Read a file; a recorder that was killed can leave one that has nothing in it."""
+    return (record for packet in reading.packets(file) if (record := reading.record_of(packet)))
+
+
+def _just_before(ring: list[Shelved], number: int) -> Iterator[Shelved]:
+    """Yield a record, and those before it that are to be in the same file."""
+    since_ns = ring[number].time_ns - BEFORE_NS
+    while number >= 0 and ring[number].time_ns >= since_ns:
+        yield ring[number]
+        number -= 1
+
+
+def day(characters: int, seed: int, folder: Path) -> Iterator[Run]:
+    """Yield each run, judged. TimeoutError says that a recorder did not do what it has to."""
+    chance = random.Random(seed)
+    between = min(BETWEEN, characters / 8)
+    telegram = traffic(random.Random(seed))
+    left = characters
+    with closing(Adapter(folder / "adapter")) as adapter:
+        while left > 0:
+            with closing(Run(adapter, folder)) as run:
+                run.recorder.wait_until_said("capturing on ")
+                how = ""
+                while not how:
+                    left -= _send(run, telegram, min(left, int(chance.expovariate(1 / between)) + 1))
+                    run.recorder.look()
+                    incident = chance.choice(INCIDENTS) if left > 0 else END
+                    if incident == UNPLUG:
+                        run.unplug()
+                    else:
+                        how = incident
+                run.end(how)
+                yield run
+
+
+def _send(run: Run, telegram: Iterator[bytes], characters: int) -> int:
+    """Send so many characters or a little more; return how many."""
+    sent = 0
+    while sent < characters:
+        piece = bytearray()
+        while len(piece) < min(PIECE, characters - sent):
+            piece += next(telegram)
+        run.send(bytes(piece))
+        sent += len(piece)
+        if sent % LOOK < len(piece):
+            run.recorder.look()
+    return sent
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Send, judge, print; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--characters", type=float, default=1e6, help="so many are sent (1e6); a day at 9600 Bd: 7.5e7")
+    parser.add_argument("--seed", type=int, default=1, help="of everything random (1)")
+    args = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no recorder stays behind
+    started_s = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="day-") as folder:
+        try:
+            lost, faults = _tell(day(int(args.characters), args.seed, Path(folder)))
+        except TimeoutError as error:
+            sys.exit(f"day.py: {error}")
+    named = ", ".join(f"{count} {why}" for why, count in sorted(lost.items()) if count) or "none"
+    print(f"{args.characters:.3g} characters in {time.monotonic() - started_s:.0f} s; lost and named: {named}")
+    print("NOT everything is where it has to be" if faults else "everything else is in exactly one file")
+    return int(faults > 0)
+
+
+def _tell(runs: Iterator[Run]) -> tuple[Counter[str], int]:
+    """Print a line for each run; return which characters were lost, and how many faults there are."""
+    lost: Counter[str] = Counter()
+    faults = 0
+    print("    run  how     damaged   kept  lost by unplugging, by the end  memory, MB  descriptors", flush=True)
+    for number, run in enumerate(runs, 1):
+        first, last = run.recorder.looks[0], run.recorder.looks[-1]
+        print(
+            f"{number:7}  {run.how:6}  {run.damaged:7}  {run.kept:5}  {run.lost[UNPLUG]:18}  {run.lost[run.how]:10}  "
+            f"{first.memory_mb:4.0f} to {last.memory_mb:3.0f}  {first.descriptors:4} to {last.descriptors}",
+            flush=True,
+        )
+        if grown := run.grown():
+            run.faults.append(f"{grown} grew")
+        for fault in run.faults:
+            print(f"FAULT: {fault}", flush=True)
+        lost += run.lost
+        faults += len(run.faults)
+    return lost, faults
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What happened last night: a scenario of eight hours, and every tool that has to find it.
+
+At 03:12 master 17 writes 200 rpm where 2000 rpm were meant. From then on drive 4 answers 24 ms later. At 03:40 and
+04:35 it does not answer.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from sistap import cli
+from sistap.files import reading
+from sistap.files.output import Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import PcapngWriter
+from sistap.records.counters import Counters
+from sistap.records.record import Record
+from sistap.sis import telegram
+
+LINE = {0: Interface(252, "a line of a test")}
+BEGIN = datetime(2026, 3, 14, 21, tzinfo=UTC)
+WRITE = datetime(2026, 3, 15, 3, 12, tzinfo=UTC)
+END = datetime(2026, 3, 15, 5, tzinfo=UTC)
+PATIENCE_S = 240
+
+
+@pytest.fixture(scope="module")
+def night(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("night") / "night.pcapng"
+    assert cli.main(["bus", "night", "-w", str(path)]) == 0
+    return path
+
+
+def written(records: Sequence[Record]) -> int:
+    """Return the number of the packet that writes S-0-0091, counted from 1."""
+    (number,) = (
+        number
+        for number, record in enumerate(records, 1)
+        if record.is_good_frame
+        and (header := telegram.parse(record.data)).service == 0x1F
+        and not header.reaction
+        and header.body[2:5] == b"\x00\x5b\x00"
+    )
+    return number
+
+
+def seconds(record: Record) -> float:
+    return record.time_ns / 1e9
+
+
+def test_a_scenario_can_say_when_it_begins(night: Path) -> None:
+    records = list(reading.records(night))
+    assert seconds(records[0]) == BEGIN.timestamp()
+    assert WRITE.timestamp() < seconds(records[written(records) - 1]) < WRITE.timestamp() + 1
+    assert END.timestamp() - 60 <= seconds(records[-1]) < END.timestamp() + 1
+
+
+def test_the_list_of_changes_names_the_write(night: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    number = written(list(reading.records(night)))
+    capsys.readouterr()
+    assert cli.main(["parameters", "--changes", str(night)]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.startswith("2026-03-15 03:12:00.")
+    assert "17 -> 4 " in line and "S-0-0091" in line and "2000.0000 rpm -> 200.0000 rpm" in line
+    assert line.endswith(f"packet {number + 1}")  # the reaction: it was accepted
+
+
+def test_the_comparison_says_it_in_five_lines(night: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    records = list(reading.records(night))
+    after = written(records)
+    evening = [record for record in records if seconds(record) < BEGIN.timestamp() + 3 * 3600]
+    for name, part in (("evening.pcapng", evening), ("after.pcapng", records[after - 1 :])):
+        output = Output(str(tmp_path / name))
+        writer = PcapngWriter(output, LINE, Counters())
+        writer.begin(part[0])
+        for record in part[1:]:
+            writer.write(record)
+        output.close()
+    capsys.readouterr()
+    assert cli.main(["compare", str(tmp_path / "evening.pcapng"), str(tmp_path / "after.pcapng")]) == 0
+    first = capsys.readouterr().out.split("\n\n")[1].splitlines()
+    assert len(first) == 5
+    assert "station 17" in first[0]
+    assert "station 4 S-0-0091" in first[1] and "was 2000.0000 rpm, written by 17" in first[1]
+    assert "station 4 answers" in first[2] and "slower" in first[2]
+    assert "without a reaction 2, was 0" in first[3]
+
+
+def test_the_report_has_the_least_and_the_greatest(night: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["report", "--format", "json", str(night)]) == 0
+    parameters = json.loads(capsys.readouterr().out)["parameters"]
+    (limit,) = (one for one in parameters if one["ident"] == "S-0-0091" and one["writes"])
+    assert (limit["first"], limit["last"], limit["written_by"]) == ("2000.0000 rpm", "200.0000 rpm", 17)
+
+
+def test_duckdb_finds_the_minutes(night: Path, tmp_path: Path) -> None:
+    duckdb = pytest.importorskip("duckdb", reason="duckdb asks the tables: pip install duckdb")
+    pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install pyarrow")
+    assert cli.main(["tables", str(night), "-o", str(tmp_path / "t")]) == 0
+    found = duckdb.sql(
+        f"""SELECT DISTINCT strftime(timezone('UTC', time), '%H:%M')
+        FROM read_parquet('{tmp_path}/t/telegrams/*/*/*.parquet') WHERE is_unanswered ORDER BY 1"""
+    ).fetchall()
+    assert found == [("03:40",), ("04:35",)]
+
+
+@pytest.mark.thorough
+@pytest.mark.timeout(PATIENCE_S)
+def test_the_recorder_keeps_three_files(tmp_path: Path) -> None:
+    """From end to end. Who stops it before the bus ends has no fourth file, which says so."""
+    command = [sys.executable, "-m", "sistap"]
+    address = f"{tmp_path}/bus"
+    bus = subprocess.Popen(
+        [*command, "bus", "night", "--listen", address, "--fast"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    assert bus.stdout and bus.stdout.readline()
+    keep = ["--keep", "writes", "--keep", "faults", "-w", "kept", "-c", "4700", "-q"]
+    done = subprocess.run(
+        [*command, "capture", "-i", f"bus://{address}", *keep],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    bus.send_signal(signal.SIGTERM)
+    bus.communicate()
+    assert done.returncode == 0, done.stderr
+    files = sorted((tmp_path / "kept").iterdir())
+    assert [path.name.split("_")[2] for path in files] == ["write.pcapng", "unanswered.pcapng", "unanswered.pcapng"]
+    assert "3 files kept" in done.stderr
