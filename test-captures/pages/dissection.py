@@ -188,9 +188,7 @@ def _all(tree: Iterable[Tree]) -> Iterator[Tree]:
         yield from _all(item[5])
 
 
-def _filters(
-    sharkd: Sharkd, lesson: Lesson, path: Path, packets: list[dict[str, Any]]
-) -> dict[str, list[int]]:
+def _filters(sharkd: Sharkd, lesson: Lesson, path: Path, packets: list[dict[str, Any]]) -> dict[str, list[int]]:
     """Return what filters leave: those of the lesson, of its answers, of the buttons; the fields of the packets."""
     expressions = {claim.expression for claim in lesson.claims if isinstance(claim, Filter)}
     expressions |= {button[1] for button in buttons()}
