@@ -16,6 +16,7 @@ from pages.questions import Ask, Lesson
 
 pytestmark = [
     pytest.mark.thorough,
+    pytest.mark.timeout(900),  # the first test waits for all pages, and for a morning of the virtual bus
     pytest.mark.skipif(program() is None, reason="needs chromium (Debian: chromium)"),
 ]
 LESSONS = lessons()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -14,7 +15,7 @@ from pages import COURSE, HERE, page, questions
 from pages.dissection import capture, dissection
 from sistap.wireshark.tshark import TsharkError
 
-BUILT = HERE.parents[1] / "build" / "course"
+BUILD = HERE.parents[1] / "build"
 
 
 def lessons() -> list[questions.Lesson]:
@@ -44,9 +45,16 @@ def main() -> int:
     """Build, and say what to open."""
     parser = argparse.ArgumentParser(prog="python3 -m pages", description="Make the pages of the course.")
     parser.add_argument(
-        "folder", nargs="?", type=Path, default=BUILT, metavar="FOLDER", help="where to (default: build/course)"
+        "folder",
+        nargs="?",
+        type=Path,
+        default=BUILD / "course",
+        metavar="FOLDER",
+        help="where to (default: build/course)",
     )
     arguments = parser.parse_args()
+    if (plugin := BUILD / "wireshark").is_dir():
+        os.environ.setdefault("WIRESHARK_PLUGIN_DIR", str(plugin))
     try:
         build(arguments.folder)
     except (TsharkError, OSError, ValueError) as error:
