@@ -68,7 +68,7 @@ class Page:
         left = x - width(words, size) * {"start": 0, "middle": 0.5, "end": 1}[str(anchor)]
         if left < 0 or left + width(words, size) > self.width or not size <= y <= self.height:
             raise ValueError(f"outside the page: {words}")
-        self._add("text", x=x, y=y, font_size=size, fill=BLACK, **attributes).text = words
+        self._add("text", **{"x": x, "y": y, "font_size": size, "fill": BLACK, **attributes}).text = words
 
     def area(self, x: float, y: float, wide: float, high: float, fill: str) -> None:
         """Fill a rectangle."""
@@ -78,9 +78,10 @@ class Page:
         """Draw a rectangle with its outline."""
         self._add("rect", x=x, y=y, width=wide, height=high, fill=fill, stroke=BLACK, stroke_width=0.25)
 
-    def line(self, x1: float, y1: float, x2: float, y2: float, thick: float = 0.25) -> None:
+    def line(self, x1: float, y1: float, x2: float, y2: float, **attributes: object) -> None:
         """Draw a line."""
-        self._add("line", x1=x1, y1=y1, x2=x2, y2=y2, stroke=BLACK, stroke_width=thick)
+        stroke = {"stroke": BLACK, "stroke_width": 0.25, **attributes}
+        self._add("line", x1=x1, y1=y1, x2=x2, y2=y2, **stroke)
 
     def span(self, x1: float, x2: float, y: float, words: str, size: float) -> None:
         """Draw a double arrow from x1 to x2 with words over its middle."""

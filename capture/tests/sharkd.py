@@ -61,6 +61,11 @@ class Sharkd:
         self._load(capture)
         return dict(self._request("frame", frame=number, proto=True, bytes=True))
 
+    def prefer(self, name: str, value: str) -> None:
+        """Set a preference, for captures that are read from now on."""
+        self._request("setconf", name=name, value=value)
+        self._loaded = None
+
     def has_field(self, name: str) -> bool:
         """Tell whether a dissector has such a field."""
         return any(one["f"] == name for one in self._request("complete", field=name).get("field", []))

@@ -4,21 +4,18 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 from sharkd import Sharkd
 
-import sistap
-from lesson import recording
 from pages import COURSE, HERE, page, questions
-from pages.dissection import dissection
+from pages.dissection import capture, dissection
 from sistap.wireshark.tshark import TsharkError
 
-SISTAP = Path(sistap.__file__).parent
-BUILT = HERE.parents[1] / "build" / "course"
+BUILD = HERE.parents[1] / "build"
 
 
 def lessons() -> list[questions.Lesson]:
@@ -26,35 +23,21 @@ def lessons() -> list[questions.Lesson]:
     return [questions.read(path) for path in sorted(COURSE.glob("[0-9][0-9]-*.md"))]
 
 
-def captured(lesson: questions.Lesson, folder: Path) -> questions.Lesson:
-    """Have the virtual bus write the capture of a lesson that has none beside it."""
-    arguments = recording(lesson.path)
-    if not arguments:
-        return lesson
-    capture = folder / lesson.capture.name
-    arguments[arguments.index("-w") + 1] = str(capture.absolute())
-    command = [sys.executable, "-m", "sistap", *arguments, "--force"]
-    played = subprocess.run(command, cwd=SISTAP.parent, capture_output=True, text=True, check=False)
-    if played.returncode:
-        raise OSError(played.stderr.strip())
-    capture.chmod(0o644)  # tshark may run as nobody
-    return lesson._replace(capture=capture)
-
-
 def build(folder: Path) -> list[Path]:
-    """Write all pages, the captures that they need, and the poster that they link; return the pages."""
+    """Write all pages, and the papers for the wall that they link; return what was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    known = [captured(lesson, folder) for lesson in lessons()]
+    known = lessons()
     written = {folder / "index.html": page.index_page(known)}
     with Sharkd() as sharkd:
         if not sharkd.has_field("sis.start"):
             raise TsharkError("tshark does not load the plugin: run ./bootstrap demo, or set WIRESHARK_PLUGIN_DIR")
         for lesson in known:
-            text = page.lesson_page(lesson, known, dissection(sharkd, lesson))
+            text = page.lesson_page(lesson, known, dissection(sharkd, lesson, capture(lesson, folder)))
             written[folder / f"{lesson.path.stem}.html"] = text
     for path, text in written.items():
         page.write(path, text)
-    shutil.copyfile(COURSE / page.POSTER, folder / page.POSTER)
+    for name, _ in page.PAPERS:
+        shutil.copyfile(COURSE / name, folder / name)
     return list(written)
 
 
@@ -62,9 +45,16 @@ def main() -> int:
     """Build, and say what to open."""
     parser = argparse.ArgumentParser(prog="python3 -m pages", description="Make the pages of the course.")
     parser.add_argument(
-        "folder", nargs="?", type=Path, default=BUILT, metavar="FOLDER", help="where to (default: build/course)"
+        "folder",
+        nargs="?",
+        type=Path,
+        default=BUILD / "course",
+        metavar="FOLDER",
+        help="where to (default: build/course)",
     )
     arguments = parser.parse_args()
+    if (plugin := BUILD / "wireshark").is_dir():
+        os.environ.setdefault("WIRESHARK_PLUGIN_DIR", str(plugin))
     try:
         build(arguments.folder)
     except (TsharkError, OSError, ValueError) as error:

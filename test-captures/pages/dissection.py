@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from base64 import b64decode
 from collections.abc import Iterable, Iterator
 from csv import reader
@@ -12,7 +14,8 @@ from typing import Any, NamedTuple
 
 from sharkd import Sharkd, SharkdError
 
-from lesson import Filter, Value
+from lesson import Filter, Value, recording
+from make import Scenario
 from pages.questions import Lesson
 from sistap.annotate import meanings
 
@@ -21,6 +24,8 @@ PROFILE = Path(meanings.__file__).parents[1] / "profile" / "SIS"
 MOST = 300  # packets of a page; of a longer capture those that the lesson names, with those around them
 AROUND = 3
 MOST_FOR_FIELDS = 100  # packets of a capture whose every field is tried as a filter
+
+USUAL = {"sis.edition": "IF02"}  # preferences that a lesson may change
 
 _OUTER = ("frame", "exported_pdu")  # what is around the record: nothing of it was on the line
 _TAP = "sertap"
@@ -57,13 +62,46 @@ def buttons() -> list[tuple[str, str, str]]:
     return [(row[1], row[2], row[3]) for row in reader(lines) if row[0] == "TRUE"]
 
 
-def dissection(sharkd: Sharkd, lesson: Lesson) -> dict[str, Any]:
-    """Return packets, filters, buttons and how many packets the capture has."""
-    rows = sharkd.rows(lesson.capture)
+def capture(lesson: Lesson, folder: Path) -> Path:
+    """Return the capture of a lesson. One that is not beside it the virtual bus writes into the folder."""
+    arguments = recording(lesson.path)
+    if not arguments:
+        return lesson.path.with_suffix(".pcapng")
+    written = folder / f"{lesson.path.stem}.pcapng"
+    arguments[arguments.index("-w") + 1] = str(written.resolve())
+    written.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "sistap", *arguments]
+    done = subprocess.run(command, cwd=PROFILE.parents[2], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise OSError(f"{lesson.path.name}: {done.stderr.strip()}")
+    return written
+
+
+def dissection(sharkd: Sharkd, lesson: Lesson, path: Path) -> dict[str, Any]:
+    """Return packets, filters, buttons and how many packets the capture at the path has."""
+    preferences = _preferences(lesson)
+    for name, value in preferences.items():
+        sharkd.prefer(name, value)
+    try:
+        return _dissection(sharkd, lesson, path)
+    finally:
+        for name in preferences:
+            sharkd.prefer(name, USUAL[name])
+
+
+def _preferences(lesson: Lesson) -> dict[str, str]:
+    """Return what the lesson sets with options of Wireshark."""
+    text = lesson.path.with_suffix(".txt")
+    words = Scenario(text).options if text.exists() else []
+    return dict(word.split(":", 1) for word in words if ":" in word)
+
+
+def _dissection(sharkd: Sharkd, lesson: Lesson, path: Path) -> dict[str, Any]:
+    rows = sharkd.rows(path)
     shown = _chosen(lesson, len(rows))
-    styles = _styles(sharkd, lesson.capture)
-    packets = [_packet(sharkd, lesson.capture, row, styles) for row in rows if row["num"] in shown]
-    filters = _filters(sharkd, lesson, packets if len(rows) <= MOST_FOR_FIELDS else [])
+    styles = _styles(sharkd, path)
+    packets = [_packet(sharkd, path, row, styles) for row in rows if row["num"] in shown]
+    filters = _filters(sharkd, lesson, path, packets if len(rows) <= MOST_FOR_FIELDS else [])
     return {"packets": packets, "filters": filters, "buttons": buttons(), "count": len(rows)}
 
 
@@ -77,18 +115,18 @@ def _chosen(lesson: Lesson, count: int) -> set[int]:
     return {near for packet in named for near in range(packet - AROUND, packet + AROUND + 1)}
 
 
-def _styles(sharkd: Sharkd, capture: Path) -> dict[int, int]:
+def _styles(sharkd: Sharkd, path: Path) -> dict[int, int]:
     """Return which rule colours a packet."""
     found: dict[int, int] = {}
     for number, rule in enumerate(rules()):
-        for packet in sharkd.frames(capture, rule.filter):
+        for packet in sharkd.frames(path, rule.filter):
             found.setdefault(packet, number)
     return found
 
 
-def _packet(sharkd: Sharkd, capture: Path, row: dict[str, Any], styles: dict[int, int]) -> dict[str, Any]:
+def _packet(sharkd: Sharkd, path: Path, row: dict[str, Any], styles: dict[int, int]) -> dict[str, Any]:
     number = row["num"]
-    said = sharkd.details(capture, number)
+    said = sharkd.details(path, number)
     whole = b64decode(said["bytes"])
     layers = [layer for layer in said["tree"] if _field(layer) not in _OUTER]
     first, count = _on_the_line(layers, whole)
@@ -150,7 +188,7 @@ def _all(tree: Iterable[Tree]) -> Iterator[Tree]:
         yield from _all(item[5])
 
 
-def _filters(sharkd: Sharkd, lesson: Lesson, packets: list[dict[str, Any]]) -> dict[str, list[int]]:
+def _filters(sharkd: Sharkd, lesson: Lesson, path: Path, packets: list[dict[str, Any]]) -> dict[str, list[int]]:
     """Return what filters leave: those of the lesson, of its answers, of the buttons; the fields of the packets."""
     expressions = {claim.expression for claim in lesson.claims if isinstance(claim, Filter)}
     expressions |= {button[1] for button in buttons()}
@@ -163,7 +201,7 @@ def _filters(sharkd: Sharkd, lesson: Lesson, packets: list[dict[str, Any]]) -> d
     found = {}
     for expression in sorted(expressions):
         try:
-            found[expression] = sharkd.frames(lesson.capture, expression)
+            found[expression] = sharkd.frames(path, expression)
         except SharkdError:
             continue  # the label of a tree that is no field
     return found

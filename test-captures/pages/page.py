@@ -17,7 +17,8 @@ from pages.questions import Ask, Lesson, Question
 from pages.workbench import tables
 from sistap.annotate.page import KINDS
 
-POSTER = "sheet.pdf"
+POSTER = "poster-a4.pdf"
+PAPERS = ((POSTER, "Poster, A4"), ("poster-a3.pdf", "Poster, A3"), ("sheet.pdf", "All codes on one page, A4"))
 
 _TINT = "40"  # of 255, over the paper
 _FORMS = {
@@ -70,13 +71,14 @@ def index_page(lessons: Sequence[Lesson]) -> str:
         f"<p>{markdown.inline(lesson.aim)}</p></li>\n"
         for lesson in lessons
     )
+    papers = " ".join(f'<a href="{name}">{words}</a>' for name, words in PAPERS)
     body = f"""\
 <main class="single">
 <header>
 <h1>SIS, a course to do</h1>
 <p>Small service cases, ten minutes each. Read, look at the packets, and type your answers: the page checks them at
 once. Nothing leaves this computer. Lessons with Wireshark are more fun; everything here works without it.</p>
-<p><a href="{POSTER}">The telegram on one page (PDF)</a></p>
+<p>For the wall (PDF): {papers}</p>
 <p id="progress" role="status"></p>
 </header>
 <ol class="lessons">

@@ -67,7 +67,6 @@ class Lesson(NamedTuple):
     questions: list[Question]
     end: str  # what follows the last answer
     claims: list[Claim]
-    capture: Path  # where its packets are
 
     @property
     def aim(self) -> str:
@@ -91,7 +90,7 @@ def read(path: Path) -> Lesson:
             path.name, match, questions[match.end() : end], [claim for claim in said if claim.line in lines]
         )
         asked.append(question)
-    return Lesson(path, heading.removeprefix("# "), text, asked, rest, said, path.with_suffix(".pcapng"))
+    return Lesson(path, heading.removeprefix("# "), text, asked, rest, said)
 
 
 def _question(name: str, match: re.Match[str], body: str, said: list[Claim]) -> tuple[Question, str]:
