@@ -24,6 +24,7 @@ STATISTICS = (
     ("sis,tza", "The intervals between characters, against the limit TzA that the bus was told"),
     ("sis,srt", "How fast the drives react, in seconds"),
 )
+UNRESOLVED = "sis.tza.verdict == 2 || sis.trs.verdict == 2 || sis.tmas.verdict == 2"
 VALUE = 'sis.value contains "rpm" && sis.control.reaction == 1'
 
 
@@ -57,6 +58,19 @@ def show(tshark: Tshark) -> None:
     for statistics, text in STATISTICS:
         heading(text, f"tshark -r build/demo.pcapng -q -z {statistics}")
         print(tshark.output(*capture, "-q", "-z", statistics))
+    print(doubts(tshark.output(*capture, "-Y", UNRESOLVED, "-T", "fields", "-e", "sertap.uncertainty").splitlines()))
+
+
+def doubts(uncertainties_s: list[str]) -> str:
+    """Say why verdicts are unresolved: how far the times of those telegrams are known, in s. Empty: none is."""
+    if not uncertainties_s:
+        return ""
+    known = [float(text) for text in uncertainties_s if text]
+    far = f"known to {max(known) * 1e3:.3f} ms only" if known else "not known"
+    return (
+        f"{len(uncertainties_s)} verdicts are unresolved: this machine was busy, so the times are {far},\n"
+        "and the limit lies within that. For exact times play into a file: sistap bus --cycles 5 -w exact.pcapng"
+    )
 
 
 def main() -> int:

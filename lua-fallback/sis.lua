@@ -742,6 +742,8 @@ field("sis.command_in", "Command in", ftypes.FRAMENUM, base.NONE, frametype.REQU
 field("sis.reaction_time", "Reaction time", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From the last character of the command to the first of the reaction; from packet to packet where "
     .. "the times of the characters are not known")
+field("sis.reaction_time.ms", "Reaction time in ms", ftypes.DOUBLE, base.NONE, nil, 0,
+  "For a column of the packet list")
 field("sis.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
 field("sis.unanswered_before", "Command before, not answered", ftypes.FRAMENUM, base.NONE, nil, 0,
   "The master's command before this one, where it went on without a reaction")
@@ -883,9 +885,13 @@ N.verdicts = {
 }
 field("sis.silence_before", "Silence before", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "Since the character before it on this line, arrival to arrival")
+field("sis.silence_before.ms", "Silence before in ms", ftypes.DOUBLE, base.NONE, nil, 0,
+  "For a column of the packet list")
 field("sis.tza.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "Between two characters of the telegram, arrival to arrival; where they came in one read, the most "
     .. "it can have been")
+field("sis.tza.interval_max.ms", "Longest interval in ms", ftypes.DOUBLE, base.NONE, nil, 0,
+  "For a column of the packet list")
 field("sis.tza.position", "Longest interval before character", ftypes.UINT16, base.DEC, nil, 0,
   "Its number in the telegram, from 1")
 field("sis.tza.limit", "TzA (longest interval allowed)", ftypes.RELATIVE_TIME)
@@ -2357,7 +2363,7 @@ do
       talker = talker,
       listener = listener,
       title = strformat("%s, %s", stations, kind),
-      heading = strformat("%s  %s  ", stations, kind),
+      heading = strformat("%s  %s", stations, kind),
     }
   end
 
@@ -2460,7 +2466,7 @@ do
     if S.is_counting then S.note_telegram(body, record) end
 
     if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, S.shortened(words, HEAD_LENGTH))) end
-    return ends.heading .. words .. body.marks
+    return ends.heading .. body.marks .. "  " .. words
   end
 
   -- Less than the 8 bytes that every telegram has.
@@ -3095,6 +3101,11 @@ do
   -- Subservices (chapter 6.1).
   K.SET_TRS, K.SET_TZA, K.SET_TMAS, K.SET_BAUD_RATE, K.TEST_BAUD, K.ACCEPT = 0x01, 0x02, 0x03, 0x07, 0x08, 0xFF
 
+  -- "Set TzA" of "Set TzA (character interval)".
+  local function short_text(text)
+    return string.match(text, "^(.-) %(") or text
+  end
+
   local function take_time(body, which)
     if not S.needs(body, which, 2) then return nil end
 
@@ -3102,7 +3113,7 @@ do
     local ms = body.tvb(offset, 2):le_uint()
     body.item = body.tree and add_value(body.tree, which, body.tvb, offset, 2, nstime(ms * 1000000), ms .. " ms")
     body.offset = offset + 2
-    S.say(body, ", %d ms", ms)
+    S.say(body, which == F.init_time and " = %d ms" or ", %d ms", ms)
     return ms
   end
 
@@ -3187,7 +3198,7 @@ do
     if has_device then S.take(body, F.device, 1) end
     local subservice, text = S.take_code(body, F.subservice, 1, N.subservices_initialization)
 
-    S.say(body, "; %s", text)
+    S.say(body, "; %s", short_text(text))
     if body.request then take_data(body, subservice, add_request(body, device, subservice)) end
   end
 
@@ -3212,6 +3223,9 @@ do
     local subservice = S.take_subservice(body, N.subservices_initialization)
 
     if not subservice then return end
+    if N.subservices_initialization[subservice] then
+      body.summary = short_text(N.subservices_initialization[subservice]) -- it says all, the service's name is long
+    end
     if not body.is_reaction then take_data(body, subservice, body.request) end
     if not body.is_reaction or S.is_ok(body) then
       take_all_further(body, device)
@@ -4058,6 +4072,14 @@ do
     end
   end
 
+  -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
+  -- already.
+  function S.add_column_ms(tree, which, tvb, ns)
+    if tree and tree:referenced(which) then
+      set_generated(add(tree, which, tvb, 0, 0, floor(ns / 1000 + 0.5) / 1000)):set_hidden()
+    end
+  end
+
   local function show_command(exchange, body)
     local tree, tvb, root = body.tree, body.tvb, body.root
 
@@ -4074,6 +4096,7 @@ do
     if exchange.next_command_in then
       add_expert(root, E.command_unanswered, strformat("No reaction before the next command (frame %d)%s",
         exchange.next_command_in, exchange.is_reaction_damaged and "; a damaged telegram came between" or ""))
+      body.marks = body.marks .. "  [no reaction]"
     end
   end
 
@@ -4093,6 +4116,7 @@ do
     elseif record.reaction_time and tree then
       set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
         T.ms_text(record.reaction_time)))
+      S.add_column_ms(tree, F.reaction_time_ms, tvb, record.reaction_time)
     end
   end
 
@@ -5826,10 +5850,11 @@ do
     local interval = longest.interval
     local text, position = interval_text(t, interval), position_text(t, interval.at)
 
-    if interval.is_exact or interval.is_saturated then
-      add_time(t, F.tza_interval_max, interval.recorded, text)
-    elseif interval.span.most ~= K.ANY_TIME then
-      add_time(t, F.tza_interval_max, interval.span.most, text)
+    local most = (interval.is_exact or interval.is_saturated) and interval.recorded or interval.span.most
+
+    if most ~= K.ANY_TIME then
+      add_time(t, F.tza_interval_max, most, text)
+      S.add_column_ms(t.tree, F.tza_interval_max_ms, t.body.tvb, most)
     end
     add_uint(t, F.tza_position, interval.at, " (" .. position .. ")")
     if t.tza ~= 0 then
@@ -5900,6 +5925,7 @@ do
 
   local function show_silence(t)
     local silence = t.silence
+    S.add_column_ms(t.tree, F.silence_before_ms, t.body.tvb, silence)
     local item = t.tree and add_time(t, F.silence_before, silence, idle_text(t, silence) .. ")")
 
     if silence > OPERATOR_TERMINAL_SILENCE then
@@ -5925,7 +5951,8 @@ do
     if not times.record then return false end
     if S.is_counting then return true end
     if t.tza > 0 then return tree or not S.are_within(times, t.tza) end
-    return tree and (tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_position))
+    return tree and (tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_interval_max_ms)
+      or tree:referenced(F.tza_position))
   end
 
   local function find_timing(t)

@@ -33,7 +33,7 @@ from sistap.wireshark.tshark import Tshark
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
 
 # What the specification says of figures 6-14, 8-20 and 8-21, in the words of the dissector.
-SET_RATE_TEXT = "16 -> 3  Command  Initialization of the SIS communication: Set baud rate: 9600"
+SET_RATE_TEXT = "16 -> 3  Command  Set baud rate: 9600"
 READ_PHASE_TEXT = "0 -> 0  Command  Read phase (SYNAX)"
 PHASE_TEXT = "0 -> 0  Reaction  Read phase (SYNAX): phase 2 (parameter mode)"
 
@@ -107,7 +107,8 @@ def test_a_pipe_knows_only_what_came(log: Path) -> None:
     log.write_text(f"{READ_PHASE.hex(' ')}\n{SET_RATE.hex(' ')}\n{READ_PHASE.hex(' ')}\n{PHASE.hex(' ')}\n")
     done = run(log.parent, "-", stdin=log.read_bytes())
     assert (done.returncode, done.stderr) == (0, b"")
-    told = [f"{READ_PHASE_TEXT}  [no reaction]", SET_RATE_TEXT, f"{READ_PHASE_TEXT}  [repeat]", PHASE_TEXT]
+    again = [READ_PHASE_TEXT.replace("  Read", f"  [{mark}]  Read") for mark in ("no reaction", "repeat")]
+    told = [again[0], SET_RATE_TEXT, again[1], PHASE_TEXT]
     assert [line[4:] for line in run(log.parent, log).stdout.decode().splitlines()[1::2]] == told
     assert done.stdout == run(log.parent, log).stdout.replace(b"  [no reaction]", b"")
 

@@ -112,14 +112,11 @@ def test_columns(tshark: Run) -> None:
     assert dict(zip(titles, [value.strip() for value in packet], strict=True)) == {
         "No.": "6",
         "Time": "0.198333312",
-        "Silence before": "0.025000000",
-        "Talker": "3",
-        "Listener": "16",
+        "Silence (ms)": "25",
+        "Interval (ms)": "1.146",
+        "Reaction (ms)": "25",
         "Parameter": "S-0-0047",
-        "Value and unit": "-12.3450",
-        "Status": "0x00",
-        "Longest interval": "0.001145833",
-        "Reaction time": "0.025000000",
+        "Value": "-12.3450",
         "Telegram": "3 -> 16  Reaction  Read parameter S-0-0047 = -12.3450",
     }
 

@@ -6,6 +6,8 @@
 
 #include "sertap/time.h"
 
+#include <math.h>
+
 #define NS_PER_US INT64_C(1000)
 #define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S  INT64_C(1000000000)
@@ -47,6 +49,18 @@ sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned
         return tree;
     return proto_tree_add_time_format_value(tree, hf, tvb, offset, length, &moment, "%s",
                                             sertap_ms_text(scope, ns));
+}
+
+void
+sertap_add_column_ms(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns)
+{
+    proto_item *item;
+
+    if (!proto_field_is_referenced(tree, hf))
+        return;
+    item = proto_tree_add_double(tree, hf, tvb, 0, 0, floor((double)ns / 1e3 + 0.5) / 1e3);
+    proto_item_set_generated(item);
+    proto_item_set_hidden(item);
 }
 
 bool

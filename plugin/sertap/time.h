@@ -38,4 +38,8 @@ const char *sertap_s_text(wmem_allocator_t *scope, int64_t ns);
 proto_item *sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
                           wmem_allocator_t *scope, int64_t ns);
 
+/* The same as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has
+ * the time already. */
+void sertap_add_column_ms(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns);
+
 #endif

@@ -18,6 +18,7 @@ static int hf_stream = -1;
 static int hf_reaction_in = -1;
 static int hf_command_in = -1;
 static int hf_reaction_time = -1;
+static int hf_reaction_time_ms = -1;
 static int hf_repeat_of = -1;
 static int hf_gave_up = -1;
 static int hf_routed_from = -1;
@@ -445,10 +446,12 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
                                exchange->first->command_in);
         wmem_strbuf_append(marks, "  [repeat]");
     }
-    if (exchange->next_command_in != 0)
+    if (exchange->next_command_in != 0) {
         expert_add_info_format(pinfo, root, &ei_unanswered,
                                "No reaction before the next command (frame %u)%s", exchange->next_command_in,
                                exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
+        wmem_strbuf_append(marks, "  [no reaction]");
+    }
 }
 
 static void
@@ -466,9 +469,11 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
     if (record->reaction_before != 0)
         expert_add_info_format(pinfo, root, &ei_answered_before,
                                "The command was answered before, in frame %u", record->reaction_before);
-    else if (exchange->has_time && tree != NULL)
+    else if (exchange->has_time && tree != NULL) {
         proto_item_set_generated(
             sertap_add_ms(tree, hf_reaction_time, tvb, 0, 0, pinfo->pool, exchange->reaction_time));
+        sertap_add_column_ms(tree, hf_reaction_time_ms, tvb, exchange->reaction_time);
+    }
 }
 
 void
@@ -491,6 +496,7 @@ static hf_register_info fields[] = {
     {&hf_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
     {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
                          "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
+    {&hf_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_NONE, NULL, 0, "For a column of the packet list", HFILL}},
     {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
     {&hf_gave_up, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
     {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},

@@ -402,7 +402,8 @@ dissect_start(const dissection_t *d)
 
 #define HEAD_LENGTH 160 /* characters: Wireshark cuts a line of the tree soon after */
 
-/* Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044". */
+/* Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044". What
+ * is wrong goes before that: a narrow window shows it, too. */
 static void
 dissect_whole_telegram(dissection_t *d)
 {
@@ -424,8 +425,8 @@ dissect_whole_telegram(dissection_t *d)
 
     stations = stations_text(d);
     kind = d->telegram->is_reaction ? "Reaction" : "Command";
-    col_append_lstr(d->pinfo->cinfo, COL_INFO, stations, "  ", kind, "  ", words,
-                    wmem_strbuf_get_str(d->marks), COL_ADD_LSTR_TERMINATOR);
+    col_append_lstr(d->pinfo->cinfo, COL_INFO, stations, "  ", kind, wmem_strbuf_get_str(d->marks), "  ",
+                    words, COL_ADD_LSTR_TERMINATOR);
     if (d->tree)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind,
                                sis_text_shortened(d->pinfo->pool, words, HEAD_LENGTH));

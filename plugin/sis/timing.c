@@ -22,7 +22,9 @@
 #define OPERATOR_TERMINAL_SILENCE (200 * MS)
 
 static int hf_silence_before = -1;
+static int hf_silence_before_ms = -1;
 static int hf_tza_interval_max = -1;
+static int hf_tza_interval_max_ms = -1;
 static int hf_tza_position = -1;
 static int hf_tza_limit = -1;
 static int hf_tza_set_in = -1;
@@ -238,8 +240,12 @@ show_tza(const timing_t *t)
         return;
     text = interval_text(t, interval);
     position = position_text(t, interval->at);
-    if (is_recorded || interval->span.most != SIS_ANY_TIME)
-        add_time(t, hf_tza_interval_max, is_recorded ? interval->recorded : interval->span.most, text);
+    if (is_recorded || interval->span.most != SIS_ANY_TIME) {
+        int64_t most = is_recorded ? interval->recorded : interval->span.most;
+
+        add_time(t, hf_tza_interval_max, most, text);
+        sertap_add_column_ms(t->tree, hf_tza_interval_max_ms, t->body->tvb, most);
+    }
     proto_item_append_text(add_uint(t, hf_tza_position, interval->at), " (%s)", position);
     if (t->timing->tza == 0)
         return;
@@ -337,6 +343,7 @@ show_silence(const timing_t *t)
     int64_t silence = t->timing->silence, idle = silence - sertap_character_ns(t->telegram->times.record);
     proto_item *item;
 
+    sertap_add_column_ms(t->tree, hf_silence_before_ms, t->body->tvb, silence);
     if (!proto_field_is_referenced(t->tree, hf_silence_before))
         return;
     item = add_time(
@@ -367,6 +374,7 @@ is_longest_wanted(const timing_t *t)
     return t->telegram->times.record != NULL &&
            (t->timing->tza > 0 || have_tap_listener(sis_tap) ||
             proto_field_is_referenced(t->body->tree, hf_tza_interval_max) ||
+            proto_field_is_referenced(t->body->tree, hf_tza_interval_max_ms) ||
             proto_field_is_referenced(t->body->tree, hf_tza_position));
 }
 
@@ -513,7 +521,9 @@ sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_bod
 /* clang-format off */
 static hf_register_info fields[] = {
     {&hf_silence_before, {"Silence before", "sis.silence_before", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the character before it on this line, arrival to arrival", HFILL}},
+    {&hf_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_NONE, NULL, 0, "For a column of the packet list", HFILL}},
     {&hf_tza_interval_max, {"Longest interval", "sis.tza.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been", HFILL}},
+    {&hf_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_NONE, NULL, 0, "For a column of the packet list", HFILL}},
     {&hf_tza_position, {"Longest interval before character", "sis.tza.position", FT_UINT16, BASE_DEC, NULL, 0, "Its number in the telegram, from 1", HFILL}},
     {&hf_tza_limit, {"TzA (longest interval allowed)", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_tza_set_in, {"TzA set in", "sis.tza.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},

@@ -68,7 +68,7 @@ def said(columns: dict[str, str]) -> Said:
 def sentence(said: Said, resolution_ns: int | None) -> str:
     """Describe a record in a line. Times have the precision of the stamps; without stamps there are none."""
     text = said.info.replace("\n", " ").replace("\r", " ")
-    if said.unanswered:
+    if said.unanswered and "[no reaction]" not in text:
         text += "  [no reaction]"
     if resolution_ns is None or resolution_ns > _COARSE_NS:
         return _TAKEN.sub(r"\1", text)

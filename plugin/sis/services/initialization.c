@@ -22,8 +22,27 @@ take_time(sis_body_t *body, int hf, uint32_t *ms)
     body->item =
         proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &value, "%u ms", *ms);
     body->offset += 2;
-    sis_say(body, ", %u ms", *ms);
+    sis_say(body, hf == hf_time ? " = %u ms" : ", %u ms", *ms);
     return true;
+}
+
+/* "Set TzA" of "Set TzA (character interval)". */
+static const char *
+short_text(const sis_body_t *body, const char *text)
+{
+    return wmem_strndup(body->pinfo->pool, text, strcspn(text, "(") - (strchr(text, '(') != NULL));
+}
+
+/* The subservice alone: it says all, and the service's name is long. */
+static void
+say_subservice(sis_body_t *body, uint32_t subservice)
+{
+    const char *text = try_val_to_str(subservice, sis_subservices_initialization);
+
+    if (text == NULL)
+        return;
+    wmem_strbuf_truncate(body->summary, 0);
+    sis_say_words(body, short_text(body, text), NULL);
 }
 
 /* The data of a subservice; what it asks for where all of it is there. */
@@ -119,7 +138,7 @@ take_further(sis_body_t *body, uint8_t device, bool has_device)
     if (has_device)
         sis_take(body, hf_sis_device, 1, NULL);
     text = sis_take_code(body, hf_sis_subservice, 1, sis_subservices_initialization, &subservice);
-    sis_say_words(body, "; ", text, NULL);
+    sis_say_words(body, "; ", short_text(body, text), NULL);
     if (body->request != NULL) {
         sis_request_t *request = add_request(body, device, (uint8_t)subservice);
 
@@ -155,6 +174,7 @@ sis_dissect_initialization(sis_body_t *body)
 
     if (!sis_take_subservice(body, sis_subservices_initialization, &subservice))
         return;
+    say_subservice(body, subservice);
     if (!body->is_reaction)
         body->request->has_setting = take_setting(body, subservice, body->request);
     if (!body->is_reaction || sis_is_ok(body)) {
