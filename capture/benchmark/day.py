@@ -45,12 +45,12 @@ from sistap.sis.telegram import build  # noqa: E402
 PATIENCE_S = 120
 UNPLUG, END, KILL = "unplugged", "ended", "killed"
 BETWEEN = 300_000  # characters from one unplugging to the next, on average; in a short day there are four
-LASTS = 25_000_000  # characters, in which a recorder is once ended and once killed
+LASTS = 50_000_000  # characters, in which a recorder is once ended and once killed
 ON_THE_WAY = 20_000  # characters: a kernel holds 12,288, sistap those of a read and a telegram that is not complete
 DAMAGED = 1 / 1000  # of the telegrams
 PIECE = 2_000  # characters that are sent at once
 LOOK = 20_000  # characters between two looks at what a recorder takes of the machine
-FEWEST = 300  # looks; before, what it remembers has not reached its bounds, and nobody sees growth
+FEWEST = 600  # looks; before, what it remembers has not reached its bounds, and nobody sees growth
 BEFORE_NS = 50_000_000
 KEEP = ("--keep", "faults", "--keep", "sertap.type == 1", "--before", "0.05", "--after", "0.05")
 RECORDER = ("--wait-for-port", *KEEP, "--at-most", "1000000", "-b", "filesize:200")
@@ -165,6 +165,7 @@ class Recorder:
     def hold(self) -> None:
         """Let it do nothing until its end."""
         self._process.send_signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
 
     def end(self, number: signal.Signals) -> int:
         """End it; return its exit code."""
