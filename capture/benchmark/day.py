@@ -44,13 +44,13 @@ from sistap.sis.telegram import build  # noqa: E402
 
 PATIENCE_S = 120
 UNPLUG, END, KILL = "unplugged", "ended", "killed"
-INCIDENTS = (UNPLUG,) * 14 + (END, KILL)
-BETWEEN = 300_000  # characters from one to the next, on average; in a short day there are at least eight
+BETWEEN = 300_000  # characters from one unplugging to the next, on average; in a short day there are four
+LASTS = 50_000_000  # characters, in which a recorder is once ended and once killed
 ON_THE_WAY = 20_000  # characters: a kernel holds 12,288, sistap those of a read and a telegram that is not complete
 DAMAGED = 1 / 1000  # of the telegrams
 PIECE = 2_000  # characters that are sent at once
 LOOK = 20_000  # characters between two looks at what a recorder takes of the machine
-FEWEST = 150  # looks; before, what it remembers has not reached its bounds, and nobody sees growth
+FEWEST = 600  # looks; before, what it remembers has not reached its bounds, and nobody sees growth
 BEFORE_NS = 50_000_000
 KEEP = ("--keep", "faults", "--keep", "sertap.type == 1", "--before", "0.05", "--after", "0.05")
 RECORDER = ("--wait-for-port", *KEEP, "--at-most", "1000000", "-b", "filesize:200")
@@ -165,6 +165,7 @@ class Recorder:
     def hold(self) -> None:
         """Let it do nothing until its end."""
         self._process.send_signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
 
     def end(self, number: signal.Signals) -> int:
         """End it; return its exit code."""
@@ -229,11 +230,15 @@ class Run:
         """End it by SIGTERM while characters wait that have arrived; return its exit code."""
         last = build(0x1F, 16, 6, b"\x3c\x06\x00\x24\x00" + len(self._sent[-1]).to_bytes(4, "little"))
         self.send(b"\0" + last)
-        self.recorder.wait_for(lambda: last in _ring(self._folder)[-1].read_bytes()[-4 * PIECE :])
+        self.recorder.wait_for(lambda: any(last in tail for tail in self._tails()))
         self.recorder.hold()
         self.send(last + last[:7])
-        self.recorder.wait_for(lambda: self._adapter.waiting == len(last) + 7)
+        self.recorder.wait_for(lambda: self._adapter.waiting >= len(last) + 7)  # FF counts twice
         return self.recorder.end(signal.SIGTERM)
+
+    def _tails(self) -> Iterator[bytes]:
+        """Yield the ends of the newest file and of the one before: it may just have been full."""
+        return (file.read_bytes()[-4 * PIECE :] for file in _ring(self._folder)[-2:])
 
     def _judge(self) -> None:
         """Compare the files with what was sent, and remove them."""
@@ -308,27 +313,38 @@ def _just_before(ring: list[Shelved], number: int) -> Iterator[Shelved]:
         number -= 1
 
 
+def plan(chance: random.Random, characters: int) -> Iterator[tuple[int, str]]:
+    """Yield what happens, each with the number of characters before it; the end of the day is the last."""
+    ends = 1 + characters // LASTS
+    incidents = [UNPLUG] * max(4, characters // BETWEEN) + [END, KILL] * ends
+    chance.shuffle(incidents)
+    places = sorted(chance.randrange(characters) for _ in incidents)
+    now = 0
+    for place, incident in [*zip(places, incidents, strict=True), (characters, END)]:
+        yield place - now, incident
+        now = place
+
+
 def day(characters: int, seed: int, folder: Path) -> Iterator[Run]:
     """Yield each run, judged. TimeoutError says that a recorder did not do what it has to."""
-    chance = random.Random(seed)
-    between = min(BETWEEN, characters / 8)
     telegram = traffic(random.Random(seed))
-    left = characters
+    run: Run | None = None
     with closing(Adapter(folder / "adapter")) as adapter:
-        while left > 0:
-            with closing(Run(adapter, folder)) as run:
+        try:
+            for count, incident in plan(random.Random(seed), characters):
+                run = run or Run(adapter, folder)
                 run.recorder.wait_until_said("capturing on ")
-                how = ""
-                while not how:
-                    left -= _send(run, telegram, min(left, int(chance.expovariate(1 / between)) + 1))
-                    run.recorder.look()
-                    incident = chance.choice(INCIDENTS) if left > 0 else END
-                    if incident == UNPLUG:
-                        run.unplug()
-                    else:
-                        how = incident
-                run.end(how)
-                yield run
+                _send(run, telegram, count)
+                run.recorder.look()
+                if incident == UNPLUG:
+                    run.unplug()
+                else:
+                    run.end(incident)
+                    yield run
+                    run = None
+        finally:
+            if run:
+                run.close()
 
 
 def _send(run: Run, telegram: Iterator[bytes], characters: int) -> int:

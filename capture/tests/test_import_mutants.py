@@ -121,8 +121,19 @@ def usb(path: Path) -> Path:
     return unpacked("usbmon-ft232r-errors.pcapng", path.parent).rename(path)
 
 
+def cdc(path: Path) -> Path:
+    return unpacked("usbmon-cdc-acm.pcapng", path.parent).rename(path)
+
+
+def old_format(path: Path) -> Path:
+    return unpacked("usbmon-cdc-115200-8n1.pcap", path.parent).rename(path)
+
+
+OTHERS = (cdc, old_format)
+
+
 @pytest.mark.parametrize("count", [1, pytest.param(20, marks=pytest.mark.thorough)])
-@pytest.mark.parametrize("original", [rtac, usb])
+@pytest.mark.parametrize("original", [rtac, usb, *(pytest.param(one, marks=pytest.mark.thorough) for one in OTHERS)])
 def test_damaged_captures(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], original: Callable[[Path], Path], count: int
 ) -> None:

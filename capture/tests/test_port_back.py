@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import pty
 import signal
@@ -17,6 +18,10 @@ import pytest
 from independent import records
 from specification import TELEGRAMS
 
+from sistap.capture.options import CaptureOptions
+from sistap.capture.ports import Ports
+from sistap.line.reader import PortError, open_reader
+from sistap.line.settings import LineSettings
 from sistap.records.record import Event, Type
 
 PATIENCE_S = 60
@@ -160,3 +165,37 @@ def test_a_stop_does_not_wait_for_a_port_that_was_lost(
     adapters[0].unplug()
     capture.wait_until_said("Waiting until it is back")
     assert capture.stop() == 0
+
+
+@pytest.mark.parametrize("port", ["{}/missing", "bus://{}/missing", "socket://127.0.0.1:1", "rfc2217://127.0.0.1:1"])
+def test_waiting_for_months_leaves_no_garbage(tmp_path: Path, port: str) -> None:
+    """A capture collects none, and tries every second."""
+    settings = LineSettings()
+    gc.collect()
+    gc.disable()
+    try:
+        for attempt in range(4):
+            with pytest.raises(PortError):
+                open_reader(port.format(tmp_path), settings)
+            if attempt == 0:  # which has imported something
+                gc.collect()
+        assert gc.collect() == 0
+    finally:
+        gc.enable()
+
+
+def test_a_port_that_goes_and_comes_leaves_no_garbage(adapters: list[Adapter]) -> None:
+    adapters[0].plug()
+    ports = Ports(CaptureOptions(ports=(str(adapters[0].name),)))
+    (reader,) = ports.open(LineSettings(), pytest.fail)
+    gc.collect()
+    gc.disable()
+    try:
+        for _ in range(3):
+            adapters[0].unplug()
+            adapters[0].plug()
+            reader = ports.reopen(reader, LineSettings())
+        assert gc.collect() == 0
+    finally:
+        gc.enable()
+        ports.close()

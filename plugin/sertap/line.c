@@ -156,12 +156,13 @@ float
 sertap_load(const sertap_record_t *record)
 {
     const window_t *window = &record->known->window;
-    const spell_t *first = window->spells + window->head;
+    const spell_t *first;
     double busy = (double)window->busy;
     int64_t end, begin, span;
 
-    if (window->head == window->end)
+    if (window->head == window->end) /* perhaps there are no spells at all */
         return -1;
+    first = window->spells + window->head;
     end = window->spells[window->end - 1].end;
     begin = MAX(end - WINDOW_NS, window->begin);
     span = sertap_elapsed(begin, end);

@@ -9,6 +9,7 @@ import select
 import struct
 import sys
 from collections import deque
+from functools import partial
 
 from sistap.line import ports, priority
 from sistap.line.clock import CLOCK
@@ -61,7 +62,8 @@ class PosixReader:
         poll.register(self._fd, select.POLLIN)
         self._poll = poll.poll
         self._decoder = MarkDecoder()
-        self._errors = Errors(lambda: _error_counters(self._fd), by_packet=self._behind.driver in _MARKING_PACKETS)
+        counters = partial(_error_counters, self._fd)  # without self: that would be a cycle, which nobody frees
+        self._errors = Errors(counters, by_packet=self._behind.driver in _MARKING_PACKETS)
         self._reads: deque[Read] = deque()
 
     def read(self, timeout_s: float) -> Read | None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import fcntl
+import functools
 import struct
 import sys
 import termios
@@ -80,6 +81,7 @@ def change_device(device: serial.Serial, settings: LineSettings, pseudo_terminal
         raise PortError(device_trouble(str(device.port), settings, cause)) from error
 
 
+@functools.cache  # a class is never freed while no garbage is collected, and a missing port is tried every second
 def _lowering() -> type[serial.Serial]:
     """Return pyserial's class with RTS and DTR low before it is configured: on adapters that takes up to 40 ms."""
     import serial
