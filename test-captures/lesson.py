@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 
 class Filter(NamedTuple):
-    """A display filter, and the packets that it leaves."""
+    """A display filter, and the packets that match."""
 
     line: int
     expression: str
@@ -30,7 +30,7 @@ class Filter(NamedTuple):
 
 
 class Value(NamedTuple):
-    """A field of a packet, and what it is; `there` for one that has no value of its own."""
+    """A field of a packet, and its value; `there` for a field without a value of its own."""
 
     line: int
     packet: int
@@ -59,7 +59,7 @@ Row = Callable[[int, list[str]], Claim]
 
 HEX = re.compile(r"(?:[0-9A-F]{2} )*[0-9A-F]{2}")
 PROMPT = "$ "
-OPENS = "wireshark -C SIS "  # what the reader types to begin with
+OPENS = "wireshark -C SIS "  # what the reader types first
 
 
 def _filter(line: int, cells: list[str]) -> Filter:
@@ -76,7 +76,7 @@ TABLES: dict[tuple[str, ...], Row] = {("filter", "packets"): _filter, ("packet",
 
 
 def claims(path: Path) -> list[Claim]:
-    """Give all claims of a lesson. ValueError names the line that is none of what a lesson may have."""
+    """Return all claims of a lesson. ValueError names the line that is none of what a lesson may have."""
     return list(_claims(path.read_text().splitlines(), path.name))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the lessons of the course claim is so, and each is built as the others are."""
+"""The claims of the lessons are true, and all lessons have the same structure."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def capture(path: Path) -> str:
 
 @cache
 def fields(tshark: Tshark, path: Path) -> list[dict[str, str]]:
-    """Give what the packets have in the fields that the lesson names."""
+    """Return what the packets have in the fields that the lesson names."""
     names = sorted({claim.field for claim in claims(path) if isinstance(claim, Value)})
     options = [option for name in names for option in ("-e", name)]
     lines = tshark.output("-r", capture(path), "-2", "-T", "fields", *options).split("\n")
@@ -52,7 +52,7 @@ def printed(tshark: Tshark, path: Path, arguments: list[str]) -> list[str]:
 
 
 def wrong(tshark: Tshark, sharkd: Sharkd, path: Path, claim: Claim) -> str:
-    """Tell what the capture says instead, or nothing."""
+    """Return what the capture has instead, or nothing."""
     match claim:
         case Filter(_, expression, expected):
             left = sharkd.frames(path.with_suffix(".pcapng"), expression)
@@ -79,7 +79,7 @@ def test_claims(path: Path, tshark: Tshark, sharkd: Sharkd) -> None:
 
 @every_lesson
 def test_lesson_is_whole(path: Path) -> None:
-    """What it is for, its capture, how to open it, and three to five questions with their answers."""
+    """The goal, the capture, how to open it, and three to five questions with answers."""
     text = path.read_text()
     number, name = path.stem.split("-", 1)
     assert text.startswith(f"# {int(number)}. ")
@@ -94,7 +94,7 @@ def test_lesson_is_whole(path: Path) -> None:
 
 @every_lesson
 def test_every_answer_has_a_claim(path: Path) -> None:
-    """What no claim holds may go stale."""
+    """An answer without a claim may become wrong unnoticed."""
     text = path.read_text()
     claimed = [claim.line for claim in claims(path)]
     for answer in ANSWER.finditer(text):

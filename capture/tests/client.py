@@ -46,7 +46,7 @@ class Client:
         os.close(self._port)
 
     def send(self, service: int, receiver: int, body: bytes, route: bytes = b"", number: int | None = None) -> bytes:
-        """Send a command; gives its first eight bytes, with what a reaction has to repeat of the rest."""
+        """Send a command; return its first eight bytes, with what a reaction has to repeat of the rest."""
         control = len(route) | (0x08 if number is not None else 0)
         rest = route + (bytes([number]) if number is not None else b"")
         length = len(rest) + len(body)
@@ -62,7 +62,7 @@ class Client:
         time.sleep(self._trs_s)
 
     def ask(self, service: int, receiver: int, body: bytes, route: bytes = b"", number: int | None = None) -> bytes:
-        """Send a command, again if nothing comes; gives the body of the reaction."""
+        """Send a command, again if nothing comes; return the body of the reaction."""
         expected = self.send(service, receiver, body, route, number)
         repeats = self._repeats
         while not select.select([self._port], [], [], self._twm_s)[0]:

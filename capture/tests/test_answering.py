@@ -37,7 +37,7 @@ class Ear:
         self.now_ns = 0
 
     def hear(self, *parts: bytes | int) -> list[bytes]:
-        """Hear bytes, and pauses in ms; gives what was taken."""
+        """Hear bytes, and pauses in ms; return what was taken."""
         taken = []
         for part in parts:
             if isinstance(part, int):

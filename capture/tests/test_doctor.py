@@ -56,7 +56,7 @@ class FakeTshark:
 
 @pytest.fixture(autouse=True)
 def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A machine with which all is well; gives its /proc, in which one program runs."""
+    """A machine with which all is well; return its /proc, in which one program runs."""
     (tmp_path / "1").mkdir()
     (tmp_path / "1/comm").write_text("systemd\n")
     monkeypatch.setattr(doctor, "PROC", tmp_path)

@@ -47,7 +47,7 @@ def _without_analyser(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def plugged(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Plug two adapters in, one with a name of its own; give the folder of names."""
+    """Plug two adapters in, one with a name of its own; return the folder of names."""
     monkeypatch.setattr(interfaces, "BY_ID", tmp_path)
     if not WINDOWS:
         (tmp_path / "usb-FTDI_FT232R_A1-if00-port0").symlink_to("/dev/ttyUSB0")

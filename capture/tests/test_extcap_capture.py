@@ -131,7 +131,7 @@ class Wireshark:
         return next(record for record in self.records() if record.event == code)
 
     def ended(self) -> tuple[int, str]:
-        """Wait for the end; give exit code and standard error."""
+        """Wait for the end; return exit code and standard error."""
         _, errors = self.process.communicate(timeout=PATIENCE_S)
         return self.process.returncode, errors
 

@@ -107,7 +107,7 @@ Said = tuple[int, str, str]
 
 @pytest.fixture
 def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Said]:
-    """Runs sistap; gives exit code, stdout and stderr."""
+    """Runs sistap; return exit code, stdout and stderr."""
 
     def run(*arguments: str) -> Said:
         code = cli.main(arguments)
@@ -591,7 +591,7 @@ def home() -> Iterator[Path]:
 
 
 def as_user(home: Path, *arguments: str | Path) -> str:
-    """Run a command in that home; give its stdout. It must end well, and say nothing else."""
+    """Run a command in that home; return its stdout. It must end well, and say nothing else."""
     nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
     path = f"{home}/home/.local/bin:{os.environ['PATH']}"
     environment = {"PATH": path, "HOME": str(home / "home"), "PYTHONDONTWRITEBYTECODE": "1"}

@@ -27,7 +27,7 @@ Line = tuple[float, bytes, list[str]]  # ms, bytes, marks
 
 
 def log_of(path: Path, *arrivals: tuple[float, bytes]) -> list[Line]:
-    """Let a station answer what arrives; give what the log has then."""
+    """Let a station answer what arrives; return what the log has then."""
     log, script = Log(path), Script(*arrivals)
     with pytest.raises(Over):
         serve(script, make([{"address": 3}], 1), script, Noting(log, LINE))

@@ -576,7 +576,7 @@ def test_a_signal_ends_a_master_that_talks(tmp_path: Path) -> None:
 
 @contextmanager
 def recording_into_a_pipe() -> Iterator[tuple[subprocess.Popen[str], int, int]]:
-    """Record without end; gives the process, and both ends of its pipe."""
+    """Record without end; return the process, and both ends of its pipe."""
     ours, theirs = os.pipe()
     process = subprocess.Popen(
         [*BUS, "-w", "-", "--cycles", "1000000", "--reads", "60"], stdout=theirs, stderr=subprocess.PIPE, text=True

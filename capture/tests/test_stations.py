@@ -51,7 +51,7 @@ def drive(address: int = 3, **table: Any) -> Station:
 
 
 def ask(asked: Station, service: int, body: str = "", now_ms: float = 0, **header: Any) -> str:
-    """Send a command from 16, with a body in hex; gives the body of the reaction in hex, "none" if there is none."""
+    """Send a command from 16, with a body in hex; return the body of the reaction in hex, "none" if there is none."""
     receiver = header.pop("receiver", asked.address)
     sender = header.pop("sender", 16)
     reaction = asked.react(build(service, sender, receiver, octets(body), **header), int(now_ms * MS))

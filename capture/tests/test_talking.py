@@ -63,7 +63,7 @@ class ScriptedPort:
 
 
 def ask(port: ScriptedPort, *asked: bytes, repeats: int = 0) -> tuple[list[bytes | None], list[Played]]:
-    """Ask; give the reactions and all that was sent and heard."""
+    """Ask; return the reactions and all that was sent and heard."""
     reactions: list[bytes | None] = []
 
     def script() -> Script:
