@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Wireshark asks an extcap before a capture, and the launcher by which it asks."""
+"""Wireshark's questions to an extcap before a capture, and the launcher that it uses."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Sentence = tuple[str, dict[str, str]]
 
 
 def parsed(text: str) -> list[Sentence]:
-    """Take sentences apart as Wireshark does: a value ends at a brace before another, a space or the end."""
+    """Parse sentences as Wireshark does: a value ends at a brace before another, a space or the end."""
     sentences = []
     for line in text.splitlines():
         kind, _, rest = line.partition(" ")

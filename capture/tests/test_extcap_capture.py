@@ -97,7 +97,7 @@ class Wireshark:
         self._control.write(struct.pack(">cBHBB", b"T", 0, len(text.encode()) + 2, control, command) + text.encode())
 
     def write(self, data: bytes) -> None:
-        """Say something that may be no message."""
+        """Send something that may not be a message."""
         assert self._control
         self._control.write(data)
 

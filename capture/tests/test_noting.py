@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The log of stations that answer a real master: what came, what was answered, and when."""
+"""The log of stations that answer a real master: what came, the answers, and the times."""
 
 from __future__ import annotations
 

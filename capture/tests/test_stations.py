@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Stations: what they answer to which command, against the specification's figures and tables."""
+"""Stations: their answers to commands, compared with the specification's figures and tables."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A master of ours at a real line: what it waits for, what it takes for a reaction, when it asks again."""
+"""Our master at a real line: what it waits for, what it accepts as a reaction, when it repeats."""
 
 from __future__ import annotations
 
