@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Measures how fast sis.lua is, beside the C plugin and beside as little as a dissector in Lua can do.
+"""Measures the speed of sis.lua, compared with the C plugin and with a minimal dissector in Lua.
 
-    python3 benchmark.py
+python3 benchmark.py
 
-All three read the same capture: telegrams as the serial tap records them. The least is a dissector with four fields and
-a column. Times are of the processor, the best of the rounds; a time is the increase: all packets less one packet.
+All three read the same capture: telegrams as the serial tap records them. The minimal dissector has four fields and a
+column. Times are processor times, the best of the rounds; a time is the increase: all packets minus one packet.
 WIRESHARK_PLUGIN_DIR names the C plugin.
 """
 
@@ -25,7 +25,7 @@ import dissect  # noqa: E402
 
 from sistap.wireshark.tshark import Tshark, TsharkError  # noqa: E402
 
-GOAL = 40_000  # telegrams a second in the list, or half of what the least does
+GOAL = 40_000  # telegrams a second in the list, or half of the minimal dissector's
 
 LEAST = """
 local least = Proto("sertap", "Four fields")
@@ -49,7 +49,7 @@ MODES = {"list": [], "list -2": ["-2"], "-V": ["-V"]}
 
 
 def contestants(folder: Path, stack: ExitStack) -> dict[str, Tshark]:
-    """Give a tshark for each side."""
+    """Return a tshark for each side."""
     for name in ("script", "least"):
         (folder / name).mkdir()
     shutil.copy(HERE / "sis.lua", folder / "script")
@@ -62,7 +62,7 @@ def contestants(folder: Path, stack: ExitStack) -> dict[str, Tshark]:
 
 
 def check(sides: dict[str, Tshark], capture: str) -> None:
-    """Raise TsharkError unless every side dissects the capture, and both of ours alike."""
+    """Raise TsharkError unless every side dissects the capture, and both of ours give the same result."""
     said = {name: tshark.output("-r", capture, "-V", "-O", "sertap,sis") for name, tshark in sides.items()}
     if said["sis.lua"] != said["C plugin"]:
         raise TsharkError("C plugin and sis.lua differ; is WIRESHARK_PLUGIN_DIR a folder with the plugin?")
@@ -71,12 +71,12 @@ def check(sides: dict[str, Tshark], capture: str) -> None:
 
 
 def seconds(tshark: Tshark, capture: str, options: list[str]) -> float:
-    """Give the processor time of one run."""
+    """Return the processor time of one run."""
     return tshark.usage(["-r", capture, *options]).seconds
 
 
 def rates(sides: dict[str, Tshark], captures: tuple[str, str], count: int, rounds: int, mode: str) -> dict[str, float]:
-    """Give telegrams a second for every side; the captures have `count` packets and one."""
+    """Return telegrams a second for every side; the captures have `count` packets and one."""
     best = {(name, capture): float("inf") for name in sides for capture in captures}
     for _ in range(rounds):
         for name, capture in best:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Write the fields and expert items that the plugin registers into sis.lua, between two marks.
+"""Writes the fields and expert items that the plugin registers into sis.lua, between two marks.
 
-Run it without arguments after a change of a registration in plugin/; a test compares.
+Run it without arguments after changing a registration in plugin/. A test checks that sis.lua is current.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ UNITS = {"units_byte_bytes": '{" byte", " bytes"}'}
 
 
 class Source(NamedTuple):
-    """A C file with all that its registrations name: numbers of its own and of the headers, units of its own."""
+    """A C file and the names in its registrations: its own numbers and those of the headers, its own units."""
 
     text: str
     numbers: dict[str, int]
@@ -74,7 +74,7 @@ def _number(source: Source, word: str) -> int:
 
 
 def _texts(source: Source) -> Iterator[str]:
-    """Write the tables of a file that its fields name."""
+    """Return the tables of a file that its fields name."""
     for table in TABLE.finditer(source.text):
         if f"VALS({table['name']})" in source.text:
             yield f"N.{table['name']} = {{"
@@ -86,7 +86,7 @@ def _texts(source: Source) -> Iterator[str]:
 
 
 def _strings(source: Source, words: str) -> str:
-    """Write what names the values of a field, or its unit."""
+    """Return what names the values of a field, or its unit."""
     if words == "NULL":
         return "nil"
     kind, name = re.fullmatch(r"(\w+)\(&?(\w+)\)", words).groups()  # type: ignore[union-attr]
@@ -121,7 +121,7 @@ def _expert(found: re.Match[str]) -> str:
 
 
 def _call(function: str, words: Iterable[str]) -> str:
-    """Write a call, in as many lines as it needs."""
+    """Return a call, in as many lines as it needs."""
     lines = [f"{function}("]
     for word in words:
         separator = "" if lines[-1].endswith("(") else ", "
@@ -144,7 +144,7 @@ def _parts(word: str) -> list[str]:
 
 
 def _block(path: Path, headers: dict[str, int]) -> str:
-    """Write what a C file registers; ValueError where a registration cannot be read."""
+    """Return what a C file registers; ValueError if a registration cannot be read."""
     source = read(path, headers)
     fields, experts = list(FIELD.finditer(source.text)), list(EXPERT.finditer(source.text))
     if len(fields) != source.text.count("HFILL") or len(experts) != source.text.count("EXPFILL"):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Write the codes and texts of plugin/sis/names.c into sis.lua, between its two marks.
+"""Writes the codes and texts of plugin/sis/names.c into sis.lua, between its two marks.
 
-Run it without arguments after a change of names.c; a test compares.
+Run it without arguments after changing names.c. A test checks that sis.lua is current.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ KINDS = re.compile(r"typedef enum \{(?P<kinds>[^}]+)\} sis_address_kind_t;")
 
 
 def _comment(above: str) -> list[str]:
-    """Turn the C comment directly above a table into one of Lua."""
+    """Convert the C comment directly above a table into a Lua comment."""
     words = " ".join(COMMENT.findall(above)[-1].split())
     return [f"-- {words}"] if len(words) <= 115 else _wrapped(words)
 
@@ -39,9 +39,9 @@ def _entry(kind: str, codes: str, text: str) -> str:
 
 
 def section(names: str, header: str) -> str:
-    """Give the section of sis.lua, marks included, from the text of names.c and of names.h.
+    """Return the section of sis.lua, including marks, from the text of names.c and of names.h.
 
-    Ranges become {first, last, text}, in order; other codes become keys. ValueError where a table cannot be read.
+    Ranges become {first, last, text}, in order; other codes become keys. ValueError if a table cannot be read.
     """
     kinds = KINDS.search(header)
     if kinds is None:
@@ -61,7 +61,7 @@ def section(names: str, header: str) -> str:
 
 
 def current() -> str:
-    """Give the section as the sources have it now."""
+    """Return the section as the sources have it now."""
     return section(NAMES.read_text(), NAMES.with_suffix(".h").read_text())
 
 

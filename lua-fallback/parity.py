@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tshark says with the C plugin beside what it says with sis.lua, line by line."""
+"""Compares tshark's output with the C plugin and with sis.lua, line by line."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ SCRIPT = Path(__file__).parent / "sis.lua"
 _PACKET = re.compile(r"^<packet>$.*?^</packet>$", re.MULTILINE | re.DOTALL)
 _SHOWN = 5  # packets that differ
 
-# What may differ, and how both are made the same. README.md says it to people.
+# Permitted differences, and how to remove them from both. README.md describes them.
 ALLOWED = (
-    # Wireshark itself says that the capture has cut a packet, when C reaches over the end; in Lua it is a line of text.
+    # Wireshark itself reports that the capture has cut a packet, when C reads past the end; in Lua it is a line of
+    # text.
     (
         re.compile(
             r'<proto name="fake-field-wrapper">\n *<field name="_ws.lua.text" '
@@ -27,7 +28,7 @@ ALLOWED = (
         ),
         r'<proto name="_ws.short" showname="\1" size="0" pos="0"/>',
     ),
-    # Wireshark hangs a hidden item of its own before everything that Lua dissects.
+    # Wireshark puts a hidden item before everything that Lua dissects.
     (
         re.compile(
             r'^ *<proto name="fake-field-wrapper">\n *<field name="_ws.lua.fake" [^\n]*\n *</proto>\n', re.MULTILINE
@@ -35,7 +36,7 @@ ALLOWED = (
         "",
     ),
     (re.compile(r'^ *<field name="_ws.lua.fake" [^\n]*\n', re.MULTILINE), ""),
-    # A line of the tree that is no field is one in Lua, without its bytes.
+    # A line of the tree without a field is one in Lua as well, without its bytes.
     (
         re.compile(r'<field name="_ws.lua.text" showname="([^"]*)" (size="\d+" pos="\d+") show="" value=""'),
         r'<field name="" show="\1" \2',
@@ -45,16 +46,16 @@ ALLOWED = (
 
 
 def without_allowed(packet: str) -> str:
-    """Give a packet without what may differ."""
+    """Return a packet without the permitted differences."""
     for pattern, same in ALLOWED:
         packet = pattern.sub(same, packet)
-    if '<proto name="sis"' not in packet:  # that hidden item makes Wireshark name a protocol of which it shows nothing
+    if '<proto name="sis"' not in packet:  # with that hidden item, Wireshark names a protocol of which it shows nothing
         packet = packet.replace(':sis"', '"')
     return packet
 
 
 def packets(tshark: Tshark, capture: Path, *options: str) -> list[str]:
-    """Give the whole trees of all packets, as PDML. AssertionError if tshark complains."""
+    """Return the whole trees of all packets, as PDML. AssertionError if tshark complains."""
     done = tshark.run(["-r", str(capture), *options, "-T", "pdml"])
     assert done.returncode == 0, done.stderr
     assert all(line.startswith("sis.lua: ") for line in done.stderr.splitlines()), done.stderr
@@ -63,9 +64,9 @@ def packets(tshark: Tshark, capture: Path, *options: str) -> list[str]:
 
 
 def difference(expected: list[str], found: list[str], *, whose: Callable[[int], object] = str) -> str:
-    """Tell how packets differ: nothing, or how many of them, and the first of them line by line.
+    """Return how packets differ: empty, or how many of them, and the first of them line by line.
 
-    `whose` tells what to call a packet by its number.
+    `whose` names a packet by its number.
     """
     pairs = list(zip_longest(expected, found, fillvalue=""))
     differing = [(number, *pair) for number, pair in enumerate(pairs, 1) if pair[0] != pair[1]]
@@ -79,12 +80,12 @@ def difference(expected: list[str], found: list[str], *, whose: Callable[[int], 
 
 
 def listed(tshark: Tshark, capture: Path, *options: str) -> list[str]:
-    """Give the packet list, for which nobody looks at the tree."""
+    """Return the packet list, which needs no tree."""
     return tshark.output("-r", str(capture), *options).splitlines()
 
 
 def check(plugin: Tshark, script: Tshark, capture: Path, *options: str, whose: Callable[[int], object] = str) -> None:
-    """Dissect a capture with both. AssertionError tells the difference, if there is one."""
+    """Dissect a capture with both. AssertionError has the difference, if there is one."""
     for view in (packets, listed):
         words = difference(view(plugin, capture, *options), view(script, capture, *options), whose=whose)
         assert not words, words

@@ -12,7 +12,7 @@ if tonumber(string.match(get_version(), "^%d+")) < 4 then
   error("sis.lua needs Wireshark 4.0 or later, this is " .. get_version(), 0)
 end
 
--- The C plugin, which Wireshark loads first, or another copy of this file: it has all that this one has.
+-- The C plugin is loaded first, or another copy of this file: it has everything that this file has.
 for _, name in ipairs(Dissector.list()) do
   if name == "sis" or name == "sertap" then
     io.stderr:write("sis.lua: " .. name .. " is there already, so this copy does nothing\n")
@@ -38,12 +38,12 @@ local arcnet7f = Proto("arcnet7f", "Rexroth SYNAX200 on ARCNET")
 local synaxpk = Proto("synaxpk", "Rexroth SYNAX200 parameter channel")
 local protos = {sertap = sertap, sis = sis, synax = synax} -- by filter name
 
--- What crosses blocks, named as in the C headers: S.take for sis_take(), T.load for sertap_load().
+-- Functions shared by blocks, with their names in the C headers: S.take for sis_take(), T.load for sertap_load().
 local S, T = {}, {}
 -- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.body_missing for ei_sis_missing. Those
 -- of other protocols have their whole names: FX.rk512i_command.
 local F, FT, FX, E, ET, EX = {}, {}, {}, {}, {}, {}
--- Constants; texts by code; values of the preferences of sis.
+-- Constants; texts of codes; values of the preferences of sis.
 local K, N, P = {}, {}, {}
 
 K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
@@ -52,7 +52,7 @@ local label = {} -- of a field
 
 local registered = {} -- by protocol: {fields, experts}
 
--- Keeps what belongs to a protocol under its name; `of_sis`, `of_sertap` and `others` are where it is found.
+-- Registers the fields and experts of a protocol; `of_sis`, `of_sertap` and `others` hold them.
 local function declare(abbreviation, kind, made, of_sis, of_sertap, others)
   local owner, name = match(abbreviation, "^(%w+)%.(.*)$")
 
@@ -82,7 +82,7 @@ local function expert_field(abbreviation, group, severity, text)
   declare(abbreviation, "experts", made, E, ET, EX)
 end
 
--- Declares a preference of sis: P[name] has its value.
+-- Declares a preference of sis: P[name] is its value.
 local function preference(name, made)
   sis.prefs[name] = made
   P[name] = sis.prefs[name]
@@ -96,7 +96,7 @@ end
 
 sis.prefs_changed = read_preferences
 
--- What a file leaves behind goes when the next one is opened.
+-- Data of a file, deleted when the next one is opened.
 local init_routines = {}
 
 local function at_init(routine)
@@ -110,12 +110,12 @@ function sis.init()
   end
 end
 
--- What is kept of telegrams grows, and the garbage collector goes through all of it each time: so it waits until Lua's
--- memory is 4 times what was in use, not 2 times. This holds for all scripts.
+-- The data about telegrams grow, and each garbage collection scans all of them. So it waits until Lua's memory is 4
+-- times what was in use, not 2 times. This applies to all scripts.
 collectgarbage("setpause", 400)
 
--- What was made before: gives a function that makes something of a string, or knows it still. When there is too much of
--- it, all is forgotten; for the next file, too, as that may have other preferences.
+-- A cache: returns a function that makes something of a string, or remembers it. A full cache is cleared. So it is
+-- for the next file, which may have other preferences.
 local function remembered(most, make)
   local known, count
 
@@ -138,17 +138,17 @@ local function remembered(most, make)
   end
 end
 
-local CHUNK = 64 -- so many values in one call: all of them are on Lua's stack
+local CHUNK = 64 -- number of values in one call: all of them are on Lua's stack
 
--- Values added up, without making a table of them.
+-- Sum of values, without a table of them.
 local function total(sum, a, b, c, d, e, f, g, h, ...)
   if not h then return sum + (a or 0) + (b or 0) + (c or 0) + (d or 0) + (e or 0) + (f or 0) + (g or 0) end
   return total(sum + a + b + c + d + e + f + g + h, ...)
 end
 
--- Items of the tree. Without a tree, and for an item that is not there, all of them do nothing.
+-- Items of the tree. Without a tree, or without an item, they do nothing.
 
--- A field with its value, or with that of its bytes, big endian; `text` in place of all that is shown of it.
+-- A field with its value, or with the value of its bytes, big endian; `text` replaces the displayed text.
 local function add(tree, which, tvb, offset, length, value, text)
   if tree == nil then
     return nil
@@ -160,7 +160,7 @@ local function add(tree, which, tvb, offset, length, value, text)
   return tree:add(which, tvb(offset, length))
 end
 
--- The same with the bytes as little endian.
+-- The same with little-endian bytes.
 local function add_le(tree, which, tvb, offset, length)
   return tree and tree:add_le(which, tvb(offset, length))
 end
@@ -170,7 +170,7 @@ local function add_value(tree, which, tvb, offset, length, value, text)
   return tree and tree:add(which, tvb(offset, length), value, label[which] .. ": " .. text)
 end
 
--- A line that is no field.
+-- A text line without a field.
 local function add_subtree(tree, tvb, offset, length, text)
   return tree and tree:add(tvb(offset, length), text)
 end
@@ -183,17 +183,17 @@ local function set_generated(item)
   return item and item:set_generated()
 end
 
--- How often dissecting did something beside giving words: added an expert item, learned something for later telegrams.
--- What did not need not be done again for the same bytes.
+-- Counts side effects of dissecting: expert items, and data kept for later telegrams. A telegram without side effects
+-- need not be dissected again for the same bytes.
 local effects = 0
 
--- An expert item; its declared text where there is no other.
+-- An expert item; by default with its declared text.
 local function add_expert(item, which, text)
   effects = effects + 1
   if text then item:add_proto_expert_info(which, text) else item:add_proto_expert_info(which) end
 end
 
--- ns as Wireshark's time.
+-- Converts ns to Wireshark's time.
 local function nstime(ns)
   local rest = fmod(ns, 1e9)
 
@@ -204,7 +204,7 @@ local function plural(count)
   return count == 1 and "" or "s"
 end
 
--- What Wireshark says where the capture has cut a packet. Lua cannot throw its exception.
+-- Wireshark's message for a packet that the capture has cut. Lua cannot raise its exception.
 function S.show_cut(tvb, pinfo, parent, name)
   parent:add(tvb(0, 0), "[Packet size limited during capture: " .. name .. " truncated]")
   pinfo.cols.info:append("[Packet size limited during capture]")
@@ -217,7 +217,7 @@ local function hex(bytes)
   return sub(spaced, 1, -2)
 end
 
--- The text of a value in ranges {first, last, text}: the first that fits; nil where none does.
+-- The text of a value in ranges {first, last, text}: the first that fits; nil if none does.
 local function range_text(value, ranges)
   for _, range in ipairs(ranges) do
     if value >= range[1] and value <= range[2] then
@@ -226,9 +226,9 @@ local function range_text(value, ranges)
   end
 end
 
--- When packets came, by number: ns since the first packet. Lua has the time since 1970 as a double of seconds, too
--- coarse for ns; that since the first packet is exact for weeks. It changes with a time reference that the user sets,
--- so the one of the first pass is kept.
+-- Times of packets, by number: ns since the first packet. Lua has the time since 1970 as a double of seconds, too
+-- coarse for ns. The time since the first packet is exact for weeks. A time reference of the user changes it, so the
+-- value of the first pass is kept.
 local packet_times
 
 at_init(function() packet_times = {} end)
@@ -243,7 +243,7 @@ local function packet_time(pinfo, number)
   return time
 end
 
--- The packet that is dissected. Asking Wireshark costs time, so each of these is asked for once.
+-- The packet being dissected. Asking Wireshark takes time, so each value is requested once.
 local packet = {
   number = nil,
   visited = nil, -- whether this is a later pass
@@ -251,7 +251,7 @@ local packet = {
   port_type = nil,
   record = nil, -- of the serial tap, while its payload is dissected
   cols = nil,
-  count = 0, -- of its telegrams whose exchange was looked for; what is kept by packet is kept by this count, too
+  count = 0, -- telegrams whose exchange was looked for; this count is the key of data kept for a packet
 }
 
 local function look_at(pinfo)
@@ -264,10 +264,10 @@ local function look_at(pinfo)
   packet.record = nil
 end
 
--- Which section of the capture a packet came from, from 0, and which interface of the section; 0 where there is none,
--- and in the first of two passes of tshark, which has no fields for Lua unless a filter wants some.
+-- The section of a packet in the capture, from 0, and its interface; 0 without one, and in the first of two passes of
+-- tshark, which gives Lua no fields unless a filter needs some.
 local frame_section_number, frame_interface_id = Field.new("frame.section_number"), Field.new("frame.interface_id")
-local place_of, section, interface -- of the packet that was asked for last: every field that is looked at costs time
+local place_of, section, interface -- of the last requested packet: every field takes time
 
 at_init(function() place_of = nil end)
 
@@ -284,20 +284,20 @@ function S.place()
   return section, interface
 end
 
--- A line of the capture as a number: every section numbers its interfaces anew.
+-- A line of the capture as a number: every section has its own numbers of interfaces.
 function S.line_key(of_section, of_interface)
   return of_section * 0x100000000 + of_interface
 end
 
--- The line, or both directions of a full-duplex tap: they are two interfaces, one after the other.
+-- The line, or both directions of a full-duplex tap, which are two successive interfaces.
 function T.bus_key()
   local record, of_section, of_interface = packet.record, S.place()
 
   return S.line_key(of_section, record and record.line == 2 and max(of_interface - 1, 0) or of_interface)
 end
 
--- Which TCP connection a packet belongs to: its two ends, as text. Its number is a field, and the first pass of tshark
--- has none.
+-- The TCP connection of a packet: its two ends, as text. Its number is a field, and the first pass of tshark has
+-- none.
 function S.connection(pinfo)
   local one = tostring(pinfo.net_src) .. " " .. pinfo.src_port
   local other = tostring(pinfo.net_dst) .. " " .. pinfo.dst_port
@@ -356,7 +356,7 @@ N.services = {
   {0xF0, 0xFF, "Reserved service"},
 }
 
--- Kinds of addresses, fig. 2-9; which address is of which kind differs between the editions (address.c).
+-- Kinds of addresses, fig. 2-9; the editions assign them to different addresses (address.c).
 N.address_kinds = {
   [K.STATION] = "station",
   [K.SERVICE_MASTER] = "service or emergency master",
@@ -401,14 +401,13 @@ N.status = {
   {0xFD, 0xFF, "Telegram error, not specified"},
 }
 
--- The same byte where it answers a phase service (chapters 8.4 and 8.5): 2 has another meaning there, and 1 * has
--- none.
+-- The same byte in reactions of phase services (chapters 8.4 and 8.5): 2 has another meaning there, and 1 * has none.
 N.status_phase = {
   {0x01, 0x01, "Execution error, not specified for this service"},
   {0x02, 0x02, "Phase switching error"},
 }
 
--- The error code after status 2 where a service has no other meaning for it, fig. 2-19.
+-- The error code after status 2, unless a service has another meaning for it, fig. 2-19.
 N.errors_channel = {
   [0x8001] = "Transmission channel busy",
   [0x8002] = "Fault in the transmission channel",
@@ -457,7 +456,7 @@ N.errors_flash = {
   [0x9702] = "CRC32 checksum wrong",
 }
 
--- Where Shutdown goes, chapter 5.1.
+-- Destination of Shutdown, chapter 5.1.
 N.shutdown_targets = {
   [0] = "Firmware",
   [1] = "Loader",
@@ -1249,7 +1248,7 @@ do
 
   local FIRST_RESERVED_IN_ECODRIVE03 = 0xE0 -- DISC in IF02
   local RESERVED = "Reserved service"
-  local names = {[K.IF02] = {}, [K.ECODRIVE03] = {}} -- of all 256 services: every telegram asks
+  local names = {[K.IF02] = {}, [K.ECODRIVE03] = {}} -- of all 256 services: every telegram needs it
   local range_names = {[K.IF02] = {}, [K.ECODRIVE03] = {}}
 
   for service = 0, 255 do
@@ -1315,7 +1314,7 @@ end
 --- sertap/line: what is known of a line, record after record, in the first pass
 
 do
-  local WINDOW_NS = 1e9 -- over which the load is taken
+  local WINDOW_NS = 1e9 -- the load is averaged over this time
   local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
 
   local lines -- by key
@@ -1323,8 +1322,8 @@ do
 
   at_init(function() lines, line_of, spell_of = {}, {}, {} end)
 
-  -- Spells are by number, from 1: when each began and ended, ns, how long the line was busy from the first to its end,
-  -- and which of them was the first in the window then.
+  -- Spells have numbers from 1. Each has its beginning and end in ns, the busy time of the line up to its end, and
+  -- the first spell in the window then.
   local function new_line()
     return {lost_in = 0, unframed_in = 0, last = 0, head = 1, begins = {}, ends = {}, totals = {[0] = 0}, heads = {}}
   end
@@ -1340,7 +1339,8 @@ do
     return line
   end
 
-  -- What may hide a frame: the last loss of characters, and the last that may have been a frame; 0 where there is none.
+  -- Packets that may hide a frame: the last loss of characters, and the last that may have been a frame; 0 if there
+  -- is none.
   function T.disturbance(record)
     return record.known
   end
@@ -1390,8 +1390,8 @@ do
     line_of[number], spell_of[number] = line, line.last
   end
 
-  -- How long the line was busy until this packet, of how much time, both in ns; nothing where that is not known. Of the
-  -- oldest spell only a part may lie in the window.
+  -- How long the line was busy until this packet, and during what time, both in ns; nothing if unknown. The window
+  -- may cut the oldest spell.
   function T.load()
     local line, spell = line_of[packet.number], spell_of[packet.number]
     local head = line and line.heads[spell]
@@ -1407,14 +1407,14 @@ do
     return busy, finish - begin
   end
 
-  -- The double nearest to x that C's float can hold: the plugin keeps the load in one.
+  -- The double nearest to x that fits into C's float, in which the plugin keeps the load.
   local function single(x)
     local scaled = x * 536870913.0 -- 2^29 + 1
 
     return scaled - (scaled - x)
   end
 
-  -- What T.load() gave, in percent.
+  -- The result of T.load(), in percent.
   function T.percent(busy, span)
     return single(min(max(single(single(busy) / single(span)), 0), 1) * 100)
   end
@@ -1434,8 +1434,8 @@ do
 
   local parity_letters = {[0] = "N", [1] = "E", [2] = "O", [3] = "M", [4] = "S"}
 
-  -- What a flag is called at its character, and, for an error, what is said of the record that has it, with the number
-  -- of the first character that has it.
+  -- The name of a flag at its character, and, for an error, the text about its record, with the number of the first
+  -- such character.
   local flags = {
     {flag = K.SAME_READ, field = FT.same_read, text = "same read"},
     {flag = K.CHARACTER_ERROR, field = FT.error_character, text = "parity or framing error",
@@ -1453,7 +1453,7 @@ do
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
   local handle -- of this dissector, once there is one
 
-  -- The first of the record's characters, from 0, that `part`, cut out of its payload, has.
+  -- The index, from 0, of the first character of the record in `part`, a subset of its payload.
   function T.index(record, part)
     return part:offset() - record.tvb:offset() - record.data_offset
   end
@@ -1478,13 +1478,13 @@ do
     return intervals
   end
 
-  -- The same added up, which every record needs: without making a table.
+  -- Their sum, which every record needs, without a table.
   local function sum_intervals(bytes, offset, count)
     local sum = 0
 
     for done = 0, count - 1, CHUNK do
       local size, at = min(count - done, CHUNK), offset + 4 * done + 1
-      local after = at + 4 * size -- what unpack() gives at last
+      local after = at + 4 * size -- the last result of unpack()
 
       sum = total(sum - after, Struct.unpack(interval_formats[size], bytes, at))
     end
@@ -1518,7 +1518,7 @@ do
     add(subtree, FT.format_stop, tvb, 10, 1)
   end
 
-  -- Unknown has no value: a filter for bad times would find it.
+  -- Unknown has no value: otherwise a filter for bad times would find it.
   local function add_uncertainty(tree, tvb, uncertainty)
     if uncertainty then
       add_value(tree, FT.uncertainty, tvb, 12, 4, nstime(uncertainty), T.ms_text(uncertainty))
@@ -1537,8 +1537,8 @@ do
     add_uncertainty(tree, tvb, record.uncertainty)
   end
 
-  -- Whether version and length of the header can be read; says why not. The second result tells whether that is because
-  -- the capture has cut the packet.
+  -- Whether version and length of the header are valid; if not, says why. The second result tells whether the capture
+  -- has cut the packet.
   local function check_header(tvb, tree, root, bytes, there)
     local version, size = byte(bytes, 1, 2)
 
@@ -1565,37 +1565,37 @@ do
     return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
   end
 
-  -- ns of one character, start and stop bits included; 0 where the rate is not known.
+  -- ns of one character, including start and stop bits; 0 if the rate is unknown.
   local function character_ns(record)
     local half_bits = 2 + 2 * record.data_bits + (record.parity ~= 0 and 2 or 0) + record.stop_half_bits
 
     return record.baud ~= 0 and floor(half_bits * 500000000 / record.baud) or 0
   end
 
-  -- A capture has few headers. All records with the same one are one table, as making new ones would cost more than all
-  -- the rest: it holds what the header says, and what read_record() puts into it.
+  -- A capture has few different headers. Records with the same header share one table, because making tables would
+  -- take most of the time. It holds the header, and what read_record() adds.
   local record_of = remembered(1000, function(header)
     local record, version, size, uncertainty, declared = {}
     version, size, record.type, record.line, record.baud, record.data_bits, record.parity, record.stop_half_bits,
       record.framing, uncertainty, declared, record.event = Struct.unpack(">BBBBI4BBBBI4I2I2", header)
 
     record.uncertainty = uncertainty ~= UNCERTAINTY_UNKNOWN and uncertainty or nil -- ns
-    record.declared = declared -- characters the record says it has
+    record.declared = declared -- characters according to the record
     record.data_offset = size -- of the values
     record.times_offset = size + declared -- of the intervals, 4 bytes each, ns
     record.flags_offset = size + declared * 5
     record.character_ns = character_ns(record)
     record.expected = declared * (record.type == K.EVENT and 1 or 6) -- bytes after the header
     record.is_readable = version == RECORD_VERSION and size >= RECORD_HEADER_SIZE
-    record.captured = nil -- bytes of the packet that the next two are for
-    record.count = nil -- characters whose value is there
-    record.timed = nil -- characters whose interval and flags are there, too
-    record.no_flags = nil -- what these are where there are none
+    record.captured = nil -- packet size that the next two belong to
+    record.count = nil -- characters with a value
+    record.timed = nil -- characters with interval and flags as well
+    record.no_flags = nil -- their values without characters
     return record
   end)
 
-  -- What is whole is decoded, also where something is missing. The three arrays follow one another: what is missing at
-  -- the end is missing from the flags first.
+  -- Decodes whatever is complete. The three arrays follow one another: missing bytes at the end are first missing
+  -- from the flags.
   local function count_characters(record, captured)
     local declared, rest = record.declared, max(captured - record.data_offset, 0)
 
@@ -1605,19 +1605,19 @@ do
     record.no_flags = rep("\0", record.timed)
   end
 
-  -- Reads a record whose header can be read.
+  -- Reads a record with a valid header.
   local function read_record(record, tvb, bytes)
     if record.captured ~= #bytes then count_characters(record, #bytes) end
     record.tvb = tvb
     record.bytes = bytes
-    record.known = nil -- in the first pass: what is known of the line
+    record.known = nil -- in the first pass: the state of the line
     record.flags = 0 -- of all its characters, ORed
     record.first_at = nil -- by flag: the first character that has it
-    record.intervals = nil -- ns, where somebody has asked for one
+    record.intervals = nil -- ns, if requested
     record.duration = 0 -- ns, from the first character to the last
   end
 
-  -- Compares the count with the bytes that are there.
+  -- Compares the count with the available bytes.
   local function check_count(item, record, there)
     local declared, rest, expected = record.declared, there - record.data_offset, record.expected
 
@@ -1629,7 +1629,7 @@ do
     end
   end
 
-  -- The flags of all characters together, and which character was the first with each of them.
+  -- The flags of all characters together, and the first character with each of them.
   local function survey_flags(record)
     local bytes, offset = record.bytes, record.flags_offset
     local at = string.find(bytes, "[^\0]", offset + 1)
@@ -1656,8 +1656,8 @@ do
     record.duration = sum_intervals(bytes, record.times_offset + 4, timed - 1)
   end
 
-  -- The longest interval, and before which character; 0 where there is none. That before the first character is not one
-  -- of this record, and what happened before a character that follows lost ones nobody knows.
+  -- The longest interval, and the character after it; 0 if there is none. The interval before the first character
+  -- does not belong to this record. The interval before a character that follows lost ones is unknown.
   function T.longest(record)
     local may_be_lost = band(record.flags, K.LOST_BEFORE) ~= 0
     local longest, longest_at = 0, 0
@@ -1713,8 +1713,8 @@ do
     end
   end
 
-  -- Whether somebody sees the characters or filters for them. Most readings of a large file do neither, and a record
-  -- has five items a character.
+  -- Whether the characters are displayed or filtered. Usually a large file needs neither, and a record has five items
+  -- for each character.
   local function are_characters_wanted(tree)
     if tree:referenced(FT.character) or tree:referenced(FT.interval) or tree:referenced(FT.flags) then return true end
     for _, known in ipairs(flags) do
@@ -1735,7 +1735,7 @@ do
     end
   end
 
-  -- One item and one mark a kind of error, however many characters have it.
+  -- One item and one mark for each kind of error, however many characters have it.
   local function report_errors(pinfo, item, record)
     for _, known in ipairs(flags) do
       if known.expert and band(record.flags, known.flag) ~= 0 then
@@ -1750,8 +1750,8 @@ do
   local escapes = {["\a"] = "\\a", ["\b"] = "\\b", ["\f"] = "\\f", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t",
     ["\v"] = "\\v"}
 
-  -- Characters that nobody sees, first and last: controls, marks that turn the direction of what follows, and what
-  -- never is a character, as the last two of each plane.
+  -- Invisible characters, first and last: controls, marks of text direction, and code points that never are
+  -- characters, such as the last two of each plane.
   local invisible = {{0x00, 0x1F}, {0x7F, 0x9F}, {0xAD, 0xAD}, {0x600, 0x605}, {0x61C, 0x61C}, {0x6DD, 0x6DD},
     {0x70F, 0x70F}, {0x8E2, 0x8E2}, {0x180E, 0x180E}, {0x200B, 0x200F}, {0x202A, 0x202E}, {0x2060, 0x206F},
     {0xFDD0, 0xFDEF}, {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0x110BD, 0x110BD}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A},
@@ -1777,10 +1777,11 @@ do
   end
 
   local REPLACEMENT = "\239\191\189" -- U+FFFD, in place of what is no UTF-8
-  -- How many bytes follow the first one of a character, and what of the first one belongs to its code.
+  -- How many bytes follow the first byte of a character, and which bits of that byte belong to its code.
   local leads = {{192, 223, 1}, {224, 239, 2}, {240, 247, 3}, {248, 251, 4}, {252, 253, 5}}
 
-  -- The character that begins with the byte `lead`, which is not ASCII, and what of `rest` does not belong to it.
+  -- The character that begins with the byte `lead`, which is not ASCII, and the part of `rest` that does not belong
+  -- to it.
   local function beyond_ascii(lead, rest)
     local code = byte(lead)
 
@@ -1806,7 +1807,7 @@ do
     return shown .. rep(REPLACEMENT, #others)
   end
 
-  -- As tvb_format_text() does it: in quotes, it would read like a string of C.
+  -- As tvb_format_text() does it: in quotes, it would look like a C string.
   local function format_text(text)
     text = string.gsub(text, "%c", function(c)
       return escapes[c] or strformat("\\%03o", byte(c))
@@ -1827,14 +1828,14 @@ do
     write_columns(pinfo, text)
   end
 
-  -- Whether a person would read this rather than decode it.
+  -- Whether these characters are readable text.
   local function is_text(bytes)
     local _, readable = string.gsub(bytes, "[\t\n\f\r -~]", "")
 
     return readable * 4 >= #bytes * 3
   end
 
-  -- As hex and as text: a drive talks ASCII until SIS is selected.
+  -- As hex and as text: a drive sends ASCII until SIS is selected.
   local function dissect_other(tvb, pinfo, tree, record)
     local offset, count = record.data_offset, record.count
     local shown = sub(record.bytes, offset + 1, offset + min(count, 24))
@@ -1850,7 +1851,7 @@ do
     write_columns(pinfo, info)
   end
 
-  -- The columns are for a dissector that finds that this is not its frame. SIS writes both of them.
+  -- Restores the columns for a dissector that finds a frame is not its own. SIS writes both.
   local function dissect_frame(tvb, pinfo, parent, record)
     local count = record.count
 
@@ -1888,7 +1889,7 @@ do
     end
   end
 
-  -- Whether all is as it should be and nobody looks at a tree.
+  -- Whether nothing is wrong and no tree is needed.
   local function is_quick(tree, record, bytes, there)
     return not tree and record and record.is_readable and there == record.data_offset + record.expected
       and #bytes == there
@@ -1975,7 +1976,7 @@ do
     return N.address_kinds[kind]
   end
 
-  -- Whether a command to this (last) address is answered at all: not by groups and broadcasts.
+  -- Whether commands to this (last) address are answered at all: those to groups and broadcasts are not.
   function S.is_answered(receiver)
     return S.receiver_kind(receiver) < K.GROUP
   end
@@ -1996,12 +1997,12 @@ do
     end
   end
 
-  -- "3", "group 201", "all": as it stands in the info column.
+  -- "3", "group 201", "all": as in the info column.
   function S.station_text(station)
     return station_texts[P.edition][station]
   end
 
-  -- Talker and listener as addresses, unless a network below has set its own. Lua has no address type for them, so only
+  -- Talker and listener as addresses, unless a lower layer has set its own. Lua has no address type for them, so only
   -- the columns get them. Those of a packet's first telegram count.
   function S.set_addresses(talker, listener)
     if packet.count > 1 or packet.port_type ~= 0 then return end
@@ -2015,20 +2016,20 @@ end
 do
   K.START = 0x02
   K.TOKEN_PASSING = 0x0F -- what is in it is not specified
-  K.STATIC_LENGTH = 8 -- of the header; DatLW counts what comes after it
+  K.STATIC_LENGTH = 8 -- of the header; DatLW counts the bytes after it
   -- Telegram control (chapter 2.1).
   K.CONTROL_SUBADDRESSES, K.CONTROL_NUMBER, K.CONTROL_REACTION = 0x07, 0x08, 0x10
 
   local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR = 0x20, 0x40, 0x80
   local CHECKSUM_BAD, CHECKSUM_GOOD, CHECKSUM_UNVERIFIED = 0, 1, 2
 
-  -- What the receiver does (chapter 2.4) depends on who it is.
+  -- The receiver's behaviour (chapter 2.4) depends on the kind of address.
   local WRONG_COMMAND = "Wrong checksum: a station on a bus does not answer, "
     .. "a point-to-point station answers with status 0xF4"
   local WRONG_REACTION = "Wrong checksum: the master waits (TwM) and sends its command again"
 
   local handle -- of this dissector, once there is one
-  -- A TCP segment may come in several calls: only Wireshark's own table of a packet knows that it is still the same.
+  -- A TCP segment may come in several calls: only Wireshark's own table of a packet shows that it is still the same.
   function S.begin_packet(pinfo)
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end -- an error may have left a record
     packet.cols = pinfo.cols
@@ -2041,13 +2042,13 @@ do
     packet.count = 0
   end
 
-  -- Something is wrong: an expert item, and a mark that people see in the info column.
+  -- A fault: an expert item, and a mark in the info column.
   local function mark(body, item, which, text)
     add_expert(item or body.root, which)
     body.marks = body.marks .. "  [" .. text .. "]"
   end
 
-  -- How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ).
+  -- The declared length of the telegram at offset; 0: unknown (too short, or its two lengths differ).
   function S.declared_length(bytes, offset)
     local length, length_repeat = byte(bytes, offset + 3, offset + 4)
 
@@ -2072,7 +2073,7 @@ do
       and S.sum(bytes, offset, declared) == 0
   end
 
-  -- Verified only where the whole telegram is there and tells its length.
+  -- Verified only if the whole telegram and its length are there.
   local function dissect_checksum(body)
     local telegram, checksum = body.telegram, byte(body.bytes, 2)
     local item = add(body.tree, F.checksum, body.tvb, 1, 1)
@@ -2189,7 +2190,7 @@ do
     end
   end
 
-  -- What is wrong with one address of the list.
+  -- Faults of one address of the list.
   local function check_receiver(body, item, receiver, kind, is_last)
     if kind == K.NOT_ASSIGNED then mark(body, item, E.receiver_reserved, "address 127 is not assigned") end
     if kind == K.RESERVED then mark(body, item, E.receiver_reserved, "reserved address") end
@@ -2246,7 +2247,7 @@ do
     end
   end
 
-  -- The useful data before they are taken apart.
+  -- The useful data before decoding.
   local function begin_body(body, record)
     local telegram, exchange = body.telegram, record.exchange
     local body_offset = telegram.body_offset
@@ -2268,12 +2269,12 @@ do
     body.accesses = S.is_counting and {} or nil
   end
 
-  -- What a telegram gives without a tree: {words: for the packet list, request: in a command, what it asks for}. A bus
-  -- says the same again and again, so this is kept, where it follows from the bytes of the telegram and from one other
-  -- thing: in a command, from what the bus has taught so far; in a reaction, from what its command asked for, and in a
-  -- later pass in both.
+  -- The result of a telegram without a tree: {words: for the packet list, request: of a command}. A bus repeats
+  -- itself, so the result is kept if it depends only on the bytes of the telegram and on one other thing. For a
+  -- command, that is what the bus has taught so far. For a reaction, it is the request of its command. In a later
+  -- pass it is both.
   local MOST_GIVEN = 4000
-  local given, given_count -- by whether the packet was seen before, by that thing, by the bytes
+  local given, given_count -- by pass, by that thing, by the bytes
 
   local function forget_given()
     given, given_count = {[false] = {}, [true] = {}}, 0
@@ -2281,7 +2282,7 @@ do
 
   at_init(forget_given)
 
-  -- That other thing; nil where there are more, or where a tree is wanted.
+  -- That other thing; nil if there are more, or if a tree is needed.
   local function find_grounds(body, record)
     local exchange = record.exchange
 
@@ -2305,7 +2306,7 @@ do
     given_count = given_count + 1
   end
 
-  -- Takes the useful data apart, or knows them still. Gives words for the packet list.
+  -- Decodes the useful data, or remembers the result. Returns words for the packet list.
   local function dissect_body(body, record)
     local grounds = find_grounds(body, record)
     local same = grounds and given[packet.visited][grounds]
@@ -2321,7 +2322,7 @@ do
     return body.summary
   end
 
-  -- The useful data, with what their exchange knows. Gives words for the packet list.
+  -- Decodes the useful data, with data of their exchange. Returns words for the packet list.
   local function dissect_useful_data(body, record)
     local telegram, pinfo = body.telegram, body.pinfo
     local exchange = record.exchange
@@ -2354,7 +2355,7 @@ do
     return strformat("%d -> %s", talker, route_text(listener, subaddresses))
   end
 
-  -- What follows from who really speaks.
+  -- The consequences of the real talker.
   local function ends_of(is_reaction, talker, listener, subaddresses)
     local stations = stations_text(is_reaction, talker, listener, subaddresses)
     local kind = is_reaction and "Reaction" or "Command"
@@ -2367,8 +2368,8 @@ do
     }
   end
 
-  -- Telegrams with the same header, from the two lengths to the last subaddress, are one table, as a bus has few of
-  -- them: it holds what the header says, and what read_telegram() puts into it.
+  -- Telegrams with the same header, from the two lengths to the last subaddress, share one table, because a bus has
+  -- few different ones. It holds the header, and what read_telegram() adds.
   local telegram_of = remembered(1000, function(header)
     local _, _, control, service, sender, receiver = byte(header, 1, 6)
     local subaddress_count = band(control, K.CONTROL_SUBADDRESSES)
@@ -2388,9 +2389,9 @@ do
       as_sent = ends_of(is_reaction, sender, receiver, subaddresses),
       reversed = is_reaction and ends_of(true, receiver, sender, subaddresses),
       body_offset = K.STATIC_LENGTH + subaddress_count + (has_number and 1 or 0),
-      path = sub(header, 6), -- from the receiver to whom the command is for
-      is_answered = S.is_answered(byte(header, -1)), -- neither group nor broadcast: whom it is for in the end
-      is_plain = false, -- whether it is known that there is nothing to be said of such a header without a tree
+      path = sub(header, 6), -- from the receiver to the addressed station
+      is_answered = S.is_answered(byte(header, -1)), -- no group or broadcast: the final receiver
+      is_plain = false, -- whether such a header is known to need no note without a tree
     }
   end)
 
@@ -2411,7 +2412,7 @@ do
     telegram.is_good = is_good
     telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
     telegram.times = S.times(body.tvb, body.there, declared ~= 0 and min(body.there, declared) or body.there)
-    -- Whether all is as it should be and nobody looks at a tree: then what was found before may hold.
+    -- Whether nothing is wrong and no tree is needed: then an earlier result may be valid.
     body.is_quick = not body.tree and not S.is_counting and is_good and body.there == declared and #bytes == declared
   end
 
@@ -2423,7 +2424,7 @@ do
 
   local HEAD_LENGTH = 160 -- characters: Wireshark cuts a line of the tree soon after
 
-  -- So many characters of a text at most, and "..." behind them where there are more.
+  -- A text of up to that many characters, followed by "..." if there are more.
   function S.shortened(words, most)
     local begins = {} -- of the characters of UTF-8
 
@@ -2434,8 +2435,8 @@ do
     return #begins <= most and words or sub(words, 1, begins[most + 1] - 1) .. "..."
   end
 
-  -- The header's items and what is wrong with it. Of most telegrams there is nothing to say without a tree; a header of
-  -- which that was seen once is not looked at again.
+  -- The header's items and its faults. Without a tree, most telegrams need no note; a header known for that is
+  -- skipped.
   local function dissect_header(body)
     local telegram, before = body.telegram, effects
 
@@ -2458,7 +2459,7 @@ do
     local record = S.exchange_find(body.tvb, body.pinfo, telegram)
     local ends = telegram.is_reaction and not S.is_swapped(record, telegram) and telegram.reversed or telegram.as_sent
 
-    body.ends = ends -- who really speaks to whom
+    body.ends = ends -- the real talker and listener
     S.set_addresses(ends.talker, ends.listener)
     dissect_header(body)
     local words = dissect_useful_data(body, record)
@@ -2469,7 +2470,7 @@ do
     return ends.heading .. body.marks .. "  " .. words
   end
 
-  -- Less than the 8 bytes that every telegram has.
+  -- Fewer than the 8 bytes of every telegram.
   local function dissect_stump(body)
     local there = body.there
 
@@ -2482,7 +2483,7 @@ do
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
   end
 
-  -- No start character, and not the length of a telegram either: addresses read from it would be invented.
+  -- Neither a start character nor a valid length: addresses would be invented.
   local function dissect_no_telegram(body)
     if body.tree then append_text(body.root, ", not a telegram") end
     add_expert(body.root, E.start_missing)
@@ -2490,20 +2491,20 @@ do
     return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
   end
 
-  -- The telegram that is dissected, and its useful data: one table each for all of them, as making new ones would cost
-  -- more than what is done with them.
+  -- The telegram being dissected, and its useful data: one table for all of them, because making tables would take
+  -- longer than the rest.
   local body = {}
 
-  -- One telegram: `tvb` begins with it and holds nothing of the next, `bytes` are what was captured of it, and `there`
-  -- of them were on the line. Gives the words for the info column.
+  -- One telegram: `tvb` begins with it and has nothing of the next, `bytes` are its captured bytes, and `there` of
+  -- them were on the line. Returns the words for the info column.
   function S.dissect_telegram(tvb, bytes, pinfo, parent, there)
     local declared = S.declared_length(bytes, 0)
     local tree = parent:referenced(handle) and parent:add(sis, tvb()) or nil
 
     body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
     body.tree, body.root = tree, tree or parent
-    body.there, body.declared = there, declared -- 0: its two lengths differ, or are not there
-    body.end_ = min(declared > 0 and declared or there, #bytes) -- of what belongs to the telegram and is there
+    body.there, body.declared = there, declared -- 0: its two lengths differ, or are missing
+    body.end_ = min(declared > 0 and declared or there, #bytes) -- available bytes of the telegram
     body.marks = "" -- for the end of the info column: what is wrong
     if byte(bytes, 1) ~= K.START and declared ~= there then return dissect_no_telegram(body) end
     if there < K.STATIC_LENGTH then return dissect_stump(body) end
@@ -2558,10 +2559,10 @@ do
   preference("ecodrive_phases", Pref.bool("Decode services 0x82 and 0x8D like 0x12 and 0x1D", false,
     "Reading and switching the phase of an ECODRIVE this way is not confirmed"))
 
-  -- By general service, what takes its body apart: the following blocks fill it.
+  -- For each general service, the function that decodes its body: the following blocks fill it.
   S.bodies = {}
 
-  local general_services = {} -- every telegram asks several times
+  local general_services = {} -- every telegram needs it several times
 
   at_init(function() general_services = {} end)
 
@@ -2577,9 +2578,9 @@ do
     return service
   end
 
-  -- 0x10 for 0x10, 0x80, 0x90: the general service that a service of a product group is like, else the service itself.
-  -- Product groups have services of their own in the layout of 0x1x (chapter 8); those of the CLC are only said to be
-  -- close to it, and nobody has seen the phase services of ECODRIVE.
+  -- 0x10 for 0x10, 0x80, 0x90: the general service that corresponds to a product group's service, else the service
+  -- itself. Product groups have services of their own in the layout of 0x1x (chapter 8). Those of the CLC are
+  -- documented only as similar; the phase services of ECODRIVE were never seen.
   function S.general_service(service)
     local general = general_services[service]
 
@@ -2590,13 +2591,13 @@ do
     return general
   end
 
-  -- Whether a reaction of this service begins with a status byte. The other product groups need not (chapter 2.1), and
-  -- their bodies are not documented.
+  -- Whether a reaction of this service begins with a status byte. The other product groups need none (chapter 2.1),
+  -- and their bodies are not documented.
   local function has_status(service)
     return service <= 0x1F or (service >= 0x80 and service <= 0x9F) or S.general_service(service) ~= service
   end
 
-  -- Whether a body begins with the parameter control and the device address.
+  -- Whether a body begins with parameter control and device address.
   function S.has_control_byte(service)
     local general = S.general_service(service)
 
@@ -2612,7 +2613,7 @@ do
     body.summary = body.summary .. strformat(format, ...)
   end
 
-  -- What is wrong, for the packet list and as an expert item of what was taken last.
+  -- A fault, for the packet list and as an expert item of the last field read.
   function S.mark(body, which, format, ...)
     local text = strformat(format, ...)
 
@@ -2620,8 +2621,7 @@ do
     body.marks = body.marks .. "  [" .. text .. "]"
   end
 
-  -- Whether so many bytes are left for a field. Saying once that not is enough: after it nothing else can be there
-  -- either.
+  -- Whether that many bytes are left for a field. One note is enough: nothing else can follow.
   function S.needs(body, which, size)
     if body.end_ - body.offset >= size and not body.is_short then return true end
     if not body.is_cut and not body.is_short then
@@ -2638,8 +2638,8 @@ do
     return a + (b or 0) * 0x100 + (c or 0) * 0x10000 + (d or 0) * 0x1000000
   end
 
-  -- Adds `size` bytes, little endian, as a field, and gives their value; body.item is set. Where they are not there:
-  -- says so once per body, and nil.
+  -- Adds `size` bytes, little endian, as a field, and returns their value; body.item is set. If bytes are missing,
+  -- adds a note once per body and returns nil.
   function S.take(body, which, size)
     if not S.needs(body, which, size) then return nil end
 
@@ -2656,7 +2656,7 @@ do
     body.offset = body.offset + size
   end
 
-  -- The same for a code whose text depends on the service. Gives value and text.
+  -- The same for a code whose text depends on the service. Returns value and text.
   function S.take_code(body, which, size, texts)
     if not S.needs(body, which, size) then return nil end
 
@@ -2666,7 +2666,7 @@ do
     return value, text
   end
 
-  -- The rest of the body as bytes; false where there is none.
+  -- The rest of the body as bytes; false if there is none.
   function S.take_rest(body, which)
     local left = body.end_ - body.offset
 
@@ -2676,7 +2676,7 @@ do
     return true
   end
 
-  -- Remembers the device that a command is for.
+  -- Remembers the device of a command.
   function S.request_device(body, device)
     if body.request then
       body.request.has_device = true
@@ -2684,7 +2684,7 @@ do
     end
   end
 
-  -- Device address and subservice, with which the bodies of 0x00, 0x02 and 0x03 begin. Gives the subservice.
+  -- Device address and subservice, the first fields of the bodies of 0x00, 0x02 and 0x03. Returns the subservice.
   function S.take_subservice(body, texts)
     local device = S.take(body, F.device, 1)
 
@@ -2734,7 +2734,7 @@ do
   end
   table.sort(baud_bits)
 
-  -- The rates of a mask, and what of it is not defined.
+  -- The rates of a mask, and its undefined bits.
   local function baud_mask_text(mask, several)
     local rates, unknown = {}, mask
 
@@ -2769,14 +2769,14 @@ do
     body.error, body.error_text = code, text
   end
 
-  -- The error code of the service that stands in place of useful data: two bytes ...
+  -- The error code of the service instead of useful data: two bytes ...
   function S.take_error(body, texts)
     local code, text = S.take_code(body, F.error, 2, texts)
 
     if code then mark_error(body, text, code) end
   end
 
-  -- ... or one byte, which makes a code with the subservice.
+  -- ... or one byte, which forms a code together with the subservice.
   function S.take_error_byte(body, subservice, texts)
     if not S.needs(body, F.error, 1) then return end
 
@@ -2791,12 +2791,12 @@ do
     return body.status == 0 and not body.is_short
   end
 
-  -- After a status that is neither good nor the service's own error: takes what is there; false for those two.
+  -- After a status that is neither good nor the service's own error: takes the rest; false for those two.
   function S.take_channel_error(body)
     if body.status == 0x02 then
       S.take_error(body, N.errors_channel)
     elseif body.status > 0x02 and body.status < 0xF0 then
-      S.take_rest(body, F.raw) -- nobody says what it is
+      S.take_rest(body, F.raw) -- not documented
     end
     return body.status >= 0x02
   end
@@ -2836,7 +2836,7 @@ do
     if S.take_rest(body, F.raw) then S.mark(body, E.body_note, "no document says what is in it") end
   end
 
-  -- What no field has taken: a field that is not there as a whole, or more than the service has.
+  -- Bytes that no field has used: an incomplete field, or more than the service has.
   local function show_leftover(body)
     local left = body.end_ - body.offset
 
@@ -2848,7 +2848,7 @@ do
     body.offset = body.end_
   end
 
-  -- Takes a whole body apart, status byte first; what is left over is marked.
+  -- Decodes a whole body, status byte first; marks bytes that are left over.
   function S.dissect_body(body)
     local dissect = S.bodies[S.general_service(body.service)]
 
@@ -2857,7 +2857,7 @@ do
       return
     end
     if body.is_reaction and has_status(body.service) then take_status(body) end
-    -- After a telegram error not even the useful data header has to be there.
+    -- After a telegram error even the useful data header may be missing.
     if not body.is_short and (body.status < 0xF0 or body.end_ > body.offset) then
       (dissect or dissect_undocumented)(body)
     end
@@ -2953,8 +2953,8 @@ do
     end
   end
 
-  -- The address is repeated if the command had one; how long error data are nobody says, but they come after an error
-  -- only.
+  -- The address is repeated if the command had one. The length of error data is not documented, but they follow an
+  -- error only.
   local function dissect_reaction(body)
     local had_device = body.asked and body.asked.has_device
     local is_open = not body.asked or body.asked.is_ambiguous -- whether it had
@@ -3035,7 +3035,7 @@ do
   local function take_target(body) take_code(body, F.flash_target, N.shutdown_targets) end
   local function take_device_type(body) take_code(body, F.flash_device_type, N.device_types) end
 
-  -- What stands after the subservice in a command.
+  -- The fields after the subservice in a command.
   local commands = {
     [0x90] = {take_target, take_address},
     [0x91] = {take_address},
@@ -3132,7 +3132,7 @@ do
     return request.test_ms ~= nil and take_baud_rate(body, request)
   end
 
-  -- By subservice, what takes its data, and tells whether all of what it asks for is there.
+  -- For each subservice, the function that reads its data and tells whether its request is complete.
   local settings = {
     [K.SET_TRS] = take_setting,
     [K.SET_TZA] = take_setting,
@@ -3142,7 +3142,7 @@ do
     [K.ACCEPT] = function() return true end,
   }
 
-  -- The data of a subservice, and whether all of what it asks for is there.
+  -- The data of a subservice, and whether its request is complete.
   local function take_data(body, subservice, request)
     local take = settings[subservice]
 
@@ -3153,8 +3153,8 @@ do
     end
   end
 
-  -- Of the data of a subservice: their lengths are fixed, and so several may follow one another (chapter 6.1). A
-  -- reaction has none.
+  -- The length of a subservice's data: it is fixed, so several may follow one another (chapter 6.1). A reaction has
+  -- none.
   local sizes = {
     [K.SET_TRS] = 2,
     [K.SET_TZA] = 2,
@@ -3164,8 +3164,8 @@ do
     [K.ACCEPT] = 0,
   }
 
-  -- Whether what is left is further subservices, all of it, each with the device address before it or without. A
-  -- reaction has those of its command.
+  -- Whether the rest is entirely further subservices, each with the device address before it or without. A reaction
+  -- has those of its command.
   local function is_layout(body, device, has_device)
     local asked, at, head = body.asked and body.asked.list, body.offset, has_device and 2 or 1
 
@@ -3202,7 +3202,8 @@ do
     if body.request then take_data(body, subservice, add_request(body, device, subservice)) end
   end
 
-  -- Whether the device address stands once or before each subservice is not printed: the layout that fits all bytes.
+  -- The documents do not say whether the device address comes once or before each subservice: the layout that fits
+  -- all bytes counts.
   local function take_all_further(body, device)
     if S.left(body) == 0 or body.is_short or body.is_cut then return end
     local is_once, is_each = is_layout(body, device, false), is_layout(body, device, true)
@@ -3287,7 +3288,7 @@ do
       list.item = root
       S.mark(list, E.body_note, "the overall status is 0, that of this element is not")
     end
-    if list.status < 0xF0 then -- else it says something of its own
+    if list.status < 0xF0 then -- else it has data of its own
       list.is_explained = list.is_explained or element.is_explained or element.status ~= 0
     end
     local text = element.summary .. element.marks
@@ -3295,7 +3296,7 @@ do
     S.say(list, "; %s", text)
   end
 
-  -- What follows it still has its command.
+  -- The following elements still have their commands.
   local function show_recursion(list, length)
     if not list.is_reaction then add_request(list, {service = LIST_SERVICE}) end
     S.mark(list, E.list_recursion, "a list in a list")
@@ -3354,15 +3355,15 @@ do
   local DATA_STATUS_UNDEFINED = 0xFEF0 -- fig. 8-44
   local NO_DRIVE, UNDEFINED_DEVICE = 0, 255
 
-  -- A body of a parameter service while it is taken apart is an `access`: body, general (service, as a general one),
-  -- element, is_last, device, ident (nil: not known; in a reaction its command's), known.
+  -- A body of a parameter service being decoded is an `access`: body, general (the corresponding general service),
+  -- element, is_last, device, ident (nil: unknown; in a reaction its command's), known.
 
   local function is_segment(access)
     return access.general == 0x11 or access.general == 0x1E
   end
 
-  -- Only 0x81 of the services for segments has sequential telegrams: the command is repeated as it is, and bit 2 says
-  -- which reaction is the last. Its pieces end anywhere, also inside an element (IndraDrive, MPH-02).
+  -- Of the services for segments, only 0x81 has sequential telegrams: the same command is repeated, and bit 2 marks
+  -- the last reaction. Its pieces may end inside an element (IndraDrive, MPH-02).
   local function is_single(access)
     return is_segment(access) and access.body.service ~= 0x81
   end
@@ -3409,7 +3410,7 @@ do
     return true
   end
 
-  -- Which parameter, and which of its elements.
+  -- The parameter, and its element.
   local function say_parameter(access)
     local body, name = access.body, access.known.name
 
@@ -3429,7 +3430,7 @@ do
       access.ident, access.known)
   end
 
-  -- Of the type byte only 0 to 2 are documented, and bits 3 to 7 are always 0; bit 15 tells S from P.
+  -- Only 0 to 2 of the type byte are documented, and bits 3 to 7 are always 0; bit 15 tells S from P.
   local function check_ident(body, ident)
     if ident.type > 7 then
       S.mark(body, E.body_note, "reserved bits of the parameter's type")
@@ -3474,8 +3475,8 @@ do
     end
   end
 
-  -- Offset and length count words in ECODRIVE's services, bytes in all others. A reading may ask for any length; what
-  -- is written should be as long as it says.
+  -- Offset and length count words in ECODRIVE's services, bytes in all others. A read may request any length; written
+  -- data should have the declared length.
   local function take_segment(access)
     local body = access.body
     local is_words = counts_words(body)
@@ -3493,7 +3494,7 @@ do
     return true
   end
 
-  -- The reaction does not name the parameter: its command did.
+  -- The reaction does not name the parameter; its command does.
   local function recall_parameter(access)
     local body = access.body
 
@@ -3511,14 +3512,14 @@ do
     return #bytes <= SHOWN_BYTES and ": " .. hex(bytes) or ""
   end
 
-  -- A request for the data status may repeat the number of its parameter, or carry nothing (fig. 8-42).
+  -- A request for the data status may repeat the number of its parameter, or have no data (fig. 8-42).
   local function check_status_request(access, data)
     if access.ident and (data.length ~= 2 or S.little_endian(data.bytes, 1, 2) ~= access.ident.number) then
       S.mark(access.body, E.body_note, "a request for the data status carries its own ident number or nothing")
     end
   end
 
-  -- A list may end before what was asked for, and the device may have less room.
+  -- A list may end before the requested length, and the device may have less room.
   local function check_segment(access, length)
     local body = access.body
     local asked = (body.asked and body.asked.segment or 0) % 0x10000 * (counts_words(body) and 2 or 1)
@@ -3568,7 +3569,7 @@ do
       strformat("Data of all pieces, %d byte%s", length, plural(length))), whole)
   end
 
-  -- The data of this telegram, or of all pieces; nil where more of them follow.
+  -- The data of this telegram, or of all pieces; nil if more pieces follow.
   local function find_data(access)
     local body = access.body
 
@@ -3611,7 +3612,7 @@ do
     end
   end
 
-  -- The upper digit of a code names the element, also where the code is not defined.
+  -- The upper digit of a code selects the element, even if the code is undefined.
   local function take_parameter_error(body)
     S.take_error(body, N.errors_parameter)
     local code = body.error
@@ -3683,7 +3684,7 @@ do
     return phase
   end
 
-  -- First pass: a switch begins when its command is acknowledged, and ends with the poll that reads its phase or an
+  -- First pass: a switch begins when its command is acknowledged, and ends with the poll that returns its phase or an
   -- error.
   local function follow_switch(body, phase)
     local record, exchange = body.record, body.record.exchange
@@ -3726,7 +3727,7 @@ do
     local phase = 0
 
     if body.status == 0x01 then
-      S.take_rest(body, F.raw) -- described nowhere
+      S.take_rest(body, F.raw) -- not documented
       return
     elseif body.status > 0x02 and S.take_channel_error(body) then
       return
@@ -3782,13 +3783,13 @@ do
       last = {}, -- command of each master
       streams = {},
       learned = {},
-      taught = {}, -- another one after everything that was learned
+      taught = {}, -- a new one after each thing learned
       told = S.told_new(),
       cycles = {},
     }
   end
 
-  -- First pass: the line or connection that a packet belongs to.
+  -- First pass: the line or connection of a packet.
   function S.exchange_bus(pinfo)
     local is_connection = packet.port_type == K.PORT_TYPE_TCP
     local known = is_connection and connections or lines
@@ -3804,12 +3805,12 @@ do
     stream_count = number + 1
     local stream = {number = number, bus = bus}
 
-    -- By direction: what the commands of one have in common (path), and the last of them (last, telegram, bytes).
+    -- For each direction: what its commands have in common (path), and the last of them (last, telegram, bytes).
     stream.from = {[0] = {stream = stream, transfers = {}}, {stream = stream, transfers = {}}}
     return stream
   end
 
-  -- Two stations, with what lies between them: a drive behind a router is not the router.
+  -- Two stations, including the route between them: a drive behind a router is not the router.
   local function find_stream(bus, telegram)
     local sender, receiver = telegram.sender, telegram.receiver
     local key = sender < receiver and sender * 256 + receiver or receiver * 256 + sender
@@ -3824,7 +3825,7 @@ do
     return stream
   end
 
-  -- 0 or 1: in which of the two directions of its stream a telegram's command goes.
+  -- 0 or 1: the direction of a telegram's command in its stream.
   function S.direction(telegram)
     return telegram.sender > telegram.receiver and 1 or 0
   end
@@ -3834,7 +3835,7 @@ do
     bus.damaged_count = bus.damaged_count + 1
   end
 
-  -- A telegram whose length was damaged is no telegram at all: the tap calls it other characters.
+  -- A telegram with a damaged length is not a telegram: the tap reports it as other characters.
   local function note_disturbance(bus, record)
     local seen = T.disturbance(record)
 
@@ -3844,8 +3845,8 @@ do
     end
   end
 
-  -- The same bytes again, where the first had no good reaction; or with the same telegram number, whose reaction the
-  -- slave has kept. Another step of a long reading has the same bytes, too, but a reaction in between.
+  -- The same bytes again, if the first had no good reaction; or with the same telegram number, whose reaction the
+  -- slave has kept. Another step of a long read has the same bytes, too, but a reaction in between.
   local function find_repeat(exchange, from, bytes, telegram)
     local before = from.last
 
@@ -3866,7 +3867,7 @@ do
     exchange.transfer = before.transfer
   end
 
-  -- What a router made of a command that waits belongs to it.
+  -- A router's version of a waiting command belongs to it.
   local function find_route(exchange, telegram, bytes)
     local above = S.route_take(telegram, bytes)
 
@@ -3876,7 +3877,7 @@ do
     end
   end
 
-  -- Neither to a group nor a token: whether that is answered is not specified.
+  -- Not to a group, and no token: the documents do not say whether those are answered.
   local function needs_reaction(command)
     return command.is_answered and command.service ~= K.TOKEN_PASSING
   end
@@ -3902,7 +3903,7 @@ do
     local stream, times = find_stream(bus, telegram), telegram.times
     local from = stream.from[S.direction(telegram)]
     local bytes, declared = telegram.bytes, telegram.declared
-    local exchange = { -- with no more fields than most exchanges need: half of the memory
+    local exchange = { -- with only the fields that most exchanges need: half of the memory
       from = from,
       command_in = number,
       command_end = times.end_,
@@ -3927,9 +3928,9 @@ do
     return exchange
   end
 
-  -- Parameter control (but its bit 2) and device address of a parameter service, as far as they are there.
+  -- Parameter control (without bit 2) and device address of a parameter service, as far as available.
   local function is_same_access(command, telegram)
-    local body, reaction = telegram.body_offset, telegram.bytes -- in the reaction the status comes first
+    local body, reaction = telegram.body_offset, telegram.bytes -- in a reaction the status comes first
 
     if not S.has_control_byte(telegram.service) or body + 2 > #command or body + 3 > telegram.declared then
       return true
@@ -3955,8 +3956,8 @@ do
     return byte(command, body + 2) == subservice or not defined[subservice]
   end
 
-  -- Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a device
-  -- swaps sender and receiver cannot be ruled out.
+  -- Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; a device may
+  -- also swap sender and receiver.
   local function is_reaction_to(from, telegram)
     local command, body = from.telegram, telegram.body_offset
     local is_kept = command.sender == telegram.sender and command.receiver == telegram.receiver
@@ -3971,7 +3972,7 @@ do
       and is_same_subservice(from.bytes, telegram)
   end
 
-  -- It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's.
+  -- It was answered or the master went on, and a damaged telegram came since: a reaction now belongs to that one.
   local function is_over(exchange)
     local over_in = exchange.reaction_in or exchange.next_command_in
 
@@ -3988,7 +3989,7 @@ do
     end
     exchange.reaction_in = number
     if stream.bus.is_connection then
-      exchange.next_command_in = nil -- there a master need not wait
+      exchange.next_command_in = nil -- a master need not wait there
     end
     S.route_leave(exchange)
     if exchange.command_in ~= number then -- nil where both are in one packet
@@ -4010,7 +4011,7 @@ do
           answer(record, from.last, number, telegram)
           return
         end
-        bus.damaged_count = bus.damaged_count + 1 -- what it carries is as lost to others as if it were damaged, too
+        bus.damaged_count = bus.damaged_count + 1 -- its contents are lost to others, as if it were damaged, too
       end
     end
   end
@@ -4030,8 +4031,8 @@ do
     end
   end
 
-  -- Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then. Of a
-  -- damaged telegram, the reaction that a command waits for may have been this one. Never nil.
+  -- Finds the relations of a telegram: in the first pass from what is known so far, later as found then. For a
+  -- damaged telegram: it may have been the reaction that a command waits for. Never nil.
   function S.exchange_find(_, pinfo, telegram)
     local number, place = packet.number, packet.count + 1 -- several telegrams may be in one packet
     local kind = telegram.service + (telegram.is_reaction and 0x100 or 0)
@@ -4041,10 +4042,10 @@ do
     local record = records[place][number]
 
     if record and record.kind == kind then return record end
-    -- A telegram that the first pass did not see: TCP put its segments together in another way.
+    -- A telegram that the first pass did not see: TCP reassembled its segments differently.
     if record or packet.visited then return {kind = kind} end
-    record = { -- with no more fields than most of them need
-      kind = kind, -- to know the telegram again
+    record = { -- with only the fields that most of them need
+      kind = kind, -- identifies the telegram in later passes
       exchange = nil, -- of a damaged telegram, and of a reaction without a command
       reaction_time = nil,
       settings = nil,
@@ -4054,7 +4055,7 @@ do
     return record
   end
 
-  -- Whether a reaction has its command's addresses swapped: then its sender has really sent it.
+  -- Whether a reaction has its command's addresses swapped: then its sender really sent it.
   function S.is_swapped(record, telegram)
     local exchange = record.exchange
 
@@ -4120,7 +4121,7 @@ do
     end
   end
 
-  -- Adds what is known of the exchange to the tree, and marks.
+  -- Adds the known relations to the tree, and notes.
   function S.exchange_show(record, telegram, body)
     local exchange = record.exchange
 
@@ -4141,13 +4142,13 @@ end
 -- send: as many as there are, one look finds the one of which a router made another.
 
 do
-  -- Those where a command waits, by key; {key, count: of those that wait, first, last: numbers of its commands}.
+  -- The keys of waiting commands; {key, count: waiting commands, first, last: numbers of its commands}.
   local routes, route_count
 
   at_init(function() routes, route_count = {}, 0 end)
 
-  -- What a router leaves as it is, of a telegram of which it has dropped so many addresses: 0, or 1 where it has yet to
-  -- do so. Two sections of a capture are two plants.
+  -- The part that a router does not change, of a telegram from which it has dropped this many addresses: 0, or 1
+  -- before it drops one. Two sections of a capture are two plants.
   local function make_key(telegram, bytes, dropped)
     local of_section = S.place()
     local number = telegram.has_number and 1 or 0
@@ -4162,7 +4163,7 @@ do
     return routes[key]
   end
 
-  -- Forgets those at the beginning that have left.
+  -- Drops the first entries that no longer wait.
   local function skip_left(route)
     while route.first <= route.last and route[route.first].route ~= route do
       route[route.first] = nil
@@ -4170,7 +4171,7 @@ do
     end
   end
 
-  -- A command with subaddresses waits for what the next router makes of it.
+  -- Makes a command with subaddresses wait for the next router's version.
   function S.route_wait(exchange, telegram, bytes)
     local key = make_key(telegram, bytes, 1)
     local route = routes[key] or new_route(key)
@@ -4182,7 +4183,7 @@ do
     exchange.route = route
   end
 
-  -- A command was answered, or its master has sent the next one: it waits no longer, if it did.
+  -- A command was answered, or its master has sent the next one: ends its wait, if any.
   function S.route_leave(exchange)
     local route = exchange.route
 
@@ -4195,7 +4196,7 @@ do
     end
   end
 
-  -- The oldest command that waits and of which a router may have made this one; it waits no longer. nil: none.
+  -- The oldest waiting command whose routed version this may be; ends its wait. nil: none.
   function S.route_take(telegram, bytes)
     local route = route_count > 0 and routes[make_key(telegram, bytes, 0)]
 
@@ -4214,12 +4215,12 @@ end
 
 do
 
-  local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and is to be repeated
+  local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and must be repeated
   local PARAMETER_OCCUPIED = 0x800C
-  local CANCELLED = 0x800B -- another request had priority: the transfer is over
+  local CANCELLED = 0x800B -- another request had priority: the transfer has ended
   local INVALID_SEQUENTIAL_TELEGRAM = 0xF8
   local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
-  local MOST_BYTES = 0xFFFF + LENGTH_WORDS -- of a list: more came only if its last piece did not
+  local MOST_BYTES = 0xFFFF + LENGTH_WORDS -- of a list: more was expected unless its last piece came
   local MOST_PIECES = 8192 -- 64 KB in pieces of 8 bytes
   local MOST_OPEN = 256 -- transfers from one station to another: a device has one at a time
 
@@ -4232,8 +4233,7 @@ do
   -- length_words: as they stand, is_refused: with 0xF8, so that it begins anew or goes on, is_begun_anew}. A record
   -- keeps the one that it is a piece of.
 
-  -- Useful data, or what was put together from pieces: {tvb, offset, length, bytes}. A whole has its tvb where there is
-  -- a tree.
+  -- Useful data, or data reassembled from pieces: {tvb, offset, length, bytes}. A whole has its tvb only with a tree.
   function S.data(body)
     local left = S.left(body)
 
@@ -4257,7 +4257,7 @@ do
       and a.segment == b.segment
   end
 
-  -- Its place among those under way; nil if it is not.
+  -- Its index among the transfers under way; nil if it has ended.
   local function find_transfer(exchange, like)
     for i, transfer in ipairs(transfers_of(exchange)) do
       if is_same_transfer(transfer, like) then
@@ -4267,7 +4267,7 @@ do
   end
 
   local function note_end(record, transfer, reason)
-    if transfer.is_refused then return end -- that was said
+    if transfer.is_refused then return end -- already reported
     record.transfer_ended = transfer.begun_in
     record.transfer_reason = reason
   end
@@ -4279,7 +4279,7 @@ do
     table.remove(transfers, place)
   end
 
-  -- A step that was taken before: the same command again, or its reaction again.
+  -- A step seen before: the same command again, or its reaction again.
   local function is_taken_before(body)
     local record, exchange = body.record, body.record.exchange
 
@@ -4291,9 +4291,9 @@ do
     return exchange.from.stream.bus.damaged_count - transfer.damaged_count
   end
 
-  -- Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a command
-  -- that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends the reaction
-  -- again that it has kept.
+  -- Whether a piece may have been lost since the one before: lost characters; the damaged reaction to a command that
+  -- was then repeated; or a damaged command with its damaged reaction. Not if the slave repeats the reaction that it
+  -- has kept.
   local function is_piece_missing(body, transfer)
     local exchange = body.record.exchange
     local enough = body.is_reaction and exchange.repeat_of and 1 or 2
@@ -4304,7 +4304,7 @@ do
     return not exchange.is_reaction_kept and damaged_since(transfer, exchange) >= enough
   end
 
-  -- Adds the piece to those before it.
+  -- Adds the piece to the earlier ones.
   local function add_piece(transfer, frame, bytes, is_last)
     local pieces = transfer.pieces
 
@@ -4348,8 +4348,8 @@ do
     }
   end
 
-  -- After 0xF8 a transfer begins anew, its length words again, or goes on. Whether it can go on is told by what they
-  -- have announced; where neither fits, pieces are missing.
+  -- After 0xF8 a transfer restarts with its length words, or continues. The announced length decides whether it can
+  -- continue. If neither fits, pieces are missing.
   local function follow_refusal(transfer, body, is_last)
     local bytes, begun = S.data(body).bytes, transfer
     local received = transfer.received + #bytes
@@ -4365,7 +4365,7 @@ do
     return begun
   end
 
-  -- Whose piece these data are; decided once, in the order of the capture.
+  -- The transfer of these data; decided once, in the order of the capture.
   local function place_piece(body, like, is_last)
     local record, frame = body.record, packet.number
     local exchange = record.exchange
@@ -4374,7 +4374,7 @@ do
     effects = effects + 1
     record.is_piece_repeated = is_taken_before(body)
     if not transfer and (is_last or record.is_piece_repeated) then
-      record.transfer = record.is_piece_repeated and exchange.transfer or nil -- of one that is over
+      record.transfer = record.is_piece_repeated and exchange.transfer or nil -- of a transfer that has ended
       return
     end
     if not transfer then
@@ -4420,13 +4420,13 @@ do
     set_generated(add(tree, which.piece, tvb, offset, piece.length, piece.frame, words))
   end
 
-  -- As Wireshark's own reassembly shows it. `which` are its fields: all, piece, count, length.
+  -- As Wireshark's own reassembly shows it. `which` has its fields: all, piece, count, length.
   function S.show_pieces(parent, data, pieces, which)
     local tree, offset = parent:add(which.all, data.tvb()), 0
 
     tree:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
       plural(data.length)))
-    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut as Wireshark cuts its own
+    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut like those of Wireshark
       append_text(tree, strformat("%s #%d(%d)", i > 1 and "," or "", piece.frame, piece.length))
     end
     tree:set_generated()
@@ -4438,7 +4438,7 @@ do
     set_generated(add(tree, which.length, data.tvb, 0, 0, data.length))
   end
 
-  -- What a transfer brought that began anew, beside what its length words have announced.
+  -- The data of a restarted transfer, compared with its announced length.
   local function check_announced(body, bytes)
     if not body.record.is_begun_anew or #bytes < LENGTH_WORDS then return end
     local announced = S.little_endian(bytes, 1, 2) + LENGTH_WORDS
@@ -4494,9 +4494,9 @@ do
     return find_transfer(body.record.exchange, make_like(body, ident, element, device)) ~= nil
   end
 
-  -- The data of a telegram that reads or writes a parameter, from body.offset to its end. `is_last` as its parameter
-  -- control says. Adds what is known of the transfer. Gives the whole data where these are the last piece, nil where
-  -- they are another, and the data themselves where they are alone.
+  -- The data of a telegram that reads or writes a parameter, from body.offset to its end. `is_last` comes from its
+  -- parameter control. Adds what is known of the transfer. Returns the whole data with the last piece, nil with
+  -- another one, and the data themselves without a transfer.
   function S.sequence_data(body, ident, element, device, is_last)
     local record = body.record
 
@@ -4519,7 +4519,7 @@ do
     return body.record ~= nil and body.record.transfer ~= nil
   end
 
-  -- A list of which the length was announced may go on after 0xF8, or begin anew.
+  -- A list with an announced length may continue after 0xF8, or restart.
   local function refuse(record, place, transfer, status)
     if status ~= INVALID_SEQUENTIAL_TELEGRAM or not transfer.announced then
       end_with_note(record, place, "refused")
@@ -4543,7 +4543,7 @@ do
     return true
   end
 
-  -- Those for which `is_over` is true.
+  -- The entries for which `is_over` is true.
   local function end_transfers(record, reason, is_over)
     local transfers, place = transfers_of(record.exchange), 1
 
@@ -4556,7 +4556,7 @@ do
     end
   end
 
-  -- Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes again.
+  -- Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be repeated.
   local function is_to_be_repeated(body)
     local status = body.status
 
@@ -4575,8 +4575,7 @@ do
       effects = effects + 1
       record.exchange.is_to_be_repeated = true
     elseif body.status == 0 then
-      -- A device has one transfer at a time: when another parameter was accessed with success, it has given up the
-      -- first.
+      -- A device has one transfer at a time: a successful access to another parameter has ended the first.
       end_transfers(record, "another access to the device came between", function(other)
         return other.device == like.device and not is_same_transfer(other, like)
       end)
@@ -4601,7 +4600,8 @@ do
     end
   end
 
-  -- A good telegram that may end a transfer: cancelled, refused, or overtaken by another parameter of the same device.
+  -- A good telegram that may end a transfer: cancelled, refused, or superseded by another parameter of the same
+  -- device.
   function S.sequence_watch(body)
     local record = body.record
 
@@ -4632,7 +4632,7 @@ K.ELEMENT_MINIMUM = 5
 K.ELEMENT_MAXIMUM = 6
 K.ELEMENT_DATA = 7
 
--- Where a name, a unit or an attribute is from, as people read it.
+-- The source of a name, a unit or an attribute, in words.
 K.FROM_BUS = "learned from the bus"
 K.BUILT_IN = "built in"
 
@@ -4722,12 +4722,12 @@ end
 -- command keeps what was known when it was sent, so that all passes show the same.
 
 do
-  -- What is known of a parameter: {name, unit, attribute, minimum, maximum}, nil where unknown, each with where it is
-  -- from as name_from and so on. Never changed once made: later knowledge makes a new one.
+  -- What is known of a parameter: {name, unit, attribute, minimum, maximum}, nil if unknown, each with its source as
+  -- name_from and so on. Never changed once made: new knowledge makes a new one.
 
   local DEVICE = 0x1000000 -- above the key of an ident
 
-  -- What the bus has said of a parameter of a device behind a station, which may be behind routers.
+  -- What the bus has said about a parameter of a device behind a station, perhaps through routers.
   local function look_up(body, ident, device)
     local exchange = body.record and body.record.exchange
     local of_station = exchange and exchange.from.stream.bus.learned[exchange.from.path]
@@ -4748,7 +4748,7 @@ do
     return learned or S.known_from_tables(ident)
   end
 
-  -- What an element says, by element: the field of what is known, and its value, nil where that is none.
+  -- What each element says: its field of what is known, and its value, nil if it is not valid.
   local readers = {
     [K.ELEMENT_NAME] = function(data)
       local name = S.element_text(data)
@@ -4769,7 +4769,7 @@ do
     end,
   }
 
-  -- A good reaction with an element, all of it, and the text that it was shown with (nil: none).
+  -- A good reaction with a complete element, and its displayed text (nil: none).
   function S.learn(body, ident, device, element, data, shown)
     local exchange, read = body.record and body.record.exchange, readers[element]
 
@@ -4800,8 +4800,8 @@ do
     if text then append_text(set_generated(add(tree, which, tvb, 0, 0, text)), " (" .. source .. ")") end
   end
 
-  -- Adds sis.parameter, the parts of the ident, name, unit and limits. Gives its item. `place` says where it stands:
-  -- offset and length (0: a command said it), type_at, number_at, is_big: the number word.
+  -- Adds sis.parameter, the parts of the ident, name, unit and limits. Returns its item. `place` is its place: offset
+  -- and length (0: the command has it), type_at, number_at, is_big: the number word.
   function S.add_ident(tree, tvb, place, ident, known)
     local item = add(tree, F.parameter, tvb, place.offset, place.length, ident.text)
     local add_bits = place.is_big and add or add_le
@@ -4841,8 +4841,8 @@ do
 
   local sizes = {[0] = 0, 2, 4, 8, 1, 2, 4, 8} -- of a value, by the code of its length
 
-  -- How the elements of some data are read, made from an attribute; nil for the length codes that are not defined. The
-  -- unit is nil where it is none or unknown.
+  -- How to read the elements of some data, made from an attribute; nil for undefined length codes. The unit is nil if
+  -- there is none or it is unknown.
   local function read_layout(known)
     local attribute = known.attribute
     local code = attribute and bits(attribute, 16, 3)
@@ -4869,7 +4869,7 @@ do
     return value
   end
 
-  -- With a point in every locale: people filter for it.
+  -- With a point in every locale: people filter for this text.
   local function double_text(digits, value)
     return (string.gsub(strformat("%." .. digits .. "g", value), "[^%w+-]+", "."))
   end
@@ -4887,7 +4887,7 @@ do
     return decimals == 0 and digits or sub(digits, 1, -decimals - 1) .. "." .. sub(digits, -decimals)
   end
 
-  -- Fixed point: exact, as the decimal places say. `magnitude` is a number, or an UInt64 for 8 bytes.
+  -- Fixed point: exact to the decimal places. `magnitude` is a number, or an UInt64 for 8 bytes.
   local function decimal_text(magnitude, sign, layout)
     local factor, decimals = layout.factor, layout.decimals
 
@@ -4900,7 +4900,7 @@ do
     return sign .. double_text(17, magnitude:tonumber() * factor / 10 ^ decimals)
   end
 
-  -- A whole number of 8 bytes, and what makes 0 together with it.
+  -- A whole number of 8 bytes, and the number that gives 0 together with it.
   local function get_uint64(bytes, at)
     return UInt64.new(S.little_endian(bytes, at, 4), S.little_endian(bytes, at + 4, 4))
   end
@@ -4955,7 +4955,7 @@ do
     return "0x" .. concat(digits)
   end
 
-  -- By format: how a number is written, and how many bytes that needs; without its unit.
+  -- For each format: how to write a number without its unit, and how many bytes it needs.
   local writers = {
     [BINARY] = {write = binary_text, least = 1, most = 8},
     [UNSIGNED] = {write = unsigned_text, least = 1, most = 8},
@@ -4989,19 +4989,19 @@ do
     return number .. " " .. unit
   end
 
-  -- A number in the byte order of the road that the data came: as in SIS, or `data.is_big`.
+  -- A number in the byte order of the transport: that of SIS, or `data.is_big`.
   local function get_number(data, at, size)
     if not data.is_big then return S.little_endian(data.bytes, at, size) end
     return S.little_endian(string.reverse(sub(data.bytes, at, at + size - 1)), 1, size)
   end
 
-  -- Bytes with all elements behind the length words in the byte order of SIS.
+  -- Bytes with all elements after the length words in the byte order of SIS.
   local function ordered(data, header, size)
     if not data.is_big then return data.bytes end
     return sub(data.bytes, 1, header) .. gsub(sub(data.bytes, header + 1), rep(".", size), string.reverse)
   end
 
-  -- The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries them.
+  -- The two length words of a SERCOS list, if they are there: SIS may not carry them.
   local function list_header_size(data)
     if data.length < LIST_HEADER then return 0 end
     local actual, maximum = get_number(data, 1, 2), get_number(data, 3, 2)
@@ -5009,12 +5009,12 @@ do
     return actual + LIST_HEADER == data.length and actual <= maximum and LIST_HEADER or 0
   end
 
-  -- A name or a unit, without the two length words that a list may begin with.
+  -- A name or a unit, without the two length words at the beginning of a list.
   function S.element_text(data)
     return S.text(sub(data.bytes, list_header_size(data) + 1))
   end
 
-  -- Gives the size of the length words, 0 if there are none.
+  -- Returns the size of the length words, 0 if there are none.
   local function add_list_header(tree, data, is_whole)
     local size = is_whole and list_header_size(data) or 0
 
@@ -5035,8 +5035,7 @@ do
     return '"' .. text .. '"'
   end
 
-  -- From the highest bit to the lowest; what is said of those that are set, or of all where there are words, stands
-  -- beside the attribute, too.
+  -- From the highest bit to the lowest. The texts of set bits, or of all bits with words, also follow the attribute.
   local attribute_bits = {
     {field = F.attribute_protected_4, first = 30, words = {[1] = "Write-protected in phase 4"}},
     {field = F.attribute_protected_3, first = 29, words = {[1] = "Write-protected in phase 3"}},
@@ -5069,7 +5068,7 @@ do
   end
 
   local SHOWN_IN_LIST = 4
-  local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark gives up at ten times that
+  local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark's limit is ten times that
 
   local NUMBER = "^[%d.e+-]+" -- up to the unit
 
@@ -5079,8 +5078,8 @@ do
     return format == UNSIGNED or format == SIGNED or (format == FLOATING and layout.size >= 4)
   end
 
-  -- A value as a text, and the number that this text shows: what a person reads is what a filter compares. Bits, idents
-  -- and infinity have no number.
+  -- A value as text, and the number in this text: a filter compares what a person reads. Bits, idents and infinity
+  -- have no number.
   local function add_value_item(tree, data, at, layout, value, words)
     local item = add(tree, F.value, data.tvb, data.offset + at, layout.size, value, words)
 
@@ -5093,7 +5092,7 @@ do
     end
   end
 
-  -- All elements of a list. Which one of its list the first of a segment is cannot be told.
+  -- All elements of a list. The position of a segment's first element in its list is unknown.
   local function show_list(tree, data, offset, layout, is_whole)
     local size, length = layout.size, data.length - offset
     local count, rest = floor(length / size), length % size
@@ -5126,7 +5125,7 @@ do
     return count > 0 and concat(values, ", ") or "empty"
   end
 
-  -- Operating data, minimum or maximum; those of a list are as long as one of its elements.
+  -- Operating data, minimum or maximum; the limits of a list have the length of one element.
   local function add_value_of(tree, data, element, known, is_whole)
     local layout = known and read_layout(known)
 
@@ -5150,7 +5149,7 @@ do
     return text
   end
 
-  -- What does not fit between the data of an element and its attribute, in words; nil: nothing.
+  -- Why the data of an element do not fit its attribute, in words; nil: they fit.
   function S.element_misfit(data, element, known, is_whole)
     if element == K.ELEMENT_ATTRIBUTE and data.length == ATTRIBUTE_SIZE then
       local attribute = get_number(data, 1, ATTRIBUTE_SIZE)
@@ -5169,8 +5168,7 @@ do
     return rest > 0 and strformat("%d byte%s of an incomplete element", rest, plural(rest)) or nil
   end
 
-  -- The number that the text of such data shows, as it is written; nil where it shows none: bits, idents, lists,
-  -- infinity.
+  -- The number in the text of such data, as displayed; nil if it has none: bits, idents, lists, infinity.
   function S.element_number(data, known, text)
     local layout = read_layout(known)
 
@@ -5178,10 +5176,10 @@ do
     return match(text, NUMBER)
   end
 
-  -- Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short text for
-  -- the packet list ("12.5000 rpm", "\"Velocity command value\""), nil where there is nothing better than bytes.
-  -- `is_whole` is false for a segment of a list; `ident` nil where the command is not known. `data.is_big`: in the byte
-  -- order of other roads.
+  -- Adds the data of an element: bytes as sis.data, and their meaning as far as known. Returns a short text for the
+  -- packet list ("12.5000 rpm", "\"Velocity command value\""), nil if bytes are the best. `is_whole` is false for a
+  -- segment of a list; `ident` is nil if the command is unknown. `data.is_big`: in the byte order of other
+  -- transports.
   function S.add_element(tree, _, data, element, ident, known, is_whole)
     if data.length == 0 then return nil end
     add(tree, F.data, data.tvb, data.offset, data.length)
@@ -5234,7 +5232,7 @@ do
     return '"' .. gsub(text, '["\\]', "\\%0") .. '"'
   end
 
-  -- An object of JSON; what is not known is not in it.
+  -- A JSON object; unknown values are left out.
   local function json_text(access)
     local known = access.known
     local parts = {strformat('{"access":"%s","master":%d,"station":"%s","device":%d',
@@ -5260,7 +5258,7 @@ do
     local from, asked = body.record.exchange.from, body.asked
     local access = {
       is_write = is_write,
-      error = error_text, -- of a refused one
+      error = error_text, -- of a refused access
       line = from.stream.bus.number,
       master = body.ends.listener,
       station = place_text(from.path),
@@ -5276,12 +5274,12 @@ do
     end
   end
 
-  -- A reaction has brought the last data of a reading; `data` is nil where not all of them are known.
+  -- A reaction has brought the last data of a read; `data` is nil if they are incomplete.
   function S.note_read(body, data)
     if is_wanted(body) and is_known(body) then note(body, false, nil, data and data.bytes) end
   end
 
-  -- What the command wrote, or the first of the same commands: a piece that comes again brings nothing.
+  -- What the command wrote, or the first of identical commands: a repeated piece adds nothing.
   local function written_data(body)
     local first = body.record.exchange.first
 
@@ -5294,7 +5292,7 @@ do
     return strformat("0x%04x %s", body.error, body.error_text)
   end
 
-  -- A reaction has accepted a writing, or refused either.
+  -- A reaction has accepted a write, or refused a read or write.
   function S.note_answer(body, is_write)
     if not is_wanted(body) or not is_known(body) then return end
     if body.status ~= 0 then
@@ -5318,12 +5316,12 @@ K.ANY_TIME = math.huge -- the most, where there is no bound
 do
   local interval_of, flags_of = T.interval_of, T.flags_of
 
-  -- The shortest time of a character; a little short: a transmitter may be that much faster than its rate says.
+  -- The shortest time of a character, slightly short: a transmitter may be that much faster than its nominal rate.
   local function shortest_character(record)
     return floor(record.character_ns * 98 / 100)
   end
 
-  -- How many characters of the telegram came in the read that begins with `character`.
+  -- The number of characters of the telegram from the read that begins with `character`.
   local function read_size(times, character)
     local record, finish, after = times.record, times.first + times.count, character + 1
 
@@ -5334,8 +5332,8 @@ do
     return after - character
   end
 
-  -- A read of some of the telegram's characters: how long before it its first one can have come (uncertainty), and how
-  -- much of that its others need, from the first character to the last, at least; ns.
+  -- A read of some of the telegram's characters: how long before it the first may have come (uncertainty), and how
+  -- much of that the others need at least; ns.
   local function read_at(times, character)
     local record, size = times.record, read_size(times, character)
     local others = size > 1 and (size - 1) * shortest_character(record) or 0
@@ -5371,10 +5369,10 @@ do
     return ns
   end
 
-  -- Of the telegram that is dissected: one table for all of them.
+  -- Of the telegram being dissected: one table for all of them.
   local current = {}
 
-  -- Where its characters have no times: that of its packet.
+  -- Without times of characters: the time of its packet.
   local function packet_times_only()
     current.record = nil
     current.begin, current.end_ = packet.time, packet.time
@@ -5403,7 +5401,7 @@ do
     times.record = record
     times.first, times.count = first, length
     times.begin, times.end_ = begin, end_
-    -- As it is where every character came in a read of its own.
+    -- If every character came in a read of its own.
     times.begin_earliest = uncertainty and begin - uncertainty
     times.begin_latest = uncertainty and begin
     times.end_earliest = uncertainty and end_ - uncertainty
@@ -5430,8 +5428,8 @@ do
     return {least = max(least, 0), most = most}
   end
 
-  -- Between any two characters of one read: bounded by what the others leave of its uncertainty, and of the time since
-  -- the read before.
+  -- Between any two characters of one read: bounded by the rest of its uncertainty, and by the time since the read
+  -- before.
   local function span_inside(times, before, read, character)
     local shortest = shortest_character(times.record)
     local most = read.uncertainty - read.others + shortest
@@ -5444,8 +5442,8 @@ do
     return {least = shortest, most = max(most, shortest)}
   end
 
-  -- A start character and two equal lengths: there a receiver begins anew after too long a pause, if the character
-  -- comes directly after it (chapter 10.5).
+  -- A start character and two equal lengths: a receiver restarts there after too long a pause, if the character
+  -- follows directly (chapter 10.5).
   local function looks_like_start(times, at)
     local record = times.record
     local start, _, length, length_repeat = byte(record.bytes, record.data_offset + times.first + at,
@@ -5454,7 +5452,7 @@ do
     return start == K.START and at + 3 <= times.count and length == length_repeat
   end
 
-  -- By how much an interval counts.
+  -- The upper bound of an interval, where it counts.
   local function weight(interval, is_exceeded)
     if is_exceeded then return interval.span.least end
     return interval.span.most ~= K.ANY_TIME and interval.span.most or interval.recorded
@@ -5511,7 +5509,7 @@ do
     return longest.interval and longest
   end
 
-  -- Whether all intervals are within the limit, whatever the uncertainty: quicker than to look at each of them.
+  -- Whether all intervals are within the limit, whatever the uncertainty: quicker than examining each of them.
   function S.are_within(times, limit)
     local record = times.record
 
@@ -5535,7 +5533,7 @@ end
 --- sis/bus: what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
 -- with the slave's good reaction, or at once where nobody answers; subservice 0xFF makes valid what was told.
 
--- In place of a station's address: what is valid for all.
+-- Instead of a station's address: valid for all.
 K.ALL_STATIONS = 255
 
 -- Kinds of settings.
@@ -5547,15 +5545,15 @@ do
 
   local kinds = {[0x01] = K.TRS, [0x02] = K.TZA, [0x03] = K.TMAS, [0x07] = K.BAUD} -- what the others set
 
-  -- A setting: {value: ms or Bd, set_in: the command, accepted_in: nil where it was not yet}. Settings are by kind, and
+  -- A setting: {value: ms or Bd, set_in: the command, accepted_in: nil before that}. Settings are keyed by kind, and
   -- never changed once made.
 
-  -- What a bus has told: nothing yet.
+  -- The settings of a bus: empty at first.
   function S.told_new()
     return {
       stations = {}, -- by address, {told, valid}: settings; valid as far as they were accepted for this station
       tests = {}, -- by address: {rate: a setting, finish: ns}: a timed test of a baud rate
-      known = {}, -- S.bus_settings() of each station, nil where it is to be made
+      known = {}, -- S.bus_settings() of each station, nil before it is made
       is_anything_told = false,
     }
   end
@@ -5569,7 +5567,7 @@ do
     return made
   end
 
-  -- A station that is told something for the first time has so far what is valid for all.
+  -- When a station is first told something, the values for all hold for it so far.
   local function find_station(told, address)
     local all = told.stations[K.ALL_STATIONS]
 
@@ -5583,7 +5581,7 @@ do
     return setting and setting.set_in or 0
   end
 
-  -- Makes valid for a station what it or all were told, if that is newer. A new rate ends a test.
+  -- Makes the set values for a station or for all valid, if they are newer. A new rate ends a test.
   local function accept(told, number, frame)
     local station, all = told.stations[number], told.stations[K.ALL_STATIONS]
 
@@ -5605,7 +5603,7 @@ do
     end
   end
 
-  -- `now`: when the telegram ended with which this counts.
+  -- `now`: the end of the telegram that makes this valid.
   local function learn(told, address, request, command, frame, now)
     local setting, station = {value = request.setting, set_in = command}, find_station(told, address)
     local kind = kinds[request.subservice]
@@ -5623,16 +5621,16 @@ do
     return kind == K.LEVEL_BROADCAST or kind == K.GLOBAL_BROADCAST
   end
 
-  -- Whether this telegram is what makes a setting count: the good reaction of a station of this line, or a command to
-  -- all. Told through a router it is not for a station of this line.
+  -- Whether this telegram makes a setting count: the good reaction of a station of this line, or a command to all.
+  -- Settings through a router are for another line.
   local function is_told(body, is_for_all)
     if body.telegram.subaddress_count > 0 then return false end
     if not body.is_reaction then return is_for_all end
     return not is_for_all and body.status == 0 and not body.record.reaction_before
   end
 
-  -- First pass: a command or reaction of service 0x03 whose body has been taken apart. A slave reacts to 0xFF with the
-  -- new values already.
+  -- First pass: takes a decoded command or reaction of service 0x03. A slave reacts to 0xFF with the new values
+  -- already.
   function S.bus_learn(body)
     local telegram, exchange = body.telegram, body.record and body.record.exchange
     local request = body.asked
@@ -5708,7 +5706,7 @@ do
     end
   end
 
-  -- First pass: what is valid for a station, or for all, now (ns); nil where nothing was told.
+  -- First pass: what is valid for a station, or for all, now (ns); nil if nothing was set.
   function S.bus_settings(told, address, now)
     if not told.is_anything_told then return nil end
     end_test(told, address, now)
@@ -5724,14 +5722,14 @@ end
 
 do
   local MS = 1000000 -- in ns
-  local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal takes its link for lost (chapter 10.1)
+  local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal considers its link lost (chapter 10.1)
 
-  -- 0: what the bus has told.
+  -- 0: use what the bus has set.
   preference("tza_ms", Pref.uint("TzA in ms", 0,
     "Longest interval allowed between two characters of a telegram; 0: as the bus was told"))
   preference("trs_ms", Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told"))
 
-  -- The three limits, and how they are shown.
+  -- The three limits, and their display.
   local tza = {name = "TzA", limit = F.tza_limit, set_in = F.tza_set_in, verdict = F.tza_verdict,
     exceeded = E.tza_exceeded, unresolved = E.tza_unresolved}
   local trs = {name = "TrS", limit = F.trs_limit, set_in = F.trs_set_in, verdict = F.trs_verdict,
@@ -5739,7 +5737,7 @@ do
   local tmas = {name = "Tmas", limit = F.tmas_limit, set_in = F.tmas_set_in, verdict = F.tmas_verdict,
     exceeded = E.tmas_exceeded, unresolved = E.tmas_unresolved}
 
-  -- More digits where three would make it look like a whole number of ms, as limits are.
+  -- More digits if three would look like a whole number of ms, as limits are.
   local function ms_text(ns)
     local is_close = fmod(ns, MS) ~= 0 and fmod(ns + 500, MS) < 1000
 
@@ -5753,9 +5751,9 @@ do
     return strformat("between %s and %s", ms_text(max(span.least, 0)), ms_text(span.most))
   end
 
-  -- A telegram whose timing is looked at (t): {telegram, record, body, tree, root: of `tree`; in ns silence (nil: not
-  -- known), busy and span: of the line (nil: not known), tza and trs: limits (0: not known, so there is no verdict),
-  -- longest (nil: not known, or nobody asks), wait: TwM (negative: none)}.
+  -- A telegram whose timing is examined (t): {telegram, record, body, tree, root: of `tree`; in ns silence (nil:
+  -- unknown), busy and span: of the line (nil: unknown), tza and trs: limits (0: unknown, so there is no verdict),
+  -- longest (nil: unknown, or not needed), wait: TwM (negative: none)}.
 
   local function add_time(t, which, ns, text)
     local item = t.tree and add_value(t.tree, which, t.body.tvb, 0, 0, nstime(ns), text)
@@ -5803,7 +5801,7 @@ do
   local header = {"Start", "Checksum", "Data length", "Data length repetition", "Telegram control", "Service",
     "Sender address", "Receiver address"}
 
-  -- The field that the n-th character of a telegram belongs to, from 1.
+  -- The field of the n-th character of a telegram, from 1.
   local function position_text(t, n)
     local telegram = t.telegram
     local subaddress = n - K.STATIC_LENGTH
@@ -5814,8 +5812,8 @@ do
     return strformat("Useful data, byte %d", n - telegram.body_offset)
   end
 
-  -- What makes a verdict unresolved beside the longest interval, or what a receiver does after so long a pause (chapter
-  -- 10.5).
+  -- Why a verdict is unresolved apart from the longest interval, or what a receiver does after so long a pause
+  -- (chapter 10.5).
   local function verdict_words(longest)
     if longest.verdict == K.TIME_UNRESOLVED and longest.unknown_at then
       return strformat("; how long it was before character %d is not known", longest.unknown_at)
@@ -5844,7 +5842,7 @@ do
     return strformat("%s, uncertain by %s)", idle_text(t, interval.recorded), ms_text(uncertainty))
   end
 
-  -- The longest interval, where it is, and what TzA says to it.
+  -- The longest interval, its place, and the verdict on TzA.
   local function show_tza(t)
     local longest = t.longest
     local interval = longest.interval
@@ -5863,7 +5861,7 @@ do
     end
   end
 
-  -- The reaction time of a slave on this line; behind a router it holds times of other lines.
+  -- The reaction time of a slave on this line; behind a router it includes times of other lines.
   local function show_trs(t)
     local exchange, times = t.record.exchange, t.telegram.times
     local span, words = {least = 0, most = K.ANY_TIME}, function() return "how exact the times are is not known" end
@@ -5878,8 +5876,8 @@ do
     end
   end
 
-  -- How long the master waited before it repeated, or after a broadcast. Nobody is told TwM, but a slave may take TrS
-  -- to answer.
+  -- The master's wait before a repetition, or after a broadcast. TwM is never sent, but a slave may take TrS to
+  -- answer.
   local function show_twm(t)
     local wait, slave = t.wait, limit_of(t, K.TRS, P.trs_ms)
     local item = add_time(t, F.twm_wait, wait, ms_text(wait))
@@ -5935,7 +5933,7 @@ do
 
   local SILENCE_UNKNOWN = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED + K.LOST_BEFORE + K.SAME_READ
 
-  -- Before the telegram's first character, since the one before it on the line; nil where it is not known.
+  -- Before the telegram's first character, since the one before it on the line; nil if unknown.
   local function silence_before(times)
     local record = times.record
 
@@ -5944,7 +5942,7 @@ do
     end
   end
 
-  -- Looking at every interval costs time: only where somebody sees it, or it may exceed a limit.
+  -- Examining every interval takes time: only if it is displayed, or may exceed a limit.
   local function is_longest_wanted(t)
     local tree, times = t.body.tree, t.telegram.times
 
@@ -5973,7 +5971,7 @@ do
     return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.busy
   end
 
-  -- Then there may be an expert item, which is counted even where nobody sees a tree.
+  -- Then there may be an expert item, which counts even without a tree.
   local function is_anything_judged(t)
     return t.tza > 0 or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD)
   end
@@ -5991,8 +5989,8 @@ do
     show_bus(t)
   end
 
-  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not say which telegram
-  -- brings it.
+  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not name the telegram that
+  -- carries it.
   local function find_control_word(request)
     local ident = request.ident
 
@@ -6008,7 +6006,8 @@ do
     end
   end
 
-  -- Two master control words to the same drive: the frame of the one before, and the time from begin to begin.
+  -- Two master control words to the same drive: the frame of the one before, and the time from beginning to
+  -- beginning.
   local function make_cycle(last, times)
     local span = {least = 0, most = K.ANY_TIME}
 
@@ -6036,7 +6035,8 @@ do
     }
   end
 
-  -- First pass: what is valid for a telegram that has just come. A swapped reaction's slave is in its command.
+  -- First pass: the limits valid for a telegram that has just come. The slave of a swapped reaction is in its
+  -- command.
   function S.timing_note(record, telegram, pinfo)
     if packet.visited then return end
     local exchange = record.exchange
@@ -6050,12 +6050,12 @@ do
     record.settings = S.bus_settings(bus.told, address, telegram.times.begin)
   end
 
-  -- Adds what is known of a telegram's timing to its tree, and marks. `body` has been taken apart.
+  -- Adds the timing of a telegram to its tree, and notes. `body` is decoded already.
   function S.timing_dissect(telegram, record, body)
     if not packet.visited then note_cycle(record, telegram, body) end
     local is_asked = body.tree or record.settings or P.tza_ms ~= 0 or P.trs_ms ~= 0 or S.is_counting
 
-    if not is_asked then return end -- nothing to be seen
+    if not is_asked then return end -- nothing to display
     local t = {telegram = telegram, record = record, body = body}
 
     find_timing(t)
@@ -6079,8 +6079,8 @@ do
   preference("statistics", Pref.string("Statistics that tshark prints", "",
     "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus"))
 
-  -- Of the packet that is dissected, until it is counted: {record, telegrams}. A telegram: {is_good, is_reaction,
-  -- service, talker, length, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
+  -- The packet being dissected, until it is counted: {record, telegrams}. A telegram: {is_good, is_reaction, service,
+  -- talker, length, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
   -- reaction_time}.
   local noted = {}
 
@@ -6089,7 +6089,7 @@ do
     return noted
   end
 
-  -- While counting: a record of characters, or of another kind.
+  -- While counting: a record of characters, or another kind.
   function S.note_record(record)
     if record.type ~= K.EVENT then note(packet.number).record = record end
   end
@@ -6134,7 +6134,7 @@ do
     return concat(lines, "\n")
   end
 
-  -- Each kind of statistics: {title, new: what is summed up, count(sum, noted, number of the packet), text(sum)}.
+  -- Each kind of statistics: {title, new: makes the sums, count(sum, noted, number of the packet), text(sum)}.
   local kinds = {}
 
   -- Counts below counts: {count, name, below: by name}.
@@ -6181,7 +6181,7 @@ do
     text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
   }
 
-  -- Quantiles by a histogram whose buckets grow with their values, 32 for each doubling.
+  -- Quantiles by a histogram with 32 buckets for each doubling.
   local function bucket_of(ns)
     local octave = 0
 
@@ -6353,7 +6353,7 @@ do
     add_to(row, "line", line_errors(times.record, times.first, times.count))
   end
 
-  -- Of whom the master had to ask again, or in vain.
+  -- The station that the master had to ask again, or in vain.
   local function count_asked(rows, exchange)
     if exchange.repeat_of then
       add_to(rows[ALL], "repeats", 1)
@@ -6448,7 +6448,7 @@ do
     end,
   }
 
-  local MOST_ROWS = 10000 -- below the first: what has no row is still counted in the first
+  local MOST_ROWS = 10000 -- below the first; accesses without a row are still counted in the first
 
   local function new_parameter(...)
     local line, station, device, parameter = ...
@@ -6458,7 +6458,7 @@ do
       packet = ""}
   end
 
-  -- nil: there is no more room.
+  -- nil: the table is full.
   local function find_parameter(rows, access)
     local key = strformat("%d %s %d %s", access.line, access.station, access.device, access.ident.text)
 
@@ -6563,7 +6563,7 @@ do
 
   local WINDOW = 76 -- characters that fit into a line of a window
 
-  -- A table that is too wide, a few columns at a time, each time behind its first column.
+  -- Splits a table that is too wide; each part repeats its first column.
   local function in_narrow_tables(text)
     local rows, lines, from = {}, {}, 2
 
@@ -6636,8 +6636,8 @@ do
     return blocks[number]
   end
 
-  -- Adds the info access. Elements and other services hide in bits that no document names, but for those that are
-  -- `known` from elsewhere.
+  -- Adds the info access; notes undocumented bits, except those in `known`. Elements and other services use such
+  -- bits.
   function S.add_info(tree, root, tvb, offset, is_big, known)
     local info = is_big and tvb(offset, 2):uint() or tvb(offset, 2):le_uint()
     local open = band(info, INFO_OPEN - known)
@@ -6673,14 +6673,14 @@ do
     return strformat("%s%s, axis %d", head.ident.text, name and " (" .. name .. ")" or "", head.axis)
   end
 
-  -- Adds sis.parameter where a command said it. Gives words for the packet list.
+  -- Adds sis.parameter if a command named it. Returns words for the packet list.
   function S.recall_head(tree, tvb, head)
     if tree then S.add_ident(tree, tvb, {offset = 0, length = 0}, head.ident, head.known) end
     return parameter_text(head)
   end
 
-  -- Adds the head at `offset`, all 6 bytes of which are there. Gives {is_write, is_last, axis, ident, known} and words
-  -- for the packet list: "Read S-0-0237, axis 2".
+  -- Adds the complete head of 6 bytes at `offset`. Returns {is_write, is_last, axis, ident, known} and words for the
+  -- packet list: "Read S-0-0237, axis 2".
   function S.add_head(tree, root, tvb, offset, is_big)
     local bytes = tvb(offset, K.HEAD_SIZE):bytes():raw()
     local info_low, info_high = byte(bytes, is_big and 2 or 1), byte(bytes, is_big and 1 or 2)
@@ -6697,7 +6697,7 @@ do
     return head, (head.is_write and "Write " or "Read ") .. parameter_text(head)
   end
 
-  -- Adds the data of that parameter, from `offset` to the end of `tvb`. Gives words for the packet list.
+  -- Adds the data of that parameter, from `offset` to the end of `tvb`. Returns words for the packet list.
   function S.add_head_data(tree, root, tvb, offset, is_big, head)
     local length = tvb:len() - offset
     local data = {tvb = tvb, offset = offset, length = length, is_big = is_big,
@@ -6749,7 +6749,7 @@ do
     return IN_WORDS[kind] and 2 * count or count
   end
 
-  -- The first telegram of a block: a job of its own, or the next block of the one before.
+  -- The first telegram of a block: a new job, or the next block of the present one.
   local function begin_block(bus, d, telegram)
     local before, command, kind, block = bus.job, byte(d.bytes, 3, 5)
     local goes_on = before and before.is_open and before.left == 0 and before.command == command
@@ -6786,7 +6786,7 @@ do
     if not d.is_follow_up then
       begin_block(bus, d, telegram)
     elseif not bus.job or bus.job.left == 0 or bus.job.command ~= byte(d.bytes, 3) then
-      return -- of what, nobody knows
+      return -- nobody knows of what
     end
     local job = bus.job
 
@@ -6810,7 +6810,7 @@ do
     end
   end
 
-  -- Whose telegram this is; found in the first pass, and kept. A block that comes again takes no part.
+  -- The job of this telegram; found in the first pass, and kept. A repeated block is ignored.
   local function find_telegram(d, is_repeat)
     local number = packet.number
     local telegram = telegrams[number]
@@ -6862,8 +6862,8 @@ do
     end
   end
 
-  -- All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head; a reaction has none, so its
-  -- command says which parameter it is.
+  -- All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has none, so
+  -- its command names the parameter.
   local function show_whole(d, tree, tvb)
     local job = d.telegram.job
     local head, words
@@ -6938,7 +6938,7 @@ do
       and (third == 0 or N.rk512_commands[third] ~= nil)
   end
 
-  -- Takes the data of a block; false where they do not look like RK512.
+  -- Decodes the data of a block; false if they do not look like RK512.
   function S.dissect_rk512i(tvb, pinfo, parent, is_repeat)
     local bytes = tvb:raw()
 
@@ -6987,7 +6987,7 @@ do
   local WRONG = "Wrong block check character: the receiver answers NAK"
   local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
 
-  -- SYNAX's own times are not stated: these are Siemens'.
+  -- SYNAX's own times are not documented: these are Siemens'.
   procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", 220,
     "Longest interval between two characters of a block; 0: no verdict")
   procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", 2000, "Longest time to the partner's answer; 0: no verdict")
@@ -7009,7 +7009,7 @@ do
     end
   end
 
-  -- Two requests within QVZ are those of both partners, if they can be: then neither has been answered.
+  -- Two requests within QVZ come from both partners, if possible: then neither was answered.
   local function note_request(bus, unit, times)
     local before = bus.request
     local is_soon = before and T.elapsed(before.finish, times.begin) < procedure.prefs.qvz_ms * MS
@@ -7040,7 +7040,7 @@ do
       unit.meaning = is_good and GRANTS or REFUSES_REQUEST
     else
       unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
-      if is_good then bus.last_block = nil end -- the same bytes again would be a block of its own
+      if is_good then bus.last_block = nil end -- the same bytes again would be a new block
     end
     answer(unit, asked, times)
     bus.refused = not is_good and asked or nil
@@ -7060,7 +7060,7 @@ do
     bus.request, bus.refused, bus.block, bus.last_block = nil, nil, unit, unit
   end
 
-  -- What a unit means follows from what came before it; found in the first pass, and kept.
+  -- The meaning of a unit depends on what came before it; found in the first pass, and kept.
   local function find_unit(bytes, there, times)
     local number, record, character = packet.number, packet.record, byte(bytes, 1)
     local unit = units[number]
@@ -7166,7 +7166,7 @@ do
     return bcc
   end
 
-  -- Data without their doubled DLEs, and how many there were; nil where one is not doubled.
+  -- Data without doubled DLEs, and how many were doubled; nil if one is not doubled.
   local function undouble(bytes)
     local parts, doubled, at = {}, 0, 1
 
@@ -7209,7 +7209,7 @@ do
     local data, doubled
 
     if finish >= 0 and byte(bytes, finish + 1) == DLE and byte(bytes, finish + 2) == ETX then
-      -- Another logger's block may have its STX before it: then the check character tells.
+      -- Another logger's block may include its STX: then the check character decides.
       local bcc = byte(bytes, there)
 
       local has_stx = byte(bytes, 1) == STX and block_check(bytes, 1, there - 1) ~= bcc
@@ -7292,7 +7292,7 @@ do
     transfer.bytes, transfer.whole_in = concat(all), packet.number
   end
 
-  -- Shows what is known of a piece. Gives the whole where it is the last one: its tvb.
+  -- Shows what is known of a piece. Returns the whole with its last piece: its tvb.
   function S.put_together(tree, tvb, transfer, is_last)
     if not transfer.whole_in then return nil end
     if not is_last then
@@ -7305,7 +7305,7 @@ do
     return whole
   end
 
-  -- Who sends to whom, on which line of the capture.
+  -- Sender and receiver, on a line of the capture.
   function S.way_key(from, to)
     local of_section, of_interface = S.place()
 
@@ -7351,7 +7351,7 @@ do
     if stop > offset then add(t.tree, F.raw, t.tvb, offset, stop - offset) end
   end
 
-  -- No document says what stands there.
+  -- Not documented.
   local function give_up(t, text)
     add_raw(t, SHORT_HEAD, t.end_)
     mark(t, nil, EX.synax_note, "%s", text)
@@ -7427,7 +7427,7 @@ do
     way.request = nil
   end
 
-  -- How many bytes a list is going to have by its length words; 0: there are none, or they cannot be right.
+  -- The number of bytes of a list by its length words; 0: it has none, or they are wrong.
   local function announced_by(t)
     if t.is_block or t.end_ < HEAD + LENGTH_WORDS then return 0 end
     local actual = word_at(t, HEAD)
@@ -7477,7 +7477,7 @@ do
     S.add_piece(transfer, data_bytes(t, SHORT_HEAD), t.kept.is_last_piece)
   end
 
-  -- First pass: which request it answers, which list it goes on with.
+  -- First pass: the request that it answers, and the list that it continues.
   local function follow(t)
     local from, to = t.pinfo.src, t.pinfo.dst
     local way = find_way(from, to)
@@ -7665,8 +7665,8 @@ do
     append_text(t.root, ", " .. t.words)
   end
 
-  -- Wireshark takes the three bytes after the protocol id for its split flag and sequence number, and seven where the
-  -- first of them is 0xFF and the link type is BSD's. Only the field of the whole packet has them.
+  -- Wireshark takes the three bytes after the protocol id as its split flag and sequence number; seven bytes if the
+  -- first is 0xFF and the link type is BSD's. Only the field of the whole packet has them.
   function arcnet7f.dissector(tvb, pinfo, parent)
     S.begin_packet(pinfo)
     pinfo.cols.protocol = "ARCNET7F"
@@ -7729,7 +7729,7 @@ do
     say(c, strformat("%d byte%s", count, plural(count)))
   end
 
-  -- Bytes whose meaning no document says: each with its number, counted from byte 0 of `tvb`.
+  -- Bytes without a documented meaning: each with its number, counted from byte 0 of `tvb`.
   local function add_open_bytes(c, tvb, offset, stop, why)
     if offset >= stop then return end
     local tree = add(c.tree, F.raw, tvb, offset, stop - offset)
@@ -7754,8 +7754,8 @@ do
     c.words = N.channel_senders[sender]
   end
 
-  -- FLP does not count the control word. Where the two bytes less are there that would be if SYNAX did, nothing is
-  -- said: the error answers that it prints can be read both ways.
+  -- FLP does not count the control word. If two bytes more than counted would fit SYNAX, there is no note: its
+  -- printed error answers can be read both ways.
   local function read_extent(c)
     local count, there = band(rshift(c.word, 4), 0xF), c.there - WORD_SIZE
 
@@ -7768,8 +7768,8 @@ do
     end
   end
 
-  -- Of a sender; where that is unknown, of the access: data to read come from the slave, data to write from the master
-  -- (FLP, page 11-12).
+  -- Of a sender; if that is unknown, of the access: read data come from the slave, written data from the master (FLP,
+  -- page 11-12).
   local function find_key(c, whose)
     local key = S.way_key(c.pinfo.src, c.pinfo.dst) .. "/" .. whose
 
@@ -7796,8 +7796,8 @@ do
     if kept.transfer then S.add_piece(kept.transfer, sub(c.bytes, WORD_SIZE + 1, c.end_), is_last) end
   end
 
-  -- First pass: data are repeated only if their sender has sent nothing else since. Where it is unknown, only the basic
-  -- state tells that they are others.
+  -- First pass: data are repeated only if their sender has sent nothing else since. If the sender is unknown, only
+  -- the basic state shows that they are new.
   local function follow_word(c)
     if c.sender ~= GUESS then
       local key = find_key(c, c.sender)
@@ -7912,8 +7912,8 @@ do
     add_open_bytes(c, data, known, length, "Whether addresses stand before the data is not defined")
   end
 
-  -- A telegram begins with its start character and has equal lengths; without that head it begins with them. Gives the
-  -- telegram that another dissector takes apart, if there is one.
+  -- A telegram begins with its start character and has equal lengths; without that head it begins with the lengths.
+  -- Returns the telegram for another dissector, if there is one.
   local function add_sis_data(c, data)
     local bytes = data:raw()
     local start, second, length, length_repeat = byte(bytes, 1, 4)
@@ -8029,7 +8029,7 @@ do
     c.words = c.words .. " (" .. ident.text .. ")"
   end
 
-  -- IndraDrive: an order begins with index and subindex; fragments are not put together.
+  -- IndraDrive: an order begins with index and subindex; fragments are not reassembled.
   local function add_indradrive(c)
     local fragment, there, at = band(rshift(c.word, 8), 0xF), c.there - WORD_SIZE, WORD_SIZE
     local is_alone = has(c, DRIVE_LAST_BIT) and fragment == band(c.word, 0xFF)
@@ -8058,7 +8058,7 @@ do
     mark(c, nil, EX.synax_unexpected, "%d byte%s after the six words of the channel", more, plural(more))
   end
 
-  -- All but the telegram that another dissector takes apart.
+  -- Everything but the telegram for another dissector.
   local function add_channel(c)
     local is_synax, telegram = synaxpk.prefs.layout == SYNAX, nil
 
@@ -8105,7 +8105,7 @@ do
   local READ_ANSWER, WRITE_REQUEST = 0, 1
   local DIAGNOSIS_FIELDBUS, FAULT_CODE_PPC = 0x5FF0, 0x5FF6
 
-  -- By index: size in bytes; of a word its field, the fields in it, and the bits of which the meaning is not defined.
+  -- For each index: size in bytes; for a word its field, the fields in it, and its undefined bits.
   local objects = {
     [0x5E70] = {size = 16, of_telegrams = true},
     [0x5E71] = {size = 32, of_telegrams = true},
@@ -8127,7 +8127,7 @@ do
     return objects[index] ~= nil
   end
 
-  local requests, links -- the last write request of each object; what a packet has to do with it
+  local requests, links -- the last write request of each object; relations of a packet
 
   at_init(function() requests, links = {}, {} end)
 
@@ -8146,7 +8146,7 @@ do
   end
 
   -- One exchange is a write request and one or more reads of the same object (p. 2-16). Found in the first pass, and
-  -- kept for every later one.
+  -- kept for later passes.
   local function find_link(place, access)
     local number = packet.number
     local known, object = links[number] and links[number][place], objects[access.index]
@@ -8188,7 +8188,7 @@ do
     if not is_empty then add_expert(d.root, EX.synax_note, "The object does not begin with a telegram") end
   end
 
-  -- The whole telegram with its head of 8 bytes, and what fills the object up (p. 2-16).
+  -- The whole telegram with its head of 8 bytes, and the padding of the object (p. 2-16).
   local function dissect_telegram(d)
     local declared = S.declared_length(d.bytes, 0)
     local extent = declared > 0 and declared <= d.length and declared or d.length
@@ -8201,7 +8201,7 @@ do
     Dissector.get("sis"):call(d.tvb(d.offset, extent):tvb(), d.pinfo, d.parent)
   end
 
-  -- Each set bit that is not defined as its number, and one note for all of them.
+  -- Each undefined set bit by its number, and one note for all of them.
   local function add_open_bits(d, item, bits)
     local numbers = {}
 
@@ -8268,7 +8268,7 @@ do
     end
   end
 
-  -- A write request and a read answer bring the object, the others do not.
+  -- A write request and a read answer contain the object, the others do not.
   local function dissect_content(d)
     local object, operation = objects[d.access.index], d.access.operation
 
@@ -8303,8 +8303,8 @@ do
     append_text(d.root, strformat(", 0x%04X %s", d.access.index, operation_text(d.access.operation)))
   end
 
-  -- An object that another bus carries: `length` bytes at `offset`, all of which are there. Appends to the info column.
-  -- `access` has index, operation, and channel, which tells the devices of a bus apart.
+  -- An object on another bus: `length` available bytes at `offset`. Appends to the info column. `access` has index,
+  -- operation, and channel, which distinguishes the devices of a bus.
   function S.dissect_object(tvb, offset, length, pinfo, parent, access)
     local d = begin(tvb, pinfo, parent, offset, length)
 
@@ -8318,7 +8318,7 @@ do
     dissect_content(d)
   end
 
-  -- The head is ours, and said in the plugin's README.md.
+  -- The head is defined by this project, in the plugin's README.md.
   local function dissect_named(d, is_cut)
     add(d.tree, FX.synaxobj_index, d.tvb, 0, 2)
     add(d.tree, FX.synaxobj_operation, d.tvb, 2, 1)
@@ -8367,7 +8367,7 @@ do
   local HEAD_SIZE, REFERENCE_END, RESULT_END = 4, 6, 8
   local SUBINDEX_AT, LENGTH_AT, DATA_AT = 8, 9, 10
 
-  -- Services on objects. Request and confirmation are seen at the master, indication and response at the device.
+  -- Services on objects. The master sees request and confirmation, the device indication and response.
   local accesses = {
     [0x0081] = {},
     [0x0082] = {is_write = true},
@@ -8379,7 +8379,7 @@ do
     [0x01A2] = {is_write = true, is_at_device = true},
   }
 
-  -- By error class, error code and additional code.
+  -- Keyed by error class, error code and additional code.
   local error_texts = {
     [0x06030000] = "no access",
     [0x06050011] = "invalid subindex",
@@ -8391,7 +8391,7 @@ do
     [0x08000020] = "the service cannot be executed now",
   }
 
-  local requests, links -- the last request of each kind; what a packet has to do with it
+  local requests, links -- the last request of each kind; relations of a packet
 
   at_init(function() requests, links = {}, {} end)
 
@@ -8412,7 +8412,7 @@ do
     return {request = request}
   end
 
-  -- At the same place of the bus, else at the other: a log may have only requests and responses.
+  -- At the same end of the bus, else at the other: a log may have only requests and responses.
   local function end_exchange(d)
     local own = d.access.is_at_device or false
 
@@ -8471,7 +8471,7 @@ do
     end
   end
 
-  -- Objects of SYNAX go on, as a whole: an element of an object may be anything.
+  -- Passes on objects of SYNAX, complete: an element of an object may be anything.
   local function dissect_data(d, length, request)
     local operation = (d.access.is_answer and (d.access.is_write and 3 or 0)) or (d.access.is_write and 1 or 2)
     local info = d.pinfo.cols.info
@@ -8489,7 +8489,7 @@ do
     note_data(item, request)
   end
 
-  -- The length, the data, and the byte that fills up a word.
+  -- The length, the data, and the byte that pads a word.
   local function dissect_length(d, request)
     local length, there = byte(d.bytes, LENGTH_AT + 1), d.end_ - DATA_AT
     local item = add(d.tree, FX.synaxpcp_length, d.tvb, LENGTH_AT, 1)
@@ -8522,7 +8522,7 @@ do
     dissect_data(d, 0, link.request)
   end
 
-  -- Error class, error code and additional code in place of a result.
+  -- Error class, error code and additional code instead of a result.
   local function dissect_error(d)
     local class, code = byte(d.bytes, REFERENCE_END + 1, REFERENCE_END + 2)
     local additional = word_at(d, RESULT_END)
@@ -8539,7 +8539,7 @@ do
     add_rest(d, FX.synaxpcp_raw, RESULT_END + 2)
   end
 
-  -- Result 0, and what was read.
+  -- Result 0, and the data read.
   local function dissect_result(d, request)
     add(d.tree, FX.synaxpcp_result, d.tvb, REFERENCE_END, 2)
     if d.access.is_write then
@@ -8604,7 +8604,7 @@ do
     end
   end
 
-  -- Service code and word count; what comes after the words that are counted.
+  -- Service code and word count; decodes the words that are counted.
   local function dissect_head(d)
     local there, count = #d.bytes, word_at(d, 2)
     local finish = HEAD_SIZE + 2 * count
@@ -8624,7 +8624,7 @@ do
     dissect_message(d)
   end
 
-  -- Less than a head, or cut by the capture: then a length says nothing.
+  -- Less than a head, or cut by the capture: then a length is meaningless.
   local function dissect_stump(d, is_cut)
     d.pinfo.cols.info:append("Cut message")
     if #d.bytes > 0 then add(d.tree, FX.synaxpcp_raw, d.tvb, 0, #d.bytes) end
@@ -8674,7 +8674,7 @@ do
     return false
   end
 
-  -- Which port is the PPC's the preference says; a packet without ports may have a direction of its own.
+  -- The preference selects the port of the PPC; a packet without ports may have a direction of its own.
   local function find_direction(pinfo)
     if pinfo.port_type ~= PORT_TYPE_UDP then
       return pinfo.p2p_dir == SENT and TO_PPC or pinfo.p2p_dir == RECEIVED and FROM_PPC or nil
@@ -8728,7 +8728,7 @@ do
     return there
   end
 
-  -- At each file, and not when preferences are applied.
+  -- For each file, and not when preferences are applied.
   at_init(function()
     local ports, udp = synaxpd.prefs.ports, DissectorTable.get("udp.port")
 
@@ -8757,15 +8757,15 @@ do
   preference("tcp_heuristic", Pref.bool("Recognize SIS on any TCP port", true,
     "Where a segment starts with a whole telegram: equal lengths, right checksum"))
 
-  -- Whether a telegram may begin at this start character, as far as the bytes that are there can tell.
+  -- Whether a telegram may begin at this start character, judging by the available bytes.
   local function may_begin(bytes, offset)
     local there = #bytes - offset
 
     return there < 4 or S.declared_length(bytes, offset) > there or S.is_good(bytes, offset)
   end
 
-  -- For dissect_tcp_pdus(): the length of the telegram at offset; where there is none (a segment was lost, the capture
-  -- began in the middle) that of what goes before the next one; 0 if more bytes are needed to tell.
+  -- For dissect_tcp_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the capture
+  -- began in the middle): the length up to the next one. 0 if more bytes are needed.
   local function telegram_length(tvb, pinfo, offset)
     local bytes, rest = tvb:raw(), tvb:reported_len() - offset
     local next_start = offset
@@ -8783,15 +8783,15 @@ do
     return next_start and next_start - offset or rest
   end
 
-  -- Something may be in the info column: another telegram of this packet, or TCP's words, which end with a space.
+  -- The info column may have text: another telegram of this packet, or TCP's text, which ends with a space.
   local function separator(info)
     local last = sub(tostring(info), -1)
 
     return (last == "" or last == " ") and "" or " | "
   end
 
-  -- The columns are ours only where a telegram ends: of a segment with just a part of one TCP says what it is. The
-  -- fence keeps what the telegrams before this one wrote.
+  -- SIS writes the columns only if a telegram ends here; TCP describes a segment with just a part. The fence keeps
+  -- the text of earlier telegrams.
   local function dissect_pdu(tvb, pinfo, tree)
     local cols = pinfo.cols
 
@@ -8804,8 +8804,8 @@ do
     return tvb:len()
   end
 
-  -- Telegrams split over segments and packed into them. Where the capture has cut a segment between two telegrams,
-  -- TCP throws: an error without a message.
+  -- Telegrams split over segments and packed into them. If the capture has cut a segment between two telegrams, TCP
+  -- throws an error without a message.
   local function dissect_segment(tvb, pinfo, tree)
     S.begin_packet(pinfo)
     local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1, telegram_length, dissect_pdu)
@@ -8813,15 +8813,15 @@ do
     if not is_done then S.show_cut(tvb, pinfo, tree, "SIS") end
   end
 
-  -- USIP and others start with 0x02, too: only a whole telegram with equal lengths and a zero checksum counts, and what
-  -- follows it has to be another one.
+  -- USIP and others also start with 0x02. So only a whole telegram with equal lengths and a zero checksum counts, and
+  -- another one must follow it.
   local function is_sis(bytes)
     local declared = S.declared_length(bytes, 0)
 
     return S.is_good(bytes, 0) and (declared == #bytes or byte(bytes, declared + 1) == K.START)
   end
 
-  local recognized_in = {} -- by connection: the first packet of SIS
+  local recognized_in = {} -- for each connection: the first packet of SIS
 
   at_init(function() recognized_in = {} end)
 
@@ -8837,7 +8837,7 @@ do
     return true
   end
 
-  -- What came before the packet in which SIS was recognized was something else, in the second pass, too: then 0.
+  -- Everything before the packet in which SIS was recognised was something else, in the second pass, too: then 0.
   function S.dissect_tcp(tvb, pinfo, tree)
     local first = recognized_in[S.connection(pinfo)]
 
@@ -8846,8 +8846,8 @@ do
     return tvb:len()
   end
 
-  -- An entry of "wtap_encap" silently goes before the user's own DLT_USER table: so none before it is asked for, and
-  -- the link type is handed back to that table afterwards. At each file, and not when preferences are applied.
+  -- An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless requested, and
+  -- the link type is returned to that table afterwards. For each file, and not when preferences are applied.
   local taken = DLT_USER_OFF
 
   local function apply_dlt_user()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Of bad input, sis.lua says what the C plugin says, and never "Lua Error"."""
+"""sis.lua dissects bad input like the C plugin, and never with "Lua Error"."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ T = TypeVar("T")
 
 SEED = 1
 ALL = 10**9
-FEW = 400  # packets; for most of what is wrong, this many say it
+FEW = 400  # packets; enough for most faults
 
 
 def some(packets: Sequence[T], count: int) -> list[T]:
-    """Return so many packets, chosen with a seed, in their order."""
+    """Return that many packets, chosen with a seed, in order."""
     chosen = random.Random(SEED).sample(range(len(packets)), min(count, len(packets)))
     return [packets[place] for place in sorted(chosen)]
 
@@ -38,7 +38,7 @@ sizes = pytest.mark.parametrize("count", [FEW, pytest.param(ALL, marks=pytest.ma
     "reaction", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["commands", "reactions"]
 )
 def test_useful_data(count: int, reaction: bool, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    """Of every service and every example, too short and too long."""
+    """Useful data of every service and every example, too short and too long."""
     capture = tmp_path / "bad.pcapng"
     bad_input.write(capture, some(list(bad_input.with_all_bodies(reaction)), count))
     parity.check(plugin, script, capture)
@@ -123,7 +123,7 @@ def test_mutants(  # noqa: PLR0913, PLR0917
     "passes", [(), pytest.param(("-2",), marks=pytest.mark.thorough)], ids=["one_pass", "two_passes"]
 )
 def test_far_times(passes: tuple[str, ...], script: Tshark, tmp_path: Path) -> None:
-    """Lua's numbers are exact for weeks only, so the texts of such times may be other ones."""
+    """Lua's numbers are exact for weeks only, so the texts of such times may differ."""
     capture = tmp_path / "far.pcapng"
     capture.write_bytes(mutants(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, FEW, far=True))
     options = (*passes, "-o", "sis.tza_ms:3", "-o", "sis.trs_ms:30")

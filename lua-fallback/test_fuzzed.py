@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the fuzzer of the plugin has found worth keeping, sis.lua dissects without an error, too."""
+"""sis.lua dissects the kept inputs of the plugin's fuzzer without an error."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_no_error(more: tuple[str, ...], script: Tshark, tmp_path: Path) -> None
 
 
 def test_every_capture_gives_seeds(tmp_path: Path) -> None:
-    """And those are the packets of the capture, in its order."""
+    """Every capture has seeds, and those are its packets in order."""
     corpus.seeds(tmp_path)
     assert (tmp_path / "specification-0").exists()
     sections = corpus.unpack((tmp_path / "specification-0").read_bytes())

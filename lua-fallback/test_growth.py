@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What sis.lua does for one telegram does not grow with how many it has seen."""
+"""The work of sis.lua for one telegram does not grow with the number of earlier ones."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from test_sequence import OPEN, endless
 @pytest.mark.thorough
 @pytest.mark.timeout(120)
 def test_many_commands_wait_for_their_routers(script: Tshark, tmp_path: Path) -> None:
-    """Looking through all of them for every command would take minutes."""
+    """Searching all of them for every command would take minutes."""
     check_many_routes(script, 30_000, tmp_path / "many.pcapng")
 
 
 def test_transfers_that_nobody_ends_are_forgotten(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    """As in the plugin: the oldest gives way."""
+    """As in the plugin, the oldest is dropped."""
     (tmp_path / "open.txt").write_text(f"{endless(OPEN + 10)}\ncommand 16>3 1F 3C 05 01 00 00 03 04")
     capture = tmp_path / "open.pcapng"
     capture.write_bytes(Scenario(tmp_path / "open.txt").capture())

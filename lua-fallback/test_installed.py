@@ -25,7 +25,7 @@ def is_silent(tshark: Tshark) -> bool:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Give a plugin folder with sis.lua."""
+    """Return a plugin folder with sis.lua."""
     made = tmp_path / "plugins"
     made.mkdir()
     shutil.copy(SCRIPT, made)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""sis.lua says what the C plugin says: of every capture, in one pass and in two, and of every field there is."""
+"""sis.lua has the same output as the C plugin: for every capture, in one pass and in two, and for every field."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from sistap.wireshark.tshark import Tshark
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 
 
-TABLE = "uat:"  # a table of the user's: Lua cannot have one
+TABLE = "uat:"  # a table that the user edits, which Lua cannot have
 PLAIN, WITH_OPTIONS = groups()
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 
 
 def options(given: Sequence[str], passes: tuple[str, ...]) -> list[str]:
-    """Give the options that both understand, with two passes so that the first of them has fields.
+    """Return the options that both understand, with two passes so that the first of them has fields.
 
     A script knows section and interface from fields, and the first of two passes has none, unless a read filter needs
     them.
@@ -63,7 +63,7 @@ def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: T
     ids=lambda group: group.name,
 )
 def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    """What people read: generated items stand in brackets here."""
+    """The text output: generated items are in brackets here."""
     capture = tmp_path / "merged.pcapng"
     group.write(capture)
     layers = "sis,sertap,3964r,rk512i,arcnet7f,synaxpk,synaxobj,synaxpcp,synaxpd"
@@ -78,26 +78,26 @@ def test_text(group: Group, plugin: Tshark, script: Tshark, tmp_path: Path) -> N
 @pytest.mark.thorough
 @every_scenario
 def test_expected_text(path: Path, script: Tshark) -> None:
-    """The very text that the plugin has to give."""
+    """Exactly the expected text of the plugin."""
     scenario = Scenario(path)
     if any(TABLE in word for word in scenario.options):
         pytest.skip("Lua cannot have a table of the user's")
     assert scenario.dissection(script, path.with_suffix(".pcapng")) == path.with_suffix(".expected").read_text()
 
 
-# What differs, and cannot be the same: C's way to declare a status of a checksum, Decode As of a table of ours, and
-# from 4.2 on the name of a heuristic.
+# Unavoidable differences: C's way to declare a status of a checksum, Decode As of a table of ours, and from 4.2 on the
+# name of a heuristic.
 DIFFERENT = {
     "fields": {name: ("BASE_NONE", "BASE_DEC") for name in ("sis.checksum.status", "3964r.bcc.status")},
     "heuristic-decodes": {"sis": ("SIS over TCP", "SIS")},
     "dissector-tables": {"sertap.framing": ("Decode As supported", "Decode As not supported")},
 }
 OURS = re.compile(r"(^|\t)(sis|sertap|synax\w*|3964r|rk512i|arcnet7f)([.\t]|$)")
-NAMED = ("sis", "sertap", "synax", "3964r", "rk512i", "arcnet7f")  # quicker to look for
+NAMED = ("sis", "sertap", "synax", "3964r", "rk512i", "arcnet7f")  # quicker to search for
 
 
 def is_ours(line: str) -> bool:
-    """Tell it of a million lines: the expression alone takes seconds."""
+    """Check a million lines: the expression alone takes seconds."""
     return any(word in line for word in NAMED) and OURS.search(line) is not None
 
 
@@ -113,7 +113,7 @@ def is_ours(line: str) -> bool:
     ],
 )
 def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
-    """Every field with its type, base and description, every value with its text, and where packets come from."""
+    """Every field with its type, base and description, every value with its text, and the sources of packets."""
     expected, found = (
         Counter(line for line in tshark.output("-G", report).splitlines() if is_ours(line))
         for tshark in (plugin, script)
@@ -128,7 +128,7 @@ def test_registered(report: str, plugin: Tshark, script: Tshark) -> None:
 
 
 def test_preferences(plugin: Tshark, script: Tshark) -> None:
-    """Names, defaults and descriptions, as they stand in a file of preferences; what the script prints is its own."""
+    """Names, defaults and descriptions, as in a file of preferences; only the script has a preference for printing."""
     ours = re.compile(r"^#(sis|synax\w*|3964r)[.]", re.MULTILINE)
     expected, found = (
         [entry for entry in tshark.output("-G", "currentprefs").split("\n\n") if ours.search(entry)]

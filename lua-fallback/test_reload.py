@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a file has told is forgotten with the file."""
+"""Data of a file are forgotten with the file."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from sistap.files.reading import packets
 from sistap.wireshark.tshark import Tshark
 
 SESSIONS = 8
-BYTES_ANYHOW = 4096  # of tables that Lua keeps at the size that they had
+BYTES_ANYHOW = 4096  # size of tables that Lua keeps allocated
 
-# Tells the memory of Lua each time Wireshark forgets a file; the last of all scripts, as its name begins with z.
+# Prints the memory of Lua each time Wireshark forgets a file. Its name begins with z, so it is the last script.
 PROBE = """
 local probe = Proto("probe", "Memory of Lua")
 function probe.init()
@@ -29,7 +29,7 @@ end
 
 
 def repeated(name: str, folder: Path) -> tuple[Path, int]:
-    """Make a capture that has the packets of another so many times; give it and how many the other has."""
+    """Make a capture that repeats the packets of another; return it, and the number of the other's packets."""
     originals = [packet.data for packet in packets(HERE / f"{name}.pcapng")]
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, name)
     blocks = [pcapng.section_header("", ""), pcapng.interface_description(interface)]
@@ -44,7 +44,7 @@ def repeated(name: str, folder: Path) -> tuple[Path, int]:
 
 
 def sessions(tshark: Tshark, name: str, folder: Path) -> tuple[list[list[str]], list[int]]:
-    """Give the packet list of every session, and the bytes that Lua has at the beginning of each."""
+    """Return the packet list of every session, and the bytes that Lua has at the beginning of each."""
     capture, count = repeated(name, folder)
     with capture.open("rb") as stdin:
         done = tshark.run(["-i", "-", "-M", str(count), "-T", "fields", "-e", "_ws.col.Info"], stdin=stdin)

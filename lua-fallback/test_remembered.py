@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What sis.lua remembers of telegrams without a tree never outlives what it follows from.
+"""What sis.lua remembers of telegrams without a tree never outlives its conditions.
 
-The plugin remembers nothing of that kind: so the packet lists of both have to be the same.
+The plugin remembers nothing of that kind, so both must have the same packet lists.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from sistap.wireshark.tshark import Tshark
 
 SEEDS = (1, pytest.param(2, marks=pytest.mark.thorough))
 PACKETS = 3000
-LONGEST_PIECE = 24  # packets of one capture that follow one another
+LONGEST_PIECE = 24  # consecutive packets of one capture
 DIFFERENT = 5000  # more telegrams than the script remembers
 TWO_PASSES = pytest.param(("-2",), marks=pytest.mark.thorough, id="two_passes")
 PASSES = pytest.mark.parametrize("options", [pytest.param((), id="one_pass"), TWO_PASSES])
@@ -32,7 +32,7 @@ PASSES = pytest.mark.parametrize("options", [pytest.param((), id="one_pass"), TW
 SETTINGS = LineSettings(115200, 8, "E", 2)
 INTERVAL_NS = 20_000_000
 
-# Gives a preference another value after the first capture, as a person would between two looks at one.
+# Changes a preference after the first capture, as a user would between two looks.
 CHANGER = """
 local changer, is_seen = Proto("changer", "Changes a preference"), false
 function changer.dissector()
@@ -64,7 +64,7 @@ def packet(telegram: bytes) -> bytes:
 
 
 def read(element: int, answer: bytes, master: int = 16) -> list[bytes]:
-    """Make command and reaction that read an element (fig. 8-1) of S-0-0044 in station 3."""
+    """Return command and reaction that read an element (fig. 8-1) of S-0-0044 in station 3."""
     control = bytes([element << 3 | 4, 3])
     return [
         build(0x10, master, 3, control + b"\x00\x2c\x00"),
@@ -73,13 +73,13 @@ def read(element: int, answer: bytes, master: int = 16) -> list[bytes]:
 
 
 def compare(plugin: Tshark, script: Tshark, capture: Path, *options: str) -> None:
-    """Compare what people see in the packet list. AssertionError tells the difference."""
+    """Compare the packet lists. AssertionError has the difference."""
     words = parity.difference(*(parity.listed(tshark, capture, *options) for tshark in (plugin, script)))
     assert not words, words
 
 
 def in_pieces(chance: random.Random) -> Iterable[bytes]:
-    """Give pieces of all captures of records in any order, some of them several times."""
+    """Return pieces of all captures of records in any order, some of them several times."""
     captures = [list(reading.packets(path)) for path in sorted(HERE.glob("*.pcapng"))]
     records = [
         [packet.data for packet in one if packet.link_type == pcapng.LINKTYPE_WIRESHARK_UPPER_PDU] for one in captures
@@ -97,7 +97,7 @@ def in_pieces(chance: random.Random) -> Iterable[bytes]:
 def test_pieces_of_captures(
     seed: int, options: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path
 ) -> None:
-    """The same telegrams in other company: repeated, in the middle of a transfer or of a phase switch."""
+    """The same telegrams in other surroundings: repeated, or during a transfer or a phase switch."""
     capture = tmp_path / "pieces.pcapng"
     write(capture, in_pieces(random.Random(seed)))
     compare(plugin, script, capture, *options)
@@ -105,7 +105,7 @@ def test_pieces_of_captures(
 
 @PASSES
 def test_name_learned_between(options: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    """The same reading of a value before its parameter has a name and a unit, after it, and after it has another."""
+    """The same read of a value before its parameter has a name and a unit, after it, and with another name and unit."""
     value, unit = read(7, struct.pack("<i", 12)), read(4, b"mm")
     one, other = read(2, b"Name"), read(2, b"Other")
     ask, answer = read(2, b"Name", master=17)
@@ -127,7 +127,7 @@ def test_more_than_it_remembers(options: tuple[str, ...], plugin: Tshark, script
 
 
 def test_preference_changed(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    """Two captures in one tshark: what was remembered of a header goes with the edition."""
+    """Two captures in one tshark: what was remembered of a header is dropped when the edition changes."""
     folder = tmp_path / "plugins"
     folder.mkdir()
     shutil.copy(parity.SCRIPT, folder)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The statistics that sis.lua prints have the figures of the plugin's."""
+"""The statistics that sis.lua prints have the figures of the plugin."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ TIMES = re.compile(r"^ +(\d+) +(\S.*?) +(\d+) +([\d.]+) +([\d.]+) +([\d.]+)", re
 
 CAPTURE = Path(__file__).parent.parent / "test-captures" / "statistics.pcapng"
 
-# How each of the statistics is read from what is printed.
+# How to read each of the statistics from the output.
 READERS = {"tree": COUNT, "tza": ROW, "bus": ROW, "srt": TIMES, "parameters": PARAMETER}
 
 
 def figures(kind: str, text: str) -> list[tuple[str, ...]]:
-    """Return the rows of a table, in an order that both have; the plugin's tree has branches with nothing in them."""
+    """Return the rows of a table, in a common order; the plugin's tree has empty branches."""
     rows = sorted(READERS[kind].findall(text))
     return [row for row in rows if kind != "tree" or row[-1] != "0"]
 
 
 def check(plugin: Tshark, script: Tshark, capture: Path, *given: str) -> dict[str, list[tuple[str, ...]]]:
-    """Compare what both count in a capture; return the figures."""
+    """Compare the figures of both for a capture; return them."""
     reading = ("-q", "-r", str(capture), *given)
     counted = {}
     for kind in READERS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Of text that somebody else chose, sis.lua shows what the C plugin shows: nothing that moves what stands beside it."""
+"""sis.lua shows text from elsewhere like the C plugin: nothing in it moves the text beside it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from sistap.records.record import Event, Record, Type
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 
-# Control characters of ASCII and Latin-1, marks that turn the direction of what follows, what nobody sees, what ends a
-# line; then bytes that are no UTF-8: cut off, too long for their value, surrogates, above the last character.
+# Control characters of ASCII and Latin-1, marks of text direction, invisible characters, line ends. Then bytes that are
+# not UTF-8: cut off, too long for their value, surrogates, above the last character.
 CHARACTERS = [
     *(chr(code) for code in (*range(0x20), 0x22, 0x5C, *range(0x7F, 0xA2), 0xAD)),
     *"\u061c\u200b\u200e\u200f\u2028\u2029\u202a\u202e\u2066\u2069\ufeff\ufff9\ufffd\ufffe\ue000",
@@ -32,7 +32,7 @@ NO_UTF_8 = [*(bytes([byte]) for byte in range(0x80, 0x100)), *map(bytes.fromhex,
 def texts() -> list[bytes]:
     chance = random.Random(1)
     pieces = [character.encode() for character in CHARACTERS] + NO_UTF_8
-    # Apart: together they could become a character that only some versions of GLib know.
+    # Separate: together they could form a character that only some versions of GLib know.
     mixed = [b"-".join(chance.choices(pieces, k=6)) for _ in range(100)]
     return [b"a" + piece + b"z" for piece in pieces] + mixed
 
@@ -57,7 +57,7 @@ def test_of_events(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
 
 @pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same in plugin and script")
 def test_of_the_line(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
-    """Beside telegrams, and in them: what a drive says of itself (0x00, identification)."""
+    """Beside telegrams, and in them: a drive's description of itself (0x00, identification)."""
     records = []
     for text in texts():
         for kind, data in ((Type.OTHER, text), (Type.FRAME, build(0x00, 16, 3, b"\0\0\x03" + text, reaction=True))):

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Every difference between Wireshark 4.0 and 4.6 that the plugin meets: no other file has a version #if. */
+/* All differences between Wireshark 4.0 and 4.6 that concern the plugin: no other file has a version #if. */
 
 #ifndef SIS_COMPAT_H
 #define SIS_COMPAT_H
@@ -9,11 +9,11 @@
 
 #include <ws_version.h>
 #include <epan/packet.h>
-#include <wiretap/wtap.h>    /* wtap_rec: from 4.2 on packet.h does not bring it along */
-#include <epan/tfs.h>        /* true_false_string: from 4.6 on packet.h does not bring it along */
+#include <wiretap/wtap.h>    /* wtap_rec: from 4.2 on packet.h no longer includes it */
+#include <epan/tfs.h>        /* true_false_string: from 4.6 on packet.h no longer includes it */
 #include <wsutil/str_util.h> /* plurality() */
 
-/* How a field says its unit; later than the units themselves. */
+/* The unit of a field; the units themselves are newer. */
 #include <epan/unit_strings.h>
 #ifndef UNS
 #define UNS(units) (units)
@@ -23,7 +23,7 @@
     (WIRESHARK_VERSION_MAJOR > (major) ||                                                                    \
      (WIRESHARK_VERSION_MAJOR == (major) && WIRESHARK_VERSION_MINOR >= (minor)))
 
-/* GLib's gboolean, an int, became C's bool: what callbacks take and return, what a preference is kept in. */
+/* GLib's gboolean, an int, became C's bool, in callbacks and in preferences. */
 #if WIRESHARK_AT_LEAST(4, 4)
 typedef bool compat_bool;
 #else
@@ -79,7 +79,7 @@ typedef gboolean compat_uat_bool;
     dissector_try_uint_new(table, key, tvb, pinfo, tree, TRUE, data)
 #endif
 
-/* Where a value is, from an offset on. The version after 4.6 has this form, and no other. */
+/* The value at an offset. Versions after 4.6 have this form only. */
 static inline bool
 compat_find_uint8(tvbuff_t *tvb, unsigned offset, uint8_t value, unsigned *found)
 {
@@ -96,7 +96,7 @@ compat_find_uint8(tvbuff_t *tvb, unsigned offset, uint8_t value, unsigned *found
 #endif
 }
 
-/* Which interface of its section a packet came from; 0 where there is none. */
+/* The packet's interface in its section; 0 if it has none. */
 static inline uint32_t
 compat_interface(const packet_info *pinfo)
 {
@@ -105,7 +105,7 @@ compat_interface(const packet_info *pinfo)
                : 0;
 }
 
-/* Which section of the capture a packet came from, from 0. Every section numbers its interfaces anew. */
+/* The packet's section in the capture, from 0. Every section has its own numbers of interfaces. */
 static inline uint32_t
 compat_section(const packet_info *pinfo)
 {

@@ -68,7 +68,7 @@ register_services(void)
     sis_phase_register();
 }
 
-/* In the order in which the preferences stand in their dialog. */
+/* In the order of the preferences in their dialog. */
 static void
 register_preferences(module_t *module)
 {

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A tap in software: from when characters truly arrived, the records that it makes of them, and what these prove.
+"""A tap in software: the records that it makes of the true arrival times, and what these records prove.
 
-The truth is known here, so a verdict can be wrong in two ways: it contradicts the truth, or it says more, or less, than
-the record proves. Of a record it is known that no character arrived after its read, none earlier than the uncertainty
-before it, and that characters of a line are at least a character time apart.
+The truth is known here, so a verdict can be wrong in two ways: it contradicts the truth, or it claims more, or less,
+than the record proves. A record guarantees three things. No character arrived after its read. None arrived earlier than
+the uncertainty before it. Characters of a line are at least a character time apart.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
 from sistap.records.record import Record, Type
 
 OK, EXCEEDED, UNRESOLVED = range(3)
-TOLERANCE = 0.02  # how much faster than its rate a sender may be for a receiver to understand it
+TOLERANCE = 0.02  # how much faster than its nominal rate a sender may be
 
 
 @dataclass(frozen=True)
 class Adapter:
-    """How late a tap sees a character, in ns: its latency timer and the computer's own delay, both at most."""
+    """The largest delays of a tap, in ns: its latency timer and the computer's own delay."""
 
     timer_ns: int = 0  # 0: every character is reported at once
     delay_ns: int = 0
-    stall_ns: int = 0  # now and then the reader sleeps for so long
+    stall_ns: int = 0  # occasional sleep of the reader
     stall_every: int = 40  # reports, on average
-    says: bool = True  # or its uncertainty is unknown
+    says: bool = True  # False: its uncertainty is unknown
 
 
 class Seen(NamedTuple):
@@ -57,12 +57,12 @@ def seen(arrivals: Sequence[int], adapter: Adapter, random: Random) -> list[Seen
 
 
 def _next_report(arrived_ns: int, timer_ns: int, phase_ns: int) -> int:
-    """When a timer that runs freely next reports what has arrived; at once without one."""
+    """Return when a free-running timer next reports what has arrived; at once without a timer."""
     return arrived_ns if not timer_ns else -(-(arrived_ns - phase_ns) // timer_ns) * timer_ns + phase_ns
 
 
 def records(telegrams: Sequence[bytes], characters: Sequence[Seen], settings: LineSettings) -> list[Record]:
-    """Put the characters, in order, into a record for each telegram."""
+    """Put the characters, in order, into one record for each telegram."""
     made: list[Record] = []
     before: Seen | None = None
     rest = iter(characters)
@@ -87,7 +87,7 @@ class Window(NamedTuple):
 
 
 def windows(record: Record, character_ns: int) -> list[Window]:
-    """Tell when each character can have arrived. The record's uncertainty is known."""
+    """Return when each character can have arrived. The record's uncertainty is known."""
     times = list(itertools.accumulate(record.intervals[1:], initial=record.time_ns))
     firsts = [i for i, flag in enumerate(record.flags) if i == 0 or not flag & Flag.SAME_READ]
     found = []
@@ -110,8 +110,8 @@ def surely(line: Sequence[Window], limit_ns: int) -> int:
 
 
 def provably(line: Sequence[Window], limit_ns: int, character_ns: int) -> int:
-    """Judge them together: a verdict that any arrivals inside the windows contradict is not proved."""
-    reach = line[0]  # where a character can be if no interval until it is longer than the limit
+    """Judge them together: a verdict is not proved if any arrivals inside the windows contradict it."""
+    reach = line[0]  # the possible positions of a character if no interval before it exceeds the limit
     for window in line[1:]:
         earliest = max(window.earliest, reach.earliest + character_ns)
         reach = Window(earliest, min(window.latest, reach.latest + limit_ns))
@@ -124,14 +124,14 @@ def provably(line: Sequence[Window], limit_ns: int, character_ns: int) -> int:
 
 
 def admissible(record: Record, limit_ns: int, before: Record | None = None) -> set[int]:
-    """Give the verdicts that are right about the intervals inside a record; or about the one between two records.
+    """Return the right verdicts on the intervals inside a record, or on the one between two records.
 
-    Whatever the windows of neighbours decide must be said. What only all windows together prove may be said.
+    The verdict must say what the windows of neighbours decide. It may say what only all windows together prove.
     """
     parts = [before, record] if before else [record]
     if any(part.uncertainty_ns == UNCERTAINTY_UNKNOWN for part in parts):
         return {UNRESOLVED}
-    # As fast as the sender can be: its own rate is not known.
+    # As fast as the sender can be: its true rate is unknown.
     character_ns = int(record.settings.character_ns * (1 - TOLERANCE))
     line = [window for part in parts for window in windows(part, character_ns)]
     if before:

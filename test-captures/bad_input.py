@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes telegrams with something missing, too much or wrong, out of the good ones of this folder."""
+"""Makes telegrams with missing, extra or wrong bytes from the good ones of this folder."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ _ORIGINAL_LENGTH = 24  # of an enhanced packet block
 
 
 class Packet(NamedTuple):
-    """A telegram, and how long it was before the capture cut it."""
+    """A telegram, and its length before the capture cut it."""
 
     data: bytes
     original: int
 
 
 def examples() -> list[bytes]:
-    """Give the good telegrams: all of the specification, and every body."""
+    """Return the good telegrams: all of the specification, and every body."""
     names = ("specification", "bodies", "codes")
     telegrams = {item.data: None for name in names for item in Scenario(HERE / f"{name}.txt").items}
     return list(telegrams)  # each once, in order
 
 
 def with_body(example: bytes, body: bytes) -> bytes:
-    """Give a telegram the body, and make lengths and checksum right."""
+    """Replace the body of a telegram, and correct lengths and checksum."""
     header = telegram.parse(example)
     return telegram.build(
         header.service,
@@ -52,7 +52,7 @@ def with_checksum(data: bytes) -> bytes:
 
 
 def shortened(example: bytes) -> Iterator[bytes]:
-    """Cut the body at every length, in a telegram that is right otherwise."""
+    """Cut the body at every length; the telegram is right otherwise."""
     body = telegram.parse(example).body
     return (with_body(example, body[:end]) for end in range(len(body)))
 
@@ -69,25 +69,25 @@ def snapped(example: bytes) -> Iterator[Packet]:
 
 
 def with_other_length(example: bytes, length: int) -> bytes:
-    """Cut what follows the header of 8, in a telegram that is right otherwise."""
+    """Cut everything after the header of 8; the telegram is right otherwise."""
     return with_checksum(example[:2] + bytes([length, length]) + example[4 : telegram.STATIC_LENGTH + length])
 
 
 def with_other_repetition(example: bytes) -> Iterator[bytes]:
-    """Make the repetition of the data length wrong, the checksum right."""
+    """Make the repetition of the data length wrong and the checksum right."""
     for wrong in {example[3] ^ 1, 0, 255} - {example[2]}:
         yield with_checksum(example[:3] + bytes([wrong]) + example[4:])
 
 
 def of_every_service(reaction: bool, body: bytes, subaddresses: bytes = b"") -> list[bytes]:
-    """Give the body to all 256 services."""
+    """Make this body a telegram of each of the 256 services."""
     build = telegram.build
     return [build(service, 16, 3, body, reaction=reaction, subaddresses=subaddresses) for service in range(256)]
 
 
 def with_all_bodies(reaction: bool) -> Iterator[bytes]:
-    """Make telegrams, right but for their useful data: of every service empty, full, behind seven subaddresses; and of
-    every example itself, cut anywhere, with something appended, and filled up.
+    """Make telegrams that are right except for their useful data. Of every service: empty, full, after seven
+    subaddresses. Of every example: the original, cut anywhere, with additions, and filled up.
     """
     yield from of_every_service(reaction, b"")
     yield from of_every_service(reaction, b"", bytes(range(1, 8)))
@@ -103,7 +103,7 @@ def with_all_bodies(reaction: bool) -> Iterator[bytes]:
 
 
 def write(path: Path, packets: Iterable[Packet | bytes], dissector: str = "sis") -> None:
-    """Write a capture of bare telegrams, or of what another dissector takes."""
+    """Write a capture of bare telegrams, or of packets for another dissector."""
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "bad")
     blocks = [pcapng.section_header("bad_input.py", ""), pcapng.interface_description(interface)]
     for number, packet in enumerate(packets):

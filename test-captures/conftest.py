@@ -19,7 +19,7 @@ from sistap.wireshark.tshark import Tshark  # noqa: E402
 
 @pytest.fixture(scope="session")
 def tshark() -> Iterator[Tshark]:
-    """Run tshark; it has really loaded the plugin (as root it would skip it without a word)."""
+    """Run tshark; check that it has loaded the plugin, which it would silently skip as root."""
     with Tshark() as program:
         plugins = program.output("-G", "plugins")
         assert "sis.so" in plugins, "tshark does not load sis.so; ./bootstrap test sets WIRESHARK_PLUGIN_DIR"
@@ -28,7 +28,7 @@ def tshark() -> Iterator[Tshark]:
 
 @pytest.fixture(scope="session")
 def sharkd() -> Iterator[Sharkd]:
-    """Run sharkd, which has to have the plugin."""
+    """Run sharkd, which must have the plugin."""
     with Sharkd() as program:
         assert program.has_field("sis.start"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
         yield program

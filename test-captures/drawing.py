@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A page in SVG: text, boxes and arrows at places in millimetres, and columns of text that grow downwards."""
+"""A page in SVG: text, boxes and arrows at positions in millimetres, and columns of text that grow downwards."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import re
 from collections.abc import Sequence
 from xml.etree import ElementTree
 
-FONT = "Liberation Sans, Arial, Helvetica, sans-serif"  # of equal widths, and one of them is everywhere
+FONT = "Liberation Sans, Arial, Helvetica, sans-serif"  # of equal widths, and one of them is on every computer
 BLACK, PALE, WHITE = "#000000", "#e6e6e6", "#ffffff"
 
-# Widths of these fonts in parts of the font size, rounded up; what is not named is as wide as most small letters.
+# Widths of these fonts relative to the font size, rounded up; other characters are as wide as most small letters.
 _NARROW_TO_WIDE = {
     "ijl'|": 0.23,
     "ft.,:;/!I() -[]": 0.34,
@@ -23,12 +23,12 @@ _WIDTHS = {character: width for characters, width in _NARROW_TO_WIDE.items() for
 
 
 def width(text: str, size: float) -> float:
-    """How wide the text is at most, in the unit of the size."""
+    """Return the largest width of the text, in the unit of the size."""
     return size * sum(_WIDTHS.get(character, 0.56) for character in text)
 
 
 def wrapped(text: str, size: float, room: float) -> list[str]:
-    """Break the text between words into lines that are no wider than the room. A number stays with its word."""
+    """Break the text between words into lines that fit the room. A number stays with its word."""
     lines = [""]
     for word in re.findall(r"(?:[0-9A-F]{1,2} )?\S+", text):
         longer = f"{lines[-1]} {word}".strip()
@@ -43,7 +43,7 @@ class Page:
     """A page of so many millimetres."""
 
     def __init__(self, page_width: float, page_height: float, title: str) -> None:
-        """Begin with white paper; the title is for programs."""
+        """Begin with white paper; programs show the title."""
         self.width, self.height = page_width, page_height
         self._root = ElementTree.Element(
             "svg",
@@ -63,7 +63,7 @@ class Page:
         return ElementTree.SubElement(self._root, name, given)
 
     def text(self, x: float, y: float, words: str, size: float, **attributes: object) -> None:
-        """Write words with their base line at y. ValueError if they may leave the page."""
+        """Write words with their baseline at y. ValueError if they may leave the page."""
         anchor = attributes.get("text_anchor", "start")
         left = x - width(words, size) * {"start": 0, "middle": 0.5, "end": 1}[str(anchor)]
         if left < 0 or left + width(words, size) > self.width or not size <= y <= self.height:
@@ -91,13 +91,13 @@ class Page:
         self.text((x1 + x2) / 2, y - 0.8, words, size, text_anchor="middle")
 
     def svg(self) -> str:
-        """Give the page as a file."""
+        """Return the page as a file."""
         ElementTree.indent(self._root)
         return ElementTree.tostring(self._root, encoding="unicode") + "\n"
 
 
 class Column:
-    """Headings and rows, one under the other; a row has a code at the left and a text that may need several lines."""
+    """Headings and rows, one below the other; a row has a code at the left and a text that may need several lines."""
 
     def __init__(self, page: Page, x: float, extent: tuple[float, float], wide: float, size: float) -> None:
         """Begin at the top of the extent; nothing may go below its bottom. The size is that of the text."""
@@ -105,7 +105,7 @@ class Column:
         self._y, self._bottom = extent
 
     def heading(self, words: str) -> None:
-        """Begin something new."""
+        """Begin a new heading."""
         self._advance(self._size * 1.9)
         self._page.area(self._x, self._y - self._size * 1.15, self._wide, self._size * 1.5, PALE)
         self._page.text(self._x + 0.8, self._y, words, self._size * 1.1, font_weight="bold")

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 
 class Filter(NamedTuple):
-    """A display filter, and the packets that it leaves."""
+    """A display filter, and the packets that match."""
 
     line: int
     expression: str
@@ -35,7 +35,7 @@ class Filter(NamedTuple):
 
 
 class Value(NamedTuple):
-    """A field of a packet, and what it is; `there` for one that has no value of its own."""
+    """A field of a packet, and its value; `there` for a field without a value of its own."""
 
     line: int
     packet: int

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes a locale with a decimal comma for tshark, whether the machine has one or not."""
+"""Provides a locale with a decimal comma for tshark, whether or not the computer has one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAME = "de_DE.UTF-8"
 
 @contextmanager
 def german() -> Iterator[dict[str, str]]:
-    """Return the environment in which a program speaks German, as long as the context lasts."""
+    """Return the environment in which a program speaks German; valid within the context."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         folder.chmod(0o755)  # tshark may run as nobody

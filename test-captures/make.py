@@ -54,22 +54,22 @@ LINK_TYPES = {
     "udp": LINKTYPE_RAW_IPV4,
 }
 
-# Objects of SYNAX200: what is done to one, as the head of dissector synaxobj has it; sizes of those with telegrams.
+# Objects of SYNAX200: the operations in the head of dissector synaxobj; sizes of those with telegrams.
 OPERATIONS = ("read-answer", "write-request", "read-request", "write-answer")
 OBJECT_SIZES = {0x5E70: 16, 0x5E71: 32, 0x5E72: 64, 0x5E73: 128}
 
-# What Wireshark itself says in words that change with its version: its own layers, and of a segment without a telegram.
+# Texts of Wireshark that change with its version: its own layers, and a segment without a telegram.
 _OF_ANY_VERSION = (
     (re.compile(r"^(Frame \d+: .*|Raw packet data)\n", re.MULTILINE), ""),
     (re.compile(r"^( *\d+ .* TCP \d+) .*$", re.MULTILINE), r"\1"),
-    # Of many bytes one version shows more than the other.
+    # If a field has many bytes, one version shows more than the other.
     (re.compile(r"^( *[^:\n]+?)(?: \[…\])?: ([0-9a-f]{72})[0-9a-f]*…?$", re.MULTILINE), r"\1: \2…"),
 )
 
 
 @dataclass
 class Item:
-    """One packet to be: either what a record is made of, or its payload as it is."""
+    """A packet to make: the contents of a record, or a raw payload."""
 
     time_ns: int
     kind: record.Type = record.Type.FRAME
@@ -81,13 +81,13 @@ class Item:
     interface: int = 0  # of the section
     event: int = 0
     framing: int = 0  # of a frame: 0 SIS, 1 3964R
-    flags: dict[int, int] = field(default_factory=dict)  # by character, counted from 1
+    flags: dict[int, int] = field(default_factory=dict)  # by number of the character, from 1
     pauses_ns: dict[int, int] = field(default_factory=dict)
     raw: bytes | None = None  # for `record` and `segment`
     expected: dict[str, str] = field(default_factory=dict)  # by field, without its "sis."; from `fields`
 
     def record(self, silence_ns: int | None) -> bytes:
-        """Pack the record, or give the bytes as they stand."""
+        """Return the bytes of the record, or the raw bytes."""
         if self.raw is not None:
             return self.raw
         intervals = self._intervals(silence_ns or 0)
@@ -123,7 +123,7 @@ class Item:
 
     @property
     def end_ns(self) -> int:
-        """When the last character came."""
+        """Return the time of its last character."""
         return self.time_ns + sum(self._intervals(0))
 
 
@@ -284,7 +284,7 @@ class Scenario:
         self._add(data=self._object(int(index, 16), OPERATIONS.index(operation), "".join(content)))
 
     def _object(self, index: int, operation: int, content: str) -> bytes:
-        """Make what dissector synaxobj takes; a telegram is filled up to the size of its object."""
+        """Return the data for dissector synaxobj; a telegram is padded to the size of its object."""
         kind, _, words = content.partition(" ")
         if kind in {"command", "reaction"}:
             held = self._built(words.strip(), reaction=kind == "reaction").ljust(OBJECT_SIZES[index], b"\0")
@@ -293,7 +293,7 @@ class Scenario:
         return struct.pack(">HB", index, operation) + held
 
     def _payloads(self) -> list[bytes]:
-        """What the packets hold, without the link type's own header."""
+        """Return the payloads of the packets, without the link type's own header."""
         if self.link != "sertap":
             return [item.raw if item.raw is not None else item.data for item in self.items]
         last: dict[tuple[int, int, int], int] = {}
@@ -317,7 +317,7 @@ class Scenario:
         return flags
 
     def capture(self) -> bytes:
-        """Make the whole capture file."""
+        """Return the whole capture file."""
         blocks: list[list[bytes]] = []
         for names in self._sections:
             interfaces = [pcapng.Interface(LINK_TYPES[self.link], name) for name in names]
@@ -330,7 +330,7 @@ class Scenario:
         return b"".join(block for section in blocks for block in section)
 
     def dissection(self, tshark: Tshark, capture: Path) -> str:
-        """What tshark, 4.0 to 4.6, says of it: a line a packet, and the trees to show, if any, under it."""
+        """Return tshark's output, 4.0 to 4.6: a line for each packet, followed by its tree if requested."""
         layers = ["-P", "-V", "-O", self.show] if self.show else []
         text = tshark.output("-r", str(capture), "-t", "r", *self.options, *layers)
         for pattern, replacement in _OF_ANY_VERSION:
@@ -407,7 +407,7 @@ LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
 
 
 def scenarios() -> list[Path]:
-    """All NAME.txt of this folder and of the course, in order."""
+    """Return all NAME.txt of this folder and of the course, in order."""
     return [*sorted(HERE.glob("*.txt")), *sorted((HERE / "course").glob("*.txt"))]
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Several captures in one, for what is asked of all: a start of tshark costs more than dissecting a small capture.
+"""Joins several captures for tests of all of them: starting tshark takes longer than dissecting a small capture.
 
-Every capture keeps interfaces of its own, and so is a bus of its own.
+Every capture keeps its own interfaces, and so is a separate bus.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Group:
         capture.write_bytes(b"".join(_merged(self.paths)))
 
     def whose(self, number: int) -> str:
-        """Return the capture, and the packet in it, that packet `number` comes from; both count from 1."""
+        """Return the capture, and the packet in it, of packet `number`; both count from 1."""
         for path in self.paths:
             count = len(Scenario(path).items)
             if number <= count:

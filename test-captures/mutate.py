@@ -43,7 +43,7 @@ OFFSETS = (0, 1, -1, 2**31, 2**33, -(2**33), 2**62, -(2**63))  # if_tsoffset: se
 
 
 def protected(link_type: int, data: bytes) -> int:
-    """How many bytes at the start stay whole: those that lead to our dissectors."""
+    """Return how many bytes at the start stay intact: those that lead to our dissectors."""
     if link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU:
         return 40 if link_type == 228 else 0
     return data.index(b"\0\0\0\0", 4) + 4 if b"\0\0\0\0" in data[4:] else 16
@@ -104,7 +104,7 @@ def packet_block(chance: random.Random, interface: int, time: int, data: bytes) 
 
 
 def times(chance: random.Random, *, far: bool) -> Iterator[int]:
-    """Go on for ever in steps; where far times are wanted, some clocks jump anywhere."""
+    """Yield times endlessly in steps; with far times, some clocks jump anywhere."""
     now, is_wild = START_NS, far and chance.random() < 0.5
     while True:
         yield now % 2**64
@@ -130,14 +130,14 @@ def section(chance: random.Random, link_type: int, originals: list[bytes], *, fa
 def round_capture(
     seed: int, link_type: int, originals: list[bytes], count: int = MUTANTS_PER_ROUND, *, far: bool = True
 ) -> bytes:
-    """Make one capture of so many mutants, whole sections of them, of any time or of one that exists."""
+    """Make one capture of that many mutants in whole sections, of any time or of a valid one."""
     chance = random.Random(seed)
     sections = count // PACKETS_PER_SECTION
     return b"".join(section(chance, link_type, originals, far=far) for _ in range(sections))
 
 
 def runtime() -> str:
-    """Find the sanitizer's runtime of the compiler that built the plugin (gcc)."""
+    """Return the sanitizer's runtime of the compiler that built the plugin (gcc)."""
     paths = [
         subprocess.run(
             ["gcc", f"-print-file-name={name}"],
@@ -150,7 +150,7 @@ def runtime() -> str:
     return ":".join(paths)
 
 
-# By link type. Behind Wireshark's own dissector of ARCNET it would be that one's faults: `arcnet7f` is here by name.
+# By link type. `arcnet7f` is called by name: Wireshark's own dissector of ARCNET may have faults.
 OPTIONS = {
     pcapng.LINKTYPE_WIRESHARK_UPPER_PDU: [
         ["-o", "sis.tza_ms:3", "-o", "sis.trs_ms:30"],
@@ -192,12 +192,12 @@ SANITIZERS = {
 }
 
 
-# Each takes another path.
+# Each takes a different path.
 WAYS = (["-V"], ["-2"], STATISTICS)
 
 
 def dissect(tshark: Tshark, capture: Path, options: list[str]) -> str | None:
-    """Dissect; give what went wrong, or None."""
+    """Dissect; return the error, or None."""
     for layers in WAYS:
         done = tshark.run(["-r", str(capture), *options, *layers], extra_environment=SANITIZERS)
         if done.returncode != 0 or any(word in done.stderr + done.stdout for word in FAULTS):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A second decoder of SIS telegrams, written from the documents alone, that the plugin is held against.
+"""A second decoder of SIS telegrams, written from the documents alone, to check the plugin against.
 
 It knows nothing of the plugin but the names of its fields. Chapters and figures are those of the SIS definition (IF02);
-`ECODRIVE03` is the older header, `MPH02` the manual of IndraDrive, `IEC 61491` the standard of SERCOS. Where they leave
-something open, so does this: such bytes have to be shown, but not in any one way.
+`ECODRIVE03` is the older header, `MPH02` the manual of IndraDrive, `IEC 61491` the standard of SERCOS. What the
+documents leave open is open here, too: such bytes must be shown, in any way.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-# A layout is a row of items: a name, its size if that is not 1 (`*`: all that is left), `?` if it may be missing.
-# `~` are bytes that the documents leave open, perhaps because something is missing; `~?` may as well be none.
-# Whatever comes after the last item is too much.
+# A layout is a row of items: a name, its size unless it is 1 (`*`: the rest), `?` if it may be missing. `~` are bytes
+# that the documents leave open, for example because something is missing; `~?` may be empty. Bytes after the last item
+# are too many.
 
 _HEAD = "parameter_control device"
 _PARAMETER = f"{_HEAD} parameter:3"
 _SEGMENT = f"{_PARAMETER} list_offset:2 list_length:2"
 _ADDRESSED = "device subservice"
 
-# What a command carries: chapters 3.1, 5.1, 6.1, 7.1 and 8.2 to 8.7.
+# The body of a command: chapters 3.1, 5.1, 6.1, 7.1 and 8.2 to 8.7.
 COMMANDS = {
     0x00: _ADDRESSED,
     0x02: _ADDRESSED,
@@ -34,9 +34,9 @@ COMMANDS = {
     0x1E: f"{_SEGMENT} element_data:*",
     0x1F: f"{_PARAMETER} element_data:*",
 }
-# What a reaction has between its status and its useful data: the same chapters.
+# A reaction between its status and its useful data: the same chapters.
 HEADS = {**dict.fromkeys((0x00, 0x02, 0x03), _ADDRESSED), **dict.fromkeys((0x10, 0x11, 0x1E, 0x1F), _HEAD)}
-# What a good reaction has behind that.
+# A good reaction after that.
 GOOD = {0x10: "element_data:*", 0x11: "element_data:*", 0x12: "phase", 0x1D: "phase?", 0x1E: "data_status:2?"}
 # What follows a subservice in a command and in a good reaction: chapters 3.1, 5.1, 6.1; MPH02 for the CRC32.
 SUBSERVICES = {
@@ -93,7 +93,7 @@ class Field(NamedTuple):
 
 @dataclass
 class Decoded:
-    """What a telegram says."""
+    """The contents of a telegram."""
 
     fields: list[Field] = field(default_factory=list)
     open: set[int] = field(default_factory=set)  # bytes that may be shown in any way
@@ -102,14 +102,14 @@ class Decoded:
     notes: dict[str, bool | None] = field(default_factory=dict)  # expert items: there, not there, or None: either
 
     def note(self, name: str, said: bool | None) -> None:
-        """Note something, or that it is not so. What one part of the telegram has, the whole telegram has."""
+        """Note something, or its absence. A note on a part of the telegram applies to the whole telegram."""
         before = self.notes.get(name, False)
         self.notes[name] = True if said or before else None if said is None else before
 
 
 @dataclass
 class Body:
-    """The body of a service in a telegram; it is taken from the front."""
+    """The body of a service in a telegram; fields are taken from the front."""
 
     telegram: bytes
     at: int
@@ -122,7 +122,7 @@ class Body:
 
     @property
     def left(self) -> bytes:
-        """Return the bytes that are not yet taken."""
+        """Return the bytes that are left."""
         return self.telegram[self.at : self.end]
 
     @property
@@ -131,7 +131,7 @@ class Body:
         return SAME.get(self.service, self.service)
 
     def add(self, name: str, size: int = 1, value: int | str | None = None) -> None:
-        """Take a field with the fields in it. Numbers are little endian (chapter 2.1)."""
+        """Take a field with its subfields. Numbers are little endian (chapter 2.1)."""
         data = self.left[:size]
         if value is None and name in TEXTS:
             value = data.decode("latin-1")
@@ -158,7 +158,7 @@ class Body:
         self.at = self.end
 
     def note_length(self, size: int) -> None:
-        """Note whether a written segment has the length that is announced (chapter 8.6); what then, is open."""
+        """Note whether a written segment has the announced length (chapter 8.6); the consequences are open."""
         last = self.decoded.fields[-1]
         words = 2 if self.service == 0x8E else 1
         if last.name == "list_length" and isinstance(last.value, int) and last.value * words != size:
@@ -166,13 +166,13 @@ class Body:
             self.decoded.note("body.unexpected", None)
 
     def show_rest(self, unexpected: bool | None) -> None:
-        """Take the rest as bytes that are not decoded."""
+        """Take the rest as undecoded bytes."""
         if self.left:
             self.decoded.note("body.unexpected", unexpected)
             self.add("raw", len(self.left))
 
     def take(self, layout: str) -> None:
-        """Take the items of a layout; what is too short for its item is not decoded, nor is what follows the last."""
+        """Take the items of a layout; an item with too few bytes is not decoded, nor are bytes after the last item."""
         for item in layout.split():
             name, _, width = item.rstrip("?").partition(":")
             size = len(self.left) if width == "*" else int(width or 1)
@@ -220,7 +220,7 @@ def _take_parameter(body: Body, size: int) -> None:
 def _take_element(body: Body, size: int) -> None:
     """Take data of an element: names and units are lists of characters, the attribute has bits (IEC 61491).
 
-    What is sent in pieces, in segments or to be written is one or not: that is open.
+    Whether data in pieces, in segments or to be written count as a value is open.
     """
     *_, control = (known.value for known in body.decoded.fields if known.name == "parameter_control")
     assert isinstance(control, int)

@@ -27,10 +27,10 @@ SVG = HERE / "course" / "sheet.svg"
 
 PRODUCTS = re.compile(r" \((ECODRIVE|SYNAX)\)$")
 
-SIZE = 2.75  # of most of the text, in mm
-CHARACTER = 2.2  # how long a character is in the timing diagram
+SIZE = 2.75  # of most texts, in mm
+CHARACTER = 2.2  # width of a character in the timing diagram
 
-# Chapter 2.2. Above the line the bytes that are always there.
+# Chapter 2.2. The bytes above the line are always there.
 HEADER = (
     ("1", "Start", "02"),
     ("2", "Checksum", "sum of all bytes is 00"),
@@ -72,7 +72,7 @@ ADDRESSES = (
     ("255", "GLOBAL_BROADCAST"),
 )
 
-# Chapter 8.1 and 9.8 of IEC 61491, as far as it is used on SIS.
+# Chapter 8.1 and 9.8 of IEC 61491, as far as SIS uses it.
 PARAMETER = (
     ("Control", "bit 2: 1 last, 0 more follows. 3C operating data, last; 38 more follows"),
     ("Type", "0 S or P, 1 A, 2 C"),
@@ -87,7 +87,7 @@ ATTRIBUTE = (
     ("28-30", "write-protected in phase 2, 3, 4"),
 )
 
-# Those that somebody who sets up a machine meets; the others follow the rule that stands beside them.
+# Those that matter for setting up a machine; the others follow the rule beside them.
 PARAMETER_ERRORS = (0x0001, 0x1001, 0x7002, 0x7003, 0x7004, 0x7005, 0x7006, 0x7007, 0x7008, 0x8001, 0x800C)
 FLASH_ERRORS = (0x9004, 0x9102, 0x940A, 0x96E0, 0x96E1, 0x9701, 0x9702)
 
@@ -102,7 +102,7 @@ STARTS = "After a silence longer than TzA a receiver looks for a start. A slave 
 
 
 class Entry(NamedTuple):
-    """One line of a table: the first and last code it is for, as written, and its text."""
+    """A line of a table: the first and last code as written, and the text."""
 
     first: str
     last: str
@@ -119,18 +119,18 @@ def table(name: str) -> list[Entry]:
 
 
 def code(entry: Entry) -> str:
-    """Write a code as people do: without 0x, a range with a stroke."""
+    """Format a code for readers: without 0x, a range with a dash."""
     first, last = (word.removeprefix("0x") for word in (entry.first, entry.last))
     return first if first == last else f"{first}-{last}"
 
 
 def rows(name: str, *wanted: int) -> list[tuple[str, str]]:
-    """Give the rows of a table, or those with the wanted codes."""
+    """Return the rows of a table, or those with the wanted codes."""
     return [(code(entry), entry.text) for entry in table(name) if not wanted or int(entry.first, 16) in wanted]
 
 
 def services() -> list[tuple[str, str]]:
-    """Give single services, those of the products beside the general ones that they are like, and then ranges."""
+    """Return single services, those of the products beside the corresponding general ones, and then ranges."""
     singles = [entry for entry in table("services") if entry.first == entry.last]
     like: dict[str, list[str]] = {}
     for entry in singles:
@@ -143,18 +143,18 @@ def services() -> list[tuple[str, str]]:
 
 
 def statuses() -> list[tuple[str, str]]:
-    """Give those that say more than that they are not specified."""
+    """Return those that are specified."""
     return [(code(entry), entry.text) for entry in table("status") if "not specified" not in entry.text]
 
 
 def addresses() -> list[tuple[str, str]]:
-    """Give kinds of addresses with what they are."""
+    """Return kinds of addresses with their meanings."""
     kinds = {entry.first.removeprefix("SIS_"): entry.text for entry in table("address_kinds")}
     return [(numbers, kinds[kind]) for numbers, kind in ADDRESSES]
 
 
 def joined(name: str) -> str:
-    """Give a short table in one line."""
+    """Return a short table in one line."""
     return ", ".join(f"{code(entry)} {entry.text}" for entry in table(name))
 
 
@@ -236,7 +236,7 @@ def columns(page: Page, top: float, bottom: float) -> None:
 
 
 def telegram(page: Page, x: float, y: float, words: str, places: Sequence[int]) -> list[float]:
-    """Draw the characters of a telegram at so many character times; tell where each begins and the last one ends."""
+    """Draw the characters of a telegram at these character times; return where each begins and the last one ends."""
     edges = [x + CHARACTER * place for place in places]
     for edge in edges:
         page.box(edge, y, CHARACTER, 3.6, PALE)
@@ -245,7 +245,7 @@ def telegram(page: Page, x: float, y: float, words: str, places: Sequence[int]) 
 
 
 def timing(page: Page, x: float, y: float) -> None:
-    """Draw what the times are, on one line of the bus, and say it."""
+    """Draw the times on one line of the bus, with explanations."""
     page.text(x, y + 2, "Timing", 3.0, font_weight="bold")
     base = y + 9
     page.line(x, base + 3.6, x + 148, base + 3.6)
@@ -253,7 +253,7 @@ def timing(page: Page, x: float, y: float) -> None:
     reaction = telegram(page, command[-1] + 17, base, "reaction", range(6))
     again = telegram(page, reaction[-1] + 13, base, "command", range(5))
     repeat = telegram(page, again[-1] + 25, base, "the same", range(5))
-    # A character has arrived when it is over.
+    # A character has arrived at its end.
     spans = (
         (x + 1, command[1], "silence"),
         (command[3] + CHARACTER, command[4] + CHARACTER, "TzA"),
@@ -290,7 +290,7 @@ def sheet() -> str:
 
 
 def digest(svg: str) -> str:
-    """Give the last line of the PDF: which SVG it was made from. Readers of PDF pass it over."""
+    """Return the last line of the PDF: a digest of its SVG. PDF readers ignore it."""
     return f"% sheet.svg {hashlib.sha256(svg.encode()).hexdigest()}\n"
 
 

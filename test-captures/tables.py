@@ -16,7 +16,7 @@ HERE = Path(__file__).parent
 
 Table = dict[int, str]
 
-# What only a later packet can tell: there in the second pass, and in the first not.
+# Fields that only a later packet can tell: there in the second pass, not in the first.
 LATER = {
     "reaction_in",
     "sequence.whole_in",
@@ -42,7 +42,7 @@ def row(text: str) -> dict[str, str]:
 
 
 def shown(tshark: Tshark, capture: Path, fields: str, *options: str, prefix: str = "sis.") -> dict[int, dict[str, str]]:
-    """Tell what tshark shows of the fields, by frame; empty ones are left out."""
+    """Return the fields that tshark shows, by frame, without empty ones."""
     names = fields.split()
     columns = [option for name in names for option in ("-e", prefix + name)]
     lines = tshark.output("-r", str(capture), *options, "-T", "fields", *columns).splitlines()
@@ -56,7 +56,7 @@ def shown(tshark: Tshark, capture: Path, fields: str, *options: str, prefix: str
 def check(  # noqa: PLR0913
     tshark: Tshark, name: str, fields: str, experts: str, table: Table, *options: str, prefix: str = "sis."
 ) -> None:
-    """Compare NAME.pcapng with its table; without a prefix, fields have their whole names there."""
+    """Compare NAME.pcapng with its table; without a prefix, fields have their full names there."""
     for passes in ((), ("-2",)):
         wrong = []
         frames = shown(tshark, HERE / f"{name}.pcapng", f"{fields} {experts}", *passes, *options, prefix=prefix)

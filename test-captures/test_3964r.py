@@ -12,7 +12,7 @@ from tables import HERE
 
 ASKS, BOTH_ASK, GRANTS, NOT_READY, BLOCK, RECEIVED, REFUSED, NOTHING = range(8)
 
-PROCEDURE = {  # meaning, what it answers, try, and what else there is
+PROCEDURE = {  # meaning, the unit that it answers, attempt, and other fields
     1: (ASKS, None, 1, ""),
     2: (GRANTS, 1, None, "qvz.verdict=0"),
     3: (BLOCK, None, 1, "length=16 bcc=0xfe bcc.status=1 zvz.verdict=0"),
@@ -107,13 +107,13 @@ def test_the_telegrams(passes: tuple[str, ...], tshark: Tshark) -> None:
     rows = shown(tshark, "3964r", RK512_FIELDS, *passes)
     for number, row in enumerate(rows, 1):
         wanted = expected(RK512.get(number, ""))
-        if not passes:  # that is known only when it has come
+        if not passes:  # it is known only after it has come
             wanted.pop("synax.answer_in", None)
         assert with_experts(row, wanted) == wanted, f"frame {number}"
 
 
 def test_a_block_that_comes_again_takes_no_part(tshark: Tshark) -> None:
-    """Without the reaction between them the second of two equal blocks is the first one's repeat."""
+    """Without the reaction between them, the second of two equal blocks repeats the first."""
     rows = shown(tshark, "3964r-again", ["3964r.repeat_of", "3964r.try", "synax.pieces.count", "sis.data"])
     assert [row.get("3964r.repeat_of") for row in rows] == [None] * 6 + ["3"] + [None] * 9
     assert rows[-2]["synax.pieces.count"] == "2"
@@ -138,7 +138,7 @@ def test_the_cam_table_of_the_manual(tshark: Tshark) -> None:
 
 
 def test_response_times(tshark: Tshark) -> None:
-    """A reading and a writing, each answered 100 ms after its end; the block of inputs was not answered."""
+    """A read and a write, each answered 100 ms after its end; the block of inputs was not answered."""
     text = tshark.output("-q", "-z", "rk512i,srt", "-r", str(HERE / "3964r.pcapng"))
     rows = re.findall(r"^ +\d+ +(SEND|FETCH) +(\d+) +([\d.]+)", text, re.MULTILINE)
     assert rows == [("SEND", "1", "0.100000"), ("FETCH", "1", "0.100000")]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bad input is said to be bad, and nothing is left to Wireshark's own emergency exits."""
+"""Bad input is reported as bad, and never handled by Wireshark's own exceptions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import bad_input
 from sistap.sis import telegram
 from sistap.wireshark.tshark import Tshark
 
-# How many bytes the useful data have, from and to, by chapters 3 to 8 of the SIS definition.
+# Smallest and largest length of the useful data, from chapters 3 to 8 of the SIS definition.
 Limits = tuple[int, int]
 OPEN = 255
 
@@ -58,12 +58,12 @@ ERRORS = {0x02: (4, 4), 0x03: (4, 4)} | dict.fromkeys((0x10, 0x11, 0x1E, 0x1F), 
 
 
 def general(service: int) -> int:
-    """Give the general service that a service of a product group is like."""
+    """Return the general service that a service of a product group is like."""
     return 0x10 | service & 0x0F if service in TWINS else service
 
 
 def is_ident(control: bytes) -> bool:
-    """Tell whether the parameter control, if it is there, means the ident number."""
+    """Tell whether the parameter control, if present, means the ident number."""
     return bool(control) and control[0] >> 3 & 7 == 1
 
 
@@ -145,12 +145,12 @@ def reaction_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a t
 
 
 def has_elements(service: int, reaction: bool, body: bytes) -> bool:
-    """Tell whether this is a list that was executed, well or not."""
+    """Tell whether this is a list that was executed, successfully or not."""
     return service == 0x04 and not (reaction and body[:1] > b"\x01")
 
 
 def is_short(service: int, reaction: bool, body: bytes) -> bool:
-    """Tell whether something is missing; service 0x04 is as good as its elements, if it has any."""
+    """Tell whether something is missing; for service 0x04, also in its elements."""
     if not has_elements(service, reaction, body):
         limits = reaction_limits if reaction else command_limits
         return len(body) < limits(service, body)[0]
@@ -180,14 +180,14 @@ def is_further(rest: bytes, reaction: bool, before: bytes) -> bool:
 
 
 def has_further(reaction: bool, body: bytes) -> bool:
-    """Tell whether several subservices of 0x03 consume the body in one of the two layouts, and only in one."""
+    """Tell whether several subservices of 0x03 consume the body in exactly one of the two layouts."""
     head, limits = (1, reaction_limits) if reaction else (0, command_limits)
     rest, device = body[limits(0x03, body)[0] :], body[head : head + 1]
     return is_further(rest, reaction, b"") != is_further(rest, reaction, device)
 
 
 def is_long(service: int, reaction: bool, body: bytes) -> bool:
-    """Tell whether there is more than the service has; what follows the last element of a list is an element."""
+    """Tell whether the service has fewer bytes; bytes after the last element of a list are an element."""
     limits = reaction_limits if reaction else command_limits
     if service == 0x03 and has_further(reaction, body):
         return False
@@ -205,7 +205,7 @@ MISFITS = {name for name in EXPERTS if name.startswith(("body.m", "body.u", "len
 
 
 def dissect(tshark: Tshark, folder: Path, packets: Iterable[bad_input.Packet | bytes]) -> list[set[str]]:
-    """Give what is said of every packet, by name; both passes have to say the same, and nothing is an emergency."""
+    """Return tshark's statements on every packet, by name; both passes must agree, and no exception may occur."""
     capture = folder / "bad.pcapng"
     bad_input.write(capture, packets)
     first, second = (said(tshark, capture, *passes) for passes in ((), ("-2",)))
@@ -227,7 +227,7 @@ def said(tshark: Tshark, capture: Path, *passes: str) -> list[set[str]]:
 
 
 def judgement(data: bytes, experts: set[str]) -> str | None:
-    """Tell what is wrong in what is said of a telegram that may have too little or too much useful data."""
+    """Return the faults in the statements on a telegram that may have too little or too much useful data."""
     header = telegram.parse(data)
     telegram_is = [judge(header.service, header.reaction, header.body) for judge in (is_short, is_long)]
     has_note = bool({"body.unexpected", "body.note"} & experts)
@@ -240,7 +240,7 @@ def judgement(data: bytes, experts: set[str]) -> str | None:
     "reaction", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["commands", "reactions"]
 )
 def test_useful_data(reaction: bool, tshark: Tshark, tmp_path: Path) -> None:
-    """Commands and reactions apart, so that none of them belongs to another."""
+    """Commands and reactions separately, so that none belongs to another."""
     telegrams = list(bad_input.with_all_bodies(reaction))
     packets = dissect(tshark, tmp_path, telegrams)
     wrong = [judgement(*each) for each in zip(telegrams, packets, strict=True)]
@@ -257,7 +257,9 @@ def test_header_longer_than_the_telegram(tshark: Tshark, tmp_path: Path) -> None
 
 
 def test_cut_by_the_capture(tshark: Tshark, tmp_path: Path) -> None:
-    """What the capture has cut is not missing in the telegram; Wireshark itself says that the packet was limited."""
+    """Bytes that the capture has cut are not missing in the telegram; Wireshark itself reports that the packet was
+    limited.
+    """
     telegrams = bad_input.examples()
     whole = dict(zip(telegrams, dissect(tshark, tmp_path, telegrams), strict=True))
     cut = [(telegram, packet) for telegram in telegrams for packet in bad_input.snapped(telegram)]
@@ -275,7 +277,7 @@ def test_lengths_that_differ(tshark: Tshark, tmp_path: Path) -> None:
     assert all("length.differ" in experts for experts in dissect(tshark, tmp_path, bad))
 
 
-# Lists of service 0x04 with an element that is longer than what is there.
+# Lists of service 0x04 with an element longer than the available bytes.
 CUT_LISTS = ["FF", "FF 00", "02 10", "03 00 10 01 FF 10 3C", "FF FF", "04 00 10 01", "03 00 10 01 01"]
 
 
@@ -302,7 +304,7 @@ def test_list_segment_that_claims_more_or_less(tshark: Tshark, tmp_path: Path) -
 
 
 def test_sercos_list_that_claims_more(tshark: Tshark, tmp_path: Path) -> None:
-    """Its two lengths are taken for lengths only where they fit; else all is data, and nothing is wrong."""
+    """Its two lengths count as lengths only if they fit; otherwise everything is data, without a fault."""
     claims = [(0xFFFF, 0xFFFF), (5, 4), (3, 4), (4, 3), (4, 0)]  # of 4 bytes
     names = [actual.to_bytes(2, "little") + maximum.to_bytes(2, "little") + b"Name" for actual, maximum in claims]
     names += [b"\x04\x00\x04\x00Nam", b"\x04\x00\x04", b"\x00"]
@@ -344,7 +346,7 @@ def covered(packet: ElementTree.Element) -> tuple[int, set[int]]:
 
 
 def test_no_byte_vanishes(tshark: Tshark, tmp_path: Path) -> None:
-    """Of every service, any body: all bytes are those of a field, be it sis.raw."""
+    """For every service and any body, all bytes belong to a field, possibly sis.raw."""
     chance = random.Random(5)
     telegrams = [
         telegram.build(service, 16, 3, chance.randbytes(chance.randrange(40)), reaction=reaction)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Useful data: every telegram with a line `fields` under it has these fields, and no others of those named here."""
+"""Useful data: every telegram with a line `fields` below it has exactly these fields, of those named here."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ SCENARIOS = {path: Scenario(path) for path in scenarios()}
 
 
 def shown(tshark: Tshark, path: Path, *passes: str) -> list[dict[str, str]]:
-    """Give every packet's fields as tshark prints them; of an expert item how often it is there."""
+    """Return every packet's fields as tshark prints them; for an expert item how often it is there."""
     names = FIELDS + EXPERTS + DETAILS
     options = [option for name in names for option in ("-e", f"sis.{name}")]
     command = ("-r", str(path.with_suffix(".pcapng")), *SCENARIOS[path].options, "-T", "fields", *options)
@@ -57,7 +57,7 @@ def compared(packet: dict[str, str], item: Item) -> dict[str, str]:
 
 
 def expected(item: Item) -> dict[str, str]:
-    """Give what the item's `fields` line says; an expert item is there once if it does not say more."""
+    """Return the item's `fields` line; an expert item is there once unless it gives a number."""
     return {name: value or "1" if name in EXPERTS else value for name, value in item.expected.items()}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A warning of a new compiler stops whoever develops the plugin, never whoever only builds it."""
+"""A warning of a new compiler stops developers of the plugin, never those who only build it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_the_version_is_that_of_the_python_package(tmp_path: Path) -> None:
 
 
 def test_the_plugin_is_hardened() -> None:
-    """As Debian hardens its programs: calls are bound when it is loaded, and those with a known size are checked."""
+    """Hardened as Debian's programs: calls are bound at load time, and those with a known size are checked."""
     plugin = next(Path(os.environ["WIRESHARK_PLUGIN_DIR"]).rglob("sis.so"))
     said = {option: readelf(plugin, option) for option in ("--dynamic", "--dyn-syms")}
     assert "BIND_NOW" in said["--dynamic"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every capture is what its text makes, and dissects to what is expected."""
+"""Every capture matches its text, and dissects to the expected result."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ LATER = {f"sis.{name}" for name in LATER_NAMES} | LATER_ELSEWHERE
 
 
 def fields(element: ElementTree.Element) -> Iterator[str]:
-    """Give all fields of a PDML packet with what they show, but those of LATER and the expert items made of them."""
+    """Return all fields of a PDML packet with their text, except those of LATER and the expert items made of them."""
     for field in element:
         is_expert = field.get("name") == "_ws.expert" and any(child.get("name") in LATER for child in field)
         if field.get("name") not in LATER and not is_expert:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every code and its text: tables written by hand from the documents, against names.c and what tshark shows.
+"""Every code and its text: tables written by hand from the documents, compared with names.c and tshark's output.
 
 Figures and chapters are those of the SIS definition, DOK-GENERL-SIS-DEFINIT-IF02.
 """
@@ -30,7 +30,7 @@ class Packet(NamedTuple):
 
 
 class Table(NamedTuple):
-    """A table of a document, and where tshark shows its codes."""
+    """A table of a document, and the place where tshark shows its codes."""
 
     name: str  # in names.c; "" where the text is made elsewhere
     size: int  # codes, or ranges of codes, that the documents print
@@ -44,7 +44,7 @@ class Table(NamedTuple):
 
 
 def ranges(*rows: tuple[int, int, str]) -> dict[int, str]:
-    """Give each code of the ranges its text; the first row that fits holds."""
+    """Return the text of each code of the ranges; the first row that fits applies."""
     texts: dict[int, str] = {}
     for first, last, text in rows:
         for code in range(first, last + 1):

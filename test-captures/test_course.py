@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the lessons of the course claim is so, and each is built as the others are."""
+"""The claims of the lessons are true, and all lessons have the same structure."""
 
 from __future__ import annotations
 
@@ -238,7 +238,7 @@ def test_lesson_is_whole(path: Path) -> None:
 
 @every_lesson
 def test_every_answer_has_a_claim(path: Path) -> None:
-    """What no claim holds may go stale."""
+    """An answer without a claim may become wrong unnoticed."""
     text = path.read_text()
     claimed = [claim.line for claim in claims(path)]
     for answer in ANSWER.finditer(text):

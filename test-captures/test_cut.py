@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Telegrams, records and files that end anywhere."""
+"""Telegrams, records and files with any end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sistap.wireshark.tshark import Tshark
 
 
 def dissect(tshark: Tshark, dissector: str, packets: list[bytes], folder: Path) -> list[str]:
-    """Give the protocol and info columns of packets handed to a dissector by name."""
+    """Return the protocol and info columns of packets handed to a dissector by name."""
     capture = folder / "cut.pcapng"
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "cut")
     blocks = [pcapng.section_header("", ""), pcapng.interface_description(interface)]
@@ -48,7 +48,7 @@ def test_every_beginning_of_every_record(tshark: Tshark, tmp_path: Path) -> None
 # Of the last packet: nothing, half a word, its head, some of its data, and all but a byte.
 @pytest.mark.parametrize("ends", [(0, 2, 8, 30, -1), pytest.param(None, marks=pytest.mark.thorough)])
 def test_capture_file_cut_in_a_packet(ends: tuple[int, ...] | None, tshark: Tshark, tmp_path: Path) -> None:
-    """A capture that ends in the middle opens up to its last whole packet; `ends` is every byte if None."""
+    """A capture that is cut off opens up to its last whole packet; `ends` is every byte if None."""
     whole = (HERE / "user0.pcapng").read_bytes()
     blocks = []
     offset = 0

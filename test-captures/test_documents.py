@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every link of the documents leads somewhere, and every field that they name exists."""
+"""Every link in the documents leads somewhere, and every field that they name exists."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_links(path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def names(tshark: Tshark) -> set[str]:
-    """All names that may be typed: fields, preferences and tables of dissectors."""
+    """Return all names that may be typed: fields, preferences and tables of dissectors."""
     preferences = re.findall(rf"^#?({PROTOCOLS}[.]\w+):", tshark.output("-G", "currentprefs"), re.MULTILINE)
     reports = [tshark.output("-G", report).splitlines() for report in ("fields", "dissector-tables")]
     fields, tables = ([line.split("\t") for line in report] for report in reports)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands, reactions, repeats and routed telegrams: what belongs together, worked out by hand from the facts."""
+"""Commands, reactions, repeats and routed telegrams: their relations, worked out by hand from the facts."""
 
 from __future__ import annotations
 
@@ -294,7 +294,7 @@ def test_sections_are_buses_of_their_own(tshark: Tshark) -> None:
 
 
 def check_many_routes(tshark: Tshark, count: int, capture: Path) -> None:
-    """Let commands wait for their routers; the first and the last of them are passed on, each only once."""
+    """Make commands wait for their routers; the first and the last of them are routed on, once each."""
     routes = [bytes(1 + number // 120**place % 120 for place in range(3)) for number in range(count)]
     waiting = [build(0x12, 16, 3, subaddresses=route) for route in routes]
     passed_on = [build(0x12, 3, route[0], subaddresses=route[1:]) for route in (routes[0], routes[-1])]
@@ -308,5 +308,5 @@ def check_many_routes(tshark: Tshark, count: int, capture: Path) -> None:
 @pytest.mark.thorough
 @pytest.mark.timeout(120)
 def test_many_commands_wait_for_their_routers(tshark: Tshark, tmp_path: Path) -> None:
-    """Looking through all of them for every command would take minutes."""
+    """Searching all of them for every command would take minutes."""
     check_many_routes(tshark, 100_000, tmp_path / "many.pcapng")

@@ -81,7 +81,7 @@ def test_sections_are_apart(tshark: Tshark, tmp_path: Path, folder: Path) -> Non
 
 
 def programmed(station: int, address: int, data: bytes) -> bytes:
-    """Make the command that programs a piece of flash memory."""
+    """Return the command that programs a piece of flash memory."""
     return build(0x02, 16, station, b"\x03\x96" + address.to_bytes(4, "little") + b"\x04" + data)
 
 
@@ -89,7 +89,7 @@ Piece = tuple[int, int, bytes]  # station, address, data
 
 
 def put_together(pieces: Iterable[Piece]) -> dict[str, bytes]:
-    """Put pieces into the first memory that they begin in or directly behind, or else begin another."""
+    """Put each piece into the first memory that it begins in or directly after, else begin another."""
     memories: list[tuple[int, int, bytearray]] = []
     for station, address, data in pieces:
         for owner, begin, memory in memories:
@@ -126,7 +126,7 @@ def test_memory_is_put_together(seed: int, tshark: Tshark, tmp_path: Path, folde
 @pytest.mark.timeout(120)
 @pytest.mark.parametrize(("distance", "objects"), [(200, 1), (300, 10_000)], ids=["in_a_row", "apart"])
 def test_many_pieces(distance: int, objects: int, tshark: Tshark, tmp_path: Path, folder: Path) -> None:
-    """Looking through all objects for every piece would take minutes."""
+    """Searching all objects for every piece would take minutes."""
     write(tmp_path / "many.pcapng", (programmed(3, number * distance, bytes(200)) for number in range(10_000)))
     found = exported(tshark, tmp_path / "many.pcapng", folder)
     assert len(found) == objects
@@ -134,7 +134,7 @@ def test_many_pieces(distance: int, objects: int, tshark: Tshark, tmp_path: Path
 
 
 def test_list_that_is_emptied_without_a_word(tmp_path: Path, folder: Path) -> None:
-    """sharkd fills the same list each time it is asked, and frees the objects of before."""
+    """sharkd fills the same list for each request, and frees the earlier objects."""
     scenario, capture, asked = folder / "objects.txt", folder / "objects.pcapng", tmp_path / "asked"
     scenario.write_text(SCENARIO)
     capture.write_bytes(Scenario(scenario).capture())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A capture may claim any time: all of it is dissected, and a time too far away counts as the nearest that is not."""
+"""A capture may claim any time: everything is dissected, and too far a time counts as the nearest valid one."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Display filters people will type, and what they find."""
+"""Display filters that users will type, and their matches."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ HERE = Path(__file__).parent
     ],
 )
 def test_filter(capture: str, display_filter: str, frames: list[int], sharkd: Sharkd) -> None:
-    """In a list, where the tree is not shown: a dissector may leave out what nobody asked for, and no more."""
+    """In a list without a tree, a dissector may leave out only what is not needed."""
     assert sharkd.frames(HERE / f"{capture}.pcapng", display_filter) == frames
 
 
@@ -101,7 +101,7 @@ def test_filter_with_options(capture: str, display_filter: str, frames: list[int
 
 
 def test_nothing_before_the_first_telegram_becomes_sis(tshark: Tshark) -> None:
-    """In the second pass TCP knows that the stream is SIS; what came before it still is not."""
+    """In the second pass TCP knows that the stream is SIS, but bytes before it are not."""
     path = str(HERE / "tcp-resync.pcapng")
     for passes in ([], ["-2"]):
         found = tshark.output("-r", path, *passes, "-Y", "frame.number == 1 && sis")
@@ -109,14 +109,14 @@ def test_nothing_before_the_first_telegram_becomes_sis(tshark: Tshark) -> None:
 
 
 def test_damaged_telegrams_make_no_stations(tshark: Tshark) -> None:
-    """2 and 8 stand only in damaged.txt's telegrams with a wrong checksum, or as subaddresses."""
+    """2 and 8 occur only in telegrams of damaged.txt with a wrong checksum, or as subaddresses."""
     table = tshark.output("-r", str(HERE / "damaged.pcapng"), "-q", "-z", "endpoints,sis")
     stations = {line.split()[0] for line in table.splitlines() if line[:1].isdigit()}
     assert stations == {"3", "16", "127", "128", "144", "168", "200", "254", "255"}
 
 
 def test_cut_by_snaplen_the_telegram_is_still_there(tshark: Tshark, tmp_path: Path) -> None:
-    """60 bytes of a packet: telegram 2-10 is whole, its times are not."""
+    """With 60 bytes of a packet, telegram 2-10 is whole, but its times are missing."""
     cut = tmp_path / "cut.pcapng"
     subprocess.run(["editcap", "-s", "60", str(HERE / "specification.pcapng"), str(cut)], check=True)
     found = tshark.output("-r", str(cut), "-Y", "sis.checksum.status == 1", "-T", "fields", "-e", "frame.number")
@@ -145,7 +145,7 @@ def test_tcp_heuristic_can_be_switched_off_and_decode_as_still_works(
 
 
 def test_framing_can_be_decoded_as(tshark: Tshark) -> None:
-    """Framing 42 is nobody's: Decode As gives it to SIS."""
+    """Nobody uses framing 42: Decode As assigns it to SIS."""
     path = str(HERE / "records.pcapng")
     decoded = tshark.output("-r", path, "-d", "sertap.framing==42,sis", "-Y", "frame.number==26")
     assert "SIS" in decoded

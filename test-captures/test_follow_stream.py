@@ -39,7 +39,7 @@ STREAMS = {1: 0, 2: 0, 3: 1, 4: 1, 5: 2, 6: None, 7: 0, 8: 0, 9: None}
 
 @pytest.fixture
 def capture() -> Iterator[Path]:
-    """Make the capture where nobody can read it too: tshark and sharkd may run so."""
+    """Make the capture where any user can read it: tshark and sharkd may run as another user."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         folder.chmod(0o755)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The layers of the plugin: every file uses only those that stand before it in the list of plugin/README.md.
+"""The layers of the plugin: every file uses only those before it in the list of plugin/README.md.
 
-Two proofs: what a file includes, and which symbols its compiled object takes from which other object.
+Two proofs: the includes of a file, and the symbols that its compiled object takes from other objects.
 """
 
 from __future__ import annotations
@@ -85,6 +85,6 @@ def test_symbols_look_down(file: str, owners: dict[str, str]) -> None:
 
 @pytest.mark.parametrize("family", ["parameters", "sertap"])
 def test_a_family_below_knows_no_telegram(family: str) -> None:
-    """Other transports use these without SIS."""
+    """Other transports use these families without SIS."""
     used = {other.split("/")[0] for file in FILES if file.startswith(f"{family}/") for other in included(file)}
     assert used <= {family, "compat"}

@@ -26,13 +26,13 @@ def test_services() -> None:
 
 
 def test_single_services_come_first() -> None:
-    """The first entry that fits names a service."""
+    """The first entry that fits gives a service its name."""
     singles = [first == last for first, last, _ in table("sis_services")]
     assert singles == sorted(singles, reverse=True)
 
 
 def test_every_code_has_a_text() -> None:
-    """No code of a byte may be shown as unknown where a document names its range."""
+    """No code of a byte may be shown as unknown if a document names its range."""
     for name in ("sis_services", "sis_status"):
         covered = {code for first, last, _ in table(name) for code in range(first, last + 1)}
         assert covered == set(range(256)), name

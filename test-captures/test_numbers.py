@@ -28,7 +28,9 @@ def german() -> Iterator[dict[str, str]]:
 
 
 def test_tshark_speaks_german(german: dict[str, str], tshark: Tshark) -> None:
-    """Else the other tests here would prove nothing. Rates and percents of a statistics tree are Wireshark's own."""
+    """Otherwise the other tests here would prove nothing. Rates and percents of a statistics tree are Wireshark's
+    own.
+    """
     arguments = ("-r", str(HERE / "statistics.pcapng"), "-q", "-z", "sis,tree")
     assert re.search(r"\d,\d\d%", locales.said(tshark, german, *arguments))
 

@@ -294,7 +294,7 @@ def numbers(row: str) -> list[float]:
 
 
 def test_each_value_that_is_a_number_is_one(tshark: Tshark) -> None:
-    """Without a unit, once for each element of a list, as a person reads it."""
+    """Without a unit, once for each element of a list, as displayed."""
     found = shown(tshark, HERE / "values.pcapng", "value.number")
     for frame, cells in found.items():
         expected = numbers(VALUES.get(frame, ""))

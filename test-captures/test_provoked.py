@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Every error code of names.c: provoked at a station of the virtual bus, and shown by tshark with its text.
 
-A code that is new there and has no way to be provoked here fails.
+A new code without a way to provoke it here fails.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MS = 1_000_000
 SEND_NS = 50 * MS  # from one telegram to the next
 
 Step = tuple[int, str]  # service, body in hex
-LATER = (0x00, "03 01")  # anything, at a later time: half a second passes before each step
+LATER = (0x00, "03 01")  # any command at a later time: half a second passes before each step
 
 
 class Way(NamedTuple):
@@ -55,7 +55,7 @@ def write(header: str, data: str) -> Way:
     return drive((0x1F, f"{header} {data}"))
 
 
-# Without a natural reason on this bus: a scenario asks for the code (the key `refuse` of a station or a parameter).
+# Nothing on this bus causes it: a scenario requests the code (the key `refuse` of a station or a parameter).
 ASKED_STATUS = (0x03, 0xEF, 0xF3, 0xF5, 0xF7, 0xFD, 0xFF)
 ASKED_PARAMETER = (
     0x0000,
@@ -210,7 +210,7 @@ def capture(telegrams: list[bytes]) -> bytes:
 
 @cache
 def labels(tshark: Tshark, folder: Path) -> dict[tuple[str, int], list[str]]:
-    """Tell what tshark shows of status and error code of the last reaction of each provocation."""
+    """Return tshark's status and error code of the last reaction of each provocation."""
     path = folder / "provoked.pcapng"
     runs = [exchanges(*provoked) for provoked in PROVOKED]
     path.write_bytes(capture([telegram for run in runs for telegram in run]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Random telegrams, as the plugin shows them and as a decoder made from the documents alone (`reference.py`) does."""
+"""Compares random telegrams in the plugin and in a decoder made from the documents alone (`reference.py`)."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from sistap.wireshark.tshark import Tshark
 PREFIX = len(upper_pdu("sis", b""))
 MS = 10**6  # ns
 
-# Services with a body that is known are more frequent; of parameters the element, too.
+# Services with a known body are more frequent; so is the element of parameters.
 KNOWN = [*reference.COMMANDS, 0x01, *reference.SAME] * 4 + [0x00, 0x02, 0x03, 0x04, 0x10, 0x1F] * 8
 STATUSES = [0] * 20 + [1, 1, 1, 2, 2, 3, 0xEF, 0xF0, 0xF1, 0xF4, 0xF8, 0xFA, 0xFF]
 CONTROLS = [0x3C] * 6 + [element << 3 | 4 for element in (*range(8), 1, 2, 3, 3, 4)] + [0x38, 0x38, 0x10]
 
-# Fields whose place and value are compared, and those of which only the value is known.
+# Fields whose place and value are compared, and those with a known value only.
 NAMES = {
     *"start checksum length length_repeat control service sender receiver subaddress number status device".split(),
     *"subservice error raw data text version firmware type_key init.baud_mask canceled_service flash.address".split(),
@@ -55,7 +55,7 @@ class Exchange(NamedTuple):
 
 
 class Options(TypedDict):
-    """What a telegram has beside service, stations and body."""
+    """The properties of a telegram besides service, stations and body."""
 
     subaddresses: bytes
     number: int | None
@@ -143,7 +143,7 @@ def _odd(rng: random.Random, body: bytes) -> bytes:
 
 
 def _damaged(rng: random.Random, telegram: bytes) -> bytes:
-    """Make a telegram that nobody may understand."""
+    """Make a telegram that no station may understand."""
     at = rng.choice((0, 1, 2, 3, -1))
     changed = bytearray(telegram)
     changed[at] ^= rng.randrange(1, 256)
@@ -160,7 +160,7 @@ def _short_header(rng: random.Random, service: int, sender: int, receiver: int) 
 
 
 def _exchange(rng: random.Random, index: int, system: int) -> Iterator[Exchange]:
-    """Make a command and mostly its reaction; every index has its own two stations, so that exchanges do not mix."""
+    """Make a command and usually its reaction; every index has its own two stations, so that exchanges do not mix."""
     sender, receiver = divmod(index * 7919 % 14400, 120)
     service = rng.choice(KNOWN) if rng.random() < 0.85 else rng.randrange(256)
     if rng.random() < 0.06:
@@ -192,7 +192,7 @@ def _exchange(rng: random.Random, index: int, system: int) -> Iterator[Exchange]
 
 
 def exchanges(seed: str, count: int) -> list[Exchange]:
-    """Make so many telegrams."""
+    """Make that many telegrams."""
     rng = random.Random(seed)
     made: list[Exchange] = []
     for index in range(count):

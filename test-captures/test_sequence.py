@@ -171,7 +171,7 @@ PIECE = 236  # bytes of data in each reaction (chapter 8.2)
 
 
 def long_list() -> bytes:
-    """Give the longest list there is: its two length words, then single bytes."""
+    """Return the longest list there is: its two length words, then single bytes."""
     words = (LONGEST - 4).to_bytes(2, "little") * 2
     return words + bytes(i % 251 for i in range(LONGEST - 4))
 

@@ -39,7 +39,7 @@ def text(name: str, value: str) -> str:
 
 
 def table(scenario: Scenario) -> Table:
-    """Give what the `fields` lines say."""
+    """Return what the `fields` lines say."""
     return {
         number: "; ".join(text(*field) for field in item.expected.items())
         for number, item in enumerate(scenario.items, 1)

@@ -50,7 +50,7 @@ class Sent(NamedTuple):
 
 
 def near(limit_ns: int, uncertainty_ns: int, random: Random) -> int:
-    """Give a time that a judge of this limit finds hard, or any."""
+    """Return a time that a judge of this limit finds hard, or any."""
     if random.random() < 0.5:
         return int(limit_ns * random.choice((0.5, 1, 2, 8)) * random.random())
     return limit_ns + random.choice((0, 0, 1, -1)) * uncertainty_ns + random.choice((0, 1, -1, -MS // 10, MS // 10))
@@ -93,7 +93,7 @@ def capture_of(made: Sequence[Record], path: Path) -> None:
 
 
 def longest(arrivals: Sequence[int]) -> int:
-    """Give the longest interval."""
+    """Return the longest interval."""
     return max(later - earlier for earlier, later in itertools.pairwise(arrivals))
 
 
@@ -111,7 +111,7 @@ def believable(record: Record, one: Sent) -> None:
 
 
 def judged(made: Sequence[Record], sent: Sequence[Sent]) -> list[dict[str, tuple[set[int], int]]]:
-    """Give the right verdicts of each telegram and the true one, by limit; every second is a reaction."""
+    """Return the right verdicts of each telegram and the true one, by limit; every second is a reaction."""
     right = []
     for number, (record, one) in enumerate(zip(made, sent, strict=True)):
         believable(record, one)
@@ -124,7 +124,7 @@ def judged(made: Sequence[Record], sent: Sequence[Sent]) -> list[dict[str, tuple
 
 
 def dissected(tshark: Tshark, capture: Path) -> list[dict[str, str]]:
-    """Give what tshark shows of each telegram, the same in one pass and in two."""
+    """Return what tshark shows of each telegram, the same in one pass and in two."""
     options = ("-o", f"sis.tza_ms:{TZA_MS}", "-o", f"sis.trs_ms:{TRS_MS}")
     fields = "tza.verdict trs.verdict tza.interval_max tza.position"
     once, twice = (shown(tshark, capture, fields, *passes, *options) for passes in ((), ("-2",)))

@@ -53,7 +53,7 @@ class Bus:
             random.choice((self._set, self._set, self._poll))(address)
 
     def _say(self, text: str, address: int, *, damaged: bool = False) -> int:
-        """Say a telegram; gives its number. Nothing certain is known of a damaged one, nor of who is in a group."""
+        """Say a telegram; return its number. Nothing certain is known of a damaged one, nor of who is in a group."""
         self._number += 1
         self.lines += [text, "byte 2 0x00"] if damaged else [text]
         station = self._stations[ALL if damaged or address == GROUP else address]
@@ -83,7 +83,7 @@ class Bus:
 
 
 def shown_as(limits: Values) -> dict[str, str]:
-    """Give the fields of these limits."""
+    """Return the fields of these limits."""
     times = {f"{name}.limit": f"{milliseconds / 1000:.9f}" for name, (milliseconds, _) in limits.items()}
     return times | {f"{name}.set_in": str(number) for name, (_, number) in limits.items()}
 

@@ -41,12 +41,12 @@ def record(port: str, capture: Path) -> None:
 
 
 def telegrams(tshark: Tshark, capture: Path) -> list[dict[str, str]]:
-    """Give what tshark says of the telegrams."""
+    """Return what tshark says of the telegrams."""
     return [cells for cells in shown(tshark, capture, FIELDS).values() if "checksum" in cells]
 
 
 def judge(found: Sequence[dict[str, str]], sent: Sequence[bytes], paused: Sequence[bool]) -> list[tuple[int, int]]:
-    """Check who has limits, and that no verdict is against the truth; give each verdict of TzA with the true one."""
+    """Check who has limits, and that no verdict is against the truth; return each verdict of TzA with the true one."""
     accepted_at = sent.index(ACCEPT)
     verdicts = []
     for number, (cells, telegram, pause) in enumerate(zip(found, sent, paused, strict=True)):
@@ -66,7 +66,7 @@ def judge(found: Sequence[dict[str, str]], sent: Sequence[bytes], paused: Sequen
 
 @contextmanager
 def running(*options: str) -> Iterator[str]:
-    """Run `sistap bus`; gives its name."""
+    """Run `sistap bus`; return its name."""
     process = subprocess.Popen([*SISTAP, "bus", *options], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout
@@ -94,7 +94,7 @@ def test_the_virtual_bus(most: int, tshark: Tshark, tmp_path: Path) -> None:
 
 @contextmanager
 def tapped(reads: Sequence[Read]) -> Iterator[str]:
-    """Be a bus at a socket that delivers these reads to the first tap; gives its name."""
+    """Be a bus at a socket that delivers these reads to the first tap; return its name."""
     with socket.create_server(("127.0.0.1", 0)) as listener:
 
         def deliver() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Stations that answer at a pseudo terminal, in real time or so many times as fast; prints the terminal's name.
+"""Stations that answer at a pseudo terminal, in real time or faster by a factor; prints the terminal's name.
 
 python3 answering_bus.py SPEED BAUD
 """

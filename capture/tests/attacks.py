@@ -23,7 +23,7 @@ MARK = "attack"
 
 
 def known() -> Iterator[tuple[str, str]]:
-    """Yield each attack and what is to come of it, as the tests say them."""
+    """Yield each attack and its expected result, as the tests state them."""
     for file in sorted(file for folder in FOLDERS for file in folder.glob("test_*.py")):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == MARK:
@@ -32,7 +32,7 @@ def known() -> Iterator[tuple[str, str]]:
 
 
 class Table:
-    """A plugin of pytest that remembers what came of each attack."""
+    """A pytest plugin that records the result of each attack."""
 
     def __init__(self) -> None:
         """Nothing was tried."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A SIS master at a terminal, from the specification alone (chapters 2, 6 and 8): nothing of sistap is in it."""
+"""A SIS master at a terminal, from the specification alone (chapters 2, 6 and 8), without code of sistap."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class NoReaction(Exception):
 
 
 class Client:
-    """Sends commands and takes reactions apart; what is wrong with one is an AssertionError."""
+    """Sends commands and parses reactions; a fault in one is an AssertionError."""
 
     def __init__(self, terminal: str, tza_s: float, trs_s: float, twm_s: float, repeats: int) -> None:
         """Open the terminal. TwM passes before a command is repeated."""
@@ -46,7 +46,7 @@ class Client:
         os.close(self._port)
 
     def send(self, service: int, receiver: int, body: bytes, route: bytes = b"", number: int | None = None) -> bytes:
-        """Send a command; gives its first eight bytes, with what a reaction has to repeat of the rest."""
+        """Send a command; return its first eight bytes, and what a reaction must repeat of the rest."""
         control = len(route) | (0x08 if number is not None else 0)
         rest = route + (bytes([number]) if number is not None else b"")
         length = len(rest) + len(body)
@@ -57,12 +57,14 @@ class Client:
         return bytes([control | 0x10, service, ADDRESS, receiver]) + rest
 
     def tell(self, service: int, receiver: int, body: bytes) -> None:
-        """Send a command for several; nobody answers, and the next one waits until they could have (chapter 10.3)."""
+        """Send a command for several stations; nobody answers, and the next command waits until they could have
+        (chapter 10.3).
+        """
         self.send(service, receiver, body)
         time.sleep(self._trs_s)
 
     def ask(self, service: int, receiver: int, body: bytes, route: bytes = b"", number: int | None = None) -> bytes:
-        """Send a command, again if nothing comes; gives the body of the reaction."""
+        """Send a command, again if nothing comes; return the body of the reaction."""
         expected = self.send(service, receiver, body, route, number)
         repeats = self._repeats
         while not select.select([self._port], [], [], self._twm_s)[0]:
@@ -85,5 +87,5 @@ class Client:
 
 
 def parameter(number: int, device: int, element: int = DATA, last: bool = True) -> bytes:
-    """Make the useful data header for a parameter of a drive; bit 15 of the number says S or P."""
+    """Return the useful data header for a parameter of a drive; bit 15 of the number selects S or P."""
     return bytes([element << 3 | last << 2, device, 0, number & 0xFF, number >> 8])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A command of sistap as a process of its own, and how it refuses.
+"""Runs a command of sistap in a process of its own, and checks how it refuses.
 
-The process is a fork of one that has sistap and matplotlib loaded: to load them takes longer than most commands. On
-Windows, which has no fork, it is a new one.
+The process is a fork of one that has imported sistap and matplotlib, because importing takes longer than most commands.
+Windows has no fork, so there it is a new process.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ if sys.platform != "win32":
 
 
 def run(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run `sistap` in a folder, with nothing to read; never a traceback."""
+    """Run `sistap` in a folder without input; check that there is no traceback."""
     return _as_text(run_with(folder, b"", *arguments, **environment))
 
 
 def run_with(
     folder: Path, stdin: bytes, *arguments: str | Path, **environment: str
 ) -> subprocess.CompletedProcess[bytes]:
-    """Run `sistap` in a folder, with this on standard input; never a traceback."""
+    """Run `sistap` in a folder with this standard input; check that there is no traceback."""
     words = list(map(str, arguments))
     if sys.platform == "win32":
         return _run_new(folder, stdin, words, environment)
@@ -60,7 +60,7 @@ def run_with(
 
 
 def run_anew(folder: Path, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run `sistap` in a new interpreter, for what matters while modules are loaded."""
+    """Run `sistap` in a new interpreter, for effects of importing."""
     return _as_text(_run_new(folder, b"", list(map(str, arguments)), environment))
 
 
@@ -86,7 +86,7 @@ def _run_new(
 
 
 def _main(folder: Path, arguments: list[str], environment: dict[str, str], files: list[Path]) -> None:
-    """Be sistap: what a new interpreter would have made of its surroundings, made again."""
+    """Run sistap after restoring what a new interpreter sets up."""
     assert sys.platform != "win32"
     for descriptor, file in enumerate(files):
         with file.open("wb" if descriptor else "rb") as stream:
@@ -106,7 +106,7 @@ def _main(folder: Path, arguments: list[str], environment: dict[str, str], files
 
 
 def refused(done: subprocess.CompletedProcess[str], code: int, *words: str) -> None:
-    """It said one line, with these words, and nothing else."""
+    """Check that it printed one line with these words, and nothing else."""
     assert done.returncode == code
     assert done.stdout == ""
     assert done.stderr.startswith("sistap: ")

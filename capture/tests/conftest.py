@@ -42,7 +42,7 @@ def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> 
 
 @pytest.fixture(scope="session")
 def sharkd() -> Iterator[Sharkd]:
-    """Run sharkd, which has to have the plugin."""
+    """Run sharkd, which must have the plugin."""
     if WINDOWS:
         pytest.skip("the sharkd here knows no paths of Windows")
     with Sharkd() as program:
@@ -52,7 +52,7 @@ def sharkd() -> Iterator[Sharkd]:
 
 @pytest.fixture(autouse=True)
 def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A state folder (XDG_STATE_HOME) of the test's own, empty."""
+    """An empty state folder (XDG_STATE_HOME) for the test."""
     folder = tmp_path_factory.mktemp("state")
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
     monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", folder / "sistap")
@@ -74,7 +74,7 @@ def full() -> Path:
 
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
-    """Put back what a command run in this process does to the handlers."""
+    """Restore the signal handlers after a command has run in this process."""
     handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
     yield
     for number, handler in handlers:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A partner of procedure 3964R, written after Siemens' description alone: nothing of sistap is in it.
+"""A partner of procedure 3964R, written from Siemens' description alone, without code of sistap.
 
-It is on a line of text: say() gives what it sends, hear() takes what came. One character takes a millisecond.
+Its line is text: say() returns what it sends, hear() takes what came. One character takes a millisecond.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ class Imported(NamedTuple):
 
 @contextmanager
 def _each_reading_once() -> Iterator[None]:
-    """Answer from memory where tshark is asked the same of the same capture: an import reads a USB capture twice."""
+    """Answer repeated identical queries of a capture from memory: an import reads a USB capture twice."""
     said: dict[tuple[bytes, tuple[str, ...]], list[str]] = {}
     ask = Tshark.lines
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Capture files read by somebody else's reader (python-pcapng), which is not wrong in the way that ours may be."""
+"""Reads capture files with an independent reader (python-pcapng), which does not share the faults of ours."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def blocks(path: Path) -> list[Any]:
 
 
 def packets(path: Path) -> list[Packet]:
-    """Return all packets of a file, which have to be records."""
+    """Return all packets of a file, which must be records."""
     return [_packet(block) for block in blocks(path) if isinstance(block, EnhancedPacket)]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tests need of this system, where Windows has not got it: why a test, or a whole file, cannot run there."""
+"""What tests need from the system and Windows lacks: why a test, or a whole file, cannot run there."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SI
 
 
 def posix(reason: str) -> pytest.MarkDecorator:
-    """Mark what Windows cannot run; `reason` says what it has not."""
+    """Mark what Windows cannot run; `reason` names what it lacks."""
     return pytest.mark.skipif(WINDOWS, reason=f"not on Windows: {reason}")
 
 
@@ -54,7 +54,7 @@ def take_over_zone() -> None:
 
 
 def lacking(file: Path, system: str = sys.platform) -> str:
-    """Say what a file of tests needs and Windows has not; nothing if it can run. Elsewhere it is an error."""
+    """Return what a file of tests needs and Windows lacks; empty if it can run. On other systems this is an error."""
     if system != "win32":
         return ""
     if file.name in _REASONS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A pseudo terminal that is taken for a real port, with a driver that knows formats."""
+"""A pseudo terminal that poses as a real port, with a driver that supports formats."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from sistap.line import ports
 
 
 class Driver:
-    """The driver of a real port in place of a pseudo terminal's: that one knows no format."""
+    """The driver of a real port instead of a pseudo terminal's, which supports no format."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, size: int | None = None) -> None:
-        """`size` is the only number of data bits that it takes, without saying so."""
+        """`size` is the only number of data bits that it accepts; it silently ignores others."""
         monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("CP2102", "cp210x"))
         monkeypatch.setattr(termios, "tcsetattr", self._set)
         monkeypatch.setattr(termios, "tcgetattr", self._get)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The wire of a virtual bus as samples, and the real sigrok-cli that reads them in place of an analyser's."""
+"""The wire of a virtual bus as samples, and the real sigrok-cli that reads them instead of an analyser's."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ exec %s -i - -I binary:numchannels=8:samplerate=$rate "$@" < %s
 
 
 class Sent(NamedTuple):
-    """A character on the wire: when the middle of its stop bit is, and what is wrong with it."""
+    """A character on the wire: the middle of its stop bit, and its faults."""
 
     time_ns: Fraction
     value: int
@@ -40,7 +40,7 @@ class Sent(NamedTuple):
 
 
 def levels(character: Sent) -> list[int]:
-    """Start bit, data, parity, stop bit; a break is all low."""
+    """Return start bit, data, parity, stop bit; a break is low throughout."""
     settings = character.settings
     if character.flag & Flag.BREAK:
         return [0] * (2 + settings.data_bits + (settings.parity != "N"))
@@ -68,9 +68,10 @@ def edges(characters: Iterable[Sent]) -> Iterator[tuple[Fraction, int]]:
 def sampled(
     lines: Iterable[Iterable[Sent]], samplerate: int, end_ns: int, glitches: Iterable[tuple[Fraction, int]] = ()
 ) -> bytes:
-    """Return a byte a sample: bit n is line n. A glitch begins at a time in ns, on line 0, and takes so many samples.
+    """Return one byte for each sample: bit n is line n. A glitch begins at a time in ns, on line 0, and takes that many
+    samples.
 
-    A sample sees an edge that was at its time or before.
+    A sample sees an edge that came at its time or before.
     """
     count = end_ns * samplerate // NS
     wires = []
@@ -93,7 +94,7 @@ def sampled(
 
 
 def play(folder: Path, samples: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let sistap find a sigrok-cli to which an analyser with these samples is connected."""
+    """Let sistap find a sigrok-cli with a simulated analyser that has these samples."""
     program = folder / "bin/sigrok-cli"
     program.parent.mkdir(exist_ok=True)
     program.write_text(_WRAPPER % (SIGROK, samples))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Many questions about one capture: sharkd dissects it once, where each start of tshark would dissect it again.
+"""Queries one capture often: sharkd dissects it once, where each start of tshark would dissect it again.
 
-It answers as Wireshark does after it has read a whole file, so as `tshark -2` does.
+It answers as Wireshark does after it has read a whole file, like `tshark -2`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from sistap.wireshark.tshark import Tshark
 
 
 class SharkdError(Exception):
-    """sharkd refused a request; the text is what it said."""
+    """sharkd refused a request; the text is its message."""
 
 
 class Sharkd:
@@ -45,7 +45,7 @@ class Sharkd:
         self._program.__exit__(kind, error, trace)
 
     def frames(self, capture: Path, display_filter: str) -> list[int]:
-        """Return the numbers of the packets that a display filter leaves. SharkdError if it is not a filter."""
+        """Return the numbers of the packets that match a display filter. SharkdError if it is not a filter."""
         self._load(capture)
         # sharkd 4.0 keeps what a filter left under its text, also when another capture is loaded.
         display_filter += " " * self._loads

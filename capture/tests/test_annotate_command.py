@@ -87,7 +87,7 @@ def test_a_file(log: Path) -> None:
 def test_what_is_written_to_a_log_meanwhile_is_left_out(
     log: Path, form: str, monkeypatch: pytest.MonkeyPatch, capfdbinary: pytest.CaptureFixture[bytes]
 ) -> None:
-    """A log that somebody still writes grows by as many lines as it likes, here before the first answer of tshark."""
+    """A log that is still being written may grow by any number of lines, here before the first answer of tshark."""
     assert cli.main(["annotate", str(log), "--format", form]) == 0
     before = capfdbinary.readouterr().out
 
@@ -298,7 +298,7 @@ def test_a_file_of_bytes_is_no_log(tmp_path: Path, content: bytes, words: str) -
 
 @pytest.mark.attack("a log with an endless line", "the first million characters are explained")
 def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
-    """Its beginning is explained; all of it comes through."""
+    """Its beginning is explained; the whole line is copied."""
     telegram = "02 56 02 02 10 92 00 00 00 02 "
     text = f"RX {telegram * (LONGEST_LINE // len(telegram) + 100)}\nRX {telegram}\n"
     (tmp_path / "x").write_text(text)
@@ -405,6 +405,6 @@ def test_the_help_is_a_page() -> None:
 
 @pytest.mark.parametrize("piece", [" ", "\x1b[1m"])
 def test_a_file_of_one_long_line_comes_to_an_end(tmp_path: Path, piece: str) -> None:
-    """In minutes, where anything looks at the rest of the line again and again."""
+    """Within minutes, though a naive search would look at the rest of the line again and again."""
     (tmp_path / "long.txt").write_text(piece * (300_000 // len(piece)))
     assert run(tmp_path, "long.txt").stderr.startswith(b"sistap: long.txt has ")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The log as a page: the same text, and each byte with what it means."""
+"""The log as a page: the same text, and the meaning of each byte."""
 
 from __future__ import annotations
 
@@ -156,6 +156,6 @@ def test_text_can_be_read_on_all_colours_in_both_themes(theme: int) -> None:
 
 
 def test_kinds_differ_in_more_than_their_hue() -> None:
-    """Those with the same stroke differ much in brightness, too."""
+    """Kinds with the same stroke also differ much in brightness."""
     for (_, one, stroke), (_, other, other_stroke) in combinations(page.KINDS.values(), 2):
         assert stroke != other_stroke or abs(_luminance(_rgb(one)) - _luminance(_rgb(other))) > 0.03

@@ -47,7 +47,7 @@ def woven(batches: Iterable[list[LogLine]]) -> bytes:
 
 
 def kept_and_woven(batches: list[list[LogLine]]) -> bytes:
-    """By way of a spool, as a file is."""
+    """Weave through a spool, as for a file."""
     output, sayer = io.BytesIO(), Sayer()
     reading = Passage(AnyReader())
     cuts = [cut for batch in batches for line in batch for cut in reading.feed(line).cuts]
@@ -63,7 +63,7 @@ def annotated(log: bytes) -> str:
 
 
 def without(text: bytes, encoding: str = "latin-1") -> bytes:
-    """Take the explanations away: whole lines, or the end of the last."""
+    """Remove the explanations: whole lines, or the end of the last."""
     plain = re.sub(r"(?m)^[ \t]*\^-- .*\n", "", text.decode(encoding, "surrogateescape"))
     return re.sub(r"\r?\n[ \t]*\^-- .*\Z", "", plain).encode(encoding, "surrogateescape")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Stations at a line: what they take for a command, when they answer, and with which rate. All times are simulated."""
+"""Stations at a line: what they accept as a command, when they answer, and at which rate. All times are simulated."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def octets(figure: str) -> bytes:
 
 
 class Ear:
-    """A receiver that hears characters 1 ms apart, but for the pauses."""
+    """A receiver that hears characters 1 ms apart, except for pauses."""
 
     def __init__(self) -> None:
         self.receiver = Receiver()
         self.now_ns = 0
 
     def hear(self, *parts: bytes | int) -> list[bytes]:
-        """Hear bytes, and pauses in ms; gives what was taken."""
+        """Hear bytes, and pauses in ms; return what was taken."""
         taken = []
         for part in parts:
             if isinstance(part, int):
@@ -194,7 +194,7 @@ class Over(Exception):
 
 
 class Script(BusTime):
-    """A port and the time: characters arrive when the script says; what happens is noted."""
+    """A port and the time: characters arrive by a script; the events are logged."""
 
     def __init__(self, *arrivals: tuple[float, bytes]) -> None:
         super().__init__()

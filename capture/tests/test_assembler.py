@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The assembler alone: which records come out of which reads, and the events where settings change."""
+"""The assembler alone: the records made from reads, and the events where settings change."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_silence_cuts_frames_where_it_is_said() -> None:
 
 
 def test_a_line_with_a_time_of_its_own_is_silent_only_by_that() -> None:
-    """A network may hold back for seconds what came without a pause."""
+    """A network may delay for seconds what came without a pause."""
     written: list[Record] = []
     assembler = Assembler(written.append)
     assembler.add_line(0, SETTINGS, 0, own_time=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""From reads to records in a sink: which, when, in which order and with which times. All clocks are the test's."""
+"""From reads to records in a sink: which, when, in which order and with which times. All clocks are simulated."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Clock:
 
 
 class ScriptedReader:
-    """Gives each read when its time has come; then the port is lost."""
+    """Returns each read when its time has come; then the port is lost."""
 
     name, adapter, timing = "/dev/ttyTEST", "adapter of a test", "uncertainty 1 us"
     notes: tuple[str, ...] = ()
@@ -75,7 +75,7 @@ class ScriptedReader:
 
 
 class Sink:
-    """Remembers what it was given, and how long the capture had been running."""
+    """Remembers its records, and how long the capture had been running."""
 
     def __init__(self, clock: Clock) -> None:
         self.written: list[tuple[int, Record]] = []
@@ -98,7 +98,7 @@ class Sink:
 
     @property
     def records(self) -> list[Record]:
-        """Without that of the lost port, which ends it."""
+        """Return the records without that of the lost port, which ends it."""
         return [record for _, record in self.written if record.event != Event.ADAPTER_LOST]
 
     @property
@@ -107,7 +107,7 @@ class Sink:
 
 
 class Told:
-    """Remembers what a person would see, and how long the capture had been running."""
+    """Remembers the messages to the user, and how long the capture had been running."""
 
     shows_progress = True
 
@@ -128,7 +128,7 @@ class Told:
 
 
 class Running:
-    """A capture, of one port if nothing else is said."""
+    """A capture, of one port by default."""
 
     def __init__(
         self, folder: Path, conditions: Conditions, *, output: Output | None = None, remote: Remote | None = None
@@ -141,7 +141,7 @@ class Running:
         self.stop = Stop()
 
     def run(self, script: Sequence[Came], *, end_ns: int = 0, readers: Sequence[Reader] = ()) -> int:
-        """Run until something ends it, at the latest the loss of the port; its exit code."""
+        """Run until something ends it, at the latest the loss of the port; return its exit code."""
         capture = Capture(
             readers or [ScriptedReader(self.clock, script, end_ns=end_ns)],
             self.sink,
@@ -160,7 +160,7 @@ class Running:
 
 
 def came(at_ns: int, data: bytes, line: int = 0, settings: LineSettings | None = None) -> Came:
-    """A read, and when it comes; the line's clock is another one."""
+    """Return a read and its time; the line's clock is another one."""
     return at_ns, Read(line, EPOCH + at_ns, data, bytes(len(data)), 1000, settings)
 
 
@@ -188,7 +188,7 @@ def test_what_is_unfinished_is_written_after_a_second_of_silence(tmp_path: Path)
 
 
 def test_the_time_of_an_event_goes_on_from_the_last_character(tmp_path: Path) -> None:
-    """By the clock of its line, which is not ours."""
+    """By the clock of its line, which is not the test's."""
     script = [came(1 * SECOND, GOOD, line=1), came(2 * SECOND, GOOD, line=2)]
     taken = take(tmp_path, *script, end_ns=5 * SECOND)
     lost = taken.sink.written[-1][1]
@@ -283,7 +283,7 @@ def test_a_count_ends_it_within_a_read_and_all_are_counted(tmp_path: Path) -> No
 
 
 def test_a_stop_takes_what_waits_for_no_longer_than_a_tenth_of_a_second(tmp_path: Path) -> None:
-    """However fast it comes."""
+    """However fast characters come."""
     running = Running(tmp_path, Conditions())
 
     class Flood(ScriptedReader):
@@ -415,7 +415,7 @@ def test_progress_comes_every_second_and_a_hint_when_nothing_has_come_for_five(t
 
 
 class Either:
-    """Two readers as one: of what is there, the earlier."""
+    """Two readers as one: of waiting reads, the earlier comes first."""
 
     def __init__(self, clock: Clock, script: Sequence[Came], end_ns: int) -> None:
         self.read = ScriptedReader(clock, script, line=1, end_ns=end_ns).read

@@ -130,7 +130,7 @@ def test_what_one_of_them_has_not_is_left_out(true: Path) -> None:
 
 
 def test_a_stall_is_late_and_no_other_telegram(true: Path) -> None:
-    """The master asks the same every 25 ms or so; for 150 ms the adapter delivers nothing."""
+    """The master repeats the same commands every 25 ms or so; for 150 ms the adapter delivers nothing."""
     stall = range(200, 300)
     times = {}
     number = 0
@@ -147,7 +147,7 @@ def test_a_stall_is_late_and_no_other_telegram(true: Path) -> None:
 
 
 def test_a_whole_cycle_that_is_missing_shifts_nothing(true: Path) -> None:
-    """In time again behind it; the same telegrams come before and after."""
+    """Times are right again afterwards; the same telegrams come before and after."""
     all_ = frames(true)
     for missing in (range(10, 14), range(21, 25), range(30, 31)):
         other = [frame for place, frame in enumerate(all_) if place not in missing]
@@ -156,7 +156,7 @@ def test_a_whole_cycle_that_is_missing_shifts_nothing(true: Path) -> None:
 
 
 def test_long_gaps_and_strange_traffic_take_no_time(true: Path) -> None:
-    """Thousands of telegrams that only one of them has: it goes on behind them."""
+    """Thousands of telegrams that only one capture has: aligning continues after them."""
     chance = random.Random(1)
     one = frames(true)
     step_ns = one[-1].time_ns - one[0].time_ns + 50 * MS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The virtual bus: bytes against the specification's figures, times, faults, and what listeners get."""
+"""The virtual bus: bytes compared with the specification's figures, times, faults, and what listeners receive."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def octets(figure: str) -> bytes:
 def bus(
     line: LineSettings, seed: int = 1, cycles: int = 0, faults: Faults = NO_FAULTS, rates: Sequence[int] = ()
 ) -> Iterator[Played]:
-    """Make the demo: everything that is sent on its bus, in order."""
+    """Make the demo: yield everything that is sent on its bus, in order."""
     return load(DEFAULT).play(line, Playing(seed, cycles, faults, rates))
 
 
@@ -209,7 +209,7 @@ Arrived = tuple[int, int]  # value and flags
 
 
 def arrived(sent: bytes, marks: Sequence[str], lost_before: bool) -> tuple[list[Arrived], bool]:
-    """Work out from a line of the log what a tap must get; also whether the next character was preceded by a loss."""
+    """Work out what a tap must receive from a line of the log; also whether a loss precedes the next character."""
     faults: dict[int, list[tuple[str, str]]] = {}
     for mark in marks:
         match = re.fullmatch(r"(parity|break|loss|pause|checksum)@(\d+)(?:=([0-9A-F]{2}))?", mark)
@@ -299,7 +299,7 @@ def test_reads_and_their_uncertainty() -> None:
 
 @contextmanager
 def running(*options: str, **popen: object) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """Run the command until the block ends; also the name it printed."""
+    """Run the command until the block ends; yield it and the name that it printed."""
     process = subprocess.Popen([*BUS, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **popen)  # type: ignore[call-overload]
     try:
         yield process, process.stdout.readline().strip()
@@ -329,7 +329,7 @@ def connect(name: str, tap: LineSettings | None = LINE) -> socket.socket:
 
 
 def listen(connection: socket.socket) -> list[Read]:
-    """Take reads until the bus ends."""
+    """Yield reads until the bus ends."""
     decoder, heard = bus_socket.Decoder(), []
     while data := connection.recv(65536):
         heard += [message for message in decoder.feed(data) if isinstance(message, Read)]
@@ -507,7 +507,7 @@ def test_a_tap_that_changes_its_settings_hears_better_and_is_told_from_where_on(
 
 
 def test_simulated_time_waits_for_a_tap_that_asks_for_it() -> None:
-    """So what a tap changes when it has heard a telegram counts from the next telegram on."""
+    """So a change that a tap makes after hearing a telegram applies from the next telegram on."""
     played = list(bus(LINE, 1, 1))
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
         connection = connect(name, None)
@@ -648,7 +648,7 @@ def test_more_connections_than_it_takes(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def drain(terminal: int) -> bytes:
-    """Read until the other side has gone."""
+    """Read until the other side is gone."""
     heard = b""
     while True:
         try:
@@ -675,7 +675,7 @@ def test_a_pty_that_nobody_configured_delivers_every_byte(tmp_path: Path) -> Non
 
 
 def read_exactly(terminal: int, count: int) -> bytes:
-    """Read so many bytes, which the kernel hands over when it likes to."""
+    """Read that many bytes, which may arrive in any pieces."""
     heard = b""
     while len(heard) < count:
         assert select.select([terminal], [], [], TIMEOUT_S)[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap capture`: in this process with a reader of our own, then as people run it, on a pseudo terminal."""
+"""`sistap capture`: in this process with a simulated reader, then as users run it, on a pseudo terminal."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ DEADLINE_S = 30  # only reached when a test fails
 
 
 class FakeReader:
-    """Gives what it was told to, then nothing, and at last SIGTERM to us, or the loss of the port."""
+    """Returns scripted reads, then nothing, and at last SIGTERM to this process, or the loss of the port."""
 
     name = "/dev/ttyFAKE"
     adapter = "adapter of a test (latency timer 1 ms)"
@@ -93,7 +93,7 @@ def reads(*pieces: bytes, line: int = 0, flag: int = 0) -> list[Read]:
 
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
-    """Run the command on a reader of our own."""
+    """Run the command with a simulated reader."""
 
     def run(reader: FakeReader, *arguments: str) -> int:
         def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
@@ -610,7 +610,7 @@ def test_the_file_must_not_be_the_port(run: Run, tmp_path: Path, capfd: pytest.C
 
 
 class FakeClock:
-    """A clock that goes on by what each read says, or by its timeout."""
+    """A clock that advances with each read, or by its timeout."""
 
     def __init__(self) -> None:
         self.ns = 0
@@ -724,7 +724,7 @@ class Tap:
             os.write(self.master, piece)
 
     def end(self) -> tuple[int, str, str]:
-        """Wait for its end: exit code, standard output and standard error."""
+        """Wait for its end; return exit code, standard output and standard error."""
         assert self.process
         out, err = self.process.communicate(timeout=DEADLINE_S)
         return self.process.returncode, (out or b"").decode(), self.said + err.decode()
@@ -860,7 +860,7 @@ def test_a_signal_ends_it_well_even_if_it_was_ignored(tap: Tap, tmp_path: Path, 
 
 
 def _waiting(descriptor: int) -> int:
-    """How many characters nobody has read yet."""
+    """Return how many characters nobody has read yet."""
     return int.from_bytes(fcntl.ioctl(descriptor, termios.FIONREAD, bytes(4)), sys.byteorder)
 
 
@@ -939,7 +939,7 @@ def test_a_closed_standard_output_is_refused(tap: Tap, arguments: list[str]) -> 
 
 
 class Stuck:
-    """A terminal that takes nothing more: stopped by Ctrl-S, or nobody reads what is at its other end."""
+    """A terminal that accepts nothing more: stopped by Ctrl-S, or without a reader at its other end."""
 
     def __init__(self, how: str) -> None:
         self.master, self.slave = pty.openpty()
@@ -965,7 +965,7 @@ def stuck(request: pytest.FixtureRequest) -> Iterator[Stuck]:
 
 
 def launch(tap: Tap, *arguments: str, **popen: Any) -> subprocess.Popen[bytes]:
-    """Start without waiting for what it says."""
+    """Start without waiting for its output."""
     tap.process = subprocess.Popen([sys.executable, "-m", "sistap", "capture", "-i", tap.port, *arguments], **popen)
     return tap.process
 
@@ -1000,7 +1000,7 @@ def test_text_on_a_stuck_terminal_does_not_hold_up_a_stop(tap: Tap, stuck: Stuck
 def test_a_pipe_that_is_not_read_does_not_hold_up_a_stop(
     tap: Tap, arguments: list[str], number: signal.Signals
 ) -> None:
-    """A block of it is many times larger than what the pipe holds."""
+    """A block is many times larger than the pipe."""
     process = tap.start(*arguments, pipesize=8192)
     assert process.stdout
     pipe = process.stdout.fileno()
@@ -1013,7 +1013,7 @@ def test_a_pipe_that_is_not_read_does_not_hold_up_a_stop(
 
 
 def test_a_pipe_that_does_not_wait_loses_nothing(tap: Tap, tmp_path: Path) -> None:
-    """Such as one that was shared with a program that made it so."""
+    """Such as a pipe shared with a program that made it non-blocking."""
     process = tap.start("-w", "-", pipesize=8192, preexec_fn=lambda: os.set_blocking(1, False))
     assert process.stdout
     tap.send(bytes(4096), bytes(4096))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A master that knows nothing of sistap, at a real terminal with stations of the virtual bus."""
+"""A master without any code of sistap, at a real terminal with stations of the virtual bus."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def word(value: int) -> bytes:
 
 
 class Model:
-    """What the master knows of a drive: what it wrote and what the specification says of it."""
+    """What the master knows of a drive: what it wrote, and what the specification says about it."""
 
     def __init__(self, address: int) -> None:
         self.address = address
@@ -100,7 +100,7 @@ class Master:
             model.values[S_SCALING] = data
 
     def do_repeat(self, model: Model) -> None:
-        """The same number again is answered again, and not obeyed."""
+        """A command with the same number is answered again, and not executed."""
         self.number = self.number % 255 + 1
         header, values = model.header(S_GAIN), [self.random.randbytes(2) for _ in range(2)]
         for value, number in ((values[0], self.number), (values[1], None), (values[0], self.number)):
@@ -222,7 +222,7 @@ def test_no_answer_is_wrong(exchanges: int) -> None:
 
 
 def test_a_rate_is_tested_told_and_heard_by_nobody_who_is_not_told() -> None:
-    """In real time; fig. 6-20 and 6-24. With another rate characters are others, and no telegrams."""
+    """In real time; fig. 6-20 and 6-24. At another rate a station hears other characters, and no telegrams."""
     with running(1, 9600) as name:
         client = Client(name, 0.02, 0.05, 0.5, repeats=0)
         client.set_rate(termios.B9600)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The clock: right intervals, no jumps, never backwards, and in the end the wall clock."""
+"""The clock: right intervals, no jumps, never backwards, and finally the wall clock."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,7 +11,7 @@ EPOCH = 1_700_000_000 * SECOND
 
 
 class Machine:
-    """Two clocks that a test turns."""
+    """Two clocks that a test sets."""
 
     def __init__(self) -> None:
         self.monotonic = 5 * SECOND

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which clocks are taken: the usual ones, unless they are coarse, as those of Windows before Python 3.13."""
+"""The chosen clocks: the usual ones, unless they are coarse, as those of Windows before Python 3.13."""
 
 from __future__ import annotations
 

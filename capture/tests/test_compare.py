@@ -80,7 +80,7 @@ def dissector(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytes
 
 
 def lines(text: str) -> dict[str, str]:
-    """The five lines, by what they are about; they come right behind the two sides."""
+    """Return the five lines by their subjects; they directly follow the two sides."""
     found = text.splitlines()
     assert [line.partition(" ")[0] for line in found[:3]] == ["good:", "bad:", ""]
     assert found[8:9] in ([""], [])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How likely chance makes a difference: by hand where one can count, and by how often noise is cried about."""
+"""How likely chance makes a difference: worked out by hand where possible, and by the rate of false alarms."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def test_counts() -> None:
 
 
 def test_many_counts() -> None:
-    """Where it changes from one way of counting to the other, the chance does not jump."""
+    """Where the method of counting changes, the chance does not jump."""
     few, more = of_counts(450, 549, 0.5), of_counts(451, 550, 0.5)
     assert few == pytest.approx(more, rel=0.05)
 
 
 def test_correction_by_hand() -> None:
-    """The least of 3 counts threefold, the next twice; none is less than one before it."""
+    """The smallest of 3 counts threefold, the next twice; none is less than one before it."""
     assert corrected([0.04, 0.01, 0.03]) == pytest.approx([0.06, 0.03, 0.06])
     assert corrected([0.5, 0.9]) == [1.0, 1.0]
     assert corrected([]) == []
@@ -62,7 +62,7 @@ def test_pieces_are_few_and_lose_nothing() -> None:
 
 
 def noise(seed: int, count: int, likeness: float = 0.9, shift: float = 1.0) -> Samples:
-    """Reaction times each of which is like the one before it."""
+    """Return reaction times that each resemble the one before."""
     chance, samples, level = random.Random(seed), Samples(), 0.0
     for _ in range(count):
         level = likeness * level + chance.gauss(0, 1)
@@ -72,7 +72,7 @@ def noise(seed: int, count: int, likeness: float = 0.9, shift: float = 1.0) -> S
 
 @pytest.mark.thorough
 def test_noise_is_not_cried_about() -> None:
-    """1 in 100 may be; 5 in 200 leave room for chance, and for neighbours that are as alike as these."""
+    """1 in 100 is allowed; 5 in 200 leave room for chance, and for neighbours as similar as these."""
     pairs = [(noise(2 * seed, 1500), noise(2 * seed + 1, 600)) for seed in range(200)]
     assert sum(of_middle(*pair) < CERTAIN for pair in pairs) <= 8
     assert sum(of_tail(*pair) < CERTAIN for pair in pairs) <= 8
@@ -99,7 +99,7 @@ def times(seed: int, count: int) -> Iterator[float]:
 
 
 def test_a_burst_is_one_event() -> None:
-    """Thirty faults: spread over the time they are no chance, in one second they may be."""
+    """Thirty faults: spread over time they are certain, in one second they may be chance."""
     good, spread, burst = Pieces(), Pieces(), Pieces()
     for number in range(3000):
         good.add([], 1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Hours and a day of capture in simulated time: a bus over its socket, real framer, session, clock, writer and ring.
 
-The machine's clocks are the test's: the monotonic one goes with the bus, the wall clock drifts away from it.
+The clocks are simulated: the monotonic one follows the bus, the wall clock drifts away from it.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def play(path: str, hours: int) -> None:
 
 
 class Machine:
-    """A computer whose monotonic clock is the time of the bus, and its wall clock is too fast."""
+    """A computer whose monotonic clock is the time of the bus, and whose wall clock is too fast."""
 
     def __init__(self) -> None:
         self.monotonic = 0
@@ -146,7 +146,9 @@ def expect_hourly_files(files: list[Path], hours: int) -> None:
 
 
 def expect_every_telegram_at_its_time(files: list[Path], hours: int) -> None:
-    """All of them, once, in order; no interval is off by more than 500 ppm, no time by more than a millisecond."""
+    """Check all of them, once, in order. No interval is off by more than 500 ppm, no time by more than a
+    millisecond.
+    """
     frames = [packet.record for file in files for packet in packets(file) if packet.record.type == Type.FRAME]
     sent = list(exchanges(hours))
     assert [frame.data for frame in frames] == [played.sent for played in sent]

@@ -34,7 +34,7 @@ FITTING = measurement.Result("machine", "2026-11-20", 5000, 250_000, 3_000_000, 
 
 
 class FakeTshark:
-    """Says what it is told to."""
+    """Returns scripted output."""
 
     version, plugins, complaints, error = TSHARK, PLUGIN, "", ""
 
@@ -56,7 +56,7 @@ class FakeTshark:
 
 @pytest.fixture(autouse=True)
 def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A machine with which all is well; gives its /proc, in which one program runs."""
+    """A computer without problems; return its /proc, in which one program runs."""
     (tmp_path / "1").mkdir()
     (tmp_path / "1/comm").write_text("systemd\n")
     monkeypatch.setattr(doctor, "PROC", tmp_path)

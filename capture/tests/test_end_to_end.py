@@ -28,7 +28,7 @@ def frames(captured: list[Packet]) -> list[bytes]:
 
 
 def received(captured: list[Packet]) -> list[tuple[int, int]]:
-    """Join the characters of all records, each with what the reader said of it."""
+    """Join the characters of all records, with the reader's statements on each."""
     return [
         (value, flags & Flag.FROM_READER)
         for packet in captured

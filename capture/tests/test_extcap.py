@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Wireshark asks an extcap before a capture, and the launcher by which it asks."""
+"""Wireshark's questions to an extcap before a capture, and the launcher that it uses."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Sentence = tuple[str, dict[str, str]]
 
 
 def parsed(text: str) -> list[Sentence]:
-    """Take sentences apart as Wireshark does: a value ends at a brace before another, a space or the end."""
+    """Parse sentences as Wireshark does: a value ends at a brace before another, a space or the end."""
     sentences = []
     for line in text.splitlines():
         kind, _, rest = line.partition(" ")
@@ -47,7 +47,7 @@ def _without_analyser(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def plugged(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Plug two adapters in, one with a name of its own; give the folder of names."""
+    """Plug two adapters in, one with a name of its own; return the folder of names."""
     monkeypatch.setattr(interfaces, "BY_ID", tmp_path)
     if not WINDOWS:
         (tmp_path / "usb-FTDI_FT232R_A1-if00-port0").symlink_to("/dev/ttyUSB0")

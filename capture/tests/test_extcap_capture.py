@@ -97,7 +97,7 @@ class Wireshark:
         self._control.write(struct.pack(">cBHBB", b"T", 0, len(text.encode()) + 2, control, command) + text.encode())
 
     def write(self, data: bytes) -> None:
-        """Say something that may be no message."""
+        """Send something that may not be a message."""
         assert self._control
         self._control.write(data)
 
@@ -131,7 +131,7 @@ class Wireshark:
         return next(record for record in self.records() if record.event == code)
 
     def ended(self) -> tuple[int, str]:
-        """Wait for the end; give exit code and standard error."""
+        """Wait for the end; return exit code and standard error."""
         _, errors = self.process.communicate(timeout=PATIENCE_S)
         return self.process.returncode, errors
 

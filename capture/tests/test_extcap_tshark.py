@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The extcap as a real tshark finds and runs it; not as root, for whom Wireshark passes such programs over."""
+"""The extcap as a real tshark finds and runs it; not as root, because Wireshark then skips such programs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def tshark() -> Iterator[Tshark]:
-    """Yield a tshark whose only extcap is sistap, installed where everybody may read it."""
+    """Yield a tshark whose only extcap is sistap, installed where every user may read it."""
     folder = Path(tempfile.mkdtemp(prefix="sistap-extcap-"))
     folder.chmod(0o755)
     shutil.copytree(Path(sistap.__file__).parent, folder / "package/sistap")

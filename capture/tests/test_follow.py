@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What service 0x03 makes of the rate of a bus (IF02 chapter 6), and what a capture makes of that."""
+"""The effect of service 0x03 on the rate of a bus (IF02 chapter 6), and on a capture."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def timed_test(station: int, ms: int, baud: int) -> bytes:
 
 
 def rates(*telegrams: bytes, follow: Follow | None = None) -> list[int]:
-    """The rates that the bus gets, one after the other."""
+    """Return the rates of the bus, one after the other."""
     follow = follow or Follow(9600)
     changes = [follow.take(telegram, 0) for telegram in telegrams]
     return [change.baud for change in changes if change]
@@ -64,7 +64,7 @@ def test_all_on_this_level_are_all_on_the_line() -> None:
 
 
 def test_a_group_changes_nothing() -> None:
-    """Which stations are in it nobody knows."""
+    """The stations in a group are unknown."""
     assert rates(command(200, 0x07, bytes([MASKS[38400]])), command(200, 0xFF), timed_test(200, 500, 57600)) == []
 
 
@@ -249,6 +249,6 @@ def test_set_and_accepted_in_one_telegram(each: bool) -> None:
 
 
 def test_of_what_no_layout_fits_the_first_counts() -> None:
-    """Behind 38400 Bd stands subservice 06, of which nobody says how long it is."""
+    """Subservice 06 follows 38400 Bd, and its length is not documented."""
     told = build(0x03, MASTER, 3, bytes.fromhex("03 07 02 06 01"))
     assert rates(told, reaction(3, 0x07), ACCEPT_ALL) == [38400]

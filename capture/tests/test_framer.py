@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The framer cuts by content, loses nothing, and does not care how the characters were read."""
+"""The framer cuts by content, loses nothing, and does not depend on how the characters were read."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cut(data: bytes) -> list[tuple[str, bytes]]:
 
 
 def complete_at(data: bytes, at: int) -> int:
-    """Where a telegram with equal lengths that starts here ends; 0 if there is none or it is cut."""
+    """Return where a telegram with equal lengths that starts here ends; 0 if there is none or it is cut off."""
     if at + 4 > len(data) or data[at] != 0x02 or data[at + 2] != data[at + 3]:
         return 0
     end = at + 8 + data[at + 3]
@@ -116,7 +116,7 @@ STREAM = st.lists(
 
 @st.composite
 def read_lists(draw: st.DrawFn, longest_gap_ns: int) -> list[Read]:
-    """Any characters in any reads with any errors and pauses."""
+    """Return any characters in any reads with any errors and pauses."""
     data = draw(STREAM)
     result, time_ns, at = [], START_NS, 0
     while at < len(data):
@@ -191,7 +191,7 @@ def test_ticks_at_any_moment_cut_only_other_characters(what: list[Read], idle_ns
 
 
 def joined(records: list[tuple[str, bytes]]) -> list[tuple[str, bytes]]:
-    """Make one of other characters that follow each other."""
+    """Join successive records of other characters."""
     result = []
     for name, group in groupby(records, lambda record: record[0]):
         data = [data for _, data in group]
@@ -247,7 +247,7 @@ def test_a_good_telegram_inside_a_damaged_one_wins() -> None:
 
 
 def test_a_damaged_telegram_right_before_a_good_one_stays_a_frame() -> None:
-    """Also inside a longer damaged one, which reaches into the good one and so is none."""
+    """Also inside a longer damaged candidate, which overlaps the good telegram and is dropped."""
     shell = bytes([0x02, 0x00, 0x20, 0x20, 0, 0, 0, 0])
     rest = bytes(len(shell) + 0x20 - len(shell + DAMAGED + GOOD))
     assert cut(shell + DAMAGED + GOOD + rest) == [(OTHER, shell), (BAD, DAMAGED), (FRAME, GOOD), (OTHER, rest)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""First aid: the right hint, once, and none where all is well."""
+"""Hints: the right one, once, and none if all is well."""
 
 from __future__ import annotations
 

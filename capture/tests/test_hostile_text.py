@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Text that others have chosen comes out as visible escapes, wherever sistap shows it.
+"""Text from elsewhere appears as visible escapes, wherever sistap shows it.
 
-So a terminal obeys none of it, a page shows every line where it stands, and JSON is JSON.
+So a terminal obeys none of it, a page shows every line in its place, and JSON stays valid.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ of_others = pytest.mark.attack(
 
 
 def odd_ones(text: str, keep: str = "\n") -> set[str]:
-    """Find the characters that a person would not see."""
+    """Return the characters that a user would not see."""
     return {character for character in text if not character.isprintable() and character not in keep}
 
 
@@ -94,7 +94,7 @@ def test_a_capture_as_a_log(capture: Path, tmp_path: Path) -> None:
 
 @of_others
 def test_an_explained_log(tmp_path: Path) -> None:
-    """As text it is what it was, with lines between that are calm; as a page all of it is."""
+    """The text output is the unchanged log, with safe lines between; the page is safe as a whole."""
     log = tmp_path / os.fsdecode(f"{ODD}.txt".encode() + b"\xff")
     beside = ODD.replace("\n", "").replace("\r", "")
     text = f"{beside} 12:00:00.000 {PHASE.hex(' ')}\n{HOSTILE}\n"
@@ -132,7 +132,7 @@ NAMED = {
 @pytest.mark.parametrize("there", [False, True])
 @pytest.mark.parametrize("command", NAMED.values(), ids=NAMED)
 def test_names_of_files_in_what_is_refused(tmp_path: Path, command: list[str], there: bool) -> None:
-    """As a shell makes them of `*`."""
+    """Names as a shell makes them of `*`."""
     name = os.fsdecode(ODD.encode() + b"\xff")
     if there:
         (tmp_path / name).write_bytes(b"no such thing")
@@ -145,7 +145,7 @@ def test_names_of_files_in_what_is_refused(tmp_path: Path, command: list[str], t
 def test_an_adapter_that_somebody_has_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A USB device says its own name."""
+    """A USB device states its own name."""
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", Adapter(name=HOSTILE))])
     shown: list[Callable[[], object]] = [
         lambda: ports.run(Namespace(json=False)),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap import --dissector`: a table of messages becomes packets for a dissector, or one line says what is wrong."""
+"""`sistap import --dissector`: a table of messages becomes packets for a dissector, or one line names the fault."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def damaged_bytes(chance: random.Random, content: bytes) -> bytes:
 
 
 def imported(source: Path, capfd: pytest.CaptureFixture[str], *options: str) -> Imported:
-    """Import, and hold what holds for every file."""
+    """Import, and check what applies to every file."""
     done = run(source, *options)
     out, said = capfd.readouterr()
     assert done.code in (DONE, FAILED, USAGE)
@@ -84,7 +84,7 @@ def imported(source: Path, capfd: pytest.CaptureFixture[str], *options: str) -> 
 @pytest.mark.parametrize("count", [FEW, pytest.param(MANY, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("kind", TEXTS)
 def test_damaged_texts(tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: str, count: int) -> None:
-    """The characters of all lines that are not damaged come over: all of them have values of their own."""
+    """All characters outside damaged lines are imported: each has a unique value."""
     whole = TEXTS[kind]
     for seed in range(count):
         chance = random.Random(seed)

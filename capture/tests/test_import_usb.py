@@ -60,7 +60,7 @@ def characters(records: list[Record], line: int) -> bytes:
 
 
 def dissected(capture: Path, *fields: str, only: str = "frame") -> list[str]:
-    """What Wireshark's own dissectors say of the packets that pass a filter and have any of these fields."""
+    """Return what Wireshark's own dissectors say about the packets that pass a filter and have any of these fields."""
     arguments = ["-n", "-r", str(capture), "-Y", only, "-T", "fields"]
     arguments += [word for field in fields for word in ("-e", field)]
     with Tshark() as tshark:
@@ -229,7 +229,7 @@ def test_without_a_latency_timer_in_the_capture_it_is_16_ms(tmp_path: Path) -> N
 
 
 def test_the_latency_timer_of_the_time_when_characters_came(tmp_path: Path) -> None:
-    """Before them another program had it at 16 ms, and who closes the port sets it back."""
+    """Before, another program had set it to 16 ms; closing the port restores it."""
     host = ftdi()
     host.request(4, VENDOR_REQUEST, SET_LATENCY_TIMER, 1)
     host.receive(5, 6, STATUS + b"A")

@@ -121,7 +121,7 @@ def test_intervals_of_a_logic_analyser(
 
 
 def test_verdicts_stay_open_where_the_times_have_no_bound(tshark: Tshark, tmp_path: Path) -> None:
-    """RTAC: the stamps are 30 ms apart, but of which characters nobody says."""
+    """RTAC: the stamps are 30 ms apart, but their characters are unknown."""
     stamps = [(100, 1, COMMAND), (130, 2, REACTION)]
     packets = [
         (float(ms), T0.to_bytes(4) + (ms * 1000).to_bytes(4) + bytes([event, 0, 0, 0]) + data)

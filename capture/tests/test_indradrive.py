@@ -22,7 +22,7 @@ def indradrive(**table: Any) -> Station:
 
 
 class Asked(NamedTuple):
-    """A parameter as the client has to find it."""
+    """A parameter as the client must find it."""
 
     ident: str
     name: str

@@ -65,7 +65,7 @@ class FakeTshark:
 
 @pytest.fixture(autouse=True)
 def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """The folders of a Wireshark, and in it a home; there is no plugin here, and the user is nobody special."""
+    """The folders of a Wireshark, with a home; no plugin is here, and the user is an ordinary one."""
     FakeTshark.root = tmp_path / "wireshark"
     monkeypatch.setenv("HOME", str(FakeTshark.root / "home"))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
@@ -90,7 +90,7 @@ def become(monkeypatch: pytest.MonkeyPatch, user: int) -> None:
 
 
 def build(folder: Path, minor: int) -> Path:
-    """Make a plugin that asks for Wireshark 4.`minor`."""
+    """Make a plugin for Wireshark 4.`minor`."""
     folder.mkdir(parents=True, exist_ok=True)
     source = f"const int plugin_want_major = 4; const int plugin_want_minor = {minor};\n"
     compiler = ["gcc", "-shared", "-nostdlib", "-x", "c", "-", "-o", str(folder / "sis.so")]
@@ -107,7 +107,7 @@ Said = tuple[int, str, str]
 
 @pytest.fixture
 def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Said]:
-    """Runs sistap; gives exit code, stdout and stderr."""
+    """Run sistap; return exit code, stdout and stderr."""
 
     def run(*arguments: str) -> Said:
         code = cli.main(arguments)
@@ -350,7 +350,7 @@ def test_uninstall_without_wireshark(root: Path, run: Run, monkeypatch: pytest.M
 
 @no_root
 def test_root_installs_for_all(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As root, Wireshark skips personal plugins without a word."""
+    """As root, Wireshark silently skips personal plugins."""
     become(monkeypatch, 0)
     code, out, _ = run("install")
     assert code == 0
@@ -528,7 +528,7 @@ def test_a_command_of_somebody_else_is_kept(root: Path, run: Run, where: str) ->
 
 
 def test_what_is_no_command_is_not_replaced_either(root: Path, run: Run) -> None:
-    """A shell does not find it, as it may not be run; and a link must not lead us elsewhere."""
+    """A shell does not find it, because it is not executable; and a link must not lead elsewhere."""
     notes = root / "home/notes"
     link = root / "home/.local/bin/sistap"
     link.parent.mkdir(parents=True)
@@ -541,7 +541,7 @@ def test_what_is_no_command_is_not_replaced_either(root: Path, run: Run) -> None
 def test_the_command_of_an_active_environment_does_not_count(
     root: Path, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """It is gone with the environment."""
+    """It goes away with the environment."""
     program = tmp_path / "environment/bin/sistap"
     program.parent.mkdir(parents=True)
     program.touch(0o755)
@@ -591,7 +591,7 @@ def home() -> Iterator[Path]:
 
 
 def as_user(home: Path, *arguments: str | Path) -> str:
-    """Run a command in that home; give its stdout. It must end well, and say nothing else."""
+    """Run a command in that home; return its stdout. It must succeed, and print nothing else."""
     nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
     path = f"{home}/home/.local/bin:{os.environ['PATH']}"
     environment = {"PATH": path, "HOME": str(home / "home"), "PYTHONDONTWRITEBYTECODE": "1"}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What was put where is remembered, and nobody else's file is touched."""
+"""The ledger remembers what was put where, and nobody else's file is touched."""
 
 import json
 import os
@@ -174,7 +174,7 @@ def test_a_list_that_is_something_else(text: str) -> None:
 
 
 def listed(*files: Path, folders: tuple[Path, ...] = (), at: Path | None = None) -> Path:
-    """Write a list as somebody could who knows how: with the sums of the files."""
+    """Write a list as an attacker could: with the right sums of the files."""
     path = at or Ledger(for_all=False).path
     path.parent.mkdir(parents=True, exist_ok=True)
     sums = {str(file): sha256(file.read_bytes()).hexdigest() for file in files}
@@ -226,7 +226,7 @@ def test_a_link_in_the_place_of_a_file_is_kept(place: Path, own: Own) -> None:
 
 @links
 def test_no_link_leads_to_another_file_while_one_is_written(place: Path) -> None:
-    """Whoever may write to a folder can foresee a name that is made of the number of the process."""
+    """Whoever may write to a folder can foresee a name made of the process number."""
     place.mkdir()
     victim = place.parent / "victim"
     victim.write_text("precious")
@@ -241,7 +241,7 @@ def test_no_link_leads_to_another_file_while_one_is_written(place: Path) -> None
 
 @pytest.fixture
 def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Be root; his folder is returned, it does not exist yet."""
+    """Be root; return root's folder, which does not exist yet."""
     monkeypatch.setattr(os, "geteuid", lambda: 0, raising=False)
     monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
     return sistap.terminal.state.FOR_ROOT

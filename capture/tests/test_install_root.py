@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """`sistap install` and `uninstall` as root, into the real folders of this system.
 
-Each test has a throw-away root: this system as it is, under a layer in memory that takes everything that is written.
-So the layer is at the same time the list of all that was changed. It is gone with its mount namespace.
+Each test has a throw-away root: this system under a layer in memory that takes all writes. So the layer also lists
+everything that was changed. It disappears with its mount namespace.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ changed() {
 
 
 class Root:
-    """The throw-away root; what happens in it is a script of a shell."""
+    """The throw-away root; a shell script runs in it."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -112,7 +112,7 @@ def test_what_is_put_is_taken_away_and_nothing_else_is_touched(root: Root) -> No
 
 @pytest.mark.attack("as root: the list of installed files names foreign files", "none is touched; a line for each")
 def test_a_list_that_names_what_is_not_ours(root: Root) -> None:
-    """With the right sums, links and dots on the way, folders that are the system's, and names that move a terminal."""
+    """With the right sums, links and dots on the way, folders of the system, and names that control a terminal."""
     names = [
         "/etc/passwd",
         "/etc/../etc/shadow",
@@ -144,7 +144,7 @@ LIST
 
 @pytest.mark.attack("as root: links in the folders of install", "not followed")
 def test_links_in_the_way(root: Root) -> None:
-    """Whatever root is led to is not written, and what can be put is put."""
+    """Root writes nothing through links, and installs everything else."""
     make = """
 link() { mkdir -p "$root$(dirname "$2")"; ln -s "$1" "$root$2"; }
 link /etc/shadow /usr/local/bin/sistap
@@ -159,7 +159,7 @@ link /etc/cron.d/nothing /usr/local/share/zsh/site-functions/_sistap
 
 
 def test_a_file_where_a_folder_is_to_be(root: Root) -> None:
-    """What was put before that is on the list, so that it can be taken away."""
+    """Everything installed before that is on the list, so that it can be removed."""
     make = 'rm -rf "$root/usr/local/share/zsh"; touch "$root/usr/local/share/zsh"\n'
     found = root.run(make + "sistap install; changed; sistap uninstall; changed")
     assert list(found)[1] == "exit 1"
@@ -170,7 +170,7 @@ def test_a_file_where_a_folder_is_to_be(root: Root) -> None:
 
 @pytest.mark.attack("as root: `sudo -E` with folders of another user", "ignored, and nothing written there")
 def test_an_environment_of_somebody_else(root: Root) -> None:
-    """`sudo -E` brings the folders of whoever calls it: root neither believes a list in them nor writes there."""
+    """`sudo -E` brings the folders of its caller: root neither trusts a list in them nor writes there."""
     make = """
 mkdir -p "$root/home/evil/.local/state/sistap" "$root/home/evil/tmp"
 chmod -R 777 "$root/home/evil"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which records come into which file of a recorder: each number is a record of that second."""
+"""Which records a recorder writes into which file: each number is a record of that second."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What was written reaches the disk by itself: it is asked to take it, in time, in another thread."""
+"""Written data reach the disk by themselves: they are synchronised in time, in another thread."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PATIENCE_S = 30
 
 
 class Disk:
-    """Instead of the system's disk: what was in which file when it was synchronised, and by which thread."""
+    """Replaces the system's disk: the contents of each file when it was synchronised, and the thread."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.synced: SimpleQueue[tuple[str, bytes]] = SimpleQueue()

@@ -50,7 +50,7 @@ def tshark() -> Iterator[Tshark]:
 
 
 def logged(path: Path, capture: Path) -> list[str]:
-    """Return what `sistap log` writes, without what tells of events, and what only a later telegram tells."""
+    """Return what `sistap log` writes, without events, and without what only a later telegram tells."""
     assert cli.main(["log", str(capture), "-o", str(path)]) == 0
     lines = path.read_text().splitlines()
     return [line.replace("  [no reaction]", "") for line in lines if not line.startswith("^-- ")]

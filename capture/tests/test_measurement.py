@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What self-tests leave behind: kept, found again where it holds, and passed over with one line where it does not."""
+"""Results of self-tests: kept, found again where they hold, and skipped with one line where they do not."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_it_does_not_grow_for_ever() -> None:
 
 
 def test_where_it_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """XDG base directories: ~/.local/state by default; a folder that is not absolute counts for none."""
+    """XDG base directories: ~/.local/state by default; a relative folder is ignored."""
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setenv("HOME", str(tmp_path))
     for value in ("", "state"):

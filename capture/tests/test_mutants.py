@@ -17,7 +17,7 @@ from making import difference, mutants, mutated  # noqa: E402
 
 
 def made(source: str, *functions: str) -> set[str]:
-    """What the mutants of one line make of it."""
+    """Return the mutants of one line."""
     return {difference(source, mutant)[1] for mutant in mutants(source, functions)}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The log of stations that answer a real master: what came, what was answered, and when."""
+"""The log of stations that answer a real master: what came, the answers, and the times."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Line = tuple[float, bytes, list[str]]  # ms, bytes, marks
 
 
 def log_of(path: Path, *arrivals: tuple[float, bytes]) -> list[Line]:
-    """Let a station answer what arrives; give what the log has then."""
+    """Let a station answer what arrives; return what the log has then."""
     log, script = Log(path), Script(*arrivals)
     with pytest.raises(Over):
         serve(script, make([{"address": 3}], 1), script, Noting(log, LINE))

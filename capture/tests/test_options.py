@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The options of a capture, whoever makes them: what they come to, and what does not go together."""
+"""The options of a capture from any front end: their meaning, and contradictions."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def test_records_of_one_time_stay_as_they_came() -> None:
 
 @given(st.lists(st.tuples(st.integers(0, 50), st.integers(0, 50)), max_size=60))
 def test_all_come_out_once_and_in_order(telegrams: list[tuple[int, int]]) -> None:
-    """Each begins and lasts; it is a record when it ends."""
+    """Each begins and lasts; it becomes a record when it ends."""
     order = Order()
     out: list[int] = []
     begins = sorted((begin, begin + lasts) for begin, lasts in telegrams)

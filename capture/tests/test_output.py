@@ -36,9 +36,9 @@ def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
 
 @contextmanager
 def small_files() -> Iterator[None]:
-    """No file may grow above 1000 bytes: what a full disk does, without one.
+    """Limit files to 1000 bytes, like a full disk.
 
-    Only around the writing itself: it holds for a file that the tests' own output goes to, too.
+    Use it only around the writing itself: the limit also applies to a file with the tests' own output.
     """
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
@@ -258,7 +258,7 @@ def utc(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 @modes
 @pytest.mark.parametrize(("umask", "mode"), [(0, 0o640), (0o022, 0o640), (0o077, 0o600)])
 def test_a_new_capture_is_read_by_its_owner_and_its_group_at_most(tmp_path: Path, umask: int, mode: int) -> None:
-    """The umask of whoever runs it can only take more away; a file that was there keeps its mode."""
+    """The umask of the user can only remove more rights; an existing file keeps its mode."""
     new, elsewhere, link, old = (tmp_path / name for name in ("new", "elsewhere", "link", "old"))
     link.symlink_to(elsewhere)
     old.touch()
@@ -273,7 +273,7 @@ def test_a_new_capture_is_read_by_its_owner_and_its_group_at_most(tmp_path: Path
 
 
 def descriptors() -> int:
-    """How many are open."""
+    """Return how many descriptors are open."""
     return 0 if WINDOWS else len(list(Path("/proc/self/fd").iterdir()))
 
 
@@ -380,7 +380,7 @@ def test_two_captures_may_be_appended_to_one_file(tmp_path: Path) -> None:
 
 
 class Announced:
-    """Instead of poll: says whether a pipe takes something, and remembers how long it was to wait for that."""
+    """Replaces poll: says whether a pipe accepts data, and remembers the requested time-out."""
 
     def __init__(self, *takes: bool) -> None:
         self.waited_ms: list[float] = []

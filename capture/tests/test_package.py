@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What `pip install` gets: every module, the profile and sis.lua; also out of a source distribution.
+"""What `pip install` installs: every module, the profile and sis.lua; also from a source distribution.
 
-And what the .deb has that the sources have not.
+And what the .deb has in addition to the sources.
 """
 
 import gzip
@@ -23,7 +23,7 @@ NOT_SOURCES = shutil.ignore_patterns("__pycache__", "*.egg-info", "build", ".*")
 
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
-    """A copy: setuptools leaves files where it builds."""
+    """Copy the checkout: setuptools leaves files where it builds."""
     shutil.copytree(REPOSITORY / "capture", tmp_path / "capture", ignore=NOT_SOURCES)
     (tmp_path / "lua-fallback").mkdir()
     shutil.copy(REPOSITORY / "lua-fallback/sis.lua", tmp_path / "lua-fallback")

@@ -38,7 +38,7 @@ needs_strace = pytest.mark.skipif(not shutil.which("strace"), reason="strace is 
 
 
 def traced(command: list[str], trace: Path) -> list[str]:
-    """Run a command on a pty that says telegrams until it ends; give the system calls on that port."""
+    """Run a command on a pty that sends telegrams until it ends; return the system calls on that port."""
     master, slave = pty.openpty()
     tty.setraw(slave)
     port = os.ttyname(slave)

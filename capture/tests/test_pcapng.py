@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What we write is read by three that know nothing of us: tshark, libpcap and python-pcapng."""
+"""Our files can be read by three independent readers: tshark, libpcap and python-pcapng."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`--wait-for-port`: the adapter is plugged in late, unplugged, and back; the capture goes on by itself."""
+"""`--wait-for-port`: the adapter is plugged in late, unplugged, and back; the capture continues by itself."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Adapter:
 
 
 class Tap:
-    """A capture that runs, and what it said until now."""
+    """A running capture, and its output so far."""
 
     def __init__(self, arguments: Sequence[str], folder: Path) -> None:
         self.said = folder / "said"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Files of tests that Windows cannot run are skipped there, and say why."""
+"""Files of tests that Windows cannot run are skipped there, with the reason."""
 
 from __future__ import annotations
 

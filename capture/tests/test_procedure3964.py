@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""An S5 and a PPC over 3964R and RK512: the procedure, the telegrams, the scenarios, and a partner of other make."""
+"""An S5 and a PPC over 3964R and RK512: the procedure, the telegrams, the scenarios, and an independent partner."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_block(data: str, block: str) -> None:
 
 
 class Alone:
-    """One partner, to whom the test says what the other one does."""
+    """One partner; the test plays the other one."""
 
     def __init__(self, *, high: bool = True, **troubles: tuple[str, int]) -> None:
         self.partner = Partner(high=high, disturb=self._disturb)
@@ -69,7 +69,7 @@ class Alone:
         return Trouble(*trouble) if trouble else None
 
     def hears(self, *characters: bytes) -> bytes:
-        """Say these, a millisecond each; return what it answers."""
+        """Send these characters, a millisecond each; return the answer."""
         answered = b""
         for value in b"".join(characters):
             self.now_ns += MS
@@ -77,7 +77,7 @@ class Alone:
         return answered
 
     def waits(self, ms: float) -> bytes:
-        """Let so much time pass at once."""
+        """Let that much time pass at once."""
         self.now_ns += int(ms * MS)
         return self._said(self.partner.look(self.now_ns))
 
@@ -417,7 +417,7 @@ def test_tap_faults(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
 
 
 def tapped(path: Path, *bus: str) -> list[Record]:
-    """Return what a tap hears of a bus at a socket."""
+    """Return what a tap hears on a bus at a socket."""
     command = [sys.executable, "-m", "sistap", *bus, "--listen", "127.0.0.1:0", "--fast"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as playing:
         assert playing.stdout
@@ -509,7 +509,7 @@ class Meeting:
         self.now_ns = 0
 
     def exchange(self, command: bytes) -> bytes:
-        """Bring a command, wait for the reaction."""
+        """Send a command, wait for the reaction."""
         expected = len(self.other.came) + 1
         self.other.transmit(command)
         for _ in range(10_000):
@@ -518,7 +518,7 @@ class Meeting:
         raise AssertionError("no reaction")
 
     def _pass(self) -> bool:
-        """Let a millisecond pass, or let each say what it has to say; tell whether anything was said."""
+        """Let a millisecond pass, or let each send what is due; return whether anything was sent."""
         self.ppc.look(self.now_ns)
         said = self._of_ppc(self.ppc.partner.look(self.now_ns))
         for value in (characters := self.other.say()):
@@ -554,7 +554,7 @@ def test_a_partner_of_other_make_exchanges_a_thousand_blocks() -> None:
 
 @given(st.binary(min_size=10, max_size=200))
 def test_any_block_comes_over(data: bytes) -> None:
-    """What is no command of RK512 is answered, too."""
+    """What is not a command of RK512 is answered, too."""
     meeting = Meeting()
     reaction = meeting.exchange(data)
     assert reaction[:1] in (b"\x00", b"\xff")

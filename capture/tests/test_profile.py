@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The profile SIS: Wireshark takes every line of it, each colour means what it says, and everybody can read them."""
+"""The profile SIS: Wireshark accepts every line of it, each colour has a meaning, and everybody can distinguish
+them.
+"""
 
 import csv
 import itertools
@@ -60,7 +62,7 @@ def tshark() -> Iterator[Run]:
 
 
 def test_wireshark_takes_the_filters(tshark: Run) -> None:
-    """One after the other joined by "or": what tshark refuses it names."""
+    """Joined by "or", one after the other: tshark names those that it refuses."""
     tshark("specification", "-c", "1", "-Y", " || ".join(f"({text})" for text in FILTERS))
 
 
@@ -122,7 +124,9 @@ def test_columns(tshark: Run) -> None:
 
 
 def test_the_widths_are_of_all_columns_in_their_order() -> None:
-    """Else Wireshark 4.4 takes none; they are kept by format, without the occurrence and how a value is shown."""
+    """Otherwise Wireshark 4.4 ignores them; they are keyed by format, without the occurrence and the display of a
+    value.
+    """
     widths = re.findall(r'^\t"([^"]+)", -1', (PROFILE / "recent").read_text(), re.MULTILINE)
     assert widths == [":".join(form.split(":")[:2]) for _, form in COLUMNS]
 
@@ -210,7 +214,7 @@ def seen(colour: Colour, cones: tuple[tuple[float, ...], ...]) -> Colour:
 
 @pytest.mark.parametrize("sight", SIGHT)
 def test_everybody_tells_the_colours_apart(sight: str) -> None:
-    """2.3 is just noticeable side by side; the two rules of limits that are exceeded share a colour."""
+    """2.3 is just noticeable side by side; the two rules of exceeded limits share a colour."""
     backgrounds = {rule[2].split("][")[0]: rule[0] for rule in RULES}
     looks = {name: seen(linear(colour), SIGHT[sight]) for colour, name in backgrounds.items()}
     near = {

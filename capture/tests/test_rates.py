@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`--baud auto` and `--follow-baud`, from a bus into the file, and in this process with a reader of our own."""
+"""`--baud auto` and `--follow-baud`, from a bus into the file, and in this process with a simulated reader."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ALL = list(TELEGRAMS.values())
 
 
 def captured(port: str, file: Path, *options: str) -> tuple[int, str, list[Record]]:
-    """Capture until the bus ends: exit code, standard error, records."""
+    """Capture until the bus ends; return exit code, standard error, records."""
     command = [*CAPTURE, "-i", port, "-w", str(file), *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
     assert "Traceback" not in done.stderr
@@ -102,7 +102,7 @@ def test_only_the_rate_is_looked_for_if_the_format_is_said(tmp_path: Path) -> No
 
 @terminals
 def test_through_a_pseudo_terminal(tmp_path: Path) -> None:
-    """It has no parity: 8E1 and 8N1 are the same to it."""
+    """It has no parity: 8E1 and 8N1 are the same for it."""
     log = tmp_path / "log"
     with running("--baud", "19200", "--cycles", "3", "--log", str(log)) as (bus, port):
         _, said, records = captured(port, tmp_path / "x", "--baud", "auto")
@@ -113,7 +113,7 @@ def test_through_a_pseudo_terminal(tmp_path: Path) -> None:
 
 
 class FakeReader:
-    """Gives what it was told to, with the settings that it has; at last SIGTERM to us."""
+    """Returns scripted reads, with its present settings; at last SIGTERM to this process."""
 
     name = "/dev/ttyFAKE"
     adapter = "adapter of a test"
@@ -151,7 +151,7 @@ class FakeReader:
 
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
-    """Run the command on a reader of our own."""
+    """Run the command with a simulated reader."""
     handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
 
     def run(reader: FakeReader, *arguments: str) -> int:
@@ -256,7 +256,7 @@ def test_the_rate_is_found_and_then_followed(tmp_path: Path) -> None:
 
 @terminals
 def test_in_real_time_through_a_pseudo_terminal(tmp_path: Path) -> None:
-    """A late tap may hear the first telegram after a change wrongly; it must not stay behind."""
+    """A late tap may hear the first telegram after a change wrongly; it must not fall behind."""
     with running("--baud", "38400", "--rates", "115200", "--cycles", "2") as (bus, port):
         _, _, records = captured(port, tmp_path / "x", "--baud", "38400", "--follow-baud")
         assert finish(bus) == (0, "")

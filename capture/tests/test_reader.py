@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The readers: what comes out is what arrived, with errors at their characters and times that are bounds."""
+"""The readers: their output is what arrived, with errors at their characters and times that are bounds."""
 
 import errno
 import fcntl
@@ -216,7 +216,7 @@ def test_formats_that_a_driver_takes(bus: Pty, monkeypatch: pytest.MonkeyPatch, 
 
 
 def test_a_format_that_a_driver_quietly_does_not_take(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As ftdi_sio: asked for six data bits it keeps what it had, and says so only to the kernel's log."""
+    """Like ftdi_sio: asked for six data bits it keeps its setting, and reports that only in the kernel's log."""
     Driver(monkeypatch, termios.CS8)
     cannot = f"{bus.port} cannot do 9600 Bd 6E1 (its driver sets 9600 Bd 8E1): choose another --baud or --format"
     assert refused(bus.port, LineSettings.parse(9600, "6E1")) == cannot
@@ -230,7 +230,7 @@ def test_a_format_that_a_driver_quietly_does_not_take(bus: Pty, monkeypatch: pyt
 
 @pytest.fixture
 def uart(bus: Pty, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """The bus's port as a 16550A with its usual clock; its driver reports the wish as the rate."""
+    """The bus's port as a 16550A with its usual clock; its driver reports the requested rate."""
     kind = tmp_path / "class/tty" / Path(bus.port).name / "type"
     kind.parent.mkdir(parents=True)
     kind.write_text("4\n")
@@ -273,7 +273,7 @@ def test_characters_that_another_program_took_are_no_loss_of_the_port(
 
 
 class SteppedTime:
-    """Instead of the monotonic clock: as late as the test says."""
+    """Replaces the monotonic clock: as late as the test demands."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic_ns()
@@ -451,7 +451,7 @@ def test_what_a_full_read_left_behind_is_as_old_as_that_read(bus: Pty, monkeypat
 
 
 def wait_until_readable(port: str) -> None:
-    """Wait until the line discipline holds something, without taking it."""
+    """Wait until the line discipline has something, without reading it."""
     descriptor = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
     end = time.monotonic() + PATIENCE_S
     while not struct.unpack("i", fcntl.ioctl(descriptor, termios.FIONREAD, bytes(4)))[0]:
@@ -537,7 +537,7 @@ def test_a_change_of_format_at_a_real_port(
 
 
 def speed(port: str) -> int:
-    """Return the rate of a port, also one that has no constant: c_ospeed, the last word of struct termios2."""
+    """Return the rate of a port, even without a constant: c_ospeed, the last word of struct termios2."""
     descriptor = os.open(port, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         return int(struct.unpack("11I", fcntl.ioctl(descriptor, TCGETS2, bytes(44)))[10])
@@ -641,7 +641,7 @@ def test_errors_that_the_driver_only_counts(
 
 
 def unmarked(data: bytes) -> Callable[[int, int], bytes]:
-    """Read from a pseudo terminal, but give `data`: what a port with errors delivers."""
+    """Read from a pseudo terminal, but return `data`, as a port with errors delivers it."""
     real = os.read
 
     def read(fd: int, size: int) -> bytes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Marks and counters of real drivers: what they did in captures of them, and which flags come of it."""
+"""Marks and counters of real drivers: their behaviour in captures, and the resulting flags."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MS = 1_000_000
 
 
 class Line:
-    """A driver that counts, and what comes of its reads; every read comes 1 ms after the one before."""
+    """A driver that counts, and its reads; every read comes 1 ms after the one before."""
 
     def __init__(self, *, by_packet: bool = False, counts: bool = True) -> None:
         self.counters: Counter[str] = Counter()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The record's bytes are those of the layout, and come back as they were."""
+"""The record's bytes match the layout, and parsing returns the original."""
 
 from __future__ import annotations
 

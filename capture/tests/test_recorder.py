@@ -81,7 +81,7 @@ def keep(tshark: Tshark, tmp_path: Path, traffic: list[Record]) -> Keep:
 
 
 def numbers(tshark: Tshark, traffic: list[Record], filter_: str, path: Path) -> list[int]:
-    """Which records a single tshark finds."""
+    """Return the records that a single tshark finds."""
     output = Output(str(path))
     writer = PcapngWriter(output, LINE, Counters())
     writer.begin(traffic[0])
@@ -286,7 +286,7 @@ def test_the_presets_are_understood(tshark: Tshark, preset: str) -> None:
 
 
 def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp_path: Path) -> None:
-    """On buses on which it happens; what no bus of ours does is damaged by the tap."""
+    """On buses where it happens; faults that no simulated bus makes are added by the tap."""
     found: set[str] = set()
     reasons = Reasons(["faults", "writes"])
     buses = [["late-reaction"], ["damaged"], ["silent-station"], ["slow-characters"], ["noise"], ["demo"], ["token"]]
@@ -392,7 +392,7 @@ def test_what_cannot_be_kept_is_refused_at_once(
 
 
 def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """From end to end: a bus, two lines of which come up while it runs, and the full ring beside the kept files."""
+    """End to end: a bus, two lines that appear while it runs, and the full ring beside the kept files."""
     command = [sys.executable, "-m", "sistap"]
     address = f"{tmp_path}/bus"
     bus = subprocess.Popen(

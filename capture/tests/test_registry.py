@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is behind a port of Windows, read from a registry that the test makes."""
+"""What is behind a port of Windows, read from a simulated registry."""
 
 from __future__ import annotations
 

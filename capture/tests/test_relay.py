@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One tshark after the other says of each record what a single one would, wherever the seams are."""
+"""Several tsharks in turn say about each record what a single one would, wherever the seams are."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def is_about_limits(record: Record) -> bool:
 
 @pytest.fixture(scope="module")
 def expected(tshark: Tshark, traffic: list[Record], tmp_path_factory: pytest.TempPathFactory) -> list[int]:
-    """What a single tshark finds, as numbers of records."""
+    """Return what a single tshark finds, as numbers of records."""
     path = tmp_path_factory.mktemp("expected") / "x.pcapng"
     blocks = Blocks({0: LINE})
     path.write_bytes(blocks.section() + b"".join(map(blocks.packet, traffic)))
@@ -63,7 +63,7 @@ def expected(tshark: Tshark, traffic: list[Record], tmp_path_factory: pytest.Tem
 
 
 class Watched:
-    """A relay that is told records, and what it gave back."""
+    """A relay with its records, and its results."""
 
     def __init__(self, tshark: Tshark, seams: Seams = SEAMS, filter_: str = FILTER) -> None:
         self.reasons = Reasons([filter_])
@@ -82,7 +82,7 @@ class Watched:
         return self.running[-1]
 
     def tick(self) -> float:
-        """Let a second go by at every look: so there is a mark behind every record."""
+        """Let a second pass at every look, so that a mark follows every record."""
         return next(self._seconds)
 
     def play(self, traffic: list[Record]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A capture played again: every character, at its time; and files that are no capture."""
+"""A replayed capture: every character, at its time; and files that are not captures."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def running(*options: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
 
 
 def heard_again(file: Path, folder: Path) -> list[Record]:
-    """Replay into a socket as fast as it is taken, and capture that."""
+    """Replay into a socket as fast as possible, and capture that."""
     again = folder / "again.pcapng"
     with running(str(file), "--listen", "127.0.0.1:0", "--fast") as (process, name):
         subprocess.run([*CAPTURE, "-i", name, "-w", str(again)], timeout=TIMEOUT_S, check=False, capture_output=True)

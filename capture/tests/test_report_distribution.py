@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept of many values is bounded, and as exact as it says."""
+"""Summaries of many values are bounded, and as exact as they claim."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The page and the pictures: whole, self-contained, escaped, and red where it has to be."""
+"""The page and the pictures: whole, self-contained, escaped, and red where necessary."""
 
 from __future__ import annotations
 

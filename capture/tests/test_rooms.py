@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The rooms of sistap use no others than sistap/__init__.py allows; those of the virtual bus only those above them."""
+"""The rooms of sistap use only those that sistap/__init__.py allows; rooms of the virtual bus only those above them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ BUS_ROOMS = [room.rstrip("/") for first, *_ in rows(bus.__doc__) for room in fir
 
 
 def imported(tree: ast.AST) -> Iterator[str]:
-    """The modules of sistap that a file imports, wherever in it, with the names that it takes from them."""
+    """Return the modules of sistap that a file imports anywhere, with the names imported from them."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -54,7 +54,7 @@ def imported(tree: ast.AST) -> Iterator[str]:
 
 
 def rooms_used(file: Path, package: str) -> set[str]:
-    """The rooms of a package that one of its files imports from."""
+    """Return the rooms of a package that one of its files imports from."""
     of_package = [name for name in imported(ast.parse(file.read_text("utf-8"))) if name.startswith(f"{package}.")]
     return {name.removeprefix(f"{package}.").partition(".")[0] for name in of_package} - {"__version__"}
 
@@ -114,7 +114,7 @@ def test_an_import_is_seen_however_it_is_written(tmp_path: Path, code: str) -> N
 
 
 def test_the_readme_names_what_is_there() -> None:
-    """Each file of its table, and behind a file each name that is in it."""
+    """Every file in its table exists, and so does every name after a file."""
     text = (PACKAGE.parent / "README.md").read_text("utf-8")
     table = text[text.index("| what you look for |") : text.index("Beside the package")]
     cells = [line.split("|")[2] for line in table.splitlines()[2:] if line]

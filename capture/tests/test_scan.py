@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The search for rate and format: where it stays, and why it goes on."""
+"""The search for rate and format: where it stays, and why it moves on."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WRONG, BREAK = int(Flag.CHARACTER_ERROR), int(Flag.BREAK)
 
 
 class Bus:
-    """Says things to a search; `now` goes on by 1 ms a character."""
+    """Sends reads to a search; `now` advances by 1 ms for each character."""
 
     def __init__(self, scan: Scan) -> None:
         self.scan = scan

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Scenarios: what a file may say, what is played, what faults do to those on the bus and what Wireshark sees of it."""
+"""Scenarios: the contents of a file, what is played, and the effect of faults on stations and in Wireshark."""
 
 from __future__ import annotations
 
@@ -576,7 +576,7 @@ def test_a_signal_ends_a_master_that_talks(tmp_path: Path) -> None:
 
 @contextmanager
 def recording_into_a_pipe() -> Iterator[tuple[subprocess.Popen[str], int, int]]:
-    """Record without end; gives the process, and both ends of its pipe."""
+    """Record endlessly; return the process, and both ends of its pipe."""
     ours, theirs = os.pipe()
     process = subprocess.Popen(
         [*BUS, "-w", "-", "--cycles", "1000000", "--reads", "60"], stdout=theirs, stderr=subprocess.PIPE, text=True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What SECURITY.md says was tried is what the tests try; what they install is what the list says."""
+"""The claims of SECURITY.md match the tests; the installed files match its list."""
 
 from __future__ import annotations
 

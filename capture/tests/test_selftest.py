@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap selftest`: what it measures, says and keeps, and that it sends nothing unless it is told to."""
+"""`sistap selftest`: what it measures, prints and keeps, and that it sends nothing without permission."""
 
 import errno
 import os
@@ -33,7 +33,7 @@ def no_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class Port:
-    """A pseudo terminal at whose far end `answer` makes of what comes what goes back."""
+    """A pseudo terminal at whose far end `answer` turns what comes into what goes back."""
 
     def __init__(self, answer: Callable[[bytes], bytes]) -> None:
         self._master, self._slave = pty.openpty()
@@ -75,14 +75,14 @@ def port() -> Iterator[Callable[[Callable[[bytes], bytes]], Port]]:
 
 
 class Ended:
-    """A writer that has written all that it will."""
+    """A writer that has written everything."""
 
     def is_alive(self) -> bool:
         return False
 
 
 def read_back(monkeypatch: pytest.MonkeyPatch, came: list[bytes], at_ns: list[int], written_ns: list[int]) -> list[int]:
-    """What the delays are when these characters come at these times."""
+    """Return the delays when these characters come at these times."""
 
     class Poll:
         def register(self, fd: int, events: int) -> None: ...
@@ -256,7 +256,7 @@ def test_too_few_characters_are_not_kept(monkeypatch: pytest.MonkeyPatch, capfd:
 def test_what_was_measured_over_a_stop_is_not_kept(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """The record has no room for so long an uncertainty, so captures would take the whole file for a broken one."""
+    """So long an uncertainty does not fit into a record, so captures would reject the whole file."""
     monkeypatch.setattr(delay, "through_pty", lambda duration_ns: array("q", [1000] * 1999 + [5_000 * MS]))
     assert run() == 1
     assert "for 5 s sistap was stopped: measure again" in capfd.readouterr().err

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap serve` and who listens: everybody gets everything or is told what is missing, and nobody holds it up."""
+"""`sistap serve` and its listeners: each gets everything or is told what is missing, and none delays the tap."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ needs_strace = pytest.mark.skipif(not shutil.which("strace"), reason="strace is 
 
 
 def reads(count: int, size: int = 1, start: int = 0) -> list[Read]:
-    """Characters whose times, errors and uncertainties are all different."""
+    """Return characters whose times, errors and uncertainties are all different."""
     return [
         Read(
             0,
@@ -65,7 +65,7 @@ def told() -> list[str]:
 
 @pytest.fixture
 def served(tmp_path: Path, told: list[str]) -> Iterator[Listeners]:
-    """Listeners at a path: a socket there buffers less than one of a network."""
+    """Listeners at a path: its socket has smaller buffers than a network socket."""
     with closing(Listeners(str(tmp_path / "tap"), [], told.append)) as listeners:
         listeners.begin(ABOUT, LINE)
         yield listeners
@@ -81,7 +81,7 @@ def connect(served: Listeners) -> socket.socket:
 
 
 def heard(served: Listeners, connection: socket.socket, until: Callable[[list[Message]], bool]) -> list[Message]:
-    """Take messages while the listeners are attended to."""
+    """Return messages while the listeners are served."""
     messages: list[Message] = []
     decoder, end = Decoder(), time.monotonic() + PATIENCE_S
     connection.setblocking(False)
@@ -97,7 +97,7 @@ def of_reads(messages: list[Message]) -> list[Read]:
 
 
 def count(messages: list[Message]) -> int:
-    """Characters that came or are named as lost."""
+    """Count characters that came or are reported as lost."""
     lost = sum(message.characters for message in messages if isinstance(message, Lost))
     return lost + sum(len(read.data) for read in of_reads(messages))
 
@@ -314,7 +314,7 @@ def test_listeners_have_their_turn_when_nothing_waits_to_be_read(
 
 
 class Tap:
-    """The other end: what it says is set by the test."""
+    """The other end: the test scripts it."""
 
     def __init__(self, path: Path) -> None:
         self.listening = socket.socket(socket.AF_UNIX)
@@ -502,7 +502,7 @@ def recorded(taken: list[Read]) -> list[Record]:
 
 
 def test_records_are_those_of_a_local_capture(served: Listeners) -> None:
-    """Whatever a reader says reaches the framer as it does without a network."""
+    """A reader's results reach the framer as they do without a network."""
     data = TELEGRAM * 20
     sent = [
         Read(0, START_NS + place * 999_999, data[place : place + 1], bytes([place % 97 == 0]) * 1, place, LINE)

@@ -103,7 +103,7 @@ def test_characters_come_from_both_with_their_line(
 
 
 class SteppedTime:
-    """Instead of the monotonic clock: as late as the test says."""
+    """Replaces the monotonic clock: as late as the test demands."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic_ns()
@@ -112,7 +112,7 @@ class SteppedTime:
 
 
 def waiting(line: Line) -> int:
-    """How many characters nobody has read yet."""
+    """Return how many characters nobody has read yet."""
     return int.from_bytes(fcntl.ioctl(line._slave, termios.FIONREAD, bytes(4)), sys.byteorder)
 
 
@@ -151,7 +151,7 @@ def test_waiting_is_not_being_late(
         real = source._poll
 
         class Announced:
-            """Nothing is there; it comes while it is waited for, after 8 ms."""
+            """Nothing is there at first; it comes during the wait, after 8 ms."""
 
             def poll(self, step_ms: float) -> list[tuple[int, int]]:
                 if step_ms and not clock_moved:

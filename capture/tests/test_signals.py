@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every command, stopped by a burst of signals in its first half second: it ends at once, well, and leaves nothing.
+"""A burst of signals in its first half second stops every command: at once, cleanly, without leaving anything.
 
-Python itself takes some hundredths of a second before it knows of sistap. From then on, which /proc tells, signals
-come at moments that are drawn with a seed.
+Python itself takes some hundredths of a second before it imports sistap. From then on, as /proc shows, signals come at
+random moments with a seed.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def arguments(words: str, folder: Path, port: str) -> list[str]:
 
 
 def wait_until_it_knows_of_signals(process: subprocess.Popen[bytes]) -> None:
-    """Return when a handler is there, or the process has ended."""
+    """Return when a handler is installed, or the process has ended."""
     status = Path(f"/proc/{process.pid}/status")
     while process.poll() is None:
         caught = next((line for line in status.read_text().splitlines() if line.startswith("SigCgt:")), "SigCgt: 0")
@@ -104,7 +104,7 @@ Send = Callable[[int, int], None]  # a signal to a process, or to all of its gro
 
 
 def stopped(command: list[str], place: Place, delay_s: float, send: Send) -> tuple[int, str]:
-    """Run sistap, and stop it after so long; return exit code and standard error."""
+    """Run sistap, and stop it after that time; return exit code and standard error."""
     process = subprocess.Popen(
         [sys.executable, "-m", "sistap", *command],
         cwd=place.folder,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A logic analyser as the tap: the real sigrok-cli passes on samples of a wire that is rendered (sampled_wire.py).
+"""A logic analyser as the tap: the real sigrok-cli delivers samples of a rendered wire (sampled_wire.py).
 
-What is heard is compared with what was sent, and with what sigrok's own decoder makes of the same samples.
+The result is compared with what was sent, and with the result of sigrok's own decoder for the same samples.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ PORT = "sigrok:fx2lafw?rx=0"
 
 
 def traffic(count: int, settings: LineSettings, seed: int = 1, *, faulty: bool = False) -> list[Sent]:
-    """Characters at any distance, and perhaps what can go wrong."""
+    """Return characters at any distance, with possible faults."""
     chance = random.Random(seed)
     bit_ns = Fraction(NS, settings.baud)
     time_ns = Fraction(2_000_000)
@@ -56,7 +56,7 @@ def end_of(*lines: Sequence[Sent]) -> int:
 
 @pytest.fixture
 def wire(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A file for samples, which the analyser of these tests then has."""
+    """Return a file for samples, which the simulated analyser then has."""
     samples = tmp_path / "samples"
     play(tmp_path, samples, monkeypatch)
     return samples
@@ -147,7 +147,7 @@ def telegrams(settings: LineSettings, count: int) -> list[Sent]:
 
 @contextmanager
 def fed(wire: Path, *pieces: bytes, samplerate: float, pause_s: float = 0) -> Iterator[None]:
-    """Let the samples come at the pace of an analyser, with a pause between two pieces."""
+    """Deliver the samples at the pace of an analyser, with a pause between two pieces."""
     os.mkfifo(wire)
 
     def feed() -> None:
@@ -195,7 +195,7 @@ def test_samples_that_are_missing_are_told(wire: Path, tmp_path: Path) -> None:
 
 def test_missing_samples_and_late_ones_are_told_apart() -> None:
     def lost_ms(late_ms: Sequence[float]) -> list[int]:
-        """Tell what is found lost, when samples come so late, each 0.25 s."""
+        """Return the detected loss when samples come this late, each 0.25 s."""
         clock = SampleClock(0, 1000)
         found = []
         for number, late in enumerate(late_ms, 1):
@@ -215,7 +215,7 @@ def test_missing_samples_and_late_ones_are_told_apart() -> None:
 
 @needs_sigrok
 def test_an_analyser_that_makes_its_samples_itself(tmp_path: Path) -> None:
-    """The demo device of sigrok, without anything in between: it goes on until the capture ends."""
+    """The demo device of sigrok, unmodified: it runs until the capture ends."""
     file = tmp_path / "demo.pcapng"
     port = "sigrok:demo?rx=D0&tx=D3&samplerate=500k"
     assert cli.main(["capture", "-i", port, "-w", str(file), "-q", "-a", "duration:1"]) == 0

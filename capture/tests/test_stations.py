@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Stations: what they answer to which command, against the specification's figures and tables."""
+"""Stations: their answers to commands, compared with the specification's figures and tables."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def drive(address: int = 3, **table: Any) -> Station:
 
 
 def ask(asked: Station, service: int, body: str = "", now_ms: float = 0, **header: Any) -> str:
-    """Send a command from 16, with a body in hex; gives the body of the reaction in hex, "none" if there is none."""
+    """Send a command from 16, with a body in hex; return the body of the reaction in hex, "none" if there is none."""
     receiver = header.pop("receiver", asked.address)
     sender = header.pop("sender", 16)
     reaction = asked.react(build(service, sender, receiver, octets(body), **header), int(now_ms * MS))

@@ -69,7 +69,7 @@ def test_who_looks_for_himself_is_not_torn() -> None:
 
 
 def test_one_that_was_swallowed_does_not_count() -> None:
-    """By a library that handles whatever comes."""
+    """Swallowed by a library that handles any exception."""
     with pytest.raises(Stopped), Stop():
         with suppress(BaseException):
             signal.raise_signal(signal.SIGINT)
@@ -141,7 +141,7 @@ def test_during_the_imports_it_just_ends() -> None:
 
 
 def work() -> None:
-    """Run tshark, whom a shell plays, and make what has to be taken away again."""
+    """Run tshark, played by a shell, and make files that must be removed again."""
     with Tshark("sh") as shell, temporary.folder() as folder:
         (folder / "file").touch()
         endless = shell.lines(["-c", "echo 1; exec sleep 1000"])
@@ -151,7 +151,7 @@ def work() -> None:
 
 @pytest.fixture
 def leftovers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
-    """Tell which files there are, and which children that this process had not before: other tests keep some."""
+    """Return the files, and the new children of this process: other tests keep some."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.delenv("WIRESHARK_PLUGIN_DIR", raising=False)
     for number in NUMBERS:  # as it is again when a command has ended
@@ -169,7 +169,7 @@ def leftovers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], l
 
 
 class At:
-    """Sends a signal to this process when it comes to its n-th line that matters; 0: it only counts them."""
+    """Sends a signal to this process at its n-th counted line; 0: only counts the lines."""
 
     _WHERE = ("/sistap/", "/contextlib.py", "/subprocess.py", "/tempfile.py", "/weakref.py")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap tables` of two days whose every telegram is written down here, and what DuckDB and Spark make of them."""
+"""`sistap tables` of two days whose every telegram is listed here, and the results of DuckDB and Spark."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ FIRST = datetime.fromtimestamp(report_capture.START_NS // 10**9, UTC)  # 2023-11
 
 
 def write_at(path: Path, sent: Iterable[Sent], later_s: int) -> Path:
-    """Write a capture that begins so much later."""
+    """Write a capture that begins that much later."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_capture, "START_NS", report_capture.START_NS + later_s * 10**9)
         return write(path, sent)
@@ -286,7 +286,7 @@ def test_what_cannot_be_put(tmp_path: Path, days: list[Path]) -> None:
 
 
 def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, days: list[Path]) -> None:
-    """A folder stands where a file would go."""
+    """A folder is in the place of a file."""
     run(tmp_path, "tables", days[0], "-o", "t")
     [file] = (tmp_path / "t" / "telegrams").rglob("*.parquet")
     file.unlink()

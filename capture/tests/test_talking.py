@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A master of ours at a real line: what it waits for, what it takes for a reaction, when it asks again."""
+"""Our master at a real line: what it waits for, what it accepts as a reaction, when it repeats."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class ScriptedPort:
 
 
 def ask(port: ScriptedPort, *asked: bytes, repeats: int = 0) -> tuple[list[bytes | None], list[Played]]:
-    """Ask; give the reactions and all that was sent and heard."""
+    """Ask; return the reactions and all that was sent and heard."""
     reactions: list[bytes | None] = []
 
     def script() -> Script:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The lines of a capture alone: what reaches the sink, what is counted, what is said of a line."""
+"""The lines of a capture alone: what reaches the sink, the counters, and the messages about a line."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tuning a port and undoing it, on a sysfs and a driver that the test plays."""
+"""Tuning a port and restoring it, with a simulated sysfs and driver."""
 
 import errno
 import os

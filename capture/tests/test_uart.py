@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Samples of a line become characters; what was sent is rendered bit by bit (sampled_wire.py)."""
+"""Samples of a line become characters; the sent characters are rendered bit by bit (sampled_wire.py)."""
 
 from __future__ import annotations
 

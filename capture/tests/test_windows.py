@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Windows does not have: said in one line, or not asked for."""
+"""What Windows lacks: reported in one line, or not used."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ def test_a_bus_says_where_it_listens_by_itself(monkeypatch: pytest.MonkeyPatch, 
 
 
 class Deaf(Stop):
-    """A stop without signals: they are for the main thread."""
+    """A stop without signals: they work in the main thread only."""
 
     def _install(self) -> None: ...
 

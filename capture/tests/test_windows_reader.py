@@ -29,7 +29,7 @@ class Came(NamedTuple):
 
 
 class Win32:
-    """Of serial.win32 what reads: each ReadFile delivers what came next; errors are told once."""
+    """The reading functions of serial.win32: each ReadFile delivers what came next; errors are reported once."""
 
     DWORD = ctypes.c_uint32
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Files one after the other: each can be read alone, and says of its lines what is true when it begins."""
+"""Successive files: each can be read alone, and describes its lines as they are when it begins."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Writing:
         self._folder = folder
 
     def files(self) -> list[list[Any]]:
-        """End the last; all blocks of each."""
+        """End the last file; return all blocks of each."""
         self.writer.end(LATER_NS)
         self.output.close()
         return [independent.blocks(path) for path in sorted(self._folder.iterdir())]

@@ -38,7 +38,7 @@ class Device(NamedTuple):
 
 
 class Recorder(Protocol):
-    """Writes down transfers in its own form."""
+    """Writes transfers in its own format."""
 
     link_type: int
 
@@ -140,7 +140,7 @@ class UsbPcap:
 
 
 class Host:
-    """A computer that talks to one adapter; the packets of what it does."""
+    """A computer that uses one adapter; the packets of their communication."""
 
     def __init__(self, recorder: Recorder, inbound: int = 0x81, outbound: int = 0x02) -> None:
         self._recorder = recorder
@@ -171,7 +171,7 @@ class Host:
         self.packets.append(self._recorder.complete(time_ms, BULK, self._inbound, number, data, length))
 
     def send(self, time_ms: float, taken_ms: float, data: bytes, length: int | None = None) -> None:
-        """Hand characters to the adapter, which has taken them at `taken_ms`."""
+        """Send characters to the adapter, which has taken them at `taken_ms`."""
         number = next(self._number)
         self.packets.append(self._recorder.submit(time_ms, BULK, self._outbound, number, data))
         length = len(data) if length is None else length

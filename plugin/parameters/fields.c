@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What every road shows of a parameter: its data, its value as a number, and what is not decoded. */
+/* What all transports show of a parameter: its data, its value as a number, and bytes that are not
+ * decoded. */
 
 #include "parameters/fields.h"
 

@@ -29,7 +29,7 @@ add_generated(proto_tree *tree, tvbuff_t *tvb, int hf, const char *text, const c
     proto_item_append_text(item, " (%s)", source);
 }
 
-/* What is known of a parameter, and where from. */
+/* What is known of a parameter, and the source. */
 static void
 add_known(proto_tree *tree, tvbuff_t *tvb, const sis_known_t *known)
 {

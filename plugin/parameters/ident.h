@@ -10,14 +10,15 @@ extern int hf_sis_parameter;
 
 #define SIS_NO_TYPE_BYTE UINT_MAX
 
-/* Where an ident stands: all of it, its type byte (SIS_NO_TYPE_BYTE: told elsewhere) and its number word. */
+/* The place of an ident: all of it, its type byte (SIS_NO_TYPE_BYTE: known from elsewhere) and its number
+ * word. */
 typedef struct {
-    unsigned offset, length; /* no length: it does not stand here, a command said it */
+    unsigned offset, length; /* no length: it is not here, the command has it */
     unsigned type_at, number_at;
     unsigned encoding; /* of the number word */
 } sis_ident_place_t;
 
-/* Adds sis.parameter, the parts of the ident, name, unit and limits. Gives its item. */
+/* Adds sis.parameter, the parts of the ident, name, unit and limits. Returns its item. */
 proto_item *sis_add_ident(proto_tree *tree, wmem_allocator_t *scope, tvbuff_t *tvb,
                           const sis_ident_place_t *place, sis_ident_t ident, const sis_known_t *known);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What was said of parameters on a bus: names, units, attributes, limits. */
+/* What the bus said about parameters: names, units, attributes, limits. */
 
 #include "parameters/learned.h"
 
@@ -78,7 +78,7 @@ sis_learned_or_from_tables(const sis_known_t *said, sis_ident_t ident)
     return known;
 }
 
-/* True if this is another text than before; then it is kept. */
+/* True if the text differs from the one before; then it is kept. */
 static bool
 update_text(const char **known, const char *text)
 {

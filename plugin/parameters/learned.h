@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What was said of parameters on a bus. It is learned in the first pass; whoever asks keeps what was known
+/* What the bus said about parameters. It is learned in the first pass. A user of it keeps what was known
  * then, so that all passes show the same. */
 
 #ifndef PARAMETERS_LEARNED_H
@@ -7,10 +7,10 @@
 
 #include "parameters/parameters.h"
 
-/* A device behind a station, which may be behind routers. */
+/* A device behind a station, perhaps through routers. */
 typedef struct {
     uint8_t path[8];     /* from the first router to the station; zeros behind it */
-    uint8_t path_length; /* 3 is not 3/0 */
+    uint8_t path_length; /* tells 3 from 3/0 */
     uint8_t device;
 } sis_place_t;
 
@@ -19,10 +19,10 @@ typedef struct sis_learned sis_learned_t;
 
 sis_learned_t *sis_learned_new(void);
 
-/* What was said of a parameter so far; NULL: nothing. Never changed once made. */
+/* What was said about a parameter so far; NULL: nothing. Never changed once made. */
 const sis_known_t *sis_learned_find(sis_learned_t *learned, const sis_place_t *place, sis_ident_t ident);
 
-/* With what the tables say where nothing was said. `said` may be NULL. */
+/* Completed from the tables. `said` may be NULL. */
 sis_known_t sis_learned_or_from_tables(const sis_known_t *said, sis_ident_t ident);
 
 /* First pass: an element of a parameter was read, with all its data; `shown` is its value as text. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Parameters: how they are written, and what the user's table and the built-in one say of them. What the bus
- * says of them is learned in learned.c. */
+/* Parameters: how they are written, and what the user's table and the built-in one say about them. What
+ * the bus says about them is learned in learned.c. */
 
 #include "parameters/parameters.h"
 
@@ -66,7 +66,7 @@ typedef struct {
 static row_t *rows;
 static unsigned row_count;
 
-/* Both tables by type and number; the user's rows go before the built-in ones. */
+/* Both tables, by type and number; the user's rows take precedence over the built-in ones. */
 static GHashTable *table;
 
 const char *

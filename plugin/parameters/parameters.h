@@ -29,7 +29,7 @@ typedef struct {
 
 typedef enum { SIS_FROM_NOWHERE, SIS_FROM_BUS, SIS_FROM_TABLE, SIS_BUILT_IN } sis_source_t;
 
-/* What is known of a parameter, each part from the best source. Never changed once made: later knowledge
+/* What is known of a parameter, each part from the best source. Never changed once made: new knowledge
  * makes a new one. */
 typedef struct sis_known {
     const char *name; /* NULL: unknown */

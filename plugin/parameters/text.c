@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Text of drives, as a person reads it. */
+/* Text of drives, in readable form. */
 
 #include "parameters/text.h"
 
-/* Latin-1, as drives are older than UTF-8. Control characters are shown as their pictures (U+2400 and
- * following). Those that only Latin-1 has, and the soft hyphen, are shown by their codes: "<9b>". */
+/* Latin-1, because drives are older than UTF-8. Control characters are shown as their pictures (U+2400 and
+ * following). The control characters of Latin-1, and the soft hyphen, are shown as codes: "<9b>". */
 static void
 append(wmem_strbuf_t *text, uint8_t c)
 {
@@ -14,7 +14,7 @@ append(wmem_strbuf_t *text, uint8_t c)
         wmem_strbuf_append_unichar(text, c < 0x20 ? 0x2400 + c : c == 0x7F ? 0x2421 : c);
 }
 
-/* Never ends at a NUL. */
+/* Does not end at a NUL. */
 const char *
 sis_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, unsigned length)
 {

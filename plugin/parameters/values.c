@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The elements of a parameter: attribute bit by bit, values scaled and with their unit, lists element by
- * element. SIS says nothing of all this; it is SERCOS, IEC 61491. */
+ * element. The SIS documents do not describe them; SERCOS, IEC 61491, does. */
 
 #include "parameters/values.h"
 
@@ -41,7 +41,7 @@ static int ett_attribute = -1;
 static int ett_list = -1;
 static int ett_value = -1;
 
-/* How the elements of some data are read; made from an attribute. */
+/* How to read the elements of some data; made from an attribute. */
 typedef struct {
     unsigned size; /* of one value: 1, 2, 4 or 8 bytes */
     bool is_list;
@@ -53,7 +53,7 @@ typedef struct {
     unsigned encoding; /* ENC_LITTLE_ENDIAN or ENC_BIG_ENDIAN */
 } layout_t;
 
-/* False for the length codes that are not defined. */
+/* False for undefined length codes. */
 static bool
 read_layout(const sis_known_t *known, unsigned encoding, layout_t *layout)
 {
@@ -83,7 +83,7 @@ get_number(tvbuff_t *tvb, unsigned offset, unsigned size, unsigned encoding)
     return value;
 }
 
-/* With a point in every locale: people filter for it. */
+/* With a point in every locale: people filter for this text. */
 static const char *
 double_text(wmem_allocator_t *scope, int digits, double value)
 {
@@ -93,7 +93,7 @@ double_text(wmem_allocator_t *scope, int digits, double value)
     return wmem_strdup(scope, g_ascii_formatd(text, sizeof text, format, value));
 }
 
-/* Fixed point: exact, as the decimal places say. */
+/* Fixed point: exact to the decimal places. */
 static const char *
 decimal_text(wmem_allocator_t *scope, uint64_t magnitude, bool is_negative, const layout_t *layout)
 {
@@ -201,7 +201,7 @@ is_number(const layout_t *layout)
            (layout->format == FLOATING && layout->size >= 4);
 }
 
-/* The number that the text of a value shows, up to `unit`. Bits, idents and infinity have no number. */
+/* The number in the text of a value, up to `unit`. Bits, idents and infinity have no number. */
 static bool
 read_number(const layout_t *layout, const char *value, double *number, char **unit)
 {
@@ -211,7 +211,7 @@ read_number(const layout_t *layout, const char *value, double *number, char **un
     return isfinite(*number);
 }
 
-/* A value as a text, and the number that this text shows: what a person reads is what a filter compares. */
+/* A value as text, and the number in this text: a filter compares what a person reads. */
 static void
 add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t *layout, const char *value,
                const char *label)
@@ -224,15 +224,14 @@ add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t 
         proto_item_set_text(item, "%s", label);
     if (!proto_field_is_referenced(tree, hf_sis_number) || !read_number(layout, value, &number, &unit))
         return;
-    /* With the digits of the value: Wireshark 4.0 itself writes a comma in some locales. */
+    /* With the digits of the value: Wireshark 4.0 writes a comma in some locales. */
     item =
         proto_tree_add_double_format_value(proto_item_add_subtree(item, ett_value), hf_sis_number, tvb,
                                            offset, layout->size, number, "%.*s", (int)(unit - value), value);
     proto_item_set_generated(item);
 }
 
-/* The two length words of a SERCOS list, where they are really there: it is not certain that SIS carries
- * them. */
+/* The two length words of a SERCOS list, if they are there: SIS may not carry them. */
 static unsigned
 list_header_size(const sis_element_data_t *data)
 {
@@ -255,7 +254,7 @@ sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb)
     return sis_text(scope, tvb, header, tvb_captured_length(tvb) - header);
 }
 
-/* Gives the size of the length words, 0 if there are none. */
+/* Returns the size of the length words, 0 if there are none. */
 static unsigned
 add_list_header(proto_tree *tree, const sis_element_data_t *data)
 {
@@ -292,10 +291,10 @@ add_attribute(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *da
 }
 
 #define SHOWN_IN_LIST 4u
-#define SHOWN_IN_TREE 100000u /* more than a SERCOS list can have; Wireshark gives up at ten times that */
+#define SHOWN_IN_TREE 100000u /* more than a SERCOS list can have; Wireshark's limit is ten times that */
 
-/* All elements into the tree, the first few into the text. Which one of its list the first of a segment is
- * cannot be told. */
+/* All elements into the tree, the first few into the text. The position of a segment's first element in
+ * its list is unknown. */
 static const char *
 add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, const layout_t *layout)
 {
@@ -329,7 +328,7 @@ add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, c
     return count > 0 ? wmem_strbuf_get_str(text) : "empty";
 }
 
-/* Operating data, minimum or maximum; those of a list are as long as one of its elements. */
+/* Operating data, minimum or maximum; the limits of a list have the length of one element. */
 static const char *
 add_value(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, sis_element_t element,
           const sis_known_t *known)

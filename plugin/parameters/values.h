@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Operating data as a person reads them: attribute, scaling, lists (IEC 61491). */
+/* Operating data in readable form: attribute, scaling, lists (IEC 61491). */
 
 #ifndef PARAMETERS_VALUES_H
 #define PARAMETERS_VALUES_H
@@ -9,7 +9,7 @@
 /* Data of an element: all of `tvb`, with its length words where it is a list. */
 typedef struct {
     tvbuff_t *tvb;
-    unsigned encoding; /* ENC_LITTLE_ENDIAN in SIS, ENC_BIG_ENDIAN on other roads */
+    unsigned encoding; /* ENC_LITTLE_ENDIAN in SIS, ENC_BIG_ENDIAN in other transports */
     bool is_whole;     /* false: a segment of a list */
 } sis_element_data_t;
 
@@ -19,15 +19,15 @@ typedef struct {
 const char *sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data,
                             sis_element_t element, const sis_ident_t *ident, const sis_known_t *known);
 
-/* The number that the text of such data shows; false where it shows none: bits, idents, lists, infinity. */
+/* The number in the text of such data; false if it has none: bits, idents, lists, infinity. */
 bool sis_element_number(const sis_element_data_t *data, const sis_known_t *known, const char *text,
                         double *number);
 
-/* What does not fit between the data of an element and its attribute, in words; NULL: nothing. */
+/* Why the data of an element do not fit its attribute, in words; NULL: they fit. */
 const char *sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_element_t element,
                                const sis_known_t *known);
 
-/* A name or a unit, without the two length words that a list may begin with. */
+/* A name or a unit, without the two length words at the beginning of a list. */
 const char *sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb);
 
 void sis_values_register(void);

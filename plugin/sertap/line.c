@@ -6,18 +6,18 @@
 
 #include <math.h>
 
-#define WINDOW_NS INT64_C(1000000000) /* over which the load is taken */
+#define WINDOW_NS INT64_C(1000000000) /* the load is averaged over this time */
 
-/* When a record kept the line busy; ns since 1970. */
+/* The time in which a record kept the line busy; ns since 1970. */
 typedef struct {
     int64_t begin, end, busy;
 } spell_t;
 
-/* The spells of the last window, oldest first. Never without one once there was one. */
+/* The spells of the last window, oldest first. Never empty after the first spell. */
 typedef struct {
     spell_t *spells;
     unsigned head, end, size;
-    uint64_t busy; /* of all of them; what a damaged capture adds up may be too much for a sign */
+    uint64_t busy; /* the sum of all; in a damaged capture it may exceed a signed number */
     int64_t begin; /* of the first character on the line */
 } window_t;
 
@@ -73,7 +73,7 @@ sertap_disturbance(const sertap_record_t *record)
     return record->known->disturbance;
 }
 
-/* Fewer other characters are what a line says when its direction turns. */
+/* Fewer other characters are usual when a line changes direction. */
 #define SHORTEST_FRAME 8
 
 static void
@@ -103,7 +103,7 @@ note_limits(line_t *line, const packet_info *pinfo, const sertap_record_t *recor
     line->limits = (sertap_limits_t){pinfo->num, (const char *)text};
 }
 
-/* Room for one more spell: those that have left the window make it, else the window grows. */
+/* Makes room for one more spell: drops those outside the window, else enlarges the window. */
 static void
 make_room(window_t *window)
 {
@@ -150,8 +150,7 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
         note_spell(&line->window, pinfo, record);
 }
 
-/* Of the oldest spell only a part may lie in the window. Where the clock went back nobody knows how long it
- * was. */
+/* The window may cut the oldest spell. After the clock went back, its length is unknown. */
 float
 sertap_load(const sertap_record_t *record)
 {

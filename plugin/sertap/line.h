@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What is known of a line of the capture, record after record. */
+/* What is known of a line of the capture, record by record. */
 
 #ifndef SERTAP_LINE_H
 #define SERTAP_LINE_H
 
 #include "sertap/record.h"
 
-/* First pass: packets of this record's interface so far that may hide a frame; 0: none. */
+/* First pass: the latest packets of this record's interface that may hide a frame; 0: none. */
 typedef struct {
     uint32_t lost_in;     /* the last before or in which characters were lost */
-    uint32_t unframed_in; /* the last with so many other characters that they may have been a frame */
+    uint32_t unframed_in; /* the last with enough other characters to have been a frame */
 } sertap_disturbance_t;
 
 sertap_disturbance_t sertap_disturbance(const sertap_record_t *record);
@@ -22,17 +22,17 @@ typedef struct {
 
 const sertap_limits_t *sertap_limits(const sertap_record_t *record);
 
-/* First pass: in which part of the last second, or of the time since the line's first character, there were
- * characters on the line, in percent; negative: not known. */
+/* First pass: how much of the last second, or of the time since the line's first character, had characters
+ * on the line, in percent; negative: unknown. */
 float sertap_load(const sertap_record_t *record);
 
 /* A line of the capture as a number: its section, and in the lower half its interface. */
 uint64_t sertap_line_key(const packet_info *pinfo);
 
-/* The line, or both directions of a full-duplex tap: they are two interfaces, one after the other. */
+/* The line, or both directions of a full-duplex tap, which are two successive interfaces. */
 uint64_t sertap_bus_key(packet_info *pinfo);
 
-/* The lines of the capture in the order in which they came, from 0. Only of a packet with a record. */
+/* The lines of the capture in the order of their first packets, from 0. Only for a packet with a record. */
 unsigned sertap_line_number(const packet_info *pinfo);
 
 /* First pass: takes a record into account. */

@@ -104,13 +104,13 @@ static const value_string events[] = {
     {0, NULL},
 };
 
-/* What a flag is called at its character, and, for an error, what is said of the record that has it. */
+/* The name of a flag at its character, and, for an error, the text about its record. */
 typedef struct {
     uint8_t flag;
     int *hf;
     const char *text;
     expert_field *ei;
-    const char *mark; /* with the number of the first character that has it */
+    const char *mark; /* with the number of its first character */
 } flag_t;
 
 static const flag_t flags[] = {
@@ -144,7 +144,7 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
     proto_tree_add_item(subtree, hf_stop_bits, tvb, 10, 1, ENC_BIG_ENDIAN);
 }
 
-/* Unknown has no value: a filter for bad times would find it. */
+/* Unknown has no value: otherwise a filter for bad times would find it. */
 static void
 add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
@@ -169,7 +169,7 @@ show_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_re
     add_uncertainty(tree, pinfo, tvb, record->uncertainty);
 }
 
-/* Reads the header of a record, offsets 0 to 19. False where nothing after it can be told. */
+/* Reads the header of a record, offsets 0 to 19. False if nothing after it can be decoded. */
 static bool
 dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_record_t *record)
 {
@@ -220,7 +220,7 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
     return true;
 }
 
-/* Compares the count with the bytes that are there; what is whole is still decoded. */
+/* Compares the count with the available bytes; whatever is complete is still decoded. */
 static void
 check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *record)
 {
@@ -229,7 +229,7 @@ check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *
     unsigned per_character = record->type == SERTAP_EVENT ? 1 : 6;
     unsigned expected = record->declared * per_character;
 
-    /* The three arrays follow one another: what is missing at the end is missing from the flags first. */
+    /* The three arrays follow one another: missing bytes at the end are first missing from the flags. */
     record->count = MIN(captured, record->declared);
     if (record->type != SERTAP_EVENT && captured > record->declared * 5)
         record->timed = MIN(captured - record->declared * 5, record->declared);
@@ -253,7 +253,7 @@ interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
     return flag & SERTAP_INTERVAL_SATURATED ? wmem_strconcat(pinfo->pool, "more than ", text, NULL) : text;
 }
 
-/* "Character 12: 0x3c": a record has hundreds, and printf() would be a third of what they cost. */
+/* "Character 12: 0x3c": a record has hundreds, and printf() would take a third of the time. */
 static const char *
 character_text(wmem_allocator_t *scope, unsigned number, uint8_t value, const char *interval)
 {
@@ -319,8 +319,8 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
                                sertap_ms_text(pinfo->pool, record->uncertainty));
 }
 
-/* Whether somebody sees the characters or filters for them. Most readings of a large file do neither, and a
- * record has five items a character. */
+/* Whether the characters are displayed or filtered. Usually a large file needs neither, and a record has
+ * five items for each character. */
 static bool
 are_characters_wanted(proto_tree *tree)
 {
@@ -354,7 +354,7 @@ add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap
         add_character(subtree, pinfo, tvb, record, i);
 }
 
-/* One item and one mark a kind of error, however many characters have it. */
+/* One item and one mark for each kind of error, however many characters have it. */
 static void
 report_errors(packet_info *pinfo, proto_item *ti, const sertap_record_t *record)
 {
@@ -383,7 +383,7 @@ dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
 }
 
-/* Whether a person would read this rather than decode it. */
+/* Whether these characters are readable text. */
 static bool
 is_text(tvbuff_t *tvb, unsigned offset, unsigned length)
 {
@@ -397,7 +397,7 @@ is_text(tvbuff_t *tvb, unsigned offset, unsigned length)
     return readable * 4 >= length * 3;
 }
 
-/* As hex and as text: a drive talks ASCII until SIS is selected. */
+/* As hex and as text: a drive sends ASCII until SIS is selected. */
 static void
 dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
@@ -543,7 +543,7 @@ static ei_register_info experts[] = {
 };
 /* clang-format on */
 
-/* What else is spoken on such lines and cut by silence. */
+/* Other protocols of such lines that are cut by silence. */
 void
 sertap_handoff(void)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* A record of the serial tap, whoever dissects what its line carried. */
+/* A record of the serial tap, for all dissectors of its payload. */
 
 #include "sertap/record.h"
 
@@ -42,8 +42,8 @@ big_endian(const uint8_t *bytes)
     return GUINT32_FROM_BE(number);
 }
 
-/* Longest interval and errors. The interval before the first character is not one of this record, and what
- * happened before a character that follows lost ones nobody knows. */
+/* Longest interval and errors. The interval before the first character does not belong to this record. The
+ * interval before a character that follows lost ones is unknown. */
 void
 sertap_record_survey(sertap_record_t *record)
 {

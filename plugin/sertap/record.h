@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* A record of the serial tap: what its header says, and when its characters came. */
+/* A record of the serial tap: its header, and the times of its characters. */
 
 #ifndef SERTAP_RECORD_H
 #define SERTAP_RECORD_H
@@ -23,10 +23,10 @@ typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
 #define SERTAP_INTERVAL_UNKNOWN   0x20
 #define SERTAP_INTERVAL_SATURATED 0x40
 
-/* What is known of a line in the first pass: line.c. */
+/* The state of a line in the first pass: line.c. */
 struct sertap_line;
 
-/* One record, decoded. Where it is cut, fewer characters are there than it declares. */
+/* One record, decoded. If it is cut off, it has fewer characters than it declares. */
 typedef struct {
     tvbuff_t *tvb;
     uint8_t type;
@@ -38,15 +38,15 @@ typedef struct {
     uint8_t stop_half_bits;
     uint32_t uncertainty; /* ns; SERTAP_UNCERTAINTY_UNKNOWN */
     uint16_t event;
-    unsigned declared;     /* characters the record says it has */
-    unsigned count;        /* characters whose value is there */
-    unsigned timed;        /* characters whose interval and flags are there, too */
+    unsigned declared;     /* number of characters according to the record */
+    unsigned count;        /* characters with a value */
+    unsigned timed;        /* characters with interval and flags as well */
     unsigned data_offset;  /* of the values */
     unsigned times_offset; /* of the intervals, 4 bytes each, ns */
     unsigned flags_offset;
     struct sertap_line *known; /* NULL after the first pass */
     uint8_t flags;             /* of all its characters, ORed */
-    unsigned first_at[8];      /* by bit of a flag: the first character that has it */
+    unsigned first_at[8];      /* for each bit of a flag: the first character that has it */
     uint64_t duration;         /* ns, from the first character to the last */
     uint32_t interval_max;     /* ns, longest between two characters of this record */
     unsigned interval_max_at;  /* before this character; 0: there is none */
@@ -56,16 +56,16 @@ typedef struct {
 
 extern int proto_sertap;
 
-/* The record that this packet is; NULL where it is none. Valid while the packet is dissected. */
+/* The record of this packet; NULL if it has none. Valid while the packet is dissected. */
 const sertap_record_t *sertap_record(packet_info *pinfo);
 
-/* The first of the record's characters that `part`, cut out of its payload, has. */
+/* The index of the first character of the record in `part`, a subset of its payload. */
 unsigned sertap_index(const sertap_record_t *record, tvbuff_t *part);
 
-/* How long one character takes, start and stop bits included; 0 where the rate is not known. */
+/* The duration of a character, including start and stop bits; 0 if the rate is unknown. */
 int64_t sertap_character_ns(const sertap_record_t *record);
 
-/* For what follows in this packet. */
+/* For the following dissectors of this packet. */
 void sertap_record_keep(packet_info *pinfo, const sertap_record_t *record);
 
 /* Fills in the longest interval, the duration and the errors, from its arrays. */

@@ -21,7 +21,7 @@ init(stats_tree *tree)
                                                   "10000-19999", "20000-99999", "100000-", NULL);
 }
 
-/* Counted one by one only where there is anything but good characters. */
+/* Counted one by one only in records with errors. */
 static void
 count_characters(stats_tree *tree, const sertap_record_t *record)
 {
@@ -57,7 +57,7 @@ count_intervals(stats_tree *tree, const sertap_record_t *record)
         if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_LOST_BEFORE)
             continue;
         us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
-        tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line sums up here, but does not count */
+        tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line adds up here, but does not count */
         stats_tree_tick_range(tree, intervals_name, 0, us);
     }
 }

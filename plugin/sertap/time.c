@@ -38,7 +38,7 @@ sertap_time(int64_t ns)
     return moment;
 }
 
-/* Wireshark leaves out what nobody sees or filters for, but only after its text is made. */
+/* Wireshark leaves out items that nobody sees or filters for, but only after their text is made. */
 proto_item *
 sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
               wmem_allocator_t *scope, int64_t ns)
@@ -69,7 +69,7 @@ sertap_can_be_counted(const packet_info *pinfo)
     return pinfo->rel_ts.secs <= 2 * (SERTAP_LATEST / NS_PER_S);
 }
 
-/* Written from its end, as numbers are; printf() takes ten times as long. */
+/* Written from its end; printf() takes ten times as long. */
 static char *
 text_with_unit(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals, const char *unit)
 {

@@ -6,22 +6,21 @@
 
 #include "compat.h"
 
-/* Times are ns since 1970. This is the latest, in the year 2259; with a minus it is the earliest, in 1680.
- * The end of int64_t is far enough away: the length of a record and its uncertainty can be added without
- * care. */
+/* Times are ns since 1970. This is the latest, in the year 2259; its negative is the earliest, in 1680.
+ * The limit of int64_t is far enough away to add the length of a record and its uncertainty safely. */
 #define SERTAP_LATEST INT64_C(9150000000000000000)
 
-/* A packet's time, or the nearest that there is. */
+/* A packet's time, or the nearest valid one. */
 int64_t sertap_ns(const nstime_t *moment);
 
-/* How long it is from one time to another, in ns, up to SERTAP_LATEST either way. Every difference of two
- * packets' times goes through here. */
+/* The time from one instant to another in ns, up to SERTAP_LATEST in either direction. Every difference of
+ * two packets' times is computed here. */
 int64_t sertap_elapsed(int64_t from, int64_t to);
 
 nstime_t sertap_time(int64_t ns);
 
-/* Whether Wireshark's statistics trees survive this packet: they look for bursts, and crash millions of years
- * after the first packet. */
+/* Whether Wireshark's statistics trees survive this packet: their search for bursts crashes millions of
+ * years after the first packet. */
 bool sertap_can_be_counted(const packet_info *pinfo);
 
 /* `value` / `divisor`, rounded, in units of the last decimal: 12345678 / 1000 with 3 decimals is "12.346". */

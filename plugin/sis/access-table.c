@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The list of parameters (`tshark -z sis,parameters`): what was read and written of each, and its values. The
- * first row is the sum of all. */
+/* The list of parameters (`tshark -z sis,parameters`): reads and writes of each, and its values. The first
+ * row is the sum of all. */
 
 #include "sis/access-table.h"
 
@@ -10,7 +10,7 @@
 #include "sis/access.h"
 #include "sis/address.h"
 
-/* Rows below the first. What has no row is still counted in the first. */
+/* Rows below the first. Accesses without a row are still counted in the first. */
 #define MOST_ROWS 10000u
 
 enum {
@@ -52,7 +52,7 @@ static stat_tap_table_item columns[COLUMNS] = {
 };
 /* clang-format on */
 
-/* Whose row it is. */
+/* The parameter of a row. */
 typedef struct {
     sis_place_t place;
     uint8_t type;
@@ -62,7 +62,7 @@ typedef struct {
     uint32_t bus;
 } row_key_t;
 
-/* What is kept beside the columns of a row. */
+/* Data of a row beside its columns. */
 typedef struct {
     row_key_t key;
     GHashTable *numbers; /* in the first row: those of the other rows, by key */
@@ -132,7 +132,7 @@ name_row(stat_tap_table *table, unsigned row, wmem_allocator_t *pool, const sis_
     set_text(table, row, PARAMETER, sis_ident_text(pool, access->ident));
 }
 
-/* 0: there is no more room. */
+/* 0: the table is full. */
 static unsigned
 find_row(stat_tap_table *table, wmem_allocator_t *pool, const sis_access_t *access)
 {
@@ -228,7 +228,7 @@ init_table(stat_tap_table_ui *ui)
     set_text(table, 0, LINE, "All");
 }
 
-/* Counts and values back to nothing; the rows stay. */
+/* Resets counts and values; the rows stay. */
 static void
 reset_table(stat_tap_table *table)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What was read and written. Nothing is made unless a tap listens, or somebody asks for the field. */
+/* Reads and writes of parameters. Nothing is computed unless a tap listens or the field is requested. */
 
 #include "sis/access.h"
 
@@ -92,7 +92,7 @@ sis_place_text(wmem_allocator_t *scope, const sis_place_t *place)
     return wmem_strbuf_get_str(text);
 }
 
-/* An object of JSON; what is not known is not in it. */
+/* A JSON object; unknown values are left out. */
 static const char *
 json_text(wmem_allocator_t *scope, const sis_access_t *access)
 {
@@ -150,7 +150,7 @@ sis_note_read(sis_body_t *body, tvbuff_t *data)
         note(body, false, NULL, data);
 }
 
-/* What the command wrote, or the first of the same commands: a piece that comes again brings nothing. */
+/* What the command wrote, or the first of identical commands: a repeated piece adds nothing. */
 static const sis_request_t *
 find_written(const sis_body_t *body)
 {

@@ -7,7 +7,7 @@
 #include <epan/address_types.h>
 
 typedef struct {
-    uint8_t last; /* the entry holds from after the one before it up to here */
+    uint8_t last; /* the entry covers the addresses after the one before it, up to this one */
     sis_address_kind_t kind;
 } address_kind_t;
 
@@ -41,10 +41,10 @@ static const struct {
 };
 
 static int station_type = -1;
-static uint8_t stations[256];    /* each at its own place: what an address points to */
+static uint8_t stations[256];    /* each at its own index: an address points to one */
 static const char *numbers[256]; /* as text */
 
-/* Every table ends at 255, so this does too. */
+/* Every table ends at 255, so the search ends, too. */
 static sis_address_kind_t
 kind_of(const address_kind_t *table, uint8_t address)
 {
@@ -102,7 +102,7 @@ sis_station_text(wmem_allocator_t *scope, uint8_t station)
 
 #define ADDRESS_TEXT_SIZE 4 /* "255" */
 
-/* AddrValueToString: numbers only, because filters are made of this text. The length it returns counts the
+/* AddrValueToString: numbers only, because filters are made of this text. The returned length includes the
  * end of the string. */
 static int
 address_to_text(const address *addr, char *buffer, int size)
@@ -122,7 +122,7 @@ address_length(void)
     return 1;
 }
 
-/* Follow's window shows nothing else of an address. */
+/* Follow's window shows this form of an address only. */
 static const char *
 number_of(const address *addr)
 {
@@ -135,7 +135,7 @@ name_length(void)
     return ADDRESS_TEXT_SIZE;
 }
 
-/* What "Apply as Filter" on the column makes. */
+/* The field for "Apply as Filter" on the column. */
 static const char *
 address_filter(const address *addr _U_, compat_bool is_source)
 {
@@ -148,7 +148,7 @@ sis_station_address(address *addr, const uint8_t *station)
     set_address(addr, station_type, 1, station);
 }
 
-/* A TCP segment keeps its IP addresses: the reassembly below us looks its stream up by them. */
+/* A TCP segment keeps its IP addresses: TCP's reassembly needs them to find the stream. */
 void
 sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The useful data of one service, taken field by field (chapters 2.1 and 2.3). */
+/* The useful data of one service, read field by field (chapters 2.1 and 2.3). */
 
 #include "sis/body.h"
 
@@ -59,7 +59,7 @@ sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...)
     wmem_strbuf_append_printf(body->marks, "  [%s]", text);
 }
 
-/* Saying it once is enough: after it nothing else can be there either. */
+/* One note is enough: nothing else can follow. */
 bool
 sis_needs(sis_body_t *body, int hf, unsigned size)
 {
@@ -245,6 +245,6 @@ sis_take_channel_error(sis_body_t *body)
     if (body->status == 0x02)
         sis_take_error(body, sis_errors_channel);
     else if (body->status > 0x02 && body->status < 0xF0)
-        sis_take_rest(body, hf_sis_raw); /* nobody says what it is */
+        sis_take_rest(body, hf_sis_raw); /* not documented */
     return body->status >= 0x02;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The useful data of one service: what is left of it, and how it is taken field by field. */
+/* The useful data of one service: the rest of it, and functions that read it field by field. */
 
 #ifndef SIS_BODY_H
 #define SIS_BODY_H
@@ -14,11 +14,11 @@ typedef struct {
     packet_info *pinfo;
     proto_tree *tree;
     proto_item *root; /* of the telegram, or of an element of service 0x04 */
-    proto_item *item; /* of what was taken last */
-    unsigned offset;  /* of what has not been taken yet */
-    unsigned end;     /* of the useful data that is there */
-    bool is_cut;      /* there was more: the header has said so */
-    bool is_short;    /* something was missing, and that has been said */
+    proto_item *item; /* of the last field read */
+    unsigned offset;  /* of the first byte not read yet */
+    unsigned end;     /* of the available useful data */
+    bool is_cut;      /* the header announces more */
+    bool is_short;    /* something is missing, and a note says so */
     bool is_nested;   /* an element of service 0x04 */
     bool is_reaction;
     uint8_t service;
@@ -27,33 +27,33 @@ typedef struct {
     uint32_t error; /* the code, 0: none */
     const char *error_text;
     const sis_error_t *errors;  /* of the elements of service 0x04, the last first */
-    bool is_explained;          /* an error code has said more than the status */
+    bool is_explained;          /* an error code says more than the status */
     wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;       /* and what is wrong, after that */
-    sis_request_t *request;     /* of a command: to be filled in */
-    const sis_request_t *asked; /* as the exchange has kept it; NULL where that is not known */
+    sis_request_t *request;     /* of a command: filled in while reading */
+    const sis_request_t *asked; /* as the exchange keeps it; NULL if unknown */
     sis_record_t *record;       /* of the whole telegram; NULL for a damaged one */
-    wmem_list_t *accesses;      /* of the whole telegram, to be filled in; NULL: nobody asks */
+    wmem_list_t *accesses;      /* of the whole telegram, filled in while reading; NULL: not needed */
 } sis_body_t;
 
-/* Whether so many bytes are left for a field; says so once per body if not. */
+/* Whether that many bytes are left for a field; if not, adds a note once per body. */
 bool sis_needs(sis_body_t *body, int hf, unsigned size);
 
-/* Adds `size` bytes, little endian, as field `hf`, and gives their value; item is set. Where they are not
- * there: says so once per body, and false. */
+/* Adds `size` bytes, little endian, as field `hf`, and returns their value; item is set. If bytes are
+ * missing, adds a note once per body and returns false. */
 bool sis_take(sis_body_t *body, int hf, unsigned size, uint32_t *value);
 
-/* The same for a code whose text depends on the service: "Text (0x12)". Gives the text. */
+/* The same for a code whose text depends on the service: "Text (0x12)". Returns the text. */
 const char *
 sis_take_code(sis_body_t *body, int hf, unsigned size, const value_string *texts, uint32_t *value);
 
-/* Device address and subservice, with which the bodies of 0x00, 0x02 and 0x03 begin. */
+/* Device address and subservice, the first fields of the bodies of 0x00, 0x02 and 0x03. */
 bool sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subservice);
 
-/* Remembers the device that a command is for. */
+/* Remembers the device of a command. */
 void sis_request_device(sis_body_t *body, uint32_t device);
 
-/* The rest of the body as bytes; false where there is none. */
+/* The rest of the body as bytes; false if there is none. */
 bool sis_take_rest(sis_body_t *body, int hf);
 
 /* The rest of the body as text, and into the summary. */
@@ -68,16 +68,16 @@ unsigned sis_left(const sis_body_t *body);
 /* A reaction without error; its useful data follow. */
 bool sis_is_ok(const sis_body_t *body);
 
-/* The error code of the service that stands in place of useful data: two bytes ... */
+/* The error code of the service instead of useful data: two bytes ... */
 void sis_take_error(sis_body_t *body, const value_string *texts);
-/* ... or one byte, which makes a code with the subservice. */
+/* ... or one byte, which forms a code together with the subservice. */
 void sis_take_error_byte(sis_body_t *body, uint8_t subservice, const value_string *texts);
 
 /* After a status that is neither good nor the service's own error: takes what is there; false for those two.
  */
 bool sis_take_channel_error(sis_body_t *body);
 
-/* Words for the packet list, and for what is wrong. */
+/* Words for the packet list, and for a fault. */
 void sis_say(sis_body_t *body, const char *format, ...) G_GNUC_PRINTF(2, 3);
 /* The same for plain strings, after the last of which stands NULL: printf() is half of what a telegram costs.
  */

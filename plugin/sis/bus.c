@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told with the
- * slave's good reaction, or at once where nobody answers; subservice 0xFF makes valid what was told. */
+/* Settings of the bus, for each slave and for all (chapter 6). A value counts as set with the slave's good
+ * reaction, or at once if nobody answers; subservice 0xFF makes the set values valid. */
 
 #include "sis/bus.h"
 
@@ -9,7 +9,7 @@
 /* Of one station, or of all. */
 typedef struct {
     sis_settings_t told;  /* accepted_in is 0 */
-    sis_settings_t valid; /* as far as it was accepted for this station */
+    sis_settings_t valid; /* as far as this station accepted them */
 } station_t;
 
 /* A timed test of a baud rate (chapter 6.1, subservice 0x08). */
@@ -25,7 +25,7 @@ struct sis_told {
     uint32_t limits_in;               /* the event that brought the user's limits; 0: none */
 };
 
-/* What the bus has told; made when it tells something for the first time. */
+/* The settings of the bus; made when the first is set. */
 static struct sis_told *
 told_of(sis_bus_t *bus)
 {
@@ -34,7 +34,7 @@ told_of(sis_bus_t *bus)
     return bus->told;
 }
 
-/* A station that is told something for the first time has so far what is valid for all. */
+/* When a station is first told something, the values for all hold for it so far. */
 static station_t *
 find_station(struct sis_told *told, uint8_t address)
 {
@@ -54,7 +54,7 @@ forget_known(struct sis_told *told)
     memset(told->known, 0, sizeof told->known);
 }
 
-/* Makes valid for a station what it or all were told, if that is newer. A new rate ends a test. */
+/* Makes the set values for a station or for all valid, if they are newer. A new rate ends a test. */
 static void
 accept(station_t *station, test_t *test, const station_t *all, uint32_t frame)
 {
@@ -93,7 +93,7 @@ static const struct {
     {SIS_SET_BAUD_RATE, SIS_BAUD},
 };
 
-/* `now`: when the telegram ended with which this counts. */
+/* `now`: the end of the telegram that makes this valid. */
 static void
 learn(struct sis_told *told, uint8_t address, const sis_request_t *request, uint32_t command, uint32_t frame,
       int64_t now)
@@ -118,8 +118,7 @@ is_broadcast(sis_address_kind_t kind)
     return kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST;
 }
 
-/* Told through a router it is not for a station of this line. A slave reacts to 0xFF with the new values
- * already. */
+/* Settings through a router are for another line. A slave reacts to 0xFF with the new values already. */
 void
 sis_bus_learn(sis_body_t *body)
 {

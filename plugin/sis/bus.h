@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the bus has told about itself: TrS, TzA, Tmas and the baud rate, by service 0x03 (chapter 6). */
+/* Settings of the bus by service 0x03: TrS, TzA, Tmas and the baud rate (chapter 6). */
 
 #ifndef SIS_BUS_H
 #define SIS_BUS_H
@@ -15,7 +15,7 @@
 #define SIS_TEST_BAUD     0x08
 #define SIS_ACCEPT        0xFF
 
-/* In place of a station's address: what is valid for all. */
+/* Instead of a station's address: valid for all. */
 #define SIS_ALL_STATIONS 255
 
 typedef enum { SIS_TRS, SIS_TZA, SIS_TMAS, SIS_BAUD, SIS_SETTINGS } sis_setting_kind_t;
@@ -32,14 +32,14 @@ typedef struct sis_settings {
     sis_setting_t of[SIS_SETTINGS];
 } sis_settings_t;
 
-/* First pass: a command or reaction of service 0x03 whose body has been taken apart. */
+/* First pass: takes a decoded command or reaction of service 0x03. */
 void sis_bus_learn(sis_body_t *body);
 
 /* First pass: takes over what the user told of this bus. It counts for stations that the bus has told
  * nothing. */
 void sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits);
 
-/* First pass: what is valid for a station, or for all, now (ns since 1970); NULL where nothing was told. */
+/* First pass: what is valid for a station, or for all, now (ns since 1970); NULL if nothing was set. */
 const sis_settings_t *sis_bus_settings(const sis_bus_t *bus, uint8_t address, int64_t now);
 
 #endif

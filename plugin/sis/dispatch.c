@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Which file takes which service apart; the status byte that all begin with; and service 0x04, a list of
- * services (chapter 7), each element of which is the telegram it stands for. */
+/* Chooses the file that decodes a service; decodes the status byte at the beginning; and decodes service
+ * 0x04, a list of services (chapter 7), whose elements stand for telegrams. */
 
 #include "sis/dispatch.h"
 
@@ -88,7 +88,7 @@ dissect_undocumented(sis_body_t *body)
         sis_mark(body, &ei_sis_note, "no document says what is in it");
 }
 
-/* NULL: the documents do not say what is in it. */
+/* NULL: the documents do not describe its contents. */
 static body_dissector_t
 find_dissector_of(uint8_t service)
 {
@@ -99,7 +99,7 @@ find_dissector_of(uint8_t service)
     return NULL;
 }
 
-/* What no field has taken: a field that is not there as a whole, or more than the service has. */
+/* Bytes that no field has used: an incomplete field, or more than the service has. */
 static void
 show_leftover(sis_body_t *body)
 {
@@ -125,7 +125,7 @@ sis_dissect_body(sis_body_t *body)
     }
     if (body->is_reaction && sis_has_status(body->service))
         take_status(body);
-    /* After a telegram error not even the useful data header has to be there. */
+    /* After a telegram error even the useful data header may be missing. */
     if (!body->is_short && (body->status < 0xF0 || sis_left(body) > 0))
         (dissect != NULL ? dissect : dissect_undocumented)(body);
     if (body->status != 0 && !body->is_explained) /* an error code says more */
@@ -191,14 +191,14 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
         list->item = root;
         sis_mark(list, &ei_sis_note, "the overall status is 0, that of this element is not");
     }
-    if (list->status < 0xF0) /* else it says something of its own */
+    if (list->status < 0xF0) /* else it has data of its own */
         list->is_explained |= element.is_explained || element.status != 0;
     proto_item_append_text(root, ": %s%s", wmem_strbuf_get_str(element.summary),
                            wmem_strbuf_get_str(element.marks));
     sis_say_words(list, "; ", wmem_strbuf_get_str(element.summary), wmem_strbuf_get_str(element.marks), NULL);
 }
 
-/* What follows it still has its command. */
+/* The following elements still have their commands. */
 static void
 show_recursion(sis_body_t *list, unsigned length)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What belongs together: command and reaction, repeats (chapter 2.4), and the same exchange on two levels of
- * a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every later
- * one. */
+/* Relations between telegrams: command and reaction, repeats (chapter 2.4), and the same exchange on two
+ * levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for
+ * later passes. */
 
 #include "sis/exchange.h"
 
@@ -37,7 +37,7 @@ is_connection(packet_info *pinfo)
     return pinfo->ptype == PT_TCP;
 }
 
-/* A capture has an interface a line; SIS over TCP a connection. */
+/* A capture has one interface for each line; SIS over TCP has connections. */
 static uint64_t
 bus_key(packet_info *pinfo)
 {
@@ -64,7 +64,7 @@ sis_exchange_bus(packet_info *pinfo)
     return bus;
 }
 
-/* Two stations, with what lies between them: a drive behind a router is not the router. */
+/* Two stations, including the route between them: a drive behind a router is not the router. */
 typedef struct {
     uint64_t bus;
     uint8_t low, high;
@@ -127,7 +127,7 @@ note_damaged(sis_bus_t *bus, packet_info *pinfo)
     bus->damaged_count++;
 }
 
-/* A telegram whose length was damaged is no telegram at all: the tap calls it other characters. */
+/* A telegram with a damaged length is not a telegram: the tap reports it as other characters. */
 static void
 note_disturbance(sis_bus_t *bus, const sertap_record_t *record)
 {
@@ -140,15 +140,15 @@ note_disturbance(sis_bus_t *bus, const sertap_record_t *record)
     }
 }
 
-/* tvb_memeql() does not know that nothing equals nothing. */
+/* tvb_memeql() fails for two empty ranges. */
 static bool
 is_equal(tvbuff_t *tvb, unsigned offset, const uint8_t *bytes, unsigned length)
 {
     return length == 0 || tvb_memeql(tvb, offset, bytes, length) == 0;
 }
 
-/* The same bytes again, where the first had no good reaction; or with the same telegram number, whose
- * reaction the slave has kept. Another step of a long reading has the same bytes, too, but a reaction in
+/* The same bytes again, if the first had no good reaction; or with the same telegram number, whose
+ * reaction the slave has kept. Another step of a long read has the same bytes, too, but a reaction in
  * between. */
 static void
 find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
@@ -193,7 +193,7 @@ sis_exchange_below(const sis_exchange_t *exchange)
     return exchange->routing != NULL ? exchange->routing->forwarded : NULL;
 }
 
-/* It waits no longer for what a router makes of it. */
+/* It no longer waits for a router's version. */
 static void
 leave_route(sis_exchange_t *exchange)
 {
@@ -201,7 +201,7 @@ leave_route(sis_exchange_t *exchange)
         sis_route_leave(&exchange->routing->waiting);
 }
 
-/* What a router made of a command that waits belongs to it; a router passes a command on once. */
+/* A router's version of a waiting command belongs to it; a router passes a command on once. */
 static void
 find_route(sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
@@ -274,11 +274,11 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     return exchange;
 }
 
-/* Parameter control (but its bit 2) and device address of a parameter service, as far as they are there. */
+/* Parameter control (without bit 2) and device address of a parameter service, as far as available. */
 static bool
 is_same_access(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
-    unsigned body = telegram->body_offset; /* in the reaction the status comes first */
+    unsigned body = telegram->body_offset; /* in a reaction the status comes first */
 
     if (!sis_has_control_byte(telegram->service) || body + 2 > length || body + 3 > telegram->declared)
         return true;
@@ -301,8 +301,8 @@ is_same_subservice(const uint8_t *command, unsigned length, tvbuff_t *tvb, const
     return command[body + 1] == subservice || try_val_to_str(subservice, defined) == NULL;
 }
 
-/* Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; that a
- * device swaps sender and receiver cannot be ruled out. */
+/* Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; a
+ * device may also swap sender and receiver. */
 static bool
 is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
@@ -319,7 +319,8 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
            is_same_subservice(command, length, tvb, telegram);
 }
 
-/* It was answered or the master went on, and a damaged telegram came since: a reaction now is that one's. */
+/* It was answered or the master went on, and a damaged telegram came since: a reaction now belongs to that
+ * one. */
 static bool
 is_over(const sis_exchange_t *exchange)
 {
@@ -343,8 +344,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
             !is_reaction_to(stream->from[direction].bytes, stream->from[direction].length, tvb, telegram))
             continue;
         if (is_over(exchange)) {
-            stream->bus
-                ->damaged_count++; /* what it carries is as lost to others as if it were damaged, too */
+            stream->bus->damaged_count++; /* its contents are lost to others, as if it were damaged, too */
             continue;
         }
         record->exchange = exchange;
@@ -354,7 +354,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         }
         exchange->reaction_in = pinfo->num;
         if (stream->bus->is_connection)
-            exchange->next_command_in = 0; /* there a master need not wait */
+            exchange->next_command_in = 0; /* a master need not wait there */
         leave_route(exchange);
         exchange->has_time = exchange->command_in != pinfo->num;
         exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
@@ -375,7 +375,7 @@ sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *teleg
     if (record != NULL && record->service == telegram->service &&
         record->is_reaction == telegram->is_reaction)
         return record;
-    /* A telegram that the first pass did not see: TCP put its segments together in another way. */
+    /* A telegram that the first pass did not see: TCP reassembled its segments differently. */
     if (record != NULL || pinfo->fd->visited) {
         record = wmem_new0(pinfo->pool, sis_record_t);
         record->load = -1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What belongs together: command and reaction, repeats, routed telegrams. */
+/* Relations between telegrams: command and reaction, repeats, routed telegrams. */
 
 #ifndef SIS_EXCHANGE_H
 #define SIS_EXCHANGE_H
@@ -8,7 +8,7 @@
 #include "sis/routes.h"
 #include "sis/telegram.h"
 
-/* What a command asks for. Its reaction does not repeat all of it, so the exchange keeps it. */
+/* What a command asks for. Its reaction repeats only part of it, so the exchange keeps it. */
 typedef struct sis_request {
     uint8_t service;
     uint8_t subservice;
@@ -17,19 +17,19 @@ typedef struct sis_request {
     uint8_t phase;
     bool has_device;
     bool has_subservice; /* of 0x01: the service to cancel */
-    bool is_ambiguous;   /* of 0x01: subservice is that or the device */
+    bool is_ambiguous;   /* of 0x01: whether subservice is that, or the device */
     bool has_ident;
     bool has_address;
-    bool has_setting; /* of 0x03: all that subservice needs */
+    bool has_setting; /* of 0x03: complete data of the subservice */
     bool is_last;     /* of a parameter: no more pieces follow */
     uint16_t test_ms;
     sis_ident_t ident;
     uint32_t address; /* of the memory */
     uint32_t setting; /* of 0x03: ms or Bd; of Read flash: bytes */
-    uint32_t segment; /* of a list: offset and length as asked for; 0: all of it */
-    /* Of the parameter, when the command was sent; NULL where nothing was learned. */
+    uint32_t segment; /* of a list: requested offset and length; 0: all of it */
+    /* Known about the parameter when the command was sent; NULL: nothing. */
     const sis_known_t *known;
-    const uint8_t *written; /* all data of a parameter, in file scope; NULL: not written, or not known */
+    const uint8_t *written; /* all data of a parameter, in file scope; NULL: not written, or unknown */
     unsigned written_length;
     struct sis_request *next; /* of the following element of service 0x04 */
     struct sis_request *list; /* of the first element of service 0x04, or the next subservice of 0x03 */
@@ -47,28 +47,28 @@ typedef struct sis_bus {
     uint64_t key;
     uint32_t number; /* of all, from 1 */
     bool is_connection;
-    uint32_t damaged_in; /* the last damaged telegram, or what may have been one; 0: none */
+    uint32_t damaged_in; /* the last damaged telegram, or characters that may have been one; 0: none */
     uint32_t damaged_count;
     uint32_t lost_in;               /* the last loss of characters; 0: none */
     struct sis_exchange *last[256]; /* command of each master */
-    /* What others keep of it; each is made by its owner on first use. */
+    /* Data of other files; each owner makes its own on first use. */
     struct sis_learned *learned; /* learned.c */
     struct sis_told *told;       /* bus.c */
     wmem_map_t *cycles;          /* timing.c */
 } sis_bus_t;
 
-/* What only commands through routers have. */
+/* Data of commands through routers only. */
 typedef struct {
-    sis_waiting_t waiting;          /* for what the next router makes of it */
+    sis_waiting_t waiting;          /* for the next router's version */
     struct sis_exchange *above;     /* the same exchange one level above; NULL: none */
     struct sis_exchange *forwarded; /* and one level below */
 } sis_routing_t;
 
-/* A command and its reaction, as far as they are in the capture. Lives as long as the file; a capture has
- * millions of them, so the fields lie without gaps. */
+/* A command and its reaction, as far as the capture has them. Lives as long as the file. A capture has
+ * millions, so the fields leave no gaps. */
 typedef struct sis_exchange {
     struct sis_stream *stream;
-    struct sis_exchange *first; /* of the same commands, which this repeats; NULL: none */
+    struct sis_exchange *first; /* the first of the same commands, which this repeats; NULL: none */
     struct sis_exchange *again; /* the next repeat; NULL: none */
     sis_routing_t *routing;     /* NULL: no router */
     sis_request_t *request;
@@ -77,23 +77,23 @@ typedef struct sis_exchange {
     int64_t wait;          /* TwM, ns: of a repeat, or after a broadcast; negative: none */
     uint32_t command_in;
     uint32_t reaction_in;      /* 0: none */
-    uint32_t next_command_in;  /* the master went on without a reaction; 0: no */
+    uint32_t next_command_in;  /* the master continued without a reaction; 0: no */
     uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
     uint32_t command_duration; /* ns */
     uint32_t command_spread;   /* ns: so much earlier its last character can have come; UINT32_MAX: unknown */
     uint32_t transfer;         /* of sequential telegrams, this is a step of it */
-    uint8_t path[8];           /* from the receiver through subaddresses to whom the command is for */
+    uint8_t path[8];           /* from the receiver through subaddresses to the addressed station */
     uint8_t path_length;
-    uint8_t station;         /* whom the command is for in the end */
-    uint8_t gave_up_station; /* whom `gave_up` was for */
+    uint8_t station;         /* the final receiver */
+    uint8_t gave_up_station; /* the receiver of `gave_up` */
     uint8_t direction;       /* in its stream */
     bool has_time;
-    bool is_reaction_damaged; /* perhaps: a damaged telegram came before the next command */
-    bool needs_reaction;      /* neither group nor broadcast, nor a token: that is not specified */
+    bool is_reaction_damaged; /* uncertain: a damaged telegram came before the next command */
+    bool needs_reaction;      /* no group or broadcast, and no token, which is not specified */
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
                               then */
     bool is_kept_reaction_seen;
-    bool is_to_be_repeated; /* its reaction says that it was not executed */
+    bool is_to_be_repeated; /* its reaction refuses it */
     bool is_step_again;     /* of a transfer: the same bytes, after such a reaction */
 } sis_exchange_t;
 
@@ -103,26 +103,26 @@ typedef struct {
     const char *reason;
 } sis_ended_t;
 
-/* What was found out about one telegram in the first pass; what few have is apart. */
+/* The results of the first pass for one telegram; rare ones are in a separate structure. */
 typedef struct sis_record {
     sis_exchange_t *exchange;            /* NULL: a damaged telegram, or a reaction without a command */
     const struct sis_settings *settings; /* valid for this telegram; NULL: none */
     const sis_ended_t *ended;            /* the transfer that this telegram ended, unfinished; NULL: none */
-    const sis_switch_t *phase_switch;    /* that this polls; NULL: none */
+    const sis_switch_t *phase_switch;    /* the switch that this polls; NULL: none */
     struct sis_cycle *cycle;             /* of the master control word; NULL: none */
-    uint32_t reaction_before;            /* the command had been answered already, there */
-    uint32_t routed_from;                /* of a reaction: the one that came back from one level below */
-    uint32_t transfer;                   /* number of the one this is a piece of; 0: none */
+    uint32_t reaction_before;            /* the command had been answered already, in this packet */
+    uint32_t routed_from;                /* of a reaction: the one from one level below */
+    uint32_t transfer;                   /* number of the transfer that this is a piece of; 0: none */
     float load;                          /* percent; negative: not known */
-    uint8_t service;                     /* to know the telegram again */
+    uint8_t service;                     /* identifies the telegram in later passes */
     bool is_reaction;
-    bool is_switch_end; /* it ended here, well or not */
+    bool is_switch_end; /* it ended here, successfully or not */
     bool is_piece_repeated;
     bool is_piece_missing;
-    bool is_begun_anew; /* the transfer of this last piece, after one that was refused */
+    bool is_begun_anew; /* the transfer of this last piece, after a refused one */
 } sis_record_t;
 
-/* Two stations that talk; by the direction of the commands. */
+/* Two stations in contact, by the direction of the commands. */
 typedef struct sis_stream {
     uint32_t number;
     sis_bus_t *bus;
@@ -135,28 +135,28 @@ typedef struct sis_stream {
     } from[2];
 } sis_stream_t;
 
-/* Finds what belongs to a telegram: in the first pass by what is known until now, later as it was found then.
- * Of a damaged telegram, the reaction that a command waits for may have been this one. Never NULL. */
+/* Finds the relations of a telegram: in the first pass from what is known so far, later as found then. For
+ * a damaged telegram: it may have been the reaction that a command waits for. Never NULL. */
 sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
 
-/* The same exchange one level above and one level below, where there are routers; NULL: none is known. */
+/* The same exchange one level above and one level below, if there are routers; NULL: none is known. */
 sis_exchange_t *sis_exchange_above(const sis_exchange_t *exchange);
 sis_exchange_t *sis_exchange_below(const sis_exchange_t *exchange);
 
-/* Whether a reaction has its command's addresses swapped: then its sender has really sent it. */
+/* Whether a reaction has its command's addresses swapped: then its sender really sent it. */
 bool sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram);
 
 /* Keeps what a command asks for, once. */
 void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);
 
-/* First pass: the line or connection that a packet belongs to. */
+/* First pass: the line or connection of a packet. */
 sis_bus_t *sis_exchange_bus(packet_info *pinfo);
 
-/* Adds what is known of the exchange to the tree, and marks. */
+/* Adds the known relations to the tree, and notes. */
 void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
                        proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks);
 
-/* 0 or 1: in which of the two directions of its stream a telegram's command goes. */
+/* 0 or 1: the direction of a telegram's command in its stream. */
 unsigned sis_direction(const sis_telegram_t *telegram);
 
 /* How many pairs of stations have talked; their numbers, sis.stream, begin at 0. */

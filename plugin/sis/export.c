@@ -12,13 +12,13 @@
 #include "sis/memories.h"
 
 typedef struct {
-    const char *name; /* of a parameter's file; NULL: it is memory */
+    const char *name; /* of a parameter's file; NULL: a memory */
     sis_piece_t piece;
 } object_t;
 
 static int tap = -1;
 
-/* "3", "3-2-8" through routers; with what tells it from one of the same address on another line. */
+/* "3", "3-2-8" through routers; with a distinction from the same address on another line. */
 static const char *
 station_text(const sis_body_t *body)
 {
@@ -37,7 +37,7 @@ station_text(const sis_body_t *body)
     return wmem_strbuf_get_str(text);
 }
 
-/* NULL where nobody collects objects, or the exchange is not known. */
+/* NULL if nobody collects objects, or the exchange is unknown. */
 static object_t *
 new_object(const sis_body_t *body, const char *type)
 {
@@ -96,7 +96,7 @@ new_entry(const packet_info *pinfo, const object_t *object)
     return entry;
 }
 
-/* The list itself is all that is remembered: whoever shows it may throw it away at any time. */
+/* Only the list itself is remembered: its user may delete it at any time. */
 static tap_packet_status
 export_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped,
               tap_flags_t flags _U_)

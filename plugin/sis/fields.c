@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What more than one file of the dissector shows. */
+/* Fields of more than one file of the dissector. */
 
 #include "sis/fields.h"
 

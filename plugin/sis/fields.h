@@ -9,7 +9,7 @@
 
 #include <epan/expert.h>
 
-extern int sis_tap; /* gets every sis_telegram_t */
+extern int sis_tap; /* receives every sis_telegram_t */
 extern expert_module_t *sis_experts;
 
 extern int hf_sis_service;
@@ -28,7 +28,7 @@ extern expert_field ei_sis_note;
 extern expert_field ei_sis_status;
 extern expert_field ei_sis_status_telegram;
 
-/* The protocol itself; every other file registers what is its own after it. */
+/* The protocol itself; the other files register their own items after it. */
 void sis_fields_register(void);
 
 #endif

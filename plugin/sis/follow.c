@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Wireshark's own tools that follow what belongs together: conversation filters for an exchange and for two
+/* Wireshark's tools that follow related packets: conversation filters for an exchange and for two
  * stations, and Follow for a stream (`tshark -z follow,sis,hex,0`; in Wireshark's menus from 4.4 on). */
 
 #include "sis/follow.h"
@@ -101,7 +101,7 @@ follow_filter(epan_dissect_t *edt _U_, packet_info *pinfo, unsigned *stream, uns
     return stream_filter(*stream, 0);
 }
 
-/* By the addresses of IP, which are not those of stations. */
+/* With the addresses of IP, which are not those of stations. */
 static char *
 follow_address_filter(address *source _U_, address *destination _U_, int source_port _U_,
                       int destination_port _U_)
@@ -109,7 +109,7 @@ follow_address_filter(address *source _U_, address *destination _U_, int source_
     return NULL;
 }
 
-/* Wireshark asks for ports; stations have none. So the window says "16:master", "3:slave". */
+/* Wireshark asks for ports, which stations do not have. So the window shows "16:master", "3:slave". */
 enum { MASTER_PORT, SLAVE_PORT };
 
 static char *
@@ -132,8 +132,8 @@ add_record(follow_info_t *follow, packet_info *pinfo, tvbuff_t *tvb, bool is_sla
     follow->payload = g_list_prepend(follow->payload, record);
 }
 
-/* Master and slave of the window are those of its first telegram. Where several telegrams are in one packet,
- * those of other stations are not meant. */
+/* Master and slave of the window are those of its first telegram. Telegrams of other stations in the same
+ * packet are left out. */
 static tap_packet_status
 follow_telegram(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped,
                 tap_flags_t flags _U_)
@@ -146,7 +146,7 @@ follow_telegram(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const v
 
     if (exchange == NULL)
         return TAP_PACKET_DONT_REDRAW;
-    /* By the command: the addresses of a reaction are those of its command, but a device may swap them. */
+    /* By the command: a reaction has the addresses of its command, but a device may swap them. */
     sis_station_address(&slave, &exchange->path[0]);
     sis_station_address(&master,
                         telegram->sender == exchange->path[0] ? &telegram->receiver : &telegram->sender);

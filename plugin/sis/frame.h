@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What makes bytes a SIS telegram: start character, equal lengths, checksum (chapter 2.1). */
+/* Recognises a SIS telegram: start character, equal lengths, checksum (chapter 2.1). */
 
 #ifndef SIS_FRAME_H
 #define SIS_FRAME_H
@@ -7,9 +7,9 @@
 #include "compat.h"
 
 #define SIS_START         0x02
-#define SIS_STATIC_LENGTH 8u /* of the header; DatLW counts what comes after it */
+#define SIS_STATIC_LENGTH 8u /* of the header; DatLW counts the bytes after it */
 
-/* How long the telegram at offset says it is; 0: not told (too short, or its two lengths differ). */
+/* The declared length of the telegram at offset; 0: unknown (too short, or its two lengths differ). */
 unsigned sis_declared_length(tvbuff_t *tvb, unsigned offset);
 
 /* Sum of bytes modulo 256; 0 for a telegram with a good checksum. */

@@ -7,8 +7,8 @@
 static compat_bool clc_as_sercos = false;
 static compat_bool ecodrive_phases = false;
 
-/* Product groups have services of their own in the layout of 0x1x (chapter 8); those of the CLC are only said
- * to be close to it, and nobody has seen the phase services of ECODRIVE. */
+/* Product groups have services of their own in the layout of 0x1x (chapter 8). Those of the CLC are
+ * documented only as similar; the phase services of ECODRIVE were never seen. */
 uint8_t
 sis_general_service(uint8_t service)
 {
@@ -22,7 +22,7 @@ sis_general_service(uint8_t service)
     return service;
 }
 
-/* The other product groups need not (chapter 2.1), and their bodies are not documented. */
+/* The other product groups need no status (chapter 2.1), and their bodies are not documented. */
 bool
 sis_has_status(uint8_t service)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Which services have the same layout, and what all of a layout begin with (chapters 2.1 and 8). */
+/* Services with the same layout, and their common first fields (chapters 2.1 and 8). */
 
 #ifndef SIS_LAYOUTS_H
 #define SIS_LAYOUTS_H
@@ -8,11 +8,11 @@
 
 #include <epan/prefs.h>
 
-/* 0x10 for 0x10, 0x80, 0x90: the general service that a service of a product group is like, else the service
- * itself. */
+/* 0x10 for 0x10, 0x80, 0x90: the general service that corresponds to a product group's service, else the
+ * service itself. */
 uint8_t sis_general_service(uint8_t service);
 
-/* Whether a body begins with the parameter control and the device address. */
+/* Whether a body begins with parameter control and device address. */
 bool sis_has_control_byte(uint8_t service);
 #define SIS_LAST_TRANSMISSION 0x04 /* bit 2 of the parameter control, fig. 8-1 */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the bus has said of the parameters of the station that a telegram is about. Every command keeps what
- * was known when it was sent, so that all passes show the same. */
+/* What the bus has said about the parameters of a telegram's station. Every command keeps what was known
+ * when it was sent, so that all passes show the same. */
 
 #include "sis/learned.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the bus has said of the parameters of the station that a telegram is about. */
+/* What the bus has said about the parameters of a telegram's station. */
 
 #ifndef SIS_LEARNED_H
 #define SIS_LEARNED_H
@@ -7,13 +7,13 @@
 #include "parameters/learned.h"
 #include "sis/body.h"
 
-/* The device that a command is for. */
+/* The device of a command. */
 sis_place_t sis_station_place(const sis_exchange_t *exchange, uint8_t device);
 
-/* What is known of a parameter of that station: when its command was sent. */
+/* What was known of a parameter of that station when its command was sent. */
 sis_known_t sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device);
 
-/* A reaction brings an element of a parameter, with all its data; `shown` is its value as text. */
+/* A reaction with an element of a parameter, with all its data; `shown` is its value as text. */
 void sis_station_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element,
                        tvbuff_t *tvb, const char *shown);
 

@@ -10,13 +10,13 @@
 
 #define PAGE 64u /* addresses */
 
-/* By address in a page: the number of the memory, from 1; 0: none. */
+/* For each address in a page: the number of the memory, from 1; 0: none. */
 typedef uint32_t page_t[PAGE];
 
 typedef struct {
     export_object_entry_t *entry;
     uint64_t begin;
-    size_t room; /* bytes that its data have; more than they need, so that they seldom move */
+    size_t room; /* allocated bytes; more than needed, so that they seldom move */
 } memory_t;
 
 /* What is known of a list. */
@@ -64,7 +64,7 @@ page_key(uint64_t address)
     return GUINT_TO_POINTER((unsigned)(address / PAGE));
 }
 
-/* The first of the list wins. */
+/* The first of the list takes precedence. */
 static void
 claim(GHashTable *pages, uint32_t memory, uint64_t first, uint64_t last)
 {
@@ -99,7 +99,7 @@ is_memory(const export_object_entry_t *entry)
            strcmp(entry->content_type, SIS_MEMORY_WRITTEN) == 0;
 }
 
-/* A list that was forgotten while somebody still fills it is looked through once. */
+/* A list that was forgotten but is still being filled is searched once. */
 static known_t *
 know(export_object_list_t *list)
 {
@@ -148,7 +148,7 @@ sis_memories_name(export_object_entry_t *entry, uint64_t begin)
                                       begin + entry->payload_len - 1, entry->content_type, entry->hostname);
 }
 
-/* Makes an entry longer. */
+/* Enlarges an entry. */
 static void
 grow(memory_t *memory, size_t length)
 {

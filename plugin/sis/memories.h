@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Memory that Export Objects puts together piece by piece: which entry of a list a piece belongs to. */
+/* Memory that Export Objects reassembles: finds the list entry of a piece. */
 
 #ifndef SIS_MEMORIES_H
 #define SIS_MEMORIES_H
@@ -8,7 +8,7 @@
 
 #include <epan/export_object.h>
 
-/* An entry of such a list that is memory, by its content type; its hostname is the station. */
+/* The content type of a list entry that is memory; its hostname is the station. */
 #define SIS_MEMORY_READ    "read"
 #define SIS_MEMORY_WRITTEN "written"
 
@@ -21,20 +21,20 @@ typedef struct {
     unsigned length;
 } sis_piece_t;
 
-/* Puts a piece that begins inside a memory of the list, or directly behind it, into the first such memory;
- * what is there twice, the later one wins. False where there is none. */
+/* Adds a piece that begins inside a memory of the list, or directly after it, to the first such memory.
+ * The later of overlapping bytes count. False if there is none. */
 bool sis_memories_extend(export_object_list_t *list, const sis_piece_t *piece);
 
-/* Takes note of a memory that has become the last entry of the list, as its first piece extended none. */
+/* Records a memory that was appended to the list, because its first piece extended none. */
 void sis_memories_add(export_object_list_t *list, export_object_entry_t *entry);
 
-/* Before anything is looked for or added: whoever shows a list may have thrown its entries away. */
+/* Call before a search or an addition: the list's user may have deleted its entries. */
 void sis_memories_refresh(export_object_list_t *list);
 
-/* Forgets all lists; their entries are somebody else's. */
+/* Forgets all lists without freeing their entries. */
 void sis_memories_reset(void);
 
-/* Gives an entry the name that says where its memory begins and ends. */
+/* Gives an entry a name with the beginning and end of its memory. */
 void sis_memories_name(export_object_entry_t *entry, uint64_t begin);
 
 #endif

@@ -46,8 +46,7 @@ const range_string sis_services[] = {
     {0, 0, NULL},
 };
 
-/* Kinds of addresses, fig. 2-9; which address is of which kind differs between the editions (address.c).
- */
+/* Kinds of addresses, fig. 2-9; the editions assign them to different addresses (address.c). */
 const value_string sis_address_kinds[] = {
     {SIS_STATION, "station"},
     {SIS_SERVICE_MASTER, "service or emergency master"},
@@ -95,7 +94,7 @@ const range_string sis_status[] = {
     {0, 0, NULL},
 };
 
-/* The same byte where it answers a phase service (chapters 8.4 and 8.5): 2 has another meaning there, and 1
+/* The same byte in reactions of phase services (chapters 8.4 and 8.5): 2 has another meaning there, and 1
  * has none. */
 const range_string sis_status_phase[] = {
     {0x01, 0x01, "Execution error, not specified for this service"},
@@ -103,7 +102,7 @@ const range_string sis_status_phase[] = {
     {0, 0, NULL},
 };
 
-/* The error code after status 2 where a service has no other meaning for it, fig. 2-19. */
+/* The error code after status 2, unless a service has another meaning for it, fig. 2-19. */
 const value_string sis_errors_channel[] = {
     {0x8001, "Transmission channel busy"},
     {0x8002, "Fault in the transmission channel"},
@@ -156,7 +155,7 @@ const value_string sis_errors_flash[] = {
     {0, NULL},
 };
 
-/* Where Shutdown goes, chapter 5.1. */
+/* Destination of Shutdown, chapter 5.1. */
 const value_string sis_shutdown_targets[] = {
     {0, "Firmware"},
     {1, "Loader"},

@@ -73,20 +73,20 @@ static const value_string checksum_states[] = {
 static const true_false_string command_reaction = {"Reaction telegram", "Command telegram"};
 static const true_false_string present_absent = {"Present", "Not present"};
 
-/* A telegram while it is taken apart: the packet, the tree, and where the info column gets its marks. */
+/* A telegram being decoded: the packet, the tree, and the place for marks of the info column. */
 typedef struct {
-    tvbuff_t *tvb; /* this telegram, and what trails it where another one does not follow */
+    tvbuff_t *tvb; /* this telegram, and trailing bytes if no other telegram follows */
     packet_info *pinfo;
     proto_tree *tree;
     proto_item *root;
-    unsigned declared; /* 0: its two lengths differ, or are not there */
-    unsigned end;      /* of what belongs to the telegram and is there */
+    unsigned declared; /* 0: its two lengths differ, or are missing */
+    unsigned end;      /* available bytes of the telegram */
     sis_telegram_t *telegram;
-    sis_record_t *record; /* what was found out about it */
-    wmem_strbuf_t *marks; /* for the end of the info column: what is wrong */
+    sis_record_t *record; /* its relations, as found */
+    wmem_strbuf_t *marks; /* for the end of the info column: faults */
 } dissection_t;
 
-/* Something is wrong: an expert item, and a mark that people see in the info column. */
+/* A fault: an expert item, and a mark in the info column. */
 static void
 mark(const dissection_t *d, proto_item *ti, expert_field *ei, const char *text)
 {
@@ -94,7 +94,7 @@ mark(const dissection_t *d, proto_item *ti, expert_field *ei, const char *text)
     wmem_strbuf_append_printf(d->marks, "  [%s]", text);
 }
 
-/* Verified only where the whole telegram is there and tells its length. */
+/* Verified only if the whole telegram and its length are there. */
 static void
 dissect_checksum(const dissection_t *d)
 {
@@ -114,7 +114,7 @@ dissect_checksum(const dissection_t *d)
                                    expected, ENC_NA, flags);
     if (checksum == expected)
         return;
-    /* What the receiver does (chapter 2.4) depends on who it is. */
+    /* The receiver's behaviour (chapter 2.4) depends on the kind of address. */
     expert_add_info_format(d->pinfo, item, &ei_checksum, "Wrong checksum: %s [should be 0x%02x]",
                            d->telegram->is_reaction
                                ? "the master waits (TwM) and sends its command again"
@@ -293,7 +293,7 @@ dissect_addresses(const dissection_t *d)
     add_generated_station(d, hf_station, d->telegram->listener, true);
 }
 
-/* Takes the useful data apart, with what their exchange knows. Gives words for the packet list. */
+/* Decodes the useful data, with data of their exchange. Returns words for the packet list. */
 static const char *
 dissect_useful_data(const dissection_t *d)
 {
@@ -377,7 +377,7 @@ stations_text(const dissection_t *d)
                           NULL);
 }
 
-/* What belongs to the telegram, and who really speaks: a reaction keeps its command's addresses, unless a
+/* Relations of the telegram, and its real talker: a reaction keeps its command's addresses, unless a
  * device has swapped them. */
 static void
 find_exchange(dissection_t *d)
@@ -435,7 +435,7 @@ dissect_whole_telegram(dissection_t *d)
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
 
-/* Less than the 8 bytes that every telegram has. */
+/* Fewer than the 8 bytes of every telegram. */
 static void
 dissect_stump(const dissection_t *d)
 {
@@ -451,7 +451,7 @@ dissect_stump(const dissection_t *d)
                            plurality(there, "", "s"), SIS_STATIC_LENGTH);
 }
 
-/* No start character, and not the length of a telegram either: addresses read from it would be invented. */
+/* Neither a start character nor a valid length: addresses would be invented. */
 static void
 dissect_no_telegram(const dissection_t *d)
 {
@@ -463,8 +463,7 @@ dissect_no_telegram(const dissection_t *d)
     proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, there, ENC_NA);
 }
 
-/* Something may be in the info column: another telegram of this packet, or TCP's words, which end with a
- * space. */
+/* The info column may have text: another telegram of this packet, or TCP's text, which ends with a space. */
 static void
 separate(packet_info *pinfo)
 {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Quantiles of many intervals in little memory: a histogram whose buckets grow with their values, 32 for each
- * doubling. */
+/* Quantiles of many intervals in little memory: a histogram with 32 buckets for each doubling. */
 
 #include "sis/quantiles.h"
 
@@ -12,7 +11,7 @@ sis_quantiles_init(sis_quantiles_t *quantiles)
     quantiles->p99.percent = 99;
 }
 
-/* Below 32 ns a bucket is 1 ns; from there on the five bits after the first one tell the bucket. */
+/* Below 32 ns a bucket is 1 ns; above, the five bits after the first one select the bucket. */
 static unsigned
 bucket_of(uint32_t ns)
 {

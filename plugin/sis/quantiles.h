@@ -9,9 +9,9 @@
 #define SIS_BUCKETS_PER_OCTAVE 32 /* so a quantile is at most 3 % too large */
 #define SIS_BUCKETS            (SIS_BUCKETS_PER_OCTAVE * 28)
 
-/* Where one quantile is. Moves by a few buckets at most with each value. */
+/* The bucket of one quantile. Each value moves it by a few buckets at most. */
 typedef struct {
-    unsigned percent; /* of the values are not larger */
+    unsigned percent; /* share of the values that are not larger */
     unsigned bucket;
     uint64_t below; /* values in the buckets before */
 } sis_quantile_t;
@@ -28,7 +28,7 @@ void sis_quantiles_init(sis_quantiles_t *quantiles);
 /* Takes an interval, in ns. */
 void sis_quantiles_add(sis_quantiles_t *quantiles, uint32_t ns);
 
-/* In ns; rather too large than too small. 0 where there was nothing. */
+/* In ns; rather too large than too small. 0 without values. */
 uint32_t sis_quantile_ns(const sis_quantiles_t *quantiles, const sis_quantile_t *quantile);
 
 #endif

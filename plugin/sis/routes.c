@@ -6,8 +6,8 @@
 
 #include "sis/routes.h"
 
-/* What a router leaves as it is: service, count of subaddresses on the level below, whether there is a
- * number, and all bytes from the sender's address on. Two sections of a capture are two plants. */
+/* The part that a router does not change: service, count of subaddresses on the level below, whether there
+ * is a number, and all bytes from the sender's address on. Two sections of a capture are two plants. */
 typedef struct {
     uint32_t section;
     uint32_t length; /* of the bytes, which follow */
@@ -39,7 +39,7 @@ are_keys_equal(const void *a, const void *b)
     return one->length == other->length && memcmp(one, other, KEY_SIZE(one)) == 0;
 }
 
-/* Of a telegram of which a router has dropped so many addresses: 0, or 1 where it is still to do so. */
+/* For a telegram from which a router has dropped this many addresses: 0, or 1 before it drops one. */
 static route_key_t
 make_key(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram, unsigned dropped)
 {

@@ -9,20 +9,20 @@
 
 struct sis_exchange; /* never looked into here */
 
-/* Where a command waits; kept in what it belongs to. */
+/* The entry of a waiting command, part of its owner. */
 typedef struct {
     struct sis_route *route; /* NULL: it does not wait */
     wmem_list_frame_t *place;
 } sis_waiting_t;
 
-/* A command with subaddresses waits for what the next router makes of it. */
+/* Makes a command with subaddresses wait for the next router's version. */
 void sis_route_wait(sis_waiting_t *waiting, struct sis_exchange *exchange, tvbuff_t *tvb, packet_info *pinfo,
                     const sis_telegram_t *telegram);
 
-/* The oldest command that waits and of which a router may have made this one. NULL: none. */
+/* The oldest waiting command whose routed version this may be. NULL: none. */
 struct sis_exchange *sis_route_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
 
-/* A command was answered, or its master has sent the next one: it waits no longer, if it did. */
+/* A command was answered, or its master has sent the next one: ends its wait, if any. */
 void sis_route_leave(sis_waiting_t *waiting);
 
 void sis_routes_register(void);

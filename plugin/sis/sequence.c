@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Sequential telegrams: data that do not fit into one are read or written in pieces (chapters 8.2 and 8.7).
- * Bit 2 of the parameter control says whether more follow; nothing says that a piece is the first, or which
- * one it is. */
+/* Sequential telegrams: long data are read or written in pieces (chapters 8.2 and 8.7). Bit 2 of the
+ * parameter control says whether more follow. Nothing marks the first piece or numbers the pieces. */
 
 #include "sis/sequence.h"
 
@@ -9,15 +8,15 @@
 
 #include "sis/layouts.h"
 
-#define SERVICE_CHANNEL_BUSY 0x8001 /* the command was not executed, and is to be repeated */
+#define SERVICE_CHANNEL_BUSY 0x8001 /* the command was not executed, and must be repeated */
 #define PARAMETER_OCCUPIED   0x800C
-#define CANCELLED            0x800B /* another request had priority: the transfer is over */
+#define CANCELLED            0x800B /* another request had priority: the transfer has ended */
 
 #define INVALID_SEQUENTIAL_TELEGRAM 0xF8
 
 #define LENGTH_WORDS 4u                       /* of a list: actual and maximum length, two bytes each */
-#define MOST_BYTES   (0xFFFFu + LENGTH_WORDS) /* of a list: more came only if its last piece did not */
-#define MOST_PIECES  8192u /* 64 KB in pieces of 8 bytes; Wireshark goes through all for each */
+#define MOST_BYTES   (0xFFFFu + LENGTH_WORDS) /* of a list: more means that its last piece was lost */
+#define MOST_PIECES  8192u /* 64 KB in pieces of 8 bytes; Wireshark searches all of them for each */
 #define MOST_OPEN    256u  /* transfers from one station to another: a device has one at a time */
 
 static int hf_pieces = -1;
@@ -43,7 +42,7 @@ static const fragment_items items = {
     &hf_whole_in,         &hf_length,         NULL,         "pieces",
 };
 
-/* A transfer is found again by its number alone: who talks to whom was compared before. */
+/* The number alone identifies a transfer: the stations were compared before. */
 static void *
 transfer_key(const packet_info *pinfo _U_, const uint32_t id, const void *data _U_)
 {
@@ -77,11 +76,11 @@ typedef struct sis_transfer {
     uint32_t last_in;       /* the latest piece */
     uint32_t damaged_count; /* of its bus, then */
     uint32_t received;      /* bytes */
-    uint32_t pieces;        /* put together, so far */
-    uint32_t announced;     /* bytes, by the length words of a list; 0: nothing was */
-    uint32_t length_words;  /* as they stand, where something was announced */
-    bool is_broken;         /* a piece may be missing: the pieces are no longer put together */
-    bool is_refused;        /* with 0xF8: it begins anew or goes on */
+    uint32_t pieces;        /* reassembled so far */
+    uint32_t announced;     /* bytes, by the length words of a list; 0: unknown */
+    uint32_t length_words;  /* as they are, if a length is known */
+    bool is_broken;         /* a piece may be missing: reassembly has ended */
+    bool is_refused;        /* after 0xF8: it restarts or continues */
     bool is_begun_anew;
 } transfer_t;
 
@@ -101,7 +100,7 @@ is_same_transfer(const transfer_t *a, const transfer_t *b)
            one->segment == other->segment;
 }
 
-/* Where the link to this transfer is; the end of the list if it is not under way. */
+/* The link to this transfer; the end of the list if it is not under way. */
 static transfer_t **
 find_transfer(const sis_exchange_t *exchange, const transfer_t *like)
 {
@@ -126,7 +125,7 @@ note_end(sis_record_t *record, const transfer_t *transfer, const char *reason)
 {
     sis_ended_t *ended;
 
-    if (transfer->is_refused) /* that was said */
+    if (transfer->is_refused) /* already reported */
         return;
     ended = wmem_new(wmem_file_scope(), sis_ended_t);
     *ended = (sis_ended_t){transfer->begun_in, reason};
@@ -140,7 +139,7 @@ end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
     end_transfer(link);
 }
 
-/* Adds one at the end of the list. It has an end, so that a search does: the oldest gives way. */
+/* Appends a transfer to the list. The length is limited, so the oldest may be dropped. */
 static transfer_t *
 open_transfer(sis_record_t *record, const transfer_t *like)
 {
@@ -157,7 +156,7 @@ open_transfer(sis_record_t *record, const transfer_t *like)
     return transfer;
 }
 
-/* A step that was taken before: the same command again, or its reaction again. */
+/* A step seen before: the same command again, or its reaction again. */
 static bool
 is_taken_before(const sis_record_t *record)
 {
@@ -174,9 +173,9 @@ damaged_since(const transfer_t *transfer, const sis_exchange_t *exchange)
     return exchange->stream->bus->damaged_count - transfer->damaged_count;
 }
 
-/* Whether something since the piece before may have been a piece: lost characters; the damaged reaction to a
- * command that was repeated then; or a damaged command with its damaged reaction. Not where the slave sends
- * the reaction again that it has kept. */
+/* Whether a piece may have been lost since the one before: lost characters; the damaged reaction to a
+ * command that was then repeated; or a damaged command with its damaged reaction. Not if the slave repeats
+ * the reaction that it has kept. */
 static bool
 is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
 {
@@ -188,8 +187,8 @@ is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
     return !exchange->is_reaction_kept && damaged_since(transfer, exchange) >= enough;
 }
 
-/* How many bytes a list is going to have, if this is its first piece and it has length words (section 9.8 of
- * SERCOS); 0: it does not say. */
+/* The number of bytes of a list, if this is its first piece and has length words (section 9.8 of SERCOS);
+ * 0: unknown. */
 static uint32_t
 announced_by(const sis_body_t *body)
 {
@@ -215,8 +214,8 @@ begin_transfer(transfer_t *transfer, const sis_body_t *body)
     transfer->is_broken = false;
 }
 
-/* After 0xF8 a transfer begins anew, its length words again, or goes on. Whether it can go on is told by what
- * they have announced; where neither fits, pieces are missing. */
+/* After 0xF8 a transfer restarts with its length words, or continues. The announced length decides whether
+ * it can continue. If neither fits, pieces are missing. */
 static void
 follow_refusal(transfer_t *transfer, const sis_body_t *body, bool is_last)
 {
@@ -232,7 +231,7 @@ follow_refusal(transfer_t *transfer, const sis_body_t *body, bool is_last)
     }
 }
 
-/* Whose piece these data are; decided once, in the order of the capture. Gives its number in the transfer. */
+/* The transfer of these data; decided once, in the order of the capture. Returns the number of the piece. */
 static unsigned
 place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
 {
@@ -270,7 +269,7 @@ place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
     return number;
 }
 
-/* What a transfer brought that began anew, beside what its length words have announced. */
+/* The data of a restarted transfer, compared with its announced length. */
 static void
 check_announced(sis_body_t *body, tvbuff_t *whole)
 {
@@ -346,7 +345,7 @@ sis_is_piece(const sis_body_t *body)
     return body->record != NULL && body->record->transfer != 0;
 }
 
-/* A list of which the length was announced may go on after 0xF8, or begin anew. */
+/* A list with an announced length may continue after 0xF8, or restart. */
 static void
 refuse(sis_record_t *record, transfer_t **link, uint8_t status)
 {
@@ -386,8 +385,7 @@ cancel_transfers(sis_record_t *record, const sis_request_t *cancel)
     }
 }
 
-/* A device has one transfer at a time: when another parameter was accessed with success, it has given up the
- * first. */
+/* A device has one transfer at a time: a successful access to another parameter has ended the first. */
 static void
 end_others(sis_record_t *record, const transfer_t *like)
 {
@@ -409,8 +407,8 @@ watch_reaction(const sis_body_t *body)
     transfer_t like = {.service = body->service,
                        .subject = {asked->ident, asked->element, asked->device, asked->segment}};
     transfer_t **link = find_transfer(record->exchange, &like);
-    /* Not executed, because the channel was busy or the command came damaged (0xF1, 0xF2, 0xF4): it comes
-     * again. */
+    /* Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be
+     * repeated. */
     bool is_to_be_repeated = (body->status == 0x02 && body->error != CANCELLED) ||
                              body->error == SERVICE_CHANNEL_BUSY || body->error == PARAMETER_OCCUPIED ||
                              (body->status >= 0xF1 && body->status <= 0xF4);

@@ -6,17 +6,17 @@
 
 #include "sis/body.h"
 
-/* What a transfer is about; between its pieces all of it stays the same. */
+/* What a transfer is about; constant for all its pieces. */
 typedef struct {
     sis_ident_t ident;
     uint8_t element;
     uint8_t device;
-    uint32_t segment; /* as in the request */
+    uint32_t segment; /* as requested */
 } sis_subject_t;
 
-/* The data of a telegram that reads or writes a parameter, from body->offset to its end. `is_last` as its
- * parameter control says. Adds what is known of the transfer. Gives the whole data where these are the last
- * piece, NULL where they are another, and the data themselves where they are alone. */
+/* The data of a telegram that reads or writes a parameter, from body->offset to its end. `is_last` comes
+ * from its parameter control. Adds what is known of the transfer. Returns the whole data with the last
+ * piece, NULL with another one, and the data themselves without a transfer. */
 tvbuff_t *sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last);
 
 /* Whether a transfer of this parameter is under way: then its last piece may be empty. */
@@ -25,8 +25,8 @@ bool sis_is_sequence_open(const sis_body_t *body, const sis_subject_t *subject);
 /* Whether these data are a piece. */
 bool sis_is_piece(const sis_body_t *body);
 
-/* A good telegram that may end a transfer: cancelled, refused, or overtaken by another parameter of the same
- * device. */
+/* A good telegram that may end a transfer: cancelled, refused, or superseded by another parameter of the
+ * same device. */
 void sis_sequence_watch(sis_body_t *body);
 
 void sis_sequence_register(void);

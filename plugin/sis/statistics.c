@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Wireshark's own statistics: Conversations and Endpoints by station (`tshark -z conv,sis`, `-z
- * endpoints,sis`), a tree of what was said (`-z sis,tree`), service response times (`-z sis,srt`). */
+/* Wireshark's standard statistics: Conversations and Endpoints by station (`tshark -z conv,sis`, `-z
+ * endpoints,sis`), a tree of telegrams (`-z sis,tree`), service response times (`-z sis,srt`). */
 
 #include "sis/statistics.h"
 
@@ -40,7 +40,7 @@ conversation_packet(void *table, packet_info *pinfo, epan_dissect_t *edt _U_, co
     address talker, listener;
 
     if (!telegram->is_good)
-        return TAP_PACKET_DONT_REDRAW; /* its addresses may be anybody's */
+        return TAP_PACKET_DONT_REDRAW; /* its addresses are uncertain */
     hash->flags = flags;
     sis_station_address(&talker, &telegram->talker);
     sis_station_address(&listener, &telegram->listener);
@@ -66,7 +66,7 @@ endpoint_packet(void *table, packet_info *pinfo _U_, epan_dissect_t *edt _U_, co
     address talker, listener;
 
     if (!telegram->is_good)
-        return TAP_PACKET_DONT_REDRAW; /* its addresses may be anybody's */
+        return TAP_PACKET_DONT_REDRAW; /* its addresses are uncertain */
     hash->flags = flags;
     sis_station_address(&talker, &telegram->talker);
     sis_station_address(&listener, &telegram->listener);
@@ -145,7 +145,7 @@ srt_init(struct register_srt *srt _U_, GArray *tables)
     wmem_destroy_allocator(pool);
 }
 
-/* The table subtracts from the packet's time. */
+/* The table subtracts it from the packet's time. */
 static tap_packet_status
 srt_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped, tap_flags_t flags _U_)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Wireshark's own statistics of telegrams. */
+/* Wireshark's standard statistics of telegrams. */
 
 #ifndef SIS_STATISTICS_H
 #define SIS_STATISTICS_H

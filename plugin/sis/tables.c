@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Tables of the timing: intervals by talker (`tshark -z sis,tza`), and what each station does to the bus
- * (`tshark -z sis,bus`). The first row is the sum of all. */
+/* Tables of the timing: intervals by talker (`tshark -z sis,tza`), and the bus by station (`tshark -z
+ * sis,bus`). The first row is the sum of all. */
 
 #include "sis/tables.h"
 
@@ -16,13 +16,13 @@
 #define NS_PER_MS 1e6
 #define NS_PER_US INT64_C(1000)
 
-#define ALL -1 /* in place of a station */
+#define ALL -1 /* instead of a station */
 
 /* Chapter 10.1: an operator terminal's cycle, and the silence after which its link is lost. */
 #define CYCLE_NS   INT64_C(100000000)
 #define SILENCE_NS INT64_C(200000000)
 
-/* Histogram of the intervals: each column up to so many ms. */
+/* Histogram of the intervals: the upper bounds of the columns in ms. */
 static const double bins_ms[] = {1, 2, 5, 10, 20, 50, 1e9};
 
 enum {
@@ -93,13 +93,13 @@ static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
 };
 /* clang-format on */
 
-/* What is summed up beside the columns of a row. */
+/* Sums of a row beside its columns. */
 typedef struct {
     int station;
     sis_quantiles_t intervals;
     uint64_t busy;      /* ns */
     int64_t begin, end; /* in the first row: of all characters, ns since 1970; 0: none yet */
-    uint64_t lines;     /* in the first row: lines seen, a bit each */
+    uint64_t lines;     /* in the first row: lines seen, one bit each */
 } row_t;
 
 static stat_tap_table *
@@ -150,9 +150,9 @@ count(const stat_tap_table *table, unsigned row, unsigned column, unsigned by)
     stat_tap_get_field_data(table, row, column)->value.uint_value += by;
 }
 
-/* Decimals are text, because the windows of 4.0 and 4.4 show six of them whatever a column says, with a comma
- * in some locales. `digits` is in units of the last one. Made again only where the text changes; user_data is
- * what it says. */
+/* Decimals are text, because the windows of 4.0 and 4.4 always show six of them, with a comma in some
+ * locales. `digits` is in units of the last one. The text is made again only if it changes; user_data is
+ * its number. */
 static void
 set_decimal(const stat_tap_table *table, unsigned row, unsigned column, unsigned decimals, int64_t digits)
 {
@@ -194,7 +194,7 @@ raise_to(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
     return true;
 }
 
-/* "<=12.000": it was not longer, and nobody knows how long it was. */
+/* "<=12.000": an upper bound; the true time is unknown. */
 static void
 mark_as_bound(const stat_tap_table *table, unsigned row, unsigned column)
 {
@@ -242,7 +242,7 @@ reset_item(stat_tap_table_item_type *item)
     }
 }
 
-/* Everything back to nothing; the rows stay. */
+/* Resets everything; the rows stay. */
 static void
 reset_table(stat_tap_table *table)
 {
@@ -274,7 +274,7 @@ is_same_read(const sis_times_t *times, unsigned character)
                SERTAP_SAME_READ;
 }
 
-/* The interval before a character: into the histogram where both came alone. */
+/* The interval before a character: into the histogram if both characters were read alone. */
 static void
 count_interval(const stat_tap_table *table, unsigned row, const sis_times_t *times, unsigned character)
 {
@@ -315,7 +315,7 @@ count_intervals(const stat_tap_table *table, unsigned row, const sis_telegram_t 
         count(table, row, TZA_UNRESOLVED, 1);
 }
 
-/* Nobody knows whose a damaged telegram was. */
+/* The sender of a damaged telegram is unknown. */
 static tap_packet_status
 tza_packet(void *data, packet_info *pinfo _U_, epan_dissect_t *edt _U_, const void *tapped,
            tap_flags_t flags _U_)
@@ -330,7 +330,7 @@ tza_packet(void *data, packet_info *pinfo _U_, epan_dissect_t *edt _U_, const vo
     return TAP_PACKET_REDRAW;
 }
 
-/* Characters of a part of a record that came with an error. */
+/* Characters of a part of a record with an error. */
 static unsigned
 line_errors(const sertap_record_t *record, unsigned first, unsigned count_)
 {
@@ -392,7 +392,7 @@ count_talker(stat_tap_table *table, const sis_telegram_t *telegram)
     count(table, row, BUS_LINE, line_errors(times->record, times->first, times->count));
 }
 
-/* Of whom the master had to ask again, or in vain. */
+/* The station that the master had to ask again, or in vain. */
 static void
 count_asked(stat_tap_table *table, const sis_exchange_t *exchange)
 {
@@ -431,7 +431,7 @@ permille(uint64_t busy, double span)
     return (int64_t)MIN(round(1000.0 * busy / span), MOST_PERMILLE);
 }
 
-/* Of several lines, such as two directions, the mean. */
+/* For several lines, such as two directions, the mean. */
 static void
 set_loads(const stat_tap_table *table)
 {
@@ -447,7 +447,7 @@ set_loads(const stat_tap_table *table)
         set_decimal(table, i, BUS_LOAD, 1, permille(row_at(table, i)->busy, span * (i == 0 ? lines : 1.0)));
 }
 
-/* Called for every packet: the line's other characters have errors, too. */
+/* Called for every packet, because the line's other characters have errors, too. */
 static tap_packet_status
 bus_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped _U_,
            tap_flags_t flags _U_)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the header of a telegram says (chapter 2.1), and what its packet has of it. */
+/* The header of a telegram (chapter 2.1), and the data of its packet. */
 
 #include "sis/telegram.h"
 

@@ -11,7 +11,7 @@
 
 #include "sis/frame.h"
 
-/* Character times are taken a little short: a transmitter may be that much faster than its rate says. */
+/* Character times are taken slightly short: a transmitter may be that much faster than its nominal rate. */
 #define SHORTEST_CHARACTER(ns) ((ns)*98 / 100)
 
 static uint8_t
@@ -26,7 +26,7 @@ interval_of(const sertap_record_t *record, unsigned character)
     return tvb_get_ntohl(record->tvb, record->times_offset + 4 * character);
 }
 
-/* How many characters of the telegram came in the read that begins with `character`. */
+/* The number of characters of the telegram from the read that begins with `character`. */
 static unsigned
 read_size(const sis_times_t *times, unsigned character)
 {
@@ -39,8 +39,8 @@ read_size(const sis_times_t *times, unsigned character)
     return next - character;
 }
 
-/* A read of some of the telegram's characters: how long before it its first one can have come, and how much
- * of that its others need. */
+/* A read of some of the telegram's characters: how long before it the first may have come, and how much of
+ * that time the others need. */
 typedef struct {
     unsigned size;
     int64_t uncertainty; /* ns, of the first character */
@@ -126,8 +126,8 @@ span_before(const sis_times_t *times, const read_t *before, const read_t *read, 
     return span;
 }
 
-/* Between any two characters of one read: bounded by what the others leave of its uncertainty, and of the
- * time since the read before. */
+/* Between any two characters of one read: bounded by the rest of its uncertainty, and by the time since
+ * the read before. */
 static sis_span_t
 span_inside(const sis_times_t *times, const read_t *before, const read_t *read, unsigned character)
 {
@@ -142,8 +142,8 @@ span_inside(const sis_times_t *times, const read_t *before, const read_t *read, 
     return span;
 }
 
-/* A start character and two equal lengths: there a receiver begins anew after too long a pause, if the
- * character comes directly after it (chapter 10.5). */
+/* A start character and two equal lengths: a receiver restarts there after too long a pause, if the
+ * character follows directly (chapter 10.5). */
 static bool
 looks_like_start(const sis_times_t *times, unsigned at)
 {
@@ -154,7 +154,7 @@ looks_like_start(const sis_times_t *times, unsigned at)
            sis_declared_length(tvb, offset) > 0;
 }
 
-/* By how much an interval counts. */
+/* The upper bound of an interval, where it counts. */
 static int64_t
 weight(const sis_interval_t *interval, bool is_exceeded)
 {

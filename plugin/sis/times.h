@@ -1,31 +1,31 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* When a telegram came, and how exactly that is known. */
+/* The times of a telegram, and how exact they are. */
 
 #ifndef SIS_TIMES_H
 #define SIS_TIMES_H
 
 #include "sertap/record.h"
 
-/* How long something took at least and at most, in ns. */
+/* A duration with its lower and upper bound, in ns. */
 typedef struct {
     int64_t least, most;
 } sis_span_t;
 
-#define SIS_ANY_TIME INT64_MAX /* most, where there is no bound */
+#define SIS_ANY_TIME INT64_MAX /* upper bound, if there is none */
 
 typedef enum { SIS_TIME_OK, SIS_TIME_EXCEEDED, SIS_TIME_UNRESOLVED } sis_verdict_t;
 
 /* A telegram's characters. Times are ns since 1970. */
 typedef struct {
-    const sertap_record_t *record; /* NULL: only the time of its packet is known */
+    const sertap_record_t *record; /* NULL: only the packet's time is known */
     unsigned first;                /* of the record's characters */
     unsigned count;
     int64_t begin; /* of its first character, as recorded */
     int64_t begin_earliest;
     int64_t begin_latest;
-    int64_t end; /* of its last character, as recorded: the latest it can have come */
+    int64_t end; /* of its last character, as recorded: the upper bound */
     int64_t end_earliest;
-    bool is_bounded; /* else the earliest and latest times are not known */
+    bool is_bounded; /* otherwise the earliest and latest times are unknown */
 } sis_times_t;
 
 /* The interval before one character of a telegram. */
@@ -33,12 +33,12 @@ typedef struct {
     unsigned at;      /* number of the character in the telegram, from 1 */
     int64_t recorded; /* ns */
     sis_span_t span;
-    int64_t weight;    /* ns; the interval with the largest is the longest */
-    bool is_exact;     /* both its characters came alone, each in a read of its own */
+    int64_t weight;    /* ns; the longest interval is the one with the largest value */
+    bool is_exact;     /* both characters were read alone */
     bool is_saturated; /* it was longer than `recorded` */
 } sis_interval_t;
 
-/* The times of the telegram that `tvb` begins with. */
+/* The times of the telegram at the beginning of `tvb`. */
 sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length);
 
 /* The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one.
@@ -46,8 +46,8 @@ sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length);
 typedef struct {
     sis_interval_t interval;
     sis_verdict_t verdict;
-    unsigned restart_at; /* where after too long a pause a telegram seems to begin; 0: nowhere */
-    unsigned unknown_at; /* before which character nobody knows how long it was, and it matters; 0: none */
+    unsigned restart_at; /* where a telegram seems to begin after too long a pause; 0: nowhere */
+    unsigned unknown_at; /* the character before which the interval is unknown and matters; 0: none */
 } sis_longest_t;
 
 sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);

@@ -18,7 +18,7 @@
 
 #define MS INT64_C(1000000) /* in ns */
 
-/* An operator terminal takes its link for lost after this silence (chapter 10.1). */
+/* An operator terminal considers its link lost after this silence (chapter 10.1). */
 #define OPERATOR_TERMINAL_SILENCE (200 * MS)
 
 static int hf_silence_before = -1;
@@ -52,7 +52,7 @@ static expert_field ei_tmas_exceeded = EI_INIT;
 static expert_field ei_tmas_unresolved = EI_INIT;
 static expert_field ei_baud_differs = EI_INIT;
 
-/* Preferences; 0: what the bus has told. */
+/* Preferences; 0: use what the bus has set. */
 static unsigned tza_ms;
 static unsigned trs_ms;
 
@@ -65,7 +65,7 @@ static const value_string verdicts[] = {
 
 static const unit_name_string units_baud = {" Bd", NULL};
 
-/* A telegram whose timing is looked at. */
+/* A telegram whose timing is examined. */
 typedef struct {
     sis_telegram_t *telegram;
     sis_timing_t *timing; /* of the telegram */
@@ -76,7 +76,7 @@ typedef struct {
     proto_item *root; /* of `tree` */
 } timing_t;
 
-/* One of the three limits, and how it is shown. */
+/* One of the three limits, and its display. */
 typedef struct {
     const char *name;
     int *hf_limit, *hf_set_in, *hf_verdict;
@@ -90,7 +90,7 @@ static const judgement_t trs = {"TrS",           &hf_trs_limit,    &hf_trs_set_i
 static const judgement_t tmas = {"Tmas",           &hf_tmas_limit,    &hf_tmas_set_in,
                                  &hf_tmas_verdict, &ei_tmas_exceeded, &ei_tmas_unresolved};
 
-/* More digits where three would make it look like a whole number of ms, as limits are. */
+/* More digits if three would look like a whole number of ms, as limits are. */
 static const char *
 ms_text(const timing_t *t, int64_t ns)
 {
@@ -170,7 +170,7 @@ show_verdict(const timing_t *t, const judgement_t *judgement, const sis_setting_
         wmem_strbuf_append_printf(t->body->marks, "  [%s exceeded]", judgement->name);
 }
 
-/* The field that the n-th character of a telegram belongs to, from 1. */
+/* The field of the n-th character of a telegram, from 1. */
 static const char *
 position_text(const timing_t *t, unsigned n)
 {
@@ -190,8 +190,8 @@ position_text(const timing_t *t, unsigned n)
     return wmem_strdup_printf(pool, "Useful data, byte %u", n - telegram->body_offset);
 }
 
-/* What makes a verdict unresolved beside the longest interval, or what a receiver does after so long a pause
- * (chapter 10.5). */
+/* Why a verdict is unresolved apart from the longest interval, or what a receiver does after so long a
+ * pause (chapter 10.5). */
 static const char *
 verdict_words(const timing_t *t)
 {
@@ -227,7 +227,7 @@ interval_text(const timing_t *t, const sis_interval_t *interval)
             : wmem_strdup_printf(t->pinfo->pool, ", uncertain by %s", ms_text(t, uncertainty)));
 }
 
-/* The longest interval, where it is, and what TzA says to it. */
+/* The longest interval, its place, and the verdict on TzA. */
 static void
 show_tza(const timing_t *t)
 {
@@ -254,7 +254,7 @@ show_tza(const timing_t *t)
                                     position, verdict_words(t)));
 }
 
-/* The reaction time of a slave on this line; behind a router it holds times of other lines. */
+/* The reaction time of a slave on this line; behind a router it includes times of other lines. */
 static void
 show_trs(const timing_t *t)
 {
@@ -270,8 +270,8 @@ show_trs(const timing_t *t)
                  is_resolvable ? span_text(t, &span) : "how exact the times are is not known");
 }
 
-/* How long the master waited before it repeated, or after a broadcast. Nobody is told TwM, but a slave may
- * take TrS to answer. */
+/* The master's wait before a repetition, or after a broadcast. TwM is never sent, but a slave may take TrS
+ * to answer. */
 static void
 show_twm(const timing_t *t)
 {
@@ -287,7 +287,7 @@ show_twm(const timing_t *t)
 /* Two master control words to the same drive. */
 typedef struct sis_cycle {
     uint32_t frame; /* the one before */
-    int64_t ns;     /* from begin to begin */
+    int64_t ns;     /* from beginning to beginning */
     sis_span_t span;
 } sis_cycle_t;
 
@@ -367,7 +367,7 @@ find_silence(sis_timing_t *timing, const sis_times_t *times)
     timing->silence = tvb_get_ntohl(record->tvb, record->times_offset + 4 * times->first);
 }
 
-/* Looking at every interval costs time: only where somebody sees it, counts it, or there is a limit. */
+/* Examining every interval takes time: only if it is displayed or counted, or if there is a limit. */
 static bool
 is_longest_wanted(const timing_t *t)
 {
@@ -403,7 +403,7 @@ is_anything_known(const timing_t *t)
            t->timing->wait >= 0 || t->record->cycle != NULL || is_rate_known(t) || t->record->load >= 0;
 }
 
-/* Then there may be an expert item, which is counted even where nobody sees a tree. */
+/* Then there may be an expert item, which counts even without a tree. */
 static bool
 is_anything_judged(const timing_t *t)
 {
@@ -428,8 +428,8 @@ show(timing_t *t)
     show_bus(t);
 }
 
-/* Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not say which
- * telegram brings it. */
+/* Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not name the
+ * telegram that carries it. */
 static const sis_request_t *
 find_control_word(const sis_request_t *request)
 {
@@ -445,7 +445,7 @@ find_control_word(const sis_request_t *request)
     return NULL;
 }
 
-/* When the last master control word to a drive came. */
+/* The time of the last master control word to a drive. */
 typedef struct {
     uint32_t frame;
     sis_times_t times;
@@ -484,7 +484,7 @@ note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_
     last->times = telegram->times;
 }
 
-/* A swapped reaction's slave is in its command. */
+/* The slave of a swapped reaction is in its command. */
 void
 sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_info *pinfo)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type. */
+/* Sources of SIS telegrams besides the serial tap: TCP, RTAC serial captures, a user link type. */
 
 #include "sis/transports.h"
 
@@ -21,7 +21,7 @@ static compat_bool tcp_heuristic = TRUE;
 static int dlt_user = DLT_USER_OFF;
 static int dlt_user_taken = DLT_USER_OFF;
 
-/* Whether a telegram may begin at this start character, as far as the bytes that are there can tell. */
+/* Whether a telegram may begin at this start character, judging by the available bytes. */
 static bool
 may_begin(tvbuff_t *tvb, unsigned offset)
 {
@@ -30,8 +30,8 @@ may_begin(tvbuff_t *tvb, unsigned offset)
     return there < 4 || declared > there || sis_is_good(tvb, offset);
 }
 
-/* For tcp_dissect_pdus(): the length of the telegram at offset; where there is none (a segment was lost, the
- * capture began in the middle) that of what goes before the next one; 0 if more bytes are needed to tell. */
+/* For tcp_dissect_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost,
+ * the capture began in the middle): the length up to the next one. 0 if more bytes are needed. */
 static unsigned
 telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
 {
@@ -51,8 +51,8 @@ telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
     return rest;
 }
 
-/* The columns are ours only where a telegram ends: of a segment with just a part of one TCP says what it is.
- * The fence keeps what the telegrams before this one wrote. */
+/* SIS writes the columns only if a telegram ends here; TCP describes a segment with just a part. The fence
+ * keeps the text of earlier telegrams. */
 static int
 dissect_pdu(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
@@ -71,8 +71,8 @@ dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
     return tvb_captured_length(tvb);
 }
 
-/* USIP and others start with 0x02, too: only a whole telegram with equal lengths and a zero checksum counts,
- * and what follows it has to be another one. */
+/* USIP and others also start with 0x02. So only a whole telegram with equal lengths and a zero checksum
+ * counts, and another one must follow it. */
 static bool
 is_sis(tvbuff_t *tvb)
 {
@@ -88,7 +88,7 @@ dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void 
     if (!tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
         return FALSE;
 
-    /* From here on: what came before was something else, in the second pass, too. */
+    /* From here on: earlier bytes were something else, in the second pass, too. */
     conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, tcp_handle);
     dissect_tcp(tvb, pinfo, tree, data);
     return TRUE;
@@ -129,8 +129,8 @@ sis_transports_register(module_t *module)
         "Where a segment starts with a whole telegram: equal lengths, right checksum", &tcp_heuristic);
 }
 
-/* An entry of "wtap_encap" silently goes before the user's own DLT_USER table: so none before it is asked
- * for, and the link type is handed back to that table afterwards. */
+/* An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless
+ * requested, and the link type is returned to that table afterwards. */
 static void
 apply_dlt_user(void)
 {
@@ -152,6 +152,6 @@ sis_transports_handoff(void)
     dissector_add_for_decode_as("tcp.port", tcp_handle);
     heur_dissector_add("tcp", dissect_tcp_heuristic, "SIS over TCP", "sis_tcp", proto_sis, HEURISTIC_ENABLE);
     dissector_add_for_decode_as("rtacser.data", sis_handle);
-    /* At each file, and not when preferences are applied: a change of profile resets them without that. */
+    /* For each file, and not when preferences are applied: a change of profile resets them without that. */
     register_init_routine(apply_dlt_user);
 }

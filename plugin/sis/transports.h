@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Where telegrams come from besides the serial tap. */
+/* Sources of telegrams besides the serial tap. */
 
 #ifndef SIS_TRANSPORTS_H
 #define SIS_TRANSPORTS_H

@@ -59,7 +59,7 @@ static expert_field ei_tries = EI_INIT;
 static expert_field ei_exceeded = EI_INIT;
 static expert_field ei_unresolved = EI_INIT;
 
-/* SYNAX's own times are not stated: these are Siemens'. */
+/* SYNAX's own times are not documented: these are Siemens'. */
 static unsigned zvz_ms = 220, qvz_ms = 2000;
 
 typedef enum {
@@ -85,14 +85,14 @@ static const value_string procedure_meanings[] = {
     {0, NULL},
 };
 
-/* One character or block, as the first pass found it; lives as long as the file. */
+/* One character or block, with the results of the first pass; lives as long as the file. */
 typedef struct unit {
     meaning_t meaning;
     uint32_t frame;
     uint32_t answers;    /* the unit that this answers; 0: none */
     uint32_t answer_in;  /* and where this one was answered */
     uint32_t repeat_of;  /* of a block */
-    uint32_t unanswered; /* the request or block before, which nobody answered; 0: none */
+    uint32_t unanswered; /* the unanswered request or block before; 0: none */
     unsigned tries;      /* this is the n-th to connect, or to send this block; 0: it does not count */
     uint8_t line;
     int64_t end, end_earliest; /* of its last character, ns */
@@ -139,7 +139,7 @@ answer(unit_t *unit, unit_t *asked, const sis_times_t *times)
         unit->span = sis_span_between(asked->end_earliest, asked->end, times);
 }
 
-/* Two requests within QVZ are those of both partners, if they can be: then neither has been answered. */
+/* Two requests within QVZ come from both partners, if possible: then neither was answered. */
 static void
 note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
 {
@@ -177,7 +177,7 @@ note_answer(bus_t *bus, unit_t *unit, const sis_times_t *times, bool is_good)
         unit->meaning = is_good ? ACKNOWLEDGES : REFUSES_BLOCK;
         answer(unit, bus->block, times);
         bus->refused = is_good ? NULL : bus->block;
-        if (is_good) /* the same bytes again would be a block of its own */
+        if (is_good) /* the same bytes again would be a new block */
             bus->last_block = NULL;
         bus->block = NULL;
     } else {
@@ -208,7 +208,7 @@ note_block(bus_t *bus, unit_t *unit, tvbuff_t *tvb)
     bus->block = bus->last_block = unit;
 }
 
-/* What a unit means follows from what came before it; found in the first pass, and kept. */
+/* The meaning of a unit depends on what came before it; found in the first pass, and kept. */
 static const unit_t *
 find_unit(tvbuff_t *tvb, packet_info *pinfo, const sis_times_t *times)
 {
@@ -331,8 +331,8 @@ block_check(tvbuff_t *tvb, unsigned begin, unsigned end)
     return bcc;
 }
 
-/* The data between `begin` and `end`: every DLE in them is doubled. Gives them without, and how many were;
- * NULL where one is not. */
+/* The data between `begin` and `end`, in which every DLE is doubled. Returns them without the doubling,
+ * and how many were doubled; NULL if one is not doubled. */
 static tvbuff_t *
 undouble(tvbuff_t *tvb, packet_info *pinfo, unsigned begin, unsigned end, unsigned *doubled)
 {
@@ -356,7 +356,7 @@ undouble(tvbuff_t *tvb, packet_info *pinfo, unsigned begin, unsigned end, unsign
     return data;
 }
 
-/* Another logger's block may have its STX before it: then the check character tells. */
+/* Another logger's block may include its STX: then the check character decides. */
 static unsigned
 begin_of_data(tvbuff_t *tvb, unsigned end)
 {

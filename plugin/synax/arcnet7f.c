@@ -28,7 +28,7 @@
 #define FOLLOW_UP_MESSAGES    0x1C20
 #define FOLLOW_UP_MESSAGE_END 0x1CFF
 
-/* Set in the one telegram that is printed whole, which writes a data block (page 7-14). */
+/* Set in the only telegram printed in full, which writes a data block (page 7-14). */
 #define INFO_BLOCK 0x0040
 
 #define CANCEL_BLOCK  98
@@ -55,7 +55,7 @@ static int hf_first_in = -1;
 
 static int ett_arcnet7f = -1;
 
-/* A list that goes on in follow-ups. */
+/* A list that continues in follow-ups. */
 typedef struct {
     sis_ident_t ident;
     bool is_last; /* as the info access of its first telegram says */
@@ -86,7 +86,7 @@ typedef struct {
 
 static wmem_map_t *ways; /* of the file */
 
-/* The telegram that is dissected. */
+/* The telegram being dissected. */
 typedef struct {
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -97,8 +97,8 @@ typedef struct {
     bool is_follow_up;
     bool is_block;
     bool is_short;     /* bytes are missing */
-    unsigned declared; /* bytes that the head says follow its first seven */
-    unsigned end;      /* of what belongs to the telegram and is there */
+    unsigned declared; /* bytes after the first seven, according to the head */
+    unsigned end;      /* available bytes of the telegram */
     kept_t *kept;
 } telegram_t;
 
@@ -115,7 +115,7 @@ add_raw(telegram_t *t, unsigned offset, unsigned end)
         proto_tree_add_item(t->tree, hf_sis_raw, t->tvb, offset, end - offset, ENC_NA);
 }
 
-/* No document says what stands there. */
+/* Not documented. */
 static void
 give_up(telegram_t *t, unsigned offset, const char *text)
 {
@@ -147,8 +147,8 @@ add_short_head(telegram_t *t)
     return false;
 }
 
-/* A FETCH has no data: whether its length is that of the answer is not stated, so only that of a TO is
- * judged. */
+/* A FETCH has no data. The documents do not say whether its length is that of the answer, so only the
+ * length of a TO is checked. */
 static void
 read_extent(telegram_t *t)
 {
@@ -191,8 +191,8 @@ find_way(const packet_info *pinfo, const address *from, const address *to)
     return way;
 }
 
-/* What a telegram is about, the same in a FETCH and in its answer: a parameter or a block, and whether it is
- * read or written; of a follow-up its number. */
+/* The subject of a telegram, the same in a FETCH and in its answer: a parameter or a block, and read or
+ * write; for a follow-up its number. */
 static uint64_t
 subject_of(const telegram_t *t)
 {
@@ -223,7 +223,7 @@ answer(const telegram_t *t, way_t *way)
     way->request = NULL;
 }
 
-/* How many bytes a list is going to have by its length words; 0: there are none, or they cannot be right. */
+/* The number of bytes of a list by its length words; 0: it has none, or they are wrong. */
 static unsigned
 announced_by(const telegram_t *t)
 {
@@ -241,8 +241,8 @@ says_last(const telegram_t *t)
     return compat_get_uint8(t->tvb, SHORT_HEAD) & 2;
 }
 
-/* A list begins. Where the info access says that nothing follows, its data may be a value that looks like
- * length words: so a list that is under way goes on, and only a follow-up will tell. */
+/* A list begins. If the info access says that nothing follows, the data may be a value that looks like
+ * length words. So a list under way continues, and a follow-up decides. */
 static void
 begin_transfer(const telegram_t *t, way_t *way)
 {
@@ -283,7 +283,7 @@ continue_transfer(const telegram_t *t, way_t *way)
         way->transfer = NULL;
 }
 
-/* First pass: which request it answers, which list it goes on with. */
+/* First pass: the request that it answers, and the list that it continues. */
 static void
 follow(const telegram_t *t)
 {
@@ -328,7 +328,7 @@ say_bytes(telegram_t *t, unsigned count)
     wmem_strbuf_append_printf(t->words, ", %u byte%s", count, plurality(count, "", "s"));
 }
 
-/* Of the blocks that have a meaning only the words of two are described. */
+/* Only the words of two special blocks are documented. */
 static void
 add_block_data(telegram_t *t, unsigned block)
 {
@@ -413,7 +413,7 @@ add_first(telegram_t *t)
     if (t->end < HEAD) {
         add_raw(t, SHORT_HEAD, t->end);
         wmem_strbuf_append(t->words, "Cut telegram");
-        if (!t->is_short) /* else that was said */
+        if (!t->is_short) /* otherwise already reported */
             expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
                                    "The length says %u bytes, the head has %u", t->declared, SYNAX_HEAD_SIZE);
     } else if (t->is_block) {
@@ -423,7 +423,7 @@ add_first(telegram_t *t)
     }
 }
 
-/* The pieces make whole words: a list with an odd count of bytes has one more. */
+/* The pieces are whole words: a list with an odd number of bytes has one more. */
 static void
 add_whole(telegram_t *t, tvbuff_t *whole)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the other transports of SYNAX200 share. */
+/* Common fields of the other SYNAX200 transports. */
 
 #include "synax/fields.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What the other transports of SYNAX200 share: a protocol for their common fields, and their expert items. */
+/* Common fields of the other SYNAX200 transports: a protocol for them, and their expert items. */
 
 #ifndef SYNAX_FIELDS_H
 #define SYNAX_FIELDS_H
@@ -15,11 +15,11 @@ extern int hf_synax_answer_in;   /* of a request */
 extern int hf_synax_answer_time; /* from the request to its answer */
 
 /* Every use has a text of its own. */
-extern expert_field ei_synax_note; /* what the documents do not define */
+extern expert_field ei_synax_note; /* undefined in the documents */
 extern expert_field ei_synax_short;
 extern expert_field ei_synax_unexpected;
 extern expert_field ei_synax_error;             /* that an answer reports */
-extern expert_field ei_synax_unanswered;        /* only a later packet tells */
+extern expert_field ei_synax_unanswered;        /* only a later packet shows it */
 extern expert_field ei_synax_unanswered_before; /* on the request that follows */
 
 void synax_fields_register(void);

@@ -36,7 +36,7 @@ synax_block_text(unsigned number)
     return try_val_to_str(number, blocks);
 }
 
-/* Elements and other services hide in bits that no document names. */
+/* Elements and other services use undocumented bits. */
 void
 synax_add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
                uint16_t known)

@@ -14,25 +14,24 @@ typedef struct {
     bool is_last;  /* bit 1: the last transmission */
     uint8_t axis;
     sis_ident_t ident;
-    sis_known_t known; /* what the tables say of it */
+    sis_known_t known; /* data of the tables about it */
 } synax_head_t;
 
-/* Data blocks that have a meaning of their own (chapters 7 and 8): 98 to 116; NULL: none. */
+/* Data blocks with a special meaning (chapters 7 and 8): 98 to 116; NULL: none. */
 const char *synax_block_text(unsigned number);
 
 /* The head of a command, for an answer that does not repeat it. */
 synax_head_t synax_head_of(uint16_t info, uint8_t axis, sis_ident_t ident);
 
-/* Adds sis.parameter where a command said it. */
+/* Adds sis.parameter if a command named it. */
 void synax_recall_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const synax_head_t *head,
                        wmem_strbuf_t *words);
-/* Adds the info access at `offset`; says which of its bits no document names, but for those that are `known`
- * from elsewhere. */
+/* Adds the info access at `offset`; notes its undocumented bits, except those in `known`. */
 void synax_add_info(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
                     uint16_t known);
 
-/* Adds the head at `offset`, all 6 bytes of which are there. Appends words for the packet list: "Read
- * S-0-0237, axis 2". */
+/* Adds the complete head of 6 bytes at `offset`. Appends words for the packet list: "Read S-0-0237, axis
+ * 2". */
 synax_head_t synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset,
                             unsigned encoding, wmem_strbuf_t *words);
 

@@ -8,7 +8,7 @@
 
 #include "synax/fields.h"
 
-#define MOST_PIECES 8192u /* 64 KB in pieces of 8 bytes; Wireshark goes through all for each */
+#define MOST_PIECES 8192u /* 64 KB in pieces of 8 bytes; Wireshark searches all of them for each */
 
 static int hf_pieces = -1;
 static int hf_piece = -1;
@@ -34,7 +34,7 @@ static reassembly_table table;
 static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
 static wmem_map_t *counts;   /* of pieces, by transfer */
 
-/* A transfer is found again by its number alone: who talks to whom was compared before. */
+/* The number alone identifies a transfer: the stations were compared before. */
 static void *
 transfer_key(const packet_info *pinfo _U_, const uint32_t id, const void *data _U_)
 {

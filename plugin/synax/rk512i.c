@@ -56,10 +56,10 @@ typedef struct {
     sis_ident_t ident;
 } job_t;
 
-/* A telegram, as the first pass found it. */
+/* A telegram, with the results of the first pass. */
 typedef struct telegram {
     const job_t *job; /* NULL: none is known */
-    job_t as_it_was;  /* when it came; job points here */
+    job_t as_it_was;  /* its time; job points here */
     uint32_t frame;
     uint32_t request_in, answer_in; /* 0: none */
     int64_t end;                    /* of its last character, ns */
@@ -78,7 +78,7 @@ typedef struct {
 
 static wmem_map_t *buses;
 
-/* One telegram while it is taken apart. */
+/* One telegram being decoded. */
 typedef struct {
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -86,7 +86,7 @@ typedef struct {
     proto_item *root;
     wmem_strbuf_t *words;
     const telegram_t *telegram;
-    unsigned data_at; /* where its data begin */
+    unsigned data_at; /* the beginning of its data */
     bool is_follow_up, is_reaction, is_cut;
 } dissection_t;
 
@@ -117,7 +117,7 @@ has_indramat_head(uint8_t block)
     return block < FIRST_FIXED;
 }
 
-/* The first telegram of a block: a job of its own, or the next block of the one before. */
+/* The first telegram of a block: a new job, or the next block of the present one. */
 static void
 begin_block(job_t *job, const dissection_t *d, telegram_t *telegram)
 {
@@ -161,7 +161,7 @@ note_command(bus_t *bus, const dissection_t *d, telegram_t *telegram)
     if (!d->is_follow_up)
         begin_block(job, d, telegram);
     else if (job->left == 0 || job->command != compat_get_uint8(d->tvb, 2))
-        return; /* of what, nobody knows */
+        return; /* nobody knows of what */
     telegram->job = &telegram->as_it_was;
     if (job->command != FETCH)
         take_bytes(job, telegram, tvb_captured_length(d->tvb) - d->data_at);
@@ -187,7 +187,7 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
     telegram->as_it_was = bus->job;
 }
 
-/* Whose telegram this is; found in the first pass, and kept. A block that comes again takes no part. */
+/* The job of this telegram; found in the first pass, and kept. A repeated block is ignored. */
 static const telegram_t *
 find_telegram(const dissection_t *d, const synax_block_t *block)
 {
@@ -253,7 +253,7 @@ static const value_string rk512_kinds[] = {
     {'Z', "Counters"},   {0, NULL},
 };
 
-/* Siemens' numbers; the table that SYNAX has is lost. */
+/* Siemens' numbers; SYNAX' table is lost. */
 static const value_string rk512_errors[] = {
     {0x00, "No error"},
     {0x0A, "Access to the area not possible"},
@@ -301,8 +301,8 @@ show_links(const dissection_t *d)
         sertap_add_ms(d->tree, hf_synax_answer_time, d->tvb, 0, 0, d->pinfo->pool, telegram->elapsed));
 }
 
-/* All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head; a reaction has none,
- * so its command says which parameter it is. */
+/* All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has
+ * none, so its command names the parameter. */
 static void
 show_whole(const dissection_t *d, proto_tree *tree, tvbuff_t *tvb)
 {

@@ -6,7 +6,7 @@
 
 #include "compat.h"
 
-/* What the tap "rk512i" gets: a reaction to a command. */
+/* Data of the tap "rk512i": a reaction to a command. */
 typedef struct {
     uint8_t command; /* its letter */
     int64_t elapsed; /* ns */
@@ -14,12 +14,12 @@ typedef struct {
 
 extern int proto_rk512i;
 
-/* What a block's dissector gets as data. */
+/* The data argument for the dissector of a block. */
 typedef struct {
     bool is_repeat; /* the same block again */
 } synax_block_t;
 
-/* Takes the data of a block; false where they do not look like RK512. `data` is a synax_block_t, or NULL. */
+/* Decodes the data of a block; false if they do not look like RK512. `data` is a synax_block_t, or NULL. */
 bool synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data);
 
 void synax_rk512i_register(void);

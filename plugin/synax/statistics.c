@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* How long answers took: *Statistics > Service Response Time > RK512*. */
+/* Response times: *Statistics > Service Response Time > RK512*. */
 
 #include "synax/statistics.h"
 
@@ -9,7 +9,7 @@
 #include "sertap/time.h"
 #include "synax/rk512i.h"
 
-/* SEND and FETCH, each by its letter's place here. */
+/* SEND and FETCH, each indexed by its letter here. */
 static const char commands[] = {'A', 'E', 'O'};
 
 static void
@@ -23,7 +23,7 @@ srt_init(struct register_srt *srt _U_, GArray *tables)
         init_srt_table_row(table, (int)i, names[i]);
 }
 
-/* The table subtracts from the packet's time. */
+/* The table subtracts it from the packet's time. */
 static tap_packet_status
 srt_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped, tap_flags_t flags _U_)
 {

@@ -11,7 +11,7 @@
 #include "sis/frame.h"
 #include "synax/fields.h"
 
-#define HEAD_SIZE   3u /* of the dissector by name; no bus has it */
+#define HEAD_SIZE   3u /* for tests of the dissector by name; not on any bus */
 #define WORD_SIZE   2u
 #define MOST_FIELDS 2
 
@@ -74,7 +74,7 @@ typedef struct {
     content_t content;
     int *hf;                  /* of a word */
     int *fields[MOST_FIELDS]; /* in it */
-    uint16_t open_bits;       /* what each of these means is not defined */
+    uint16_t open_bits;       /* the meaning of each is not defined */
 } object_t;
 
 static const object_t objects[] = {
@@ -123,7 +123,7 @@ typedef struct {
     uint32_t next_in;   /* the next write request; 0: none yet */
 } request_t;
 
-/* What a packet has to do with it. */
+/* The relations of a packet. */
 typedef struct {
     request_t *request;
     int64_t elapsed; /* of an answer */
@@ -175,7 +175,7 @@ end_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
 }
 
 /* One exchange is a write request and one or more reads of the same object (p. 2-16). Found in the first
- * pass, and kept for every later one. NULL: the packet belongs to none. */
+ * pass, and kept for later passes. NULL: the packet belongs to none. */
 static const link_t *
 find_link(packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
 {
@@ -194,7 +194,7 @@ find_link(packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
     return link;
 }
 
-/* The object that is dissected. */
+/* The object being dissected. */
 typedef struct {
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -256,7 +256,7 @@ dissect_no_telegram(const dissection_t *d)
                                "The object does not begin with a telegram");
 }
 
-/* The whole telegram with its head of 8 bytes, and what fills the object up (p. 2-16). */
+/* The whole telegram with its head of 8 bytes, and the padding of the object (p. 2-16). */
 static void
 dissect_telegram(const dissection_t *d)
 {
@@ -273,7 +273,7 @@ dissect_telegram(const dissection_t *d)
     call_dissector(sis, tvb_new_subset_length(d->tvb, d->offset, extent), d->pinfo, d->parent);
 }
 
-/* Each set bit that is not defined as its number, and one note for all of them. */
+/* Each undefined set bit by its number, and one note for all of them. */
 static void
 add_open_bits(const dissection_t *d, proto_item *item, uint16_t bits)
 {
@@ -334,7 +334,7 @@ dissect_unknown(const dissection_t *d)
                            d->access->number);
 }
 
-/* A write request and a read answer bring the object, the others do not. */
+/* A write request and a read answer contain the object, the others do not. */
 static bool
 has_content(const synaxobj_access_t *access)
 {
@@ -418,7 +418,7 @@ synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *p
     dissect_content(&d);
 }
 
-/* The head is ours, and said in README.md. */
+/* The head is defined by this project, in README.md. */
 static void
 dissect_named(const dissection_t *d)
 {

@@ -14,19 +14,18 @@ typedef enum {
     SYNAXOBJ_WRITE_ANSWER,
 } synaxobj_operation_t;
 
-/* What is done to which object. */
+/* The action, and its object. */
 typedef struct {
     uint16_t number;
-    uint8_t operation; /* synaxobj_operation_t, or a number that is none */
+    uint8_t operation; /* synaxobj_operation_t, or an invalid number */
     uint8_t
-        channel; /* tells the devices of a bus apart, such as a communication reference; 0: there is one */
+        channel; /* distinguishes the devices of a bus, such as a communication reference; 0: there is one */
 } synaxobj_access_t;
 
 /* Whether it is one of these objects. */
 bool synaxobj_is_known(uint16_t number);
 
-/* An object that another bus carries: `length` bytes at `offset`, all of which are there. Appends to the info
- * column. */
+/* An object on another bus: `length` available bytes at `offset`. Appends to the info column. */
 void synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *pinfo, proto_tree *parent,
                       const synaxobj_access_t *access);
 

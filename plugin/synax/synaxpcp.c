@@ -70,8 +70,7 @@ static const value_string synaxpcp_services[] = {
     {0, NULL},
 };
 
-/* Services on objects. Request and confirmation are seen at the master, indication and response at the
- * device. */
+/* Services on objects. The master sees request and confirmation, the device indication and response. */
 typedef struct {
     uint16_t code;
     bool is_answer, is_write, is_at_device;
@@ -142,7 +141,7 @@ are_keys_equal(const void *a, const void *b)
     return memcmp(a, b, sizeof(message_key_t)) == 0;
 }
 
-/* The message that is dissected. */
+/* The message being dissected. */
 typedef struct {
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -150,7 +149,7 @@ typedef struct {
     proto_tree *tree;
     proto_item *root;
     const access_t *access;
-    unsigned end; /* as the word count says, and as far as it is there */
+    unsigned end; /* by the word count, and as far as available */
 } dissection_t;
 
 static message_key_t
@@ -176,7 +175,7 @@ begin_exchange(const dissection_t *d, link_t *link)
     wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), &key, sizeof key), link->request);
 }
 
-/* At the same place of the bus, else at the other: a log may have only requests and responses. */
+/* At the same end of the bus, else at the other: a log may have only requests and responses. */
 static void
 end_exchange(const dissection_t *d, link_t *link)
 {
@@ -242,7 +241,7 @@ say_short(const dissection_t *d, unsigned needed)
                            needed, d->end);
 }
 
-/* Objects of SYNAX go on, as a whole: an element of an object may be anything. */
+/* Passes on objects of SYNAX, complete: an element of an object may be anything. */
 static void
 dissect_data(const dissection_t *d, unsigned length, const request_t *request)
 {
@@ -275,7 +274,7 @@ dissect_data(const dissection_t *d, unsigned length, const request_t *request)
                                request->number);
 }
 
-/* The length, the data, and the byte that fills up a word. */
+/* The length, the data, and the byte that pads a word. */
 static void
 dissect_length(const dissection_t *d, const request_t *request)
 {
@@ -314,7 +313,7 @@ dissect_request(const dissection_t *d)
     dissect_data(d, 0, link != NULL ? link->request : NULL);
 }
 
-/* Error class, error code and additional code in place of a result. */
+/* Error class, error code and additional code instead of a result. */
 static void
 dissect_error(const dissection_t *d)
 {
@@ -334,7 +333,7 @@ dissect_error(const dissection_t *d)
     add_rest(d, hf_raw, RESULT_END + 2);
 }
 
-/* Result 0, and what was read. */
+/* Result 0, and the data read. */
 static void
 dissect_result(const dissection_t *d, const request_t *request)
 {
@@ -413,7 +412,7 @@ dissect_message(dissection_t *d)
         dissect_request(d);
 }
 
-/* Service code and word count; what comes after the words that are counted. */
+/* Service code and word count; decodes the words that are counted. */
 static void
 dissect_head(dissection_t *d)
 {
@@ -435,7 +434,7 @@ dissect_head(dissection_t *d)
     dissect_message(d);
 }
 
-/* Less than a head, or cut by the capture: then a length says nothing. */
+/* Less than a head, or cut by the capture: then a length is meaningless. */
 static void
 dissect_stump(const dissection_t *d, unsigned there)
 {

@@ -125,7 +125,7 @@ check_row(void *data, char **error)
     return *error == NULL;
 }
 
-/* The packet that is dissected. */
+/* The packet being dissected. */
 typedef struct {
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -140,7 +140,7 @@ is_udp(const packet_info *pinfo)
     return pinfo->ptype == PT_UDP;
 }
 
-/* Which port is the PPC's the preference says; a packet without ports may have a direction of its own. */
+/* The preference selects the port of the PPC; a packet without ports may have a direction of its own. */
 static direction_t
 find_direction(const packet_info *pinfo)
 {
@@ -221,7 +221,7 @@ add_value(const dissection_t *d, unsigned word, const row_t *row)
     wmem_strbuf_append_printf(d->words, "%s%s", wmem_strbuf_get_len(d->words) > 0 ? ", " : "", text);
 }
 
-/* A value that the table names, or a raw word. Gives how many words that were. */
+/* A value from the table, or a raw word. Returns its number of words. */
 static unsigned
 dissect_word(const dissection_t *d, unsigned word)
 {
@@ -238,7 +238,7 @@ dissect_word(const dissection_t *d, unsigned word)
     return 1;
 }
 
-/* The first raw words, where the table names none. */
+/* The first raw words, if the table has none. */
 static void
 list_words(const dissection_t *d)
 {
@@ -326,7 +326,7 @@ register_preferences(module_t *module)
     register_table(module);
 }
 
-/* At each file, and not when preferences are applied: a change of profile resets them without that. */
+/* For each file, and not when preferences are applied: a change of profile resets them without that. */
 static void
 apply_ports(void)
 {

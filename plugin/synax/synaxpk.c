@@ -26,7 +26,7 @@
 
 #define BASIC_STATE 0x000F
 
-/* Bits of the word. 9 to 11 have no certain meaning, and are not judged. */
+/* Bits of the word. 9 to 11 have no certain meaning, and are not checked. */
 #define OPEN_BITS  0xC000
 #define ERROR_BIT  0x2000
 #define READ_BIT   0x1000
@@ -100,17 +100,17 @@ static int layout = SYNAX;
 static int direction = GUESS;
 static dissector_handle_t sis_telegram;
 
-/* Data that are under way in one direction. */
+/* Data under way in one direction. */
 typedef struct {
     uint8_t image[CHANNEL_SIZE]; /* of the channel, the last time it had data */
     unsigned image_size;
     uint32_t transfer; /* 0: none */
 } way_t;
 
-/* What is kept of a packet. */
+/* The kept data of a packet. */
 typedef struct {
-    uint32_t transfer; /* whose fragment it is; 0: none */
-    bool is_repeated;  /* the cyclic data have it once more */
+    uint32_t transfer; /* the transfer of its fragment; 0: none */
+    bool is_repeated;  /* the cyclic data repeat it */
 } kept_t;
 
 static wmem_map_t *ways; /* of the file */
@@ -182,7 +182,7 @@ say_bytes(channel_t *c, unsigned count)
     say(c, wmem_strdup_printf(c->pinfo->pool, "%u byte%s", count, plurality(count, "", "s")));
 }
 
-/* Bytes whose meaning no document says: each with its number, counted from byte 0 of `tvb`. */
+/* Bytes without a documented meaning: each with its number, counted from byte 0 of `tvb`. */
 static void
 add_open_bytes(channel_t *c, tvbuff_t *tvb, unsigned offset, unsigned end, const char *why)
 {
@@ -220,8 +220,8 @@ add_sender(channel_t *c)
     wmem_strbuf_append_printf(c->words, "%s", val_to_str_const(c->sender, channel_senders, ""));
 }
 
-/* FLP does not count the control word. Where the two bytes less are there that would be if SYNAX did, nothing
- * is said: the error answers that it prints can be read both ways. */
+/* FLP does not count the control word. SYNAX may count it, so two bytes fewer than counted bring no note: its
+ * printed error answers can be read both ways. */
 static void
 read_extent(channel_t *c)
 {
@@ -237,7 +237,7 @@ read_extent(channel_t *c)
                                count);
 }
 
-/* Of a sender; where that is unknown, of the access: data to read come from the slave, data to write from the
+/* Of a sender; if that is unknown, of the access: read data come from the slave, written data from the
  * master (FLP, page 11-12). */
 static way_t *
 find_way(const channel_t *c, unsigned whose)
@@ -298,8 +298,8 @@ begin_anew(const channel_t *c, unsigned whose)
     *find_way(c, whose) = (way_t){0};
 }
 
-/* First pass: data are repeated only if their sender has sent nothing else since. Where it is unknown, only
- * the basic state tells that they are others. */
+/* First pass: data are repeated only if their sender has sent nothing else since. If the sender is
+ * unknown, only the basic state shows that they are new. */
 static void
 follow_word(const channel_t *c)
 {
@@ -386,7 +386,7 @@ add_short_answer(channel_t *c)
     add_open_bytes(c, c->tvb, 6, c->end, "What follows the error code is not defined");
 }
 
-/* What a good answer has begins with word 2 (page 3-7); the layout of a request is not in the digest. */
+/* A good answer begins with word 2 (page 3-7); the layout of a request is not in the digest. */
 static void
 add_short_1(channel_t *c)
 {
@@ -432,7 +432,7 @@ add_channel_error(channel_t *c)
     add_open_bytes(c, c->tvb, 4, c->end, "What follows the error code is not defined");
 }
 
-/* Without start character and sum; whether the addresses are there is not stated. */
+/* Without start character and sum; the documents do not say whether the addresses are there. */
 static void
 add_sis_part(channel_t *c, tvbuff_t *data)
 {
@@ -459,8 +459,8 @@ is_whole_telegram(tvbuff_t *data)
            compat_get_uint8(data, 2) == compat_get_uint8(data, 3);
 }
 
-/* What is certain of two documents that do not say the same: a telegram begins with its start character and
- * has equal lengths; without that head it begins with them. */
+/* The common part of two contradictory documents: a telegram begins with its start character and has equal
+ * lengths; without that head it begins with the lengths. */
 static tvbuff_t *
 add_sis_data(channel_t *c, tvbuff_t *data)
 {
@@ -475,7 +475,7 @@ add_sis_data(channel_t *c, tvbuff_t *data)
     return NULL;
 }
 
-/* Gives the telegram that another dissector takes apart, if there is one. */
+/* Returns the telegram for another dissector, if there is one. */
 static tvbuff_t *
 add_sis_format(channel_t *c)
 {
@@ -609,7 +609,7 @@ add_drive_word(channel_t *c)
     return fragment;
 }
 
-/* IndraDrive: an order begins with index and subindex; fragments are not put together. */
+/* IndraDrive: an order begins with index and subindex; fragments are not reassembled. */
 static void
 add_indradrive(channel_t *c)
 {
@@ -644,7 +644,7 @@ check_size(channel_t *c)
                            plurality(all - c->there, "", "s"));
 }
 
-/* All but the telegram that another dissector takes apart. */
+/* Everything but the telegram for another dissector. */
 static tvbuff_t *
 add_channel(channel_t *c)
 {

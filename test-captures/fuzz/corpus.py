@@ -78,14 +78,14 @@ def unpack(data: bytes) -> Sequence:
 
 
 def _named(data: bytes) -> tuple[int, bytes] | None:
-    """Return road and payload of a packet of link type 252 whose one tag is the name."""
+    """Return transport and payload of a packet of link type 252 whose single tag is the name."""
     tag, length = struct.unpack_from(">HH", data)
     name = data[4 : 4 + length].rstrip(b"\0").decode()
     return (BY_NAME.index(name), data[8 + length :]) if tag == 12 and name in BY_NAME else None  # noqa: PLR2004
 
 
 def _transported(data: bytes) -> tuple[int, bytes] | None:
-    """Return road and payload of an IPv4 packet."""
+    """Return transport and payload of an IPv4 packet."""
     head = (data[0] & 15) * 4
     whole = struct.unpack_from(">H", data, 2)[0]
     match data[9]:
@@ -97,7 +97,7 @@ def _transported(data: bytes) -> tuple[int, bytes] | None:
 
 
 def road(packet: reading.Packet) -> tuple[int, bytes] | None:
-    """Return by which road a packet of a capture goes, and its payload; None if none leads there."""
+    """Return the transport of a packet of a capture, and its payload; None without one."""
     match packet.link_type:
         case pcapng.LINKTYPE_WIRESHARK_UPPER_PDU:
             return _named(packet.data)
@@ -111,7 +111,7 @@ def road(packet: reading.Packet) -> tuple[int, bytes] | None:
 
 
 def of_capture(path: Path) -> Iterator[Packet]:
-    """Yield the packets of a capture that have a road."""
+    """Yield the packets of a capture that have a transport."""
     last: int | None = None
     for packet in reading.packets(path):
         found = road(packet)
@@ -123,7 +123,7 @@ def of_capture(path: Path) -> Iterator[Packet]:
 
 
 def seeds(folder: Path) -> int:
-    """Write what the captures give, in the default way and in all others; return how many."""
+    """Write the inputs of the captures, with default preferences and with all others; return how many."""
     folder.mkdir(parents=True, exist_ok=True)
     count = 0
     for path in sorted(HERE.parent.rglob("*.pcapng")):
@@ -157,7 +157,7 @@ def _framed(packet: Packet, sent: list[int]) -> tuple[int, bytes]:
 
 
 def _time(now: int, packet: Packet) -> int:
-    """Return the time of a packet, which stays where a file can say it."""
+    """Return the time of a packet, limited to what a file can hold."""
     return (now + (0 if packet.quirks & QUIRK_SECONDS else packet.step)) % LAST_NS
 
 
@@ -182,7 +182,7 @@ def capture(inputs: Iterable[Path]) -> bytes:
 
 
 def main() -> int:
-    """Do what the first argument says."""
+    """Run the command of the first argument."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     makes_seeds = commands.add_parser("seeds", help="make inputs from the captures of test-captures/")

@@ -42,8 +42,8 @@ dissect_command(sis_body_t *body)
         take_device_and_service(body);
 }
 
-/* The address is repeated if the command had one; how long error data are nobody says, but they come after an
- * error only. */
+/* The address is repeated if the command had one. The length of error data is not documented, but they
+ * follow an error only. */
 static void
 dissect_reaction(sis_body_t *body)
 {

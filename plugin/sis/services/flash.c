@@ -9,7 +9,7 @@
 #define FIND_HEADER    0x93
 #define BUILD_CHECKSUM 0x97
 
-/* What a telegram can carry of the memory (chapters 5.4 and 5.7). */
+/* The memory that a telegram can carry (chapters 5.4 and 5.7). */
 #define MOST_READ       244u
 #define MOST_PROGRAMMED 240u
 
@@ -21,7 +21,7 @@ static int hf_crc = -1;
 
 typedef enum { NOTHING, TARGET, ADDRESS, LENGTH_BYTE, LENGTH, DEVICE_TYPE, DATA } part_t;
 
-/* What stands after the subservice in a command. */
+/* The fields after the subservice in a command. */
 static const struct {
     uint8_t subservice;
     part_t parts[4];
@@ -86,7 +86,7 @@ take_code(sis_body_t *body, int hf, const value_string *texts)
         sis_mark(body, &ei_sis_note, "0x%02x is not defined", value);
 }
 
-/* Data of the memory, where the command says from which address on. */
+/* Data of the memory; the command has the address. */
 static void
 take_data(sis_body_t *body, const sis_request_t *request)
 {

@@ -45,7 +45,7 @@ say_subservice(sis_body_t *body, uint32_t subservice)
     sis_say_words(body, short_text(body, text), NULL);
 }
 
-/* The data of a subservice; what it asks for where all of it is there. */
+/* The data of a subservice; its request if the data are complete. */
 static bool
 take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
 {
@@ -66,7 +66,7 @@ take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
         return request->setting != 0;
     case SIS_ACCEPT:
         return true;
-    default: /* of a group nobody says more; a subservice that is not defined has its note already */
+    default: /* the data of a group are not documented; an undefined subservice has its note already */
         if (sis_take_rest(body, hf_sis_raw) &&
             try_val_to_str(subservice, sis_subservices_initialization) != NULL)
             sis_mark(body, &ei_sis_note, "no document says what is in it");
@@ -74,8 +74,8 @@ take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
     }
 }
 
-/* Of the data of a subservice: their lengths are fixed, and so several may follow one another (chapter 6.1).
- * A reaction has none. */
+/* The length of a subservice's data: it is fixed, so several may follow one another (chapter 6.1). A
+ * reaction has none. */
 static unsigned
 size_of_setting(const sis_body_t *body, uint8_t subservice)
 {
@@ -91,8 +91,8 @@ size_of_setting(const sis_body_t *body, uint8_t subservice)
     return UNKNOWN_SIZE;
 }
 
-/* Whether what is left is further subservices, all of it, each with the device address before it or without.
- * A reaction has those of its command. */
+/* Whether the rest is entirely further subservices, each with the device address before it or without. A
+ * reaction has those of its command. */
 static bool
 is_layout(const sis_body_t *body, uint8_t device, bool has_device)
 {
@@ -146,8 +146,8 @@ take_further(sis_body_t *body, uint8_t device, bool has_device)
     }
 }
 
-/* Whether the device address stands once or before each subservice is not printed: the layout that fits all
- * bytes. */
+/* The documents do not say whether the device address comes once or before each subservice: the layout
+ * that fits all bytes counts. */
 static void
 take_all_further(sis_body_t *body, uint8_t device)
 {

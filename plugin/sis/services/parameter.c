@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Services 0x10, 0x11, 0x1E, 0x1F and their twins of the product groups: SERCOS parameters (chapter 8). */
+/* Services 0x10, 0x11, 0x1E, 0x1F and their equivalents of the product groups: SERCOS parameters (chapter
+ * 8). */
 
 #include "sis/services/services.h"
 
@@ -34,10 +35,10 @@ static int ett_control = -1;
 static int ett_data_status = -1;
 static int ett_whole = -1;
 
-/* A body of a parameter service while it is taken apart. */
+/* A body of a parameter service being decoded. */
 typedef struct {
     sis_body_t *body;
-    uint8_t general; /* service, as a general one */
+    uint8_t general; /* the corresponding general service */
     sis_element_t element;
     bool is_last;
     uint32_t device;
@@ -46,7 +47,7 @@ typedef struct {
     const char *ident_text;
     sis_known_t known;
     uint32_t segment; /* of a list, as asked for */
-    tvbuff_t *data;   /* of the element, all of it; NULL: none came, or not all of it */
+    tvbuff_t *data;   /* of the element, complete; NULL: missing or incomplete */
 } access_t;
 
 static bool
@@ -55,8 +56,8 @@ is_segment(const access_t *access)
     return access->general == 0x11 || access->general == 0x1E;
 }
 
-/* Only 0x81 of the services for segments has sequential telegrams: the command is repeated as it is, and bit
- * 2 says which reaction is the last. Its pieces end anywhere, also inside an element (IndraDrive, MPH-02). */
+/* Of the services for segments, only 0x81 has sequential telegrams: the same command is repeated, and bit
+ * 2 marks the last reaction. Its pieces may end inside an element (IndraDrive, MPH-02). */
 static bool
 is_single(const access_t *access)
 {
@@ -133,7 +134,7 @@ say_parameter(const access_t *access)
         sis_say_words(body, ", ", wmem_ascii_strdown(body->pinfo->pool, element, -1), NULL);
 }
 
-/* Everything about a parameter, read from here on or, with no length, recalled. */
+/* Everything about a parameter, read from here on or, without a length, recalled. */
 static void
 show_parameter(const access_t *access, unsigned length)
 {
@@ -157,7 +158,7 @@ know_parameter(access_t *access, sis_ident_t ident)
     access->known = sis_station_known(body, ident, (uint8_t)access->device);
 }
 
-/* Of the type byte only 0 to 2 are documented, and bits 3 to 7 are always 0; bit 15 tells S from P. */
+/* Only 0 to 2 of the type byte are documented, and bits 3 to 7 are always 0; bit 15 tells S from P. */
 static void
 check_ident(sis_body_t *body, sis_ident_t ident)
 {
@@ -207,8 +208,8 @@ check_announced(sis_body_t *body, unsigned announced)
                  "%u byte%s announced, %u sent", announced, plurality(announced, "", "s"), sent);
 }
 
-/* Offset and length count words in ECODRIVE's services, bytes in all others. A reading may ask for any
- * length; what is written should be as long as it says. */
+/* Offset and length count words in ECODRIVE's services, bytes in all others. A read may request any
+ * length; written data should have the declared length. */
 static bool
 take_segment(access_t *access)
 {
@@ -231,7 +232,7 @@ take_segment(access_t *access)
     return true;
 }
 
-/* The reaction does not name the parameter: its command did. */
+/* The reaction does not name the parameter; its command does. */
 static void
 recall_parameter(access_t *access)
 {
@@ -257,7 +258,7 @@ say_few_bytes(sis_body_t *body, tvbuff_t *tvb)
         sis_say_words(body, ": ", tvb_bytes_to_str_punct(body->pinfo->pool, tvb, 0, (int)length, ' '), NULL);
 }
 
-/* A request for the data status may repeat the number of its parameter, or carry nothing (fig. 8-42). */
+/* A request for the data status may repeat the number of its parameter, or have no data (fig. 8-42). */
 static void
 check_status_request(const access_t *access, tvbuff_t *tvb)
 {
@@ -267,7 +268,7 @@ check_status_request(const access_t *access, tvbuff_t *tvb)
                  "a request for the data status carries its own ident number or nothing");
 }
 
-/* A list may end before what was asked for, and the device may have less room. */
+/* A list may end before the requested length, and the device may have less room. */
 static void
 check_segment(const access_t *access, unsigned length)
 {
@@ -384,7 +385,7 @@ take_data_status(sis_body_t *body)
         sis_mark(body, &ei_sis_note, "undefined bits of the data status");
 }
 
-/* The upper digit of a code names the element, also where the code is not defined. */
+/* The upper digit of a code selects the element, even if the code is undefined. */
 static void
 take_parameter_error(sis_body_t *body)
 {

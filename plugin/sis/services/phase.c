@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Services 0x12 and 0x1D and their twins of the product groups: reading and switching the phase (chapters 8.4
- * and 8.5). */
+/* Services 0x12 and 0x1D and their equivalents of the product groups: reading and switching the phase
+ * (chapters 8.4 and 8.5). */
 
 #include "sis/services/services.h"
 
@@ -28,8 +28,8 @@ take_phase(sis_body_t *body, uint32_t *phase)
     return true;
 }
 
-/* First pass: a switch begins when its command is acknowledged, and ends with the poll that reads its phase
- * or an error. */
+/* First pass: a switch begins when its command is acknowledged, and ends with the poll that returns its
+ * phase or an error. */
 static void
 follow_switch(const sis_body_t *body, uint32_t phase)
 {
@@ -88,7 +88,7 @@ dissect_phase_reaction(sis_body_t *body)
 
     if (body->status == 0x01 || (body->status > 0x02 && sis_take_channel_error(body))) {
         if (body->status == 0x01)
-            sis_take_rest(body, hf_sis_raw); /* described nowhere */
+            sis_take_rest(body, hf_sis_raw); /* not documented */
         return;
     }
     if (is_switch && body->status == 0)

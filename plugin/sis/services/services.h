@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The services, a file for each group of them, in the order of the specification. Each takes what comes after
- * the status byte of a reaction, or the whole body of a command. */
+/* The services, one file for each group, in the order of the specification. Each function decodes what
+ * follows the status byte of a reaction, or the whole body of a command. */
 
 #ifndef SIS_SERVICES_SERVICES_H
 #define SIS_SERVICES_SERVICES_H
