@@ -130,7 +130,7 @@ def _packet(sharkd: Sharkd, path: Path, row: dict[str, Any], styles: dict[int, i
     whole = b64decode(said["bytes"])
     layers = [layer for layer in said["tree"] if _field(layer) not in _OUTER]
     first, count = _on_the_line(layers, whole)
-    tree = [_tree(layer, first, count) for layer in layers]
+    tree = [*_interface(said["tree"]), *(_tree(layer, first, count) for layer in layers)]
     return {
         "number": number,
         "columns": [row["c"][column] for column in _COLUMNS],
@@ -140,6 +140,13 @@ def _packet(sharkd: Sharkd, path: Path, row: dict[str, Any], styles: dict[int, i
         "others": [[other["name"], b64decode(other["bytes"]).hex()] for other in said.get("ds", [])],
         "tree": tree,
     }
+
+
+def _interface(layers: list[dict[str, Any]]) -> list[Tree]:
+    """Return the name of the interface: a capture may have several."""
+    frame = [item for layer in layers if _field(layer) == "frame" for item in layer.get("n", [])]
+    names = [below for item in frame for below in item.get("n", []) if _field(below) == "frame.interface_name"]
+    return [[item["l"], 0, 0, 0, item["f"], []] for item in names]
 
 
 def _field(item: dict[str, Any]) -> str:

@@ -51,7 +51,7 @@ function select(number, focus) {
   row.tabIndex = 0;
   if (focus) row.focus({ preventScroll: true });
   showBytes(packet);
-  details.replaceChildren(...packet.tree.map((item) => branch(item, true)));
+  details.replaceChildren(...packet.tree.map((item, at) => branch(item, packet.tree.length - at)));
   uncover(row);
   return true;
 }
@@ -63,7 +63,8 @@ function uncover(row) {
   if (top < box.scrollTop || top + 3 * height > box.scrollTop + box.clientHeight) box.scrollTop = top - height;
 }
 
-function branch(item, outer) {
+// Opens the innermost layers: of the tap only where nothing else is in the packet.
+function branch(item, layers) {
   const [label, first, size, source, filter, below] = item;
   const mark = () => markBytes(first, size, source);
   if (!below.length) {
@@ -77,8 +78,8 @@ function branch(item, outer) {
   const summary = element("summary", { textContent: label, title: filter });
   summary.item = item;
   summary.addEventListener("click", mark);
-  const folded = element("details", { open: opened.has(name) || (outer && !label.startsWith("Serial tap")) }, summary,
-    ...below.map((one) => branch(one, false)));
+  const folded = element("details", { open: opened.has(name) || layers === 1 || (layers && !label.startsWith("Serial tap")) }, summary,
+    ...below.map((one) => branch(one, 0)));
   folded.addEventListener("toggle", () => (folded.open ? opened.add(name) : opened.delete(name)));
   return folded;
 }
