@@ -6385,9 +6385,9 @@ do
       local share = row.busy / (span * (station == ALL and lines or 1))
       local load = span > 0 and T.decimal_text(floor(1000 * share + 0.5), 1, 1) or ""
 
-      return strformat("%-8s |%9d |%10d |%9s |%21s |%17d |%15d |%7d |%10d |%12d |%12d |%7d |%11d |", station,
-        row.telegrams, row.characters, load, row.silence and ms_text(row.silence) or "", row.silences, row.cycles,
-        row.repeats, row.unanswered, row.tza, row.trs, row.damaged, row.line)
+      return strformat("%-8s |%9d |%7d |%10d |%12d |%12d |%7d |%11d |%10d |%9s |%21s |%17d |%15d |", station,
+        row.telegrams, row.repeats, row.unanswered, row.tza, row.trs, row.damaged, row.line, row.characters, load,
+        row.silence and ms_text(row.silence) or "", row.silences, row.cycles)
     end
   end
 
@@ -6406,8 +6406,8 @@ do
       for _ in pairs(rows[ALL].lines) do
         lines = lines + 1
       end
-      return "Station  |Telegrams |Characters |Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms "
-        .. "|Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors |\n"
+      return "Station  |Telegrams |Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors |Characters "
+        .. "|Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms |\n"
         .. each_line(rows, station_row(rows[ALL], lines))
     end,
   }

@@ -42,17 +42,17 @@ enum {
 enum {
     BUS_STATION,
     BUS_TELEGRAMS,
-    BUS_CHARACTERS,
-    BUS_LOAD,
-    BUS_SILENCE,
-    BUS_SILENCES,
-    BUS_CYCLES,
-    BUS_REPEATS,
+    BUS_REPEATS, /* what went wrong stands first */
     BUS_UNANSWERED,
     BUS_TZA,
     BUS_TRS,
     BUS_DAMAGED,
     BUS_LINE,
+    BUS_CHARACTERS,
+    BUS_LOAD,
+    BUS_SILENCE,
+    BUS_SILENCES,
+    BUS_CYCLES,
     BUS_COLUMNS
 };
 
@@ -79,17 +79,17 @@ static stat_tap_table_item tza_columns[TZA_COLUMNS] = {
 static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
     {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Station ", "%-8s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Telegrams", "%9u"},
-    {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Characters", "%10u"},
-    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Load in %", "%9s"},
-    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Longest silence in ms", "%21s"},
-    {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Silences > 200 ms", "%17u"},
-    {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Cycles > 100 ms", "%15u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Repeats", "%7u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Unanswered", "%10u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "TzA exceeded", "%12u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "TrS exceeded", "%12u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Damaged", "%7u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Line errors", "%11u"},
+    {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Characters", "%10u"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Load in %", "%9s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "Longest silence in ms", "%21s"},
+    {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Silences > 200 ms", "%17u"},
+    {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Cycles > 100 ms", "%15u"},
 };
 /* clang-format on */
 
