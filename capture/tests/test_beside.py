@@ -207,7 +207,7 @@ def test_what_cannot_be_compared_is_one_line(true: Path, tmp_path: Path, capfd: 
     assert cli.main(["bus", "routing", "-w", str(strange)]) == 0
     capfd.readouterr()
     refused: list[tuple[list[str | Path], str]] = [
-        ([true, text], "no pcapng file"),
+        ([true, text], "not a pcapng file"),
         ([true, tmp_path / "missing"], "cannot read"),
         ([true, tmp_path], "cannot read"),
         ([true, strange], "no telegram in common"),
