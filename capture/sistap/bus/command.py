@@ -30,21 +30,20 @@ from sistap.terminal.streams import STANDARD_OUTPUT
 from sistap.terminal.visible import visible
 
 DESCRIPTION = """\
-Play a SIS bus: masters that ask, stations that answer, and what goes wrong between them, as a scenario says. It begins
-when somebody listens. Nothing is sent on a real port unless --transmit allows it.
+Play a virtual SIS bus. A scenario says which masters ask, which stations answer, and what goes wrong. The bus begins
+when somebody listens. It sends on a real port only with --transmit.
 """
 
 EPILOG = """\
-A SCENARIO is a built-in one (--list names them) or a FILE.toml; the README beside the built-in ones (in
-sistap/bus/scenarios; of the .deb: /usr/share/doc/sistap/scenarios.md) says how one is written. One that has stations
-but no master waits for a real master; one that has a master but no stations talks to real ones, at a port only. The
-same seed plays the same bytes.
+A SCENARIO is a built-in one (--list names them) or a FILE.toml. The README beside the built-in ones explains how to
+write one (sistap/bus/scenarios; in the .deb /usr/share/doc/sistap/scenarios.md). A scenario without a master waits for
+a real one. A scenario without stations talks to real ones, at a port only. The same seed plays the same bytes.
 
-A bus of procedure 3964R (s5 and those that begin with it) is heard with --framing 3964r.
+The scenarios s5, s5-cam, s5-faults and s5-shared play procedure 3964R. Listen with --framing 3964r.
 
 examples:
   sistap bus                                       a master and two drives, at a pseudo terminal
-  sistap bus --list                                what else there is
+  sistap bus --list                                list the other scenarios
   sistap bus late-reaction -w late.pcapng          straight into a capture file, at once
   sistap bus noise --listen 127.0.0.1:5000         for `sistap capture -i bus://127.0.0.1:5000`
   sistap bus drives                                drives that wait for your master
@@ -68,31 +67,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("scenario", nargs="?", default=DEFAULT, metavar="SCENARIO", help=f"built-in, or FILE.toml (default {DEFAULT})")
     add("--list", action="store_true", help="list the built-in scenarios")
     where = choice.add_arguments(parser)
-    where.add_argument("-w", dest="file", metavar="FILE", help="into a capture file, at once; - is standard output")
+    where.add_argument("-w", dest="file", metavar="FILE", help="write a capture file, at once; - is standard output")
     add("--force", action="store_true", help=FORCE)
-    add("--reads", type=int, default=1, metavar="N", help="up to so many characters a read (with --listen or -w)")
+    add("--reads", type=int, default=1, metavar="N", help="read up to N characters at a time (with --listen or -w)")
     add("--baud", type=int, help="rate of the line (default: the scenario's, usually 9600)")
     add("--format", help="character format (default: the scenario's, usually 8E1)")
     add(
         "--rates",
         metavar="RATE,...",
-        help="after each loop the demo's master tests the next of these rates with a drive, then tells it to all of "
-        "them; 9600, 19200, 38400, 57600 or 115200",
+        help="after each loop, the demo's master tests the next of these rates with a drive, then sets it for all; "
+        "9600, 19200, 38400, 57600 or 115200",
     )
     add("--seed", type=int, default=1, help="same seed, same bus (default 1)")
-    add("--cycles", type=int, default=0, help="play a loop so often, then end (default: until stopped; with -w once)")
-    add("--duration", type=float, metavar="SECONDS", help="end after so much time of the bus")
+    add(
+        "--cycles",
+        type=int,
+        default=0,
+        help="times to play a loop (default: until stopped; with -w once)",
+    )
+    add("--duration", type=float, metavar="SECONDS", help="end after this time of the bus")
     add(
         "--faults",
         metavar="NAME=P,...",
-        help="disturb what a tap hears; probabilities: parity, break, loss and pause of a character, checksum of a "
-        "telegram",
+        help="disturb what a tap hears; probabilities of parity, break, loss and pause of a character, and of checksum of "
+        "a telegram",
     )
     add(
         "--log",
         type=Path,
         metavar="FILE",
-        help="write a line for each telegram, of a real master, too: time, bytes, faults",
+        help="write a line for each telegram: time, bytes, faults; includes those of a real master",
     )
 
 

@@ -29,51 +29,55 @@ LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
 LARGEST_S = 86_400  # before and after
 
 DESCRIPTION = """\
-Listen to a serial line and record every character with its time: telegrams of the SIS protocol, and whatever else is on
-the line, into a pcapng file for Wireshark, or as lines of text. The port is never written to.
+Listen to a serial line and record every character with its time. Write a pcapng file for Wireshark, or lines of text.
+sistap never writes to the port.
 """
 
 EPILOG = """\
-A PORT is a device (/dev/ttyUSB0, /dev/cu.usbserial-1420 on macOS, COM5 on Windows; `sistap ports` lists them), a tap on
-another computer or a virtual bus (bus://HOST:PORT, as `sistap serve` and `sistap bus` print it), or a URL of pyserial
-(socket://HOST:PORT, rfc2217://HOST:PORT), which knows the times less well.
+A PORT is one of these:
+  /dev/ttyUSB0, COM5            a device; `sistap ports` lists them
+  bus://HOST:PORT               a tap on another computer (`sistap serve`), or a virtual bus (`sistap bus`)
+  sigrok:fx2lafw?rx=D0          a logic analyser that sigrok-cli can read, with times exact to a microsecond
+  socket://HOST:PORT            a URL of pyserial, also rfc2217://HOST:PORT; its times are less exact
 
-Or it is a logic analyser that sigrok-cli can read, and knows them to a microsecond: sigrok:fx2lafw?rx=D0 is a line at
-channel D0. &tx=D1 adds the other direction, as line 2; &samplerate=8m, more samples than 4 million a second;
-&invert=rx, tx or both, lines that are low while nothing is sent. Several of a kind: fx2lafw:conn=BUS.ADDRESS.
+The line of a logic analyser is at channel D0. Add &tx=D1 for the other direction, which is line 2. Add &samplerate=8m
+for more than 4 million samples a second. Add &invert=rx, tx or both if the line is low while nothing is sent. Name one
+of several analysers with fx2lafw:conn=BUS.ADDRESS.
 
-With --baud auto, all rates from 9600 to 115200 Bd are tried, and 8E1 and 8N1 unless --format says which, until a valid
-telegram comes; what is read on the way is kept. A silent line is searched without end. With --follow-baud the rate
-changes when the bus is told so (service 0x03), also for the time of a timed test; if then nothing valid comes, a line
-says so, and with --baud auto, too, the search begins again.
+--baud auto tries all rates from 9600 to 115200 Bd until a valid telegram comes. Without --format, it tries 8E1 and 8N1
+at each rate. It keeps what it reads on the way. On a silent line the search does not end.
 
-RS422 and RS232 have a line for each direction: tap both, each with a port of its own, and give -i twice. Line 1 is the
-first, line 2 the second. Their records are in one file, in the order in which they began; for that a record waits while
-an older telegram is still coming in on the other line, half a second at most.
+--follow-baud changes the rate when the bus does (service 0x03), also for a timed test. If nothing valid follows, a line
+says so. With --baud auto as well, the search then begins again.
 
-A capture filter is written as for tcpdump and sees the plain telegram: link[5] is the service, link[6] the sender
-address, link[7] the receiver address. Other characters and events always pass.
+RS422 and RS232 have a line for each direction. Connect a port to each, and give -i twice. Line 1 is the first port,
+line 2 the second. Both are in one file, in the order in which their telegrams began. A record may wait up to half a
+second for an older telegram on the other line.
 
-A master sets the limits TzA and TrS when it starts the bus. Who joins later has not heard them, and Wireshark has no
-verdicts. Tell them with --tza and --trs. The capture keeps them, marked as told by the user, and they count until the
-bus itself says something else.
+A capture filter has the syntax of tcpdump. It sees the plain telegram: link[5] is the service, link[6] the sender
+address, link[7] the receiver address. Characters outside of telegrams, and events, always pass.
 
-With --framing 3964r the tap records what two partners of procedure 3964R say: handshake characters (STX, DLE, NAK), one
-a record, and blocks with their BCC. A filter then sees the block. A rate cannot be searched for or followed there.
+A master sets the limits TzA and TrS when it starts the bus. A tap that joins later does not hear them, so Wireshark has
+no verdicts. Tell them with --tza and --trs. The capture keeps them, marked as told by the user. They count until the
+bus sets others.
 
-Without -w, each record is shown as `sistap log` shows it: time, bytes, and what they are. Wireshark's dissector says
-that, through tshark; without tshark, a line for each telegram. A terminal shows it in colour, unless NO_COLOR is set.
+With --framing 3964r the tap records procedure 3964R: each handshake character (STX, DLE, NAK), and blocks with their
+BCC. A filter then sees the block. It cannot search for a rate or follow one.
 
-With --keep, a recorder runs for months. tshark is asked of each packet whether FILTER finds it. Then the folder gets a
-file kept_TIME_REASON.pcapng with what was before and after; what overlaps is one file. It is complete, and COMMAND is
-started, when nothing that matters can belong to it any more: as long after its end as is kept before. FILTER sees what
-a live capture tells: a command without a reaction is found at the next command (sis.unanswered_before).
+Without -w, each record is shown as `sistap log` shows it: time, bytes, and their meaning. The meaning comes from tshark
+with Wireshark's dissector. Without tshark, there is one line for each telegram. A terminal shows colours, unless
+NO_COLOR is set.
+
+With --keep, a recorder runs for months. It tests each packet with the display filter FILTER. Around each match it
+writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. A file is complete after
+another --before seconds, when no later match can extend it. Then COMMAND starts. FILTER is tested live: a command
+without a reaction is found at the next command (sis.unanswered_before).
 
 examples:
-  sistap capture -i /dev/ttyUSB0                               each telegram with what it is
+  sistap capture -i /dev/ttyUSB0                               each telegram with its meaning
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
-  sistap capture -i bus://pi:5000 -w x.pcapng                  what `sistap serve` hears on another computer
-  sistap capture -i /dev/ttyUSB0 --baud auto                   whatever rate the bus has
+  sistap capture -i bus://pi:5000 -w x.pcapng                  the line of another computer
+  sistap capture -i /dev/ttyUSB0 --baud auto                   find the rate
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 --framing 3964r -w x.pcapng
                                                                an S5 and a PPC over 3964R, both directions
@@ -169,15 +173,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="ports",
         action=_Ports,
         metavar="PORT",
-        help="the port to listen to; given twice, the two directions of an RS422 or RS232 line, line 1 and line 2; "
-        "where there is only one port, it can be left out",
+        help="the port to listen to (default: the only one there is); give it twice for the two directions of an RS422 "
+        "or RS232 line",
     )
     add(
         "-w",
         dest="file",
         action=_Once,
         metavar="FILE",
-        help="write a pcapng file; - is standard output; with --keep, a folder. Without it, print text",
+        help="write a pcapng file, with --keep into a folder; - is standard output (default: print text)",
     )
     add("--force", action="store_true", help=FORCE)
     add(
@@ -185,10 +189,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=rate_argument,
         default=9600,
         metavar="RATE|auto",
-        help="rate in Bd (9600); auto: look for it, and without --format also whether it is 8E1 or 8N1",
+        help="rate in Bd (default 9600); auto finds it, and without --format also whether it is 8E1 or 8N1",
     )
-    add("--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (8E1)")
-    add("--follow-baud", action="store_true", help="when the bus is told another rate, go with it")
+    add("--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (default 8E1)")
+    add("--follow-baud", action="store_true", help="follow rate changes on the bus")
     add(
         "--framing",
         type=framing,
@@ -201,7 +205,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=LINK_TYPES,
         default=UPPER_PDU,
         metavar="TYPE",
-        help="upper-pdu (the default) has everything; rtac and user0 .. user15 have only telegrams, for other tools",
+        help="upper-pdu (default) keeps everything; rtac and user0 to user15 keep only telegrams, for other tools",
     )
     add(
         "-c",
@@ -233,22 +237,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILTER",
-        help="record for months, and keep what matters: a file in the folder FILE around each packet that this display "
-        f"filter finds. {' or '.join(PRESETS)} is one of ours. May be given several times",
+        help="record for months, and keep a file in the folder FILE around each packet that matches this display "
+        f"filter. {' and '.join(PRESETS)} are ready-made filters. Can be given several times",
     )
-    add("--before", dest="before_s", type=_seconds, metavar="SECONDS", help=f"with --keep: so much before ({AROUND_S})")
-    add("--after", dest="after_s", type=_seconds, metavar="SECONDS", help=f"with --keep: so much after ({AROUND_S})")
-    add("--at-most", type=_number, metavar="N", help=f"with --keep: so many files ({AT_MOST}); then the oldest go")
+    add(
+        "--before",
+        dest="before_s",
+        type=_seconds,
+        metavar="SECONDS",
+        help=f"with --keep: time kept before a match (default {AROUND_S})",
+    )
+    add(
+        "--after",
+        dest="after_s",
+        type=_seconds,
+        metavar="SECONDS",
+        help=f"with --keep: time kept after a match (default {AROUND_S})",
+    )
+    add(
+        "--at-most",
+        type=_number,
+        metavar="N",
+        help=f"with --keep: number of files (default {AT_MOST}); the oldest are deleted",
+    )
     add(
         "--on-keep",
         action=_Once,
         metavar="COMMAND",
-        help="with --keep: start this, with the name of the file behind it, when one is complete",
+        help="with --keep: shell command to run for each complete file; gets the name of the file",
     )
     add(
         "--wait-for-port",
         action="store_true",
-        help="wait until the port is there, and when it is lost, until it is back",
+        help="wait for a port that is missing, at the start and later",
     )
     add(
         "--tza",

@@ -27,7 +27,7 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-FORCE = "overwrite the file where it holds something already"  # the help of --force
+FORCE = "overwrite a file that holds data"  # the help of --force
 FILE_NUMBERS = 100_000  # five digits in the name, then from 0 again, as in dumpcap
 _WAIT_MS = 100  # upper bound on the time to stop
 _WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not created like files

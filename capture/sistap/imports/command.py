@@ -29,15 +29,16 @@ from sistap.wireshark.tshark import TsharkError
 _LIST = "\n".join(f"  {name}" for name in NAMES)
 
 DESCRIPTION = f"""\
-Make a capture of sistap of what another tool has recorded:
+Convert what another tool recorded into a capture of sistap:
 
 {_LIST}
 
-Which it is, is seen from what is in FILE. All characters come over, with the errors that FILE tells of and times as
-good as it has; the last line says how good. Captures of USB and RTAC are read by tshark, which has to be installed.
+sistap detects the format from the contents of FILE. It keeps all characters, their errors, and their times. The last
+line says how exact the times are. Captures of USB and RTAC need tshark.
 
-With --dissector, FILE is a table of whole messages, one a line: time in s, M (master) or S (slave), bytes. The packets
-are for that dissector of Wireshark; synaxobj wants its head of 3 bytes first: index, operation.
+With --dissector, FILE is a table of whole messages. Each line has the time in s, M (master) or S (slave), and the
+bytes. The packets are for that dissector of Wireshark. A message of synaxobj begins with its head of 3 bytes: index,
+operation.
 """
 
 EPILOG = """\
@@ -70,22 +71,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add("file", metavar="FILE", type=Path, help="what another tool has recorded")
+    add("file", metavar="FILE", type=Path, help="the recording of another tool")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
     add("--force", action="store_true", help=FORCE)
-    add("--baud", type=_whole, metavar="RATE", help="rate in Bd, where FILE does not say it")
+    add("--baud", type=_whole, metavar="RATE", help="rate in Bd, if FILE does not contain it")
     add(
-        "--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits, where FILE does not say (8E1)"
+        "--format",
+        metavar="FORMAT",
+        help="data bits, parity N, E, O, M or S, stop bits, if not in FILE (default 8E1)",
     )
     add("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
-    add("--device", metavar="BUS.ADDRESS", help="the adapter, where a USB capture has several")
+    add("--device", metavar="BUS.ADDRESS", help="which adapter, if a USB capture has several")
     add(
         "--samplerate",
         type=_whole,
         metavar="HZ",
-        help="of the logic analyser: sigrok's texts count samples; for a table of Saleae it makes the times exact",
+        help="sample rate of the logic analyser; needed for texts of sigrok; makes the times of a Saleae table exact",
     )
-    add("--dissector", choices=messages.DISSECTORS, help="whose messages FILE is a table of")
+    add("--dissector", choices=messages.DISSECTORS, help="FILE is a table of messages for this dissector")
 
 
 def run(args: argparse.Namespace) -> int:
