@@ -89,8 +89,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--faults",
         metavar="NAME=P,...",
-        help="disturb what a tap hears; probabilities of parity, break, loss and pause of a character, and of checksum of "
-        "a telegram",
+        help="disturb what a tap hears; probabilities of parity, break, loss and pause of a character, and of a wrong "
+        "checksum of a telegram",
     )
     add(
         "--log",
