@@ -11,6 +11,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from portable import drawing, posix
 
 from sistap import cli
 from sistap.beside.aligning import aligned, frames
@@ -193,6 +194,7 @@ def test_a_verdict_that_is_wrong_is_marked(true: Path, capsys: pytest.CaptureFix
     assert re.search(r"^  TzA  ok +exceeded +[1-9]\d*  DIFFERENT$", capsys.readouterr().out, re.MULTILINE)
 
 
+@drawing
 @pytest.mark.parametrize("ending", ["png", "svg"])
 def test_the_picture(true: Path, tmp_path: Path, ending: str) -> None:
     file = tmp_path / f"late.{ending}"
@@ -222,6 +224,7 @@ def test_what_cannot_be_compared_is_one_line(true: Path, tmp_path: Path, capfd: 
     assert cli.main(["selftest", "--plot", "late.png"]) == 2
 
 
+@posix("the cure is in the words of Windows")
 def test_only_the_picture_needs_matplotlib(
     true: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

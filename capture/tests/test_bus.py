@@ -599,6 +599,7 @@ def test_a_silent_tap_is_let_go_and_the_others_hear_everything(
     assert capsys.readouterr().err == "sistap bus: closed a connection: a tap has not read for 0.2 s\n"
 
 
+@sockets
 def test_a_tap_that_does_not_read_is_let_go(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

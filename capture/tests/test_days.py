@@ -86,6 +86,9 @@ class StampingReader(WireReader):
         self._machine = machine
         self._zero: int | None = None
 
+    def now_ns(self) -> int:
+        return self._machine.clock.now_ns()
+
     def read(self, timeout_s: float) -> Read | None:
         read = super().read(timeout_s)
         if read is None:

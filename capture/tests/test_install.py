@@ -128,6 +128,7 @@ def files(folder: Path) -> set[str]:
     return {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
 
 
+@posix("the command is for another shell there")
 def test_without_a_build_the_script(root: Path, run: Run) -> None:
     code, out, err = run("install")
     assert (code, err) == (0, "")
@@ -235,6 +236,7 @@ def test_the_plugin_takes_the_place_of_the_script_and_back(root: Path, run: Run)
     assert not (root / "Personal/plugins/4.0").exists()
 
 
+@posix("the command is for another shell there")
 def test_again_changes_nothing(root: Path, run: Run) -> None:
     run("install")
     before = {file: file.stat().st_mtime_ns for file in root.rglob("*")}
@@ -446,6 +448,7 @@ def test_a_module_that_cannot_be_read_is_no_reason_to_stop(root: Path, run: Run)
     assert "Personal/plugins/sis.lua" in files(root)
 
 
+@compiled
 def test_the_script_never_takes_the_place_of_a_plugin_that_works(root: Path, run: Run) -> None:
     plugin = root / "Personal/plugins/4.0/epan/sis.so"
     build(builds() / "plugin/plugin", 0)
@@ -465,6 +468,7 @@ def test_the_script_never_takes_the_place_of_a_plugin_that_works(root: Path, run
     assert not root.exists() or not files(root)
 
 
+@compiled
 def test_a_plugin_that_wireshark_does_not_load_gives_way_to_the_script(
     root: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -478,11 +482,13 @@ def test_a_plugin_that_wireshark_does_not_load_gives_way_to_the_script(
     assert not list(root.rglob("sis.so"))
 
 
+@compiled
 def test_plugin_or_script_not_both(run: Run, tmp_path: Path) -> None:
     with pytest.raises(SystemExit, match="2"):
         run("install", "--lua", "--plugin", str(build(tmp_path, 0)))
 
 
+@posix("the command is for another shell there")
 def test_the_command_runs_this_package(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sources, "PACKAGE", REPOSITORY / "capture/sistap")
     run("install", "--lua")
@@ -491,6 +497,7 @@ def test_the_command_runs_this_package(root: Path, run: Run, monkeypatch: pytest
     assert shutil.which("sistap") == str(root / "home/.local/bin/sistap")
 
 
+@posix("the command is for another shell there")
 def test_the_cure_where_the_command_is_not_on_path(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "/usr/bin:/bin")
     code, _, err = run("install")
@@ -512,6 +519,7 @@ def test_windows_gets_a_command_and_words(root: Path, run: Run, monkeypatch: pyt
     assert not root.exists()
 
 
+@posix("the command is for another shell there")
 @pytest.mark.parametrize("where", ["home/.local/bin", "usr/local/bin"])
 def test_a_command_of_somebody_else_is_kept(root: Path, run: Run, where: str) -> None:
     foreign = root / where / "sistap"
@@ -527,6 +535,7 @@ def test_a_command_of_somebody_else_is_kept(root: Path, run: Run, where: str) ->
     assert files(root) == {f"{where}/sistap"}
 
 
+@posix("the command is for another shell there")
 def test_what_is_no_command_is_not_replaced_either(root: Path, run: Run) -> None:
     """A shell does not find it, because it is not executable; and a link must not lead elsewhere."""
     notes = root / "home/notes"
@@ -538,6 +547,7 @@ def test_what_is_no_command_is_not_replaced_either(root: Path, run: Run) -> None
     assert (link.is_symlink(), notes.read_text()) == (True, "mine")
 
 
+@posix("the command is for another shell there")
 def test_the_command_of_an_active_environment_does_not_count(
     root: Path, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -551,6 +561,7 @@ def test_the_command_of_an_active_environment_does_not_count(
     assert files(root) >= OF_THE_USER
 
 
+@posix("files have no owner")
 def test_root_hears_that_others_can_change_what_all_run(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(sources.PACKAGE.parents[1], folder, dirs_exist_ok=True)

@@ -162,7 +162,8 @@ def test_users_and_root_have_lists_of_their_own(place: Path) -> None:
     "text",
     [
         *("", "[]", '{"files": 1, "folders": []}', '{"files": {}}', DEEP, "\udcff"),
-        *('{"files": {"/a\\u0000b": ""}, "folders": []}', '{"files": {}, "folders": ["/\\ud800"]}'),
+        '{"files": {"/a\\u0000b": ""}, "folders": []}',
+        pytest.param('{"files": {}, "folders": ["/\\ud800"]}', marks=posix("names are UTF-16")),
     ],
 )
 def test_a_list_that_is_something_else(text: str) -> None:

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from independent import blocks, records
 from pcapng.blocks import InterfaceDescription, SectionHeader
+from portable import posix, sockets
 
 from sistap import cli
 from sistap.explain import signs
@@ -173,6 +174,7 @@ def test_two_files_of_one_moment_have_two_names(tmp_path: Path) -> None:
     assert first != second and not second.exists()
 
 
+@posix("a line for sh")
 def test_a_command_is_told_of_each_file_and_not_waited_for(keep: Keep, tmp_path: Path) -> None:
     """It ends when this test says so."""
     go, told = tmp_path / "go", tmp_path / "told"
@@ -187,6 +189,7 @@ def test_a_command_is_told_of_each_file_and_not_waited_for(keep: Keep, tmp_path:
     assert sorted(told.read_text().splitlines()) == [str(file) for file in kept(tmp_path)]
 
 
+@posix("a line for sh")
 def test_a_command_that_fails_is_told(tmp_path: Path) -> None:
     said: list[str] = []
     telling = Telling("exit 7; true", said.append)
@@ -198,6 +201,7 @@ def test_a_command_that_fails_is_told(tmp_path: Path) -> None:
     assert said == [f"--on-keep ended with exit code 7 for {tmp_path}/it's"]
 
 
+@posix("a line for sh")
 def test_commands_that_never_end_are_not_started_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(telling, "MOST", 2)
     said: list[str] = []
@@ -391,6 +395,7 @@ def test_what_cannot_be_kept_is_refused_at_once(
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
+@sockets
 def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """End to end: a bus, two lines that appear while it runs, and the full ring beside the kept files."""
     command = [sys.executable, "-m", "sistap"]

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from portable import signals
 
 from sistap import cli
 from sistap.explain.memory import MOST_OPEN, MOST_READ, Memory
@@ -137,6 +138,7 @@ def test_at_seams_nothing_is_unjudged_nor_judged_twice(
     assert not tested.said and not tested.relay.unjudged
 
 
+@signals
 def test_a_tshark_that_ends_is_replaced_and_nothing_is_lost(
     tested: Watched, traffic: list[Record], expected: list[int]
 ) -> None:
@@ -164,6 +166,7 @@ def test_what_ends_every_tshark_is_left_out_at_last(tshark: Tshark, traffic: lis
     tested.relay.close()
 
 
+@signals
 def test_one_that_is_too_slow_is_told_and_the_next_goes_on(tshark: Tshark, traffic: list[Record]) -> None:
     tested = Watched(tshark, SEAMS._replace(behind=20_000))
     try:

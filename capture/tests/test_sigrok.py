@@ -19,6 +19,7 @@ from pathlib import Path
 
 import imported
 import pytest
+from portable import posix
 from sampled_wire import NS, SIGROK, Sent, needs_sigrok, of_records, play, sampled
 
 from sistap import cli
@@ -272,6 +273,7 @@ def test_a_bit_has_twenty_samples_or_as_many_as_there_can_be(baud: int, hz: int)
     assert Probe.parse(PORT).samplerate_for(baud) == hz
 
 
+@posix("no folder with all USB devices")
 def test_analysers_that_are_plugged_in(tmp_path: Path) -> None:
     for name, vendor, product, title in [
         ("1-1", "0403", "6001", "FT232R"),

@@ -150,6 +150,8 @@ def test_characters_are_counted_for_all_lines_and_for_each(both: Tapped) -> None
 class DistantPort(Port):
     """A tap with a clock that is a day behind."""
 
+    settings_are_told = True
+
     def now_ns(self) -> int:
         return EPOCH - 86_400 * SECOND
 

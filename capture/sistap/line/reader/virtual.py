@@ -7,7 +7,6 @@ from collections import deque
 from contextlib import suppress
 
 from sistap.line import bus_socket
-from sistap.line.clock import CLOCK
 from sistap.line.reader.connection import Connection, connect
 from sistap.line.reader.contract import PortError, PortLost
 from sistap.line.reader.trouble import connection_trouble
@@ -35,7 +34,7 @@ class WireReader:
         self._decoder = connection.decoder
         self._heard_with = settings
         self._reads: deque[Read] = deque()
-        self._ahead_ns = connection.ahead_ns
+        self._joined_ns = connection.hello.time_ns
         self._answer = b""  # for the bus, when everything before was processed
         for message in connection.after_hello:
             self._take(message)
@@ -51,8 +50,8 @@ class WireReader:
         return self._reads.popleft() if self._reads else None
 
     def now_ns(self) -> int:
-        """Return what time it was on the bus when this began, and how long ago that was."""
-        return CLOCK.now_ns() + self._ahead_ns
+        """Return the time on the bus when this reader joined: no character is older."""
+        return self._joined_ns
 
     def change(self, settings: LineSettings) -> None:
         """Read with other settings from the bus's next character on."""
