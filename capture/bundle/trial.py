@@ -139,7 +139,7 @@ def from_zip() -> None:
     assert wine("sistap.exe", "--version", cwd=bundle) == f"sistap {__version__}\r\n"
     assert "late-reaction" in wine("sistap.exe", "bus", "--list", cwd=bundle)
     assert "Traceback" not in wine("sistap.exe", "ports", cwd=bundle)
-    wine("sistap.exe", "bus", "demo", "--cycles", "1", "-w", "C:\\demo.pcapng", cwd=bundle)
+    wine("sistap.exe", "bus", "demo", "--cycles", "1", "--force", "-w", "C:\\demo.pcapng", cwd=bundle)
     assert any(record.type == Type.FRAME for record in records(DRIVE / "demo.pcapng"))
     wine("sistap.exe", "capture", "-i", "COM77", code=3, cwd=bundle)
     wine("cmd", "/c", "uninstall.cmd", cwd=bundle)

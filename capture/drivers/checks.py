@@ -76,7 +76,7 @@ class Capture:
         self.file = "/tmp/capture.pcapng"
         guest.run("rm", "-f", self.file)
         interfaces = [word for port in ports for word in ("-i", port)]
-        options = ("--framing", framing, "-w", self.file)
+        options = ("--force", "--framing", framing, "-w", self.file)
         self.program: Program = guest.start("sistap", "capture", *interfaces, *options, user=user)
         self.program.until("capturing on")
 

@@ -115,7 +115,7 @@ def _until_pulled(guest: Guest, seconds: float) -> Pull:
     guest.run("sync")
     line = SocketLine(guest, "isa0", PORT)
     # Without real-time priority: on an emulated processor the capture would starve the kernel's threads.
-    program = guest.start("sistap", "capture", "-i", PORT, "--framing", "silence:20", "-w", FILE, user="tap")
+    program = guest.start("sistap", "capture", "--force", "-i", PORT, "--framing", "silence:20", "-w", FILE, user="tap")
     program.until("capturing on")
     first = received(guest, PORT)
     pull = Pull(b"", [], [])

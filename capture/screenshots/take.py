@@ -154,7 +154,7 @@ def _capture(user: User) -> None:
     bus = user.start([PYTHON, "-m", "sistap", "bus", *BUS.split()], stdout=subprocess.PIPE)
     assert bus.stdout is not None
     name = bus.stdout.readline().decode().strip()
-    user.run(PYTHON, "-m", "sistap", "capture", "-i", name, "-w", DEMO, "-c", str(RECORDS))
+    user.run(PYTHON, "-m", "sistap", "capture", "--force", "-i", name, "-w", DEMO, "-c", str(RECORDS))
     user.stop(bus)
 
 

@@ -51,7 +51,7 @@ def taken(  # noqa: PLR0913 - all that a tap can do
 ) -> Path:
     """Take the same traffic with another tap: its clock is off and drifts, and it delivers `several` at once."""
     file = true.with_name("other.pcapng")
-    with closing(Output(str(file))) as output:
+    with closing(Output(str(file), force=True)) as output:
         writer = PcapngWriter(output, {0: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "other")}, Counters())
         writer.begin()
         assembler = Assembler(lambda record: (writer.write(record), None)[1])

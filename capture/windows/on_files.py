@@ -55,7 +55,7 @@ def ring(wine: Wine) -> str:
     """Keep the last files of a ring; together they are one contiguous piece of the traffic."""
     folder = emptied(wine.folder / "ring")
     whole = wine.folder / "whole.pcapng"
-    here("bus", "--cycles", CYCLES, "-w", whole)
+    here("bus", "--cycles", CYCLES, "-w", whole, "--force")
     process = wine.start(wine.python, "-m", "sistap", "bus", "--fast", "--cycles", CYCLES)
     assert process.stdout
     url = process.stdout.readline().strip()
@@ -76,7 +76,7 @@ def _characters(file: Path) -> bytes:
 def annotate(wine: Wine) -> str:
     """Explain a log with the same result as here."""
     log = wine.folder / "master.txt"
-    here("bus", "--cycles", "2", "-w", wine.folder / "master.pcapng", "--log", log)
+    here("bus", "--cycles", "2", "--force", "-w", wine.folder / "master.pcapng", "--log", log)
     said = wine.sistap("annotate", drive(log))
     assert said == here("annotate", log)
     return f"{said.count(chr(10))} lines"
