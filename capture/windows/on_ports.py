@@ -20,7 +20,7 @@ PAUSE_S = 0.002
 SOME = 30  # telegrams
 
 # A pseudo terminal carries no parity, and wine refuses 8E1 there after the first time.
-FORMAT = ("--format", "8N1")
+FORMAT = ("--format", "8N1", "--force")
 
 
 class Sending(NamedTuple):
@@ -34,7 +34,7 @@ def capture(wine: Wine, port: str) -> str:
     """Send characters one by one: the capture has exactly these, at their times."""
     file = wine.folder / "out.pcapng"
     with wine.terminal(port) as ours:
-        command = ["-m", "sistap", "capture", "--force", "-i", port, *FORMAT, "-w", drive(file), "-a", "duration:6"]
+        command = ["-m", "sistap", "capture", "-i", port, *FORMAT, "-w", drive(file), "-a", "duration:6"]
         process = wine.start(wine.python, *command)
         said = until(process, "capturing on")
         sent = [_send(ours, bytes([value])) for value in SENT]
@@ -80,19 +80,7 @@ def looked_for(wine: Wine) -> str:
     file = wine.folder / "auto.pcapng"
     with wine.bus("COM15", "--baud", "19200", "--format", "8N1"):
         said = wine.sistap(
-            "capture",
-            "--force",
-            "-i",
-            "COM15",
-            "--baud",
-            "auto",
-            *FORMAT,
-            "-w",
-            drive(file),
-            "-c",
-            str(SOME),
-            "-a",
-            "duration:60",
+            "capture", "-i", "COM15", "--baud", "auto", *FORMAT, "-w", drive(file), "-c", str(SOME), "-a", "duration:60"
         )
     rates = _rates(file)
     assert rates[-SOME // 2 :] == [19200] * (SOME // 2), f"{rates}\n{said}"
@@ -104,18 +92,7 @@ def followed(wine: Wine) -> str:
     file = wine.folder / "follow.pcapng"
     with wine.bus("COM5", "--rates", "38400,9600", "--format", "8N1"):
         said = wine.sistap(
-            "capture",
-            "--force",
-            "-i",
-            "COM5",
-            "--follow-baud",
-            *FORMAT,
-            "-w",
-            drive(file),
-            "-c",
-            "100",
-            "-a",
-            "duration:60",
+            "capture", "-i", "COM5", "--follow-baud", *FORMAT, "-w", drive(file), "-c", "100", "-a", "duration:60"
         )
     rates = _rates(file)
     assert set(rates) == {9600, 38400}, f"{rates}\n{said}"
