@@ -121,11 +121,15 @@ def usb(path: Path) -> Path:
     return unpacked("usbmon-ft232r-errors.pcapng", path.parent).rename(path)
 
 
+def cdc(path: Path) -> Path:
+    return unpacked("usbmon-cdc-acm.pcapng", path.parent).rename(path)
+
+
 def old_format(path: Path) -> Path:
     return unpacked("usbmon-cdc-115200-8n1.pcap", path.parent).rename(path)
 
 
-OTHERS = (old_format,)
+OTHERS = (cdc, old_format)
 
 
 @pytest.mark.parametrize("count", [1, pytest.param(20, marks=pytest.mark.thorough)])
