@@ -63,7 +63,7 @@ def asked(wine: Wine) -> str:
     assert "{value=sistap-demo}" in said, said
     assert "control {number=0}" in said, said
     for interface in ("sistap-demo", "sistap-COM5"):
-        assert "arg {number=0}" in wine.run(program, "--extcap-config", "--extcap-interface", interface)
+        assert "{call=--format}" in wine.run(program, "--extcap-config", "--extcap-interface", interface)
         assert "{number=252}" in wine.run(program, "--extcap-dlts", "--extcap-interface", interface)
     return ""
 

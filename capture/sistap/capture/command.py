@@ -57,9 +57,9 @@ second for an older telegram on the other line.
 A capture filter has the syntax of tcpdump. It sees the plain telegram: link[5] is the service, link[6] the sender
 address, link[7] the receiver address. Characters outside of telegrams, and events, always pass.
 
-A master sets the limits TzA and TrS when it starts the bus. A tap that joins later does not hear them, so Wireshark has
-no verdicts. Tell them with --tza and --trs. The capture keeps them, marked as told by the user. They count until the
-bus sets others.
+A master sets the limits TzA and TrS when it starts the bus. A tap that joins later does not hear them, and without
+limits Wireshark cannot judge times. Give the limits with --tza and --trs. The capture keeps them, marked as told by the
+user. They apply until the bus sets others.
 
 With --framing 3964r the tap records procedure 3964R: each handshake character (STX, DLE, NAK), and blocks with their
 BCC. A filter then sees the block. It cannot search for a rate or follow one.
@@ -238,7 +238,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="FILTER",
         help="record for months, and keep a file in the folder FILE around each packet that matches this display "
-        f"filter. {' and '.join(PRESETS)} are ready-made filters. Can be given several times",
+        f"filter. {' and '.join(PRESETS)} are ready-made; give it several times to combine them with one of your own",
     )
     add(
         "--before",

@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> argparse._MutuallyExclusiv
     parser.add_argument(
         "--transmit", action="store_true", help="allow sending on PORT; without it, sistap sends nothing there"
     )
-    parser.add_argument("--fast", action="store_true", help="do not wait for real time (with --listen)")
+    parser.add_argument("--fast", action="store_true", help="play as fast as the listener reads (with --listen)")
     return where
 
 
