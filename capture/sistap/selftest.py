@@ -30,7 +30,7 @@ if TYPE_CHECKING:  # loaded only where it is needed
 
 DESCRIPTION = """\
 Measure how late sistap sees characters. It uses a pseudo terminal of its own (a socket on Windows), or a port whose
-transmit and receive lines are joined. sistap keeps the result, and later captures state it as the bound of their times.
+transmit and receive lines are joined. sistap keeps the result, and later captures use it as their uncertainty.
 With --beside, compare two captures of the same traffic. The times of one of them must be true.
 """
 

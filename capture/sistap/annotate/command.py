@@ -34,8 +34,8 @@ below each telegram. The explanations come from Wireshark's dissector: install t
 
 sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225". Lines may have offsets
 and a column of characters. A telegram may span several lines, and a line may hold several telegrams. Time stamps and
-direction marks are used if present. All other text stays as it is: without the lines that begin with "^--", the output
-is the input, byte for byte.
+direction marks are used if present. All other text stays as it is: without the lines that begin
+with blanks and "^--", the output is the input, byte for byte.
 """
 
 EPILOG = """\
