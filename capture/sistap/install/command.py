@@ -33,8 +33,7 @@ EPILOG = """\
 The dissector is the plugin built in this checkout, if it was built for this Wireshark. A plugin fits one version only
 (4.0, 4.2 ...). Otherwise sistap installs sis.lua, which fits all versions from 4.0 on. A dissector that Wireshark
 already loads from elsewhere stays. So does a plugin of an earlier install, if Wireshark loads it and no newer one was
-built. With --lua, sis.lua replaces a plugin of an
-earlier install.
+built. With --lua, sis.lua replaces a plugin of an earlier install.
 
 The command goes into ~/.local/bin; for all users into /usr/local/bin; on Windows into a folder of its own. If that
 folder is not in PATH, a line says what to do. A command sistap from a package stays.
