@@ -24,7 +24,7 @@ _DARK = {
 _LIGHT = {"paper": "#ffffff", "shade": "#eef1f4", "faint": "#5b6672", **plots.COLOURS}
 
 _STYLE = """\
-body { margin: 0 auto; padding: 1rem; max-width: 74rem; background: var(--paper); color: var(--ink);
+body { margin: 0 auto; padding: 1rem; max-width: 84rem; background: var(--paper); color: var(--ink);
   font: 15px/1.45 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; margin: .5rem 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid var(--line); }
@@ -40,7 +40,7 @@ table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabu
 th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; border-top: 1px solid var(--shade); }
 th[scope=row], td { white-space: nowrap; }
 thead th { vertical-align: bottom; border: 0; }
-td.folded { white-space: normal; min-width: 14rem; }
+td.folded { white-space: normal; min-width: 10rem; }
 code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; user-select: all; }
 .headline { font-size: 1.1rem; }
 .remarks { padding: .6rem 1rem .6rem 2rem; background: var(--shade); border-left: .3rem solid var(--line); }
