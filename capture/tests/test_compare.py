@@ -172,7 +172,7 @@ def test_limits_and_faults(tmp_path: Path) -> None:
     faults = {one["what"]: (one["good"], one["bad"]) for one in told["faults"]}
     assert faults["Damaged telegram"] == (0, 1)
     assert faults["Error or break on the line"] == (0, 1)
-    assert faults["Pause in a telegram longer than TzA"] == (0, 1)
+    assert faults["Interval in a telegram longer than TzA"] == (0, 1)
     assert told["lines"]["Line, limits"] == "TzA 5 ms, was none; TrS 50 ms, was none"
 
 

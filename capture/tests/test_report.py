@@ -187,7 +187,7 @@ def test_windows_show_the_worst_and_what_was_asked_for(tshark: Tshark, capture: 
     assert asked.packets[0].intervals_s == pytest.approx([CHARACTER_S] * (len(READ) - 1), abs=1e-9)
     assert nothing.packets == []
     assert [window.title for window in worst] == [
-        "Packet 7: Pause in a telegram longer than TzA",
+        "Packet 7: Interval in a telegram longer than TzA",
         "Packet 10: Reaction later than TrS",
         "Packet 11: Command without a reaction",
     ]

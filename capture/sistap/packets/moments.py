@@ -67,7 +67,7 @@ KINDS = (
     Kind(
         "tza_exceeded",
         "TzA exceeded",
-        "Pause in a telegram longer than TzA",
+        "Interval in a telegram longer than TzA",
         "sis.tza.verdict == 1",
         lambda telegram: _exceeded(telegram.pause),
     ),
@@ -122,8 +122,8 @@ KINDS = (
     ),
     Kind(
         "longest_pause",
-        "longest pause",
-        "Longest pause in a telegram",
+        "longest interval",
+        "Longest interval in a telegram",
         "sertap.interval.max",
         lambda telegram: _not_exceeded(telegram.pause),
         is_fault=False,

@@ -15,7 +15,7 @@ _IS_GAP = bytes(bool(flag & Flag.LOST_BEFORE) for flag in range(256))
 
 
 def longest_interval_ns(record: Record) -> int:
-    """Return the longest pause inside a frame; the one before its first character does not count."""
+    """Return the longest interval inside a frame; the one before its first character does not count."""
     return max(record.intervals[1:], default=0)
 
 
