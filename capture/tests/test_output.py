@@ -223,6 +223,7 @@ def test_only_a_file_that_was_there_stays_empty(tmp_path: Path) -> None:
     assert old.read_bytes() == b""
 
 
+@posix("no limit for the size of files")
 def test_files_that_do_not_stay_are_not_said_to_be_there(tmp_path: Path) -> None:
     """A full disk at the beginning of the only file, and of the third one."""
     output = Output(str(tmp_path / "x"))
