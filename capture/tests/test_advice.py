@@ -12,7 +12,7 @@ import pytest
 
 import sistap
 from sistap.cli import COMMANDS
-from sistap.terminal.advice import advice, examples
+from sistap.terminal.advice import advice, examples, shell_word
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
@@ -54,3 +54,11 @@ def test_examples_have_the_ports_of_windows(module: str) -> None:
         if "/dev/tty" in line and re.search(r"\S  ", line):
             assert len(line) == len(other)
             assert line.rpartition("  ")[2] == other.rpartition("  ")[2]
+
+
+@pytest.mark.parametrize(
+    ("text", "linux", "windows"),
+    [("x.pcapng", "x.pcapng", "x.pcapng"), ("C:\\x", "'C:\\x'", "C:\\x"), ("a b", "'a b'", '"a b"')],
+)
+def test_a_word_to_copy(text: str, linux: str, windows: str) -> None:
+    assert (shell_word(text, "linux"), shell_word(text, "win32")) == (linux, windows)

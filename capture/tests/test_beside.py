@@ -202,6 +202,7 @@ def test_the_picture(true: Path, tmp_path: Path, ending: str) -> None:
     assert file.read_bytes()[:5] in (b"\x89PNG\r", b"<?xml")
 
 
+@drawing
 def test_what_cannot_be_compared_is_one_line(true: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     text = tmp_path / "log.txt"
     text.write_text("nothing" * 10)

@@ -213,11 +213,27 @@ capture_close(capture_t *capture)
     epan_free(capture->session);
 }
 
+/* strstr() tells libFuzzer what is looked for, and libFuzzer puts it into a telegram. So nothing here is
+ * traced. */
+__attribute__((no_sanitize("coverage"))) static gboolean
+holds(const char *text, const char *word)
+{
+    for (; *text; text++) {
+        size_t same = 0;
+
+        while (word[same] && text[same] == word[same])
+            same++;
+        if (!word[same])
+            return TRUE;
+    }
+    return FALSE;
+}
+
 /* What no packet may do: g_error() ends the run, and libFuzzer keeps the input. */
 static void
 check_text(const char *text)
 {
-    if (strstr(text, "[Malformed Packet") || strstr(text, "issector bug"))
+    if (holds(text, "[Malformed Packet")) /* a dissector bug aborts by itself: see `run` */
         g_error("%s", text);
     if (!g_utf8_validate(text, -1, NULL))
         g_error("no UTF-8 in the packet list");

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import shlex
 from contextlib import ExitStack, closing
 
 from sistap.capture import sinks
@@ -21,6 +20,7 @@ from sistap.line.reader import Reader
 from sistap.recorder.recorder import Recorder
 from sistap.records.counters import Counters
 from sistap.records.record import Record, Type
+from sistap.terminal.advice import shell_word
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
 
@@ -101,5 +101,5 @@ def _summary(written: Counters, received: int, output: Output) -> str:
     """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
     records = written.received.total()
     of_received = f" of {received}" if records != received else ""
-    opened = f"; open it with: wireshark {shlex.quote(output.only_file)}" if output.only_file else ""
+    opened = f"; open it with: wireshark {shell_word(output.only_file)}" if output.only_file else ""
     return f"{records}{of_received} records ({written.text}) written to {output.summary}{opened}"

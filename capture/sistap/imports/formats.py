@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,6 +14,7 @@ from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
 from sistap.imports.source import Source, Told
 from sistap.imports.usb import UsbCapture
+from sistap.terminal.advice import shell_word
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
 
@@ -63,7 +63,7 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
             return capture.opened(tshark, path, told)
     raise UsageError(
         f"{path} is none of the files that can be imported: {'; '.join(NAMES)}. For a log with bytes in hexadecimal: "
-        f"sistap annotate {shlex.quote(str(path))} -w FILE"
+        f"sistap annotate {shell_word(str(path))} -w FILE"
     )
 
 

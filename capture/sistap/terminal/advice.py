@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import re
+import shlex
+import subprocess
 import sys
 from typing import NamedTuple
 
@@ -97,3 +99,8 @@ def _translated(line: str, words: dict[str, str]) -> str:
         if len(word) > 1 or line.startswith(_TYPED):
             new = new.replace(word, other)
     return re.sub(r"(?<=\S)  ", " " * (2 + len(line) - len(new)), new, count=1)
+
+
+def shell_word(text: str, system: str = sys.platform) -> str:
+    """Return a word of a command that a person can copy: quoted as the shell of this system needs it."""
+    return subprocess.list2cmdline([text]) if system == "win32" else shlex.quote(text)

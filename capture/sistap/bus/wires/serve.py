@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Iterable
 from typing import Protocol
@@ -14,6 +13,7 @@ from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.port_wire import PortWire
 from sistap.files.output import OutputError
+from sistap.terminal.advice import shell_word
 from sistap.terminal.exits import FAILED
 
 
@@ -60,7 +60,7 @@ def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = 
 def _say_what_to_type(name: str) -> None:
     """Tell a person how to capture it; a program that reads standard output wants the name alone."""
     if sys.stdout.isatty():
-        print(f"listen to it in another terminal: sistap capture -i {shlex.quote(name)}", file=sys.stderr)
+        print(f"listen to it in another terminal: sistap capture -i {shell_word(name)}", file=sys.stderr)
 
 
 def serve(wire: Wire, telegrams: Iterable[Played], log: Log | None) -> None:
