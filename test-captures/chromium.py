@@ -8,8 +8,6 @@ import os
 import shutil
 import subprocess
 import tempfile
-from base64 import b64decode
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -138,11 +136,3 @@ class Chromium:
         down = {"type": "keyDown", "key": key, "windowsVirtualKeyCode": code, "text": text}
         self.call("Input.dispatchKeyEvent", **down)
         self.call("Input.dispatchKeyEvent", type="keyUp", key=key, windowsVirtualKeyCode=code)
-
-    def screenshot(self, path: Path, width: int, height: int, *, dark: bool = False, whole: bool = False) -> None:
-        """Take a picture of the page in a window of that size, or of all of it."""
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self.call("Emulation.setEmulatedMedia", features=[scheme])
-        picture = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
-        path.write_bytes(b64decode(picture["data"]))

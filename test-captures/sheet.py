@@ -262,9 +262,7 @@ def timing(page: Page, x: float, y: float) -> None:
     )
     for begin, end, words in spans:
         page.span(begin, end, base - 1.5, words, SIZE)
-    page.text(
-        x, base + 12, "After a silence longer than TzA a receiver looks for a start. A slave never speaks first.", SIZE
-    )
+    page.text(x, base + 12, STARTS, SIZE)
     page.text(x, base + 15.5, "Character: 11 bits (8E1), 1.146 ms at 9600 Bd, 0.0955 ms at 115200 Bd.", SIZE)
     for number, words in enumerate(TIMES):
         page.text(x + 155, y + 5.5 + 4 * number, words, SIZE)

@@ -15,27 +15,22 @@ Exit code 1 if anything is missing elsewhere, is there twice or changed, or if m
 from __future__ import annotations
 
 import argparse
-import fcntl
 import os
-import pty
 import random
-import select
 import signal
 import subprocess
 import sys
 import tempfile
-import termios
 import time
-import tty
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+from plugged import Adapter  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
 from sistap.files import reading  # noqa: E402
@@ -78,47 +73,6 @@ def _noise(chance: random.Random, telegram: bytes) -> bytes:
 
 
 _DAMAGES: Sequence[Callable[[random.Random, bytes], bytes]] = (_changed, _cut, _noise)
-
-
-class Adapter:
-    """A pseudo terminal behind a name that stays."""
-
-    def __init__(self, name: Path) -> None:
-        """Be unplugged."""
-        self.name = name
-        self._ends: tuple[int, int] | None = None
-
-    def plug(self) -> None:
-        """Be there."""
-        self._ends = pty.openpty()
-        tty.setraw(self._ends[1])
-        os.set_blocking(self._ends[0], False)
-        self.name.symlink_to(os.ttyname(self._ends[1]))
-
-    def close(self) -> None:
-        """Be unplugged; what is on the way is lost."""
-        if self._ends:
-            self.name.unlink()
-            for end in self._ends:
-                os.close(end)
-        self._ends = None
-
-    @property
-    def waiting(self) -> int:
-        """How many characters have arrived, and nobody has read."""
-        assert self._ends
-        return int.from_bytes(fcntl.ioctl(self._ends[1], termios.FIONREAD, bytes(4)), sys.byteorder)
-
-    def send(self, data: bytes) -> None:
-        """Send all of it, as fast as somebody reads. TimeoutError if nobody does."""
-        assert self._ends
-        while data:
-            if not select.select([], [self._ends[0]], [], PATIENCE_S)[1]:
-                raise TimeoutError("nobody reads the port")
-            try:
-                data = data[os.write(self._ends[0], data) :]
-            except BlockingIOError:
-                continue
 
 
 class Look(NamedTuple):
@@ -204,7 +158,7 @@ class Run:
 
     def unplug(self) -> None:
         """Unplug the adapter, and plug it in again."""
-        self._adapter.close()
+        self._adapter.unplug()
         self._adapter.plug()
         self.recorder.wait_until_said(" is back after ", len(self._sent))
         self._sent.append(bytearray())
@@ -213,7 +167,7 @@ class Run:
         """End it one way or the other, and judge."""
         self.how = how
         code = self._stop_with_something_unread() if how == END else self.recorder.end(signal.SIGKILL)
-        self._adapter.close()
+        self._adapter.unplug()
         if code != (0 if how == END else -signal.SIGKILL):
             self.faults.append(f"exit code {code}: {self.recorder.said}")
         try:
@@ -224,7 +178,7 @@ class Run:
     def close(self) -> None:
         """Leave nothing running."""
         self.recorder.end(signal.SIGKILL)
-        self._adapter.close()
+        self._adapter.unplug()
 
     def _stop_with_something_unread(self) -> int:
         """End it by SIGTERM while characters wait that have arrived; return its exit code."""
@@ -329,7 +283,7 @@ def day(characters: int, seed: int, folder: Path) -> Iterator[Run]:
     """Yield each run, judged. TimeoutError says that a recorder did not do what it has to."""
     telegram = traffic(random.Random(seed))
     run: Run | None = None
-    with closing(Adapter(folder / "adapter")) as adapter:
+    with Adapter(folder / "adapter") as adapter:
         try:
             for count, incident in plan(random.Random(seed), characters):
                 run = run or Run(adapter, folder)

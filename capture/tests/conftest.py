@@ -18,6 +18,7 @@ from portable import SIGNALS, WINDOWS, lacking
 from sharkd import Sharkd
 
 import sistap.terminal.state
+from sistap.wireshark.tshark import Tshark
 
 # `test` tries fewer examples than `check`; a busy machine is no failure of either.
 settings.register_profile("quick", max_examples=25, deadline=None)
@@ -47,6 +48,14 @@ def sharkd() -> Iterator[Sharkd]:
         pytest.skip("the sharkd here knows no paths of Windows")
     with Sharkd() as program:
         assert program.has_field("sis.start"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
+        yield program
+
+
+@pytest.fixture(scope="session")
+def tshark() -> Iterator[Tshark]:
+    """Yield a tshark with the plugin."""
+    with Tshark() as program:
+        assert "sis.so" in program.output("-G", "plugins"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
         yield program
 
 

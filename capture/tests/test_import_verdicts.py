@@ -6,7 +6,6 @@ One character at 9600 Bd 8E1 takes 1.1458 ms. 0 ok, 1 exceeded, 2 unresolved.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -20,13 +19,6 @@ OK, EXCEEDED, UNRESOLVED = "0", "1", "2"
 COMMAND = build(0x10, 16, 3, bytes.fromhex("3C 03 00 24 00"))  # 13 characters: read S-0-0036
 REACTION = build(0x10, 16, 3, bytes.fromhex("00 3C 03 E8 03 00 00"), reaction=True)  # 15 characters
 CHARACTER_MS = 11 / 9.6
-
-
-@pytest.fixture(scope="module")
-def tshark() -> Iterator[Tshark]:
-    with Tshark() as program:
-        assert "sis.so" in program.output("-G", "plugins"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
-        yield program
 
 
 def telegrams(tshark: Tshark, source: Path, *fields: str, tza: int = 0, trs: int = 0) -> list[list[str]]:

@@ -7,7 +7,6 @@ import os
 import pty
 import signal
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -41,12 +40,6 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def traffic(capture: Path) -> list[Record]:
     return list(records(capture))
-
-
-@pytest.fixture(scope="module")
-def tshark() -> Iterator[Tshark]:
-    with Tshark() as tshark:
-        yield tshark
 
 
 def logged(path: Path, capture: Path) -> list[str]:

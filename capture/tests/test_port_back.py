@@ -4,13 +4,10 @@
 from __future__ import annotations
 
 import gc
-import os
-import pty
 import signal
 import subprocess
 import sys
 import time
-import tty
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -24,32 +21,12 @@ from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, Type
 
+sys.path.insert(0, str(Path(__file__).parent.parent / "benchmark"))
+
+from plugged import Adapter  # noqa: E402
+
 PATIENCE_S = 60
 COMMAND, REACTION = TELEGRAMS["8-20"], TELEGRAMS["8-21"]
-
-
-class Adapter:
-    """A pseudo terminal behind a name that stays, as that of an adapter below /dev/serial/by-id."""
-
-    def __init__(self, name: Path) -> None:
-        self.name = name
-        self._ends: tuple[int, int] | None = None
-
-    def plug(self) -> None:
-        self._ends = pty.openpty()
-        tty.setraw(self._ends[1])
-        self.name.symlink_to(os.ttyname(self._ends[1]))
-
-    def unplug(self) -> None:
-        if self._ends:
-            self.name.unlink()
-            for end in self._ends:
-                os.close(end)
-        self._ends = None
-
-    def say(self, data: bytes) -> None:
-        assert self._ends
-        os.write(self._ends[0], data)
 
 
 class Tap:
@@ -112,14 +89,14 @@ def test_a_port_that_goes_and_comes(adapters: list[Adapter], tap: Callable[..., 
     capture.wait_until_said("does not exist: `sistap ports` lists the ports there are. Waiting for it\n")
     adapter.plug()
     capture.wait_until_said("capturing on ")
-    adapter.say(COMMAND)
+    adapter.send(COMMAND)
     capture.wait_for(lambda: len(frames(path)) == 1)
     for number in (1, 2):
         adapter.unplug()
         capture.wait_until_said(". Waiting until it is back\n", number)
         adapter.plug()
         capture.wait_until_said(" is back after ", number)
-        adapter.say(REACTION)
+        adapter.send(REACTION)
         capture.wait_for(lambda number=number: len(frames(path)) == 1 + number)  # type: ignore[misc]
     assert capture.stop() == 0
     assert frames(path) == [(0, COMMAND), (0, REACTION), (0, REACTION)]
@@ -137,12 +114,12 @@ def test_one_of_two_ports_goes_and_comes(adapters: list[Adapter], tap: Callable[
     capture.wait_until_said("capturing on ", 2)
     second.unplug()
     capture.wait_until_said(". Waiting until it is back\n")
-    first.say(COMMAND)
+    first.send(COMMAND)
     capture.wait_for(lambda: len(frames(path)) == 1)
     second.plug()
     capture.wait_until_said("line 2: ", 3)
-    second.say(REACTION)
-    first.say(COMMAND)
+    second.send(REACTION)
+    first.send(COMMAND)
     capture.wait_for(lambda: len(frames(path)) == 3)
     assert capture.stop() == 0
     assert sorted(frames(path)) == [(1, COMMAND), (1, COMMAND), (2, REACTION)]

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -42,12 +42,6 @@ LINE = {0: Interface(252, "a line of a test")}
 
 
 @pytest.fixture(scope="module")
-def tshark() -> Iterator[Tshark]:
-    with Tshark() as tshark:
-        yield tshark
-
-
-@pytest.fixture(scope="module")
 def traffic(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     """A bus on which a telegram is damaged now and then."""
     path = tmp_path_factory.mktemp("traffic") / "x.pcapng"
@@ -58,6 +52,13 @@ def traffic(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
 @pytest.fixture(autouse=True)
 def _busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recorder_module, "PATIENCE_S", PATIENCE_S)
+
+
+def play(recorder: Recorder, traffic: list[Record]) -> None:
+    recorder.begin(traffic[0])
+    for record in traffic[1:]:
+        recorder.write(record)
+    recorder.end(traffic[-1].time_ns)
 
 
 Keep = Callable[..., Recorder]
@@ -72,10 +73,7 @@ def keep(tshark: Tshark, tmp_path: Path, traffic: list[Record]) -> Keep:
         wanted = Wanted(tmp_path, Reasons(filters), around, at_most, **more)  # type: ignore[arg-type]
         wanted.reasons.check(tshark)
         recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said))
-        recorder.begin(traffic[0])
-        for record in traffic[1:]:
-            recorder.write(record)
-        recorder.end(traffic[-1].time_ns)
+        play(recorder, traffic)
         return recorder
 
     return keep
@@ -232,10 +230,7 @@ def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path)
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, Reasons(["faults"]), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
-    recorder.begin(traffic[0])
-    for record in traffic[1:]:
-        recorder.write(record)
-    recorder.end(traffic[-1].time_ns)
+    play(recorder, traffic)
     output.close()
     files = sorted(tmp_path.glob("ring_*.pcapng"))
     assert len(files) > 1
@@ -328,10 +323,7 @@ def test_small_seams_change_nothing(tshark: Tshark, traffic: list[Record], tmp_p
         folder.mkdir()
         wanted = Wanted(folder, Reasons(["faults"]), Around(SECOND, SECOND), 100)
         recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), seams=seams)
-        recorder.begin(traffic[0])
-        for record in traffic[1:]:
-            recorder.write(record)
-        recorder.end(traffic[-1].time_ns)
+        play(recorder, traffic)
         contents.append({file.name: file.read_bytes() for file in kept(folder)})
         assert (recorder.relay.successions > 0) == (name == "many")
     assert contents[0] == contents[1]

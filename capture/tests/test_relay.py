@@ -34,12 +34,6 @@ LINE = Interface(252, "a line of a test")
 
 
 @pytest.fixture(scope="module")
-def tshark() -> Iterator[Tshark]:
-    with Tshark() as tshark:
-        yield tshark
-
-
-@pytest.fixture(scope="module")
 def traffic(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     """Limits that are told once, then commands and reactions, some of them late."""
     path = tmp_path_factory.mktemp("traffic") / "x.pcapng"

@@ -31,13 +31,6 @@ FRAMES = [sent for sent in BUS if sent.type == Type.FRAME]
 
 
 @pytest.fixture(scope="module")
-def tshark() -> Iterator[Tshark]:
-    with Tshark() as program:
-        assert "sis.so" in program.output("-G", "plugins"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
-        yield program
-
-
-@pytest.fixture(scope="module")
 def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("report") / "bus.pcapng", BUS)
 

@@ -114,8 +114,9 @@ sis_stream_count(void)
     return wmem_map_size(streams);
 }
 
-unsigned
-sis_direction(const sis_telegram_t *telegram)
+/* 0 or 1: the direction of a telegram's command in its stream. */
+static unsigned
+command_direction(const sis_telegram_t *telegram)
 {
     return telegram->sender > telegram->receiver;
 }
@@ -237,7 +238,7 @@ static sis_exchange_t *
 begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
     sis_stream_t *stream = find_stream(bus, tvb, telegram);
-    unsigned direction = sis_direction(telegram);
+    unsigned direction = command_direction(telegram);
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
     sis_exchange_t **master = &stream->bus->last[telegram->sender];
 
@@ -334,7 +335,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
              const sis_telegram_t *telegram)
 {
     const sis_stream_t *stream = find_stream(bus, tvb, telegram);
-    unsigned kept = sis_direction(telegram);
+    unsigned kept = command_direction(telegram);
 
     for (unsigned i = 0; i < 2; i++) {
         unsigned direction = i == 0 ? kept : !kept;
@@ -401,7 +402,7 @@ bool
 sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram)
 {
     return telegram->is_reaction && record->exchange != NULL &&
-           sis_direction(telegram) != record->exchange->direction;
+           command_direction(telegram) != record->exchange->direction;
 }
 
 static sis_request_t *

@@ -29,8 +29,8 @@ _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: 
 DAY_S = 86_400
 # For a reader who does not know the bus.
 GLOSSARY = (
-    "TzA is the longest interval allowed from one character of a telegram to the next. After a longer one, the "
-    "receiver may drop what it has.",
+    "TzA is the longest interval allowed from one character of a telegram to the next. After a longer one, "
+    "the receiver may take a character 02 for the start of another telegram.",
     "TrS is the longest time a station may take to answer a command. TwM is how long the master waits before it sends "
     "a command again.",
     "A verdict is unresolved where the clock is not exact enough: the true time may be on either side of the limit.",
