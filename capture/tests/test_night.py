@@ -137,3 +137,7 @@ def test_the_recorder_keeps_three_files(tmp_path: Path) -> None:
     files = sorted((tmp_path / "kept").iterdir())
     assert [path.name.split("_")[2] for path in files] == ["write.pcapng", "unanswered.pcapng", "unanswered.pcapng"]
     assert "3 files kept" in done.stderr
+    begun, *kept = reading.records(files[0])
+    assert seconds(begun) == BEGIN.timestamp()  # not the time of this machine
+    assert telegram.parse(kept[0].data).service == 0x03 and seconds(kept[0]) < BEGIN.timestamp() + 60
+    assert WRITE.timestamp() - 60 < seconds(kept[-1]) < WRITE.timestamp() + 60
