@@ -45,6 +45,9 @@ libpcap = pytest.mark.skipif(
     WINDOWS and not Path(os.environ.get("SYSTEMROOT", ""), "System32/Npcap/wpcap.dll").exists(), reason="no Npcap"
 )
 drawing = pytest.mark.skipif(WINDOWS and not importlib.util.find_spec("matplotlib"), reason="no matplotlib")
+unpackaged = pytest.mark.skipif(
+    Path("/usr/bin/sistap").exists(), reason="the package sistap is installed here: Wireshark loads its dissector"
+)
 compiled = posix("no gcc that makes modules of Linux")
 
 

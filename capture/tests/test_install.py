@@ -13,7 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from portable import WINDOWS, compiled, posix
+from portable import WINDOWS, compiled, posix, unpackaged
 
 import sistap.terminal.state
 from sistap import cli
@@ -22,6 +22,7 @@ from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import NOBODY, TsharkError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+ON_PATH = os.environ.get("PATH", os.defpath)
 VERSION = "TShark (Wireshark) 4.0.17 (Git v4.0.17 packaged as 4.0.17-0+deb12u3).\n"
 
 no_root = posix("there is no root")
@@ -70,7 +71,7 @@ def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setenv("HOME", str(FakeTshark.root / "home"))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     monkeypatch.setattr(shell, "FOR_ALL", FakeTshark.root / "usr/local")
-    on_path = [FakeTshark.root / "home/.local/bin", FakeTshark.root / "usr/local/bin", "/usr/bin", "/bin"]
+    on_path = [FakeTshark.root / "home/.local/bin", FakeTshark.root / "usr/local/bin"]  # not /usr/bin: a package
     monkeypatch.setenv("PATH", os.pathsep.join(map(str, on_path)))
     checkout = tmp_path / "checkout"
     (checkout / "capture/sistap").mkdir(parents=True)
@@ -94,7 +95,7 @@ def build(folder: Path, minor: int) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     source = f"const int plugin_want_major = 4; const int plugin_want_minor = {minor};\n"
     compiler = ["gcc", "-shared", "-nostdlib", "-x", "c", "-", "-o", str(folder / "sis.so")]
-    subprocess.run(compiler, input=source, text=True, check=True)
+    subprocess.run(compiler, input=source, text=True, check=True, env={**os.environ, "PATH": ON_PATH})
     return folder / "sis.so"
 
 
@@ -499,7 +500,7 @@ def test_the_command_runs_this_package(root: Path, run: Run, monkeypatch: pytest
 
 @posix("the command is for another shell there")
 def test_the_cure_where_the_command_is_not_on_path(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", "/usr/bin:/bin")
+    monkeypatch.setenv("PATH", str(root / "bin"))
     code, _, err = run("install")
     place = root / "home/.local/bin"
     assert (code, err.count("\n")) == (0, 1)
@@ -604,7 +605,7 @@ def home() -> Iterator[Path]:
 def as_user(home: Path, *arguments: str | Path) -> str:
     """Run a command in that home; return its stdout. It must succeed, and print nothing else."""
     nobody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
-    path = f"{home}/home/.local/bin:{os.environ['PATH']}"
+    path = f"{home}/home/.local/bin:{ON_PATH}"
     environment = {"PATH": path, "HOME": str(home / "home"), "PYTHONDONTWRITEBYTECODE": "1"}
     folder = home / "checkout/capture"
     done: subprocess.CompletedProcess[str] = subprocess.run(  # type: ignore[call-overload]
@@ -627,6 +628,7 @@ SISTAP = (Path(sys.base_prefix) / "bin/python3", "-m", "sistap")
 
 
 @posix("no Wireshark for Windows is here")
+@unpackaged
 @pytest.mark.parametrize("kind", ["sis.so", pytest.param("sis.lua", marks=pytest.mark.thorough)])
 def test_from_a_read_only_checkout_into_wireshark_and_out_again(home: Path, kind: str) -> None:
     arguments: tuple[str | Path, ...] = ()

@@ -16,10 +16,12 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
+from portable import unpackaged
 from test_hostile_text import ODD, odd_ones
 
 pytestmark = [
     pytest.mark.thorough,
+    unpackaged,
     pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="needs root on Linux"),
 ]
 

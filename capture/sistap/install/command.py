@@ -109,11 +109,12 @@ def _install(args: argparse.Namespace, console: Console) -> int:
     files = list(_others(places))
     if not for_all:
         files = list(_not_there_for_all(files, list(_others(folders.parse(named, for_all=True)))))
+    chosen = sources.Dissector(sources.lua(), False, []) if args.lua else sources.dissector(args.plugin, wireshark)
     foreign = _foreign(there, ledger)
     if foreign:
         _tell(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there")
     else:
-        files.append(_dissector(args, wireshark, places, _working(there), console))
+        files.append(_dissector(chosen, places, _working(there), console, replace=args.lua))
     where = shell.places(for_all=for_all, windows=WINDOWS)
     files += _for_a_shell(args, where, ledger)
     _bring_up_to_date(ledger, files, _own(named, for_all=for_all))
@@ -161,10 +162,10 @@ def _working(there: list[Loaded]) -> Path | None:
 
 
 def _dissector(
-    args: argparse.Namespace, wireshark: Version, places: folders.Folders, working: Path | None, console: Console
+    chosen: sources.Dissector, places: folders.Folders, working: Path | None, console: Console, *, replace: bool
 ) -> File:
-    chosen = sources.Dissector(sources.lua(), False, []) if args.lua else sources.dissector(args.plugin, wireshark)
-    if working and not chosen.is_module and not args.lua:
+    """Return the file of the dissector. With `replace`, the script replaces a plugin that works."""
+    if working and not chosen.is_module and not replace:
         for note in chosen.notes:
             console.say(f"{note}; {working} stays")
         _tell(
