@@ -6159,7 +6159,7 @@ do
   end
 
   kinds.tree = {
-    title = "SIS/Telegrams",
+    title = "SIS telegrams",
     new = function() return {below = {}} end,
     count = function(root, of_packet)
       for _, telegram in ipairs(of_packet.telegrams) do

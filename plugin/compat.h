@@ -47,12 +47,10 @@ typedef gboolean compat_uat_bool;
 #define compat_get_uint8(tvb, offset)            tvb_get_uint8(tvb, offset)
 #define compat_get_uint16(tvb, offset, encoding) tvb_get_uint16(tvb, offset, encoding)
 #define compat_get_uint32(tvb, offset, encoding) tvb_get_uint32(tvb, offset, encoding)
-#define COMPAT_STATS_MENU_SEPARATOR              "//"
 #else
 #define compat_get_uint8(tvb, offset)            tvb_get_guint8(tvb, offset)
 #define compat_get_uint16(tvb, offset, encoding) tvb_get_guint16(tvb, offset, encoding)
 #define compat_get_uint32(tvb, offset, encoding) tvb_get_guint32(tvb, offset, encoding)
-#define COMPAT_STATS_MENU_SEPARATOR              "/"
 #endif
 
 /* From 4.2 on, conversation filters have data of their own, and Follow asks how many streams there are. */

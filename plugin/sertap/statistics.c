@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Statistics of the line itself: `tshark -z sertap,tree`, Statistics > Serial tap > Characters and intervals.
- */
+/* Statistics of the line itself: `tshark -z sertap,tree`, Statistics > Serial tap: characters and intervals. */
 
 #include "sertap/statistics.h"
 
@@ -84,7 +83,6 @@ packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void
 void
 sertap_statistics_register(void)
 {
-    stats_tree_register_plugin("sertap", "sertap",
-                               "Serial tap" COMPAT_STATS_MENU_SEPARATOR "Characters and intervals", 0, packet,
-                               init, NULL);
+    stats_tree_register_plugin("sertap", "sertap", "Serial tap: characters and intervals", 0, packet, init,
+                               NULL);
 }

@@ -9,7 +9,6 @@
 #include <epan/stats_tree.h>
 #include <epan/tap.h>
 
-#include "sis/address.h"
 #include "sis/exchange.h"
 #include "sis/fields.h"
 #include "sis/names.h"
@@ -31,6 +30,7 @@ conversation_filter(conv_item_t *item _U_, conv_filter_type_e filter)
 
 static ct_dissector_info_t conversation_info = {&conversation_filter};
 
+/* The addresses of both tables are AT_NUMERIC: the windows sort other types as text, 16 before 3. */
 static tap_packet_status
 conversation_packet(void *table, packet_info *pinfo, epan_dissect_t *edt _U_, const void *data,
                     tap_flags_t flags)
@@ -42,8 +42,8 @@ conversation_packet(void *table, packet_info *pinfo, epan_dissect_t *edt _U_, co
     if (!telegram->is_good)
         return TAP_PACKET_DONT_REDRAW; /* its addresses are uncertain */
     hash->flags = flags;
-    sis_station_address(&talker, &telegram->talker);
-    sis_station_address(&listener, &telegram->listener);
+    set_address(&talker, AT_NUMERIC, 1, &telegram->talker);
+    set_address(&listener, AT_NUMERIC, 1, &telegram->listener);
     add_conversation_table_data(hash, &talker, &listener, 0, 0, 1, telegram->length, &pinfo->rel_ts,
                                 &pinfo->abs_ts, &conversation_info, CONVERSATION_NONE);
     return TAP_PACKET_REDRAW;
@@ -68,8 +68,8 @@ endpoint_packet(void *table, packet_info *pinfo _U_, epan_dissect_t *edt _U_, co
     if (!telegram->is_good)
         return TAP_PACKET_DONT_REDRAW; /* its addresses are uncertain */
     hash->flags = flags;
-    sis_station_address(&talker, &telegram->talker);
-    sis_station_address(&listener, &telegram->listener);
+    set_address(&talker, AT_NUMERIC, 1, &telegram->talker);
+    set_address(&listener, AT_NUMERIC, 1, &telegram->listener);
     add_endpoint_table_data(hash, &talker, 0, TRUE, 1, telegram->length, &endpoint_info, ENDPOINT_NONE);
     add_endpoint_table_data(hash, &listener, 0, FALSE, 1, telegram->length, &endpoint_info, ENDPOINT_NONE);
     return TAP_PACKET_REDRAW;
@@ -166,6 +166,5 @@ sis_statistics_register(void)
 {
     register_conversation_table(proto_sis, TRUE, conversation_packet, endpoint_packet);
     register_srt_table(proto_sis, "sis", 1, srt_packet, srt_init, NULL);
-    stats_tree_register_plugin("sis", "sis", "SIS" COMPAT_STATS_MENU_SEPARATOR "Telegrams", 0, tree_packet,
-                               tree_init, NULL);
+    stats_tree_register_plugin("sis", "sis", "SIS telegrams", 0, tree_packet, tree_init, NULL);
 }

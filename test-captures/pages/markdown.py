@@ -57,13 +57,16 @@ def _special(text: str) -> str:
     return _picture(words, target) if picture else _link(words, target)
 
 
+_ON_THE_INDEX = {"../README.md": "index.html", "../pages/glossary.md": "index.html#glossary"}
+
+
 def _link(words: str, target: str) -> str:
     """Make a link to a page of the course, or to the web. Other files are not beside the page: keep the words."""
     place, _, _ = target.partition("#")
     if place.endswith(".md") and (COURSE / place).parent == COURSE:
         target = place.removesuffix(".md") + ".html"
-    elif place == "../README.md":
-        target = "index.html"
+    elif place in _ON_THE_INDEX:
+        target = _ON_THE_INDEX[place]
     elif not re.match(r"https?://|sheet\.", target):
         return _words(words)
     return f'<a href="{escape(target)}">{_words(words)}</a>'
