@@ -33,18 +33,18 @@ IMPORTING_S, RUNNING_S = (0.0, 0.15), (0.15, 0.5)  # as long as most commands im
 # Each with files that make it last longer than that, if it does not wait for something anyway.
 COMMANDS = {
     "ports": "ports",
-    "capture": "capture -i PORT -w OUT",
+    "capture": "capture -i PORT -w OUT --force",
     "report": "report CAPTURE -o OUT.html",
     "annotate": "annotate LOG",
     "annotate, page": "annotate LOG --format html",
     "annotate, pipe": "annotate -",
     "log": "log CAPTURE",
-    "import": "import USB -w OUT",
+    "import": "import USB -w OUT --force",
     "doctor": "doctor",
     "selftest": "selftest --duration 3600",
     "extcap": "extcap --capture --extcap-interface sistap-demo --fifo OUT",
     "bus": "bus --listen FOLDER/socket",
-    "bus, file": "bus -w OUT --cycles 1000000",
+    "bus, file": "bus -w OUT --force --cycles 1000000",
     "replay": "replay CAPTURE",
 }
 # One that captures, one that runs tshark, one that plays. The thorough tests try the rest.
