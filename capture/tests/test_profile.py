@@ -114,9 +114,9 @@ def test_columns(tshark: Run) -> None:
     assert dict(zip(titles, [value.strip() for value in packet], strict=True)) == {
         "No.": "6",
         "Time": "0.198333312",
-        "Silence (ms)": "25",
+        "Silence (ms)": "25.000",
         "Interval (ms)": "1.146",
-        "Reaction (ms)": "25",
+        "Reaction (ms)": "25.000",
         "Parameter": "S-0-0047",
         "Value": "-12.3450",
         "Telegram": "3 -> 16  Reaction  Read parameter S-0-0047 = -12.3450",

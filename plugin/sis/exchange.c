@@ -497,7 +497,7 @@ static hf_register_info fields[] = {
     {&hf_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
     {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
                          "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
-    {&hf_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_NONE, NULL, 0, "For a column of the packet list", HFILL}},
+    {&hf_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
     {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
     {&hf_gave_up, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
     {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},

@@ -521,9 +521,9 @@ sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_bod
 /* clang-format off */
 static hf_register_info fields[] = {
     {&hf_silence_before, {"Silence before", "sis.silence_before", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the character before it on this line, arrival to arrival", HFILL}},
-    {&hf_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_NONE, NULL, 0, "For a column of the packet list", HFILL}},
+    {&hf_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
     {&hf_tza_interval_max, {"Longest interval", "sis.tza.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been", HFILL}},
-    {&hf_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_NONE, NULL, 0, "For a column of the packet list", HFILL}},
+    {&hf_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
     {&hf_tza_position, {"Longest interval before character", "sis.tza.position", FT_UINT16, BASE_DEC, NULL, 0, "Its number in the telegram, from 1", HFILL}},
     {&hf_tza_limit, {"TzA (longest interval allowed)", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
     {&hf_tza_set_in, {"TzA set in", "sis.tza.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
