@@ -18,7 +18,7 @@ from pages.workbench import tables
 from sistap.annotate.page import KINDS
 
 POSTER = "poster-a4.pdf"
-PAPERS = ((POSTER, "Poster, A4"), ("poster-a3.pdf", "Poster, A3"), ("sheet.pdf", "All codes on one page, A4"))
+PAPERS = ((POSTER, "Poster, A4"), ("poster-a3.pdf", "Poster, A3"), ("sheet.pdf", "The telegram on one page, A4"))
 
 _TINT = "40"  # of 255, over the paper
 _FORMS = {
@@ -89,11 +89,17 @@ once. Nothing leaves this computer. Lessons with Wireshark are more fun; everyth
 </section>
 <section id="glossary">
 <h2>Glossary</h2>
-{markdown.read(HERE / "glossary.md")}
+{_words()}
 </section>
 </main>
 """
     return _page("SIS, a course to do", body, {"workbench": tables()}, ("workbench", "progress", "index"))
+
+
+def _words() -> str:
+    """Return the HTML of the glossary without its title: the page has a heading for it."""
+    _, _, words = (HERE / "glossary.md").read_text().partition("\n")
+    return markdown.html(words)
 
 
 def _navigation(lesson: Lesson, lessons: Sequence[Lesson]) -> str:
