@@ -76,9 +76,9 @@ def index_page(lessons: Sequence[Lesson]) -> str:
 <main class="single">
 <header>
 <h1>SIS, a course to do</h1>
-<p>Small service cases, ten minutes each. Read, look at the packets, and type your answers: the page checks them at
-once. Nothing leaves this computer. Lessons with Wireshark are more fun; everything here works without it.</p>
-<p>For the wall (PDF): {papers}</p>
+<p>Each lesson is a problem at a machine, and takes ten minutes. Read, look at the packets, and type your answers: the
+page checks them at once. Nothing leaves this computer. You can do every lesson here, or with Wireshark.</p>
+<p>Sheets to print (PDF): {papers}</p>
 <p id="progress" role="status"></p>
 </header>
 <ol class="lessons">
