@@ -65,7 +65,7 @@ Row = Callable[[int, list[str]], Claim]
 HEX = re.compile(r"(?:[0-9A-F]{2} )*[0-9A-F]{2}")
 PROMPT = "$ "
 RECORDS = "python3 -m sistap bus "
-TYPED = ("wireshark -C SIS ", "python3 -m sistap ")  # what the reader types
+TYPED = ("cd ", "wireshark -C SIS ", "python3 -m sistap ", "py -m sistap ")  # what the reader types
 
 
 class Button(NamedTuple):

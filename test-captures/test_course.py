@@ -43,6 +43,8 @@ SISTAP = COURSE.parent.parent / "capture" / "sistap"
 BUTTONS = SISTAP / "profile" / "SIS" / "dfilter_buttons"
 SOURCES = {".txt", ".toml"}  # a capture as text, or a scenario of the virtual bus
 
+COMMANDS = ("wireshark ", "python3 -m ", "py -m ")
+
 LONG = {"19-the-night", "20-a-morning"}  # lessons whose capture takes seconds to make
 
 every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
@@ -234,6 +236,15 @@ def test_lesson_is_whole(path: Path) -> None:
     assert questions == [str(number) for number in range(1, len(questions) + 1)]
     assert 3 <= len(questions) <= 6
     assert len(ANSWER.findall(text)) == len(questions) == text.count("<summary>Answer</summary>")
+
+
+@every_lesson
+def test_each_command_has_its_folder(path: Path) -> None:
+    """The paragraph before a command names the folder, or `cd` in the line above leads there."""
+    blocks = re.findall(r"((?:[^\n]+\n)+)\n((?:    [^\n]+\n)+)", path.read_text())
+    typed = [(before, block) for before, block in blocks if block.strip().startswith(COMMANDS)]
+    assert typed
+    assert [block for before, block in typed if "in the folder" not in " ".join(before.split())] == []
 
 
 @every_lesson

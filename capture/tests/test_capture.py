@@ -216,7 +216,9 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pyte
     )
 
 
-@pytest.mark.attack("the disk is full, at several places", "whole packets are saved; the last line counts them")
+@pytest.mark.attack(
+    "the disk becomes full at different moments", "only whole packets are saved; the last line on stderr counts them"
+)
 @pytest.mark.parametrize("room", [600, 1500, 3000, 4097])
 @pytest.mark.parametrize("options", [(), pytest.param(("-f", "link[5] != 0x03"), marks=libpcap), ("-b", "filesize:1")])
 def test_what_a_full_disk_leaves_is_what_the_summary_counts(

@@ -198,7 +198,7 @@ NO_MESSAGES = {
 }
 
 
-@pytest.mark.attack("the pipe of the toolbar delivers something that is no message", "ignored; the next message works")
+@pytest.mark.attack("the toolbar's pipe delivers something that is not a message", "ignored; the next message works")
 def test_messages_that_no_wireshark_sends_end_nothing(demo: Wireshark) -> None:
     demo.say(INITIALIZED)
     for text, sent in NO_MESSAGES.items():

@@ -36,7 +36,7 @@ HOSTILE = f"<b>&\"'${ODD}$ %s {{0}}"
 
 
 of_others = pytest.mark.attack(
-    "control characters, marks of direction, invalid UTF-8 in markers, comments, logs, adapter and interface names",
+    "control characters, Unicode direction marks, bad UTF-8: in markers, comments, logs, adapter and interface names",
     "visible escapes; HTML and JSON stay valid",
 )
 

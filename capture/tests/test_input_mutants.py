@@ -122,7 +122,8 @@ def damaged(chance: random.Random, whole: bytes) -> bytes:
 
 
 @pytest.mark.attack(
-    "damaged logs, scenarios, lists of install, messages of sockets and toolbars", "one line, or passed over"
+    "damaged logs, scenarios, lists of installed files, messages from sockets and toolbars",
+    "an error message, or ignored",
 )
 @pytest.mark.parametrize("share", [1, pytest.param(20, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("kind", SUBJECTS)

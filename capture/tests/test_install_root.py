@@ -112,7 +112,7 @@ def test_what_is_put_is_taken_away_and_nothing_else_is_touched(root: Root) -> No
     assert found["changed again"] == []
 
 
-@pytest.mark.attack("as root: the list of installed files names foreign files", "none is touched; a line for each")
+@pytest.mark.attack("as root: the list of installed files names foreign files", "none is touched; a message names each")
 def test_a_list_that_names_what_is_not_ours(root: Root) -> None:
     """With the right sums, links and dots on the way, folders of the system, and names that control a terminal."""
     names = [

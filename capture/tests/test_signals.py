@@ -128,7 +128,7 @@ def stopped(command: list[str], place: Place, delay_s: float, send: Send) -> tup
     return process.returncode, said.decode()
 
 
-@pytest.mark.attack("30 signals in 30 ms", "ends once: no traceback, no file or program left")
+@pytest.mark.attack("30 signals in 30 ms", "ends cleanly: no traceback, no temporary file, no program still running")
 @pytest.mark.parametrize("name", [*FIRST, *(pytest.param(name, marks=pytest.mark.thorough) for name in REST)])
 def test_a_burst_of_signals_in_the_first_half_second(name: str, place: Place) -> None:
     master, slave = pty.openpty()

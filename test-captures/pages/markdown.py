@@ -11,7 +11,6 @@ from base64 import b64encode
 from collections.abc import Iterator
 from html import escape
 from itertools import groupby
-from pathlib import Path
 
 from pages import COURSE
 
@@ -146,8 +145,3 @@ def _table(block: list[str]) -> str:
     body = "".join(f"<tr>{''.join(f'<td>{inline(cell)}</td>' for cell in row)}</tr>" for row in rows)
     kind = " ".join(re.sub(r"\W", "", cell) for cell in heading[:2])
     return f'<div class="wide"><table class="{kind}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
-def read(path: Path) -> str:
-    """Return the HTML of a file of Markdown."""
-    return html(path.read_text())

@@ -18,7 +18,7 @@ from pages.workbench import tables
 from sistap.annotate.page import KINDS
 
 POSTER = "poster-a4.pdf"
-PAPERS = ((POSTER, "Poster, A4"), ("poster-a3.pdf", "Poster, A3"), ("sheet.pdf", "All codes on one page, A4"))
+PAPERS = ((POSTER, "Poster, A4"), ("poster-a3.pdf", "Poster, A3"), ("sheet.pdf", "The telegram on one page, A4"))
 
 _TINT = "40"  # of 255, over the paper
 _FORMS = {
@@ -76,9 +76,9 @@ def index_page(lessons: Sequence[Lesson]) -> str:
 <main class="single">
 <header>
 <h1>SIS, a course to do</h1>
-<p>Small service cases, ten minutes each. Read, look at the packets, and type your answers: the page checks them at
-once. Nothing leaves this computer. Lessons with Wireshark are more fun; everything here works without it.</p>
-<p>For the wall (PDF): {papers}</p>
+<p>Each lesson is a problem at a machine, and takes ten minutes. Read, look at the packets, and type your answers: the
+page checks them at once. Nothing leaves this computer. You can do every lesson here, or with Wireshark.</p>
+<p>Sheets to print (PDF): {papers}</p>
 <p id="progress" role="status"></p>
 </header>
 <ol class="lessons">
@@ -89,11 +89,17 @@ once. Nothing leaves this computer. Lessons with Wireshark are more fun; everyth
 </section>
 <section id="glossary">
 <h2>Glossary</h2>
-{markdown.read(HERE / "glossary.md")}
+{_words()}
 </section>
 </main>
 """
     return _page("SIS, a course to do", body, {"workbench": tables()}, ("workbench", "progress", "index"))
+
+
+def _words() -> str:
+    """Return the HTML of the glossary without its title: the page has a heading for it."""
+    _, _, words = (HERE / "glossary.md").read_text().partition("\n")
+    return markdown.html(words)
 
 
 def _navigation(lesson: Lesson, lessons: Sequence[Lesson]) -> str:
