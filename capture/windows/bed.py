@@ -24,7 +24,7 @@ from proxy import Proxy  # noqa: E402
 from wine import CAPTURE, ROOT, Wine  # noqa: E402
 
 SUITE_S = 3600
-SUITE = "-m pytest -q -rs -c capture/pyproject.toml --rootdir . -p no:cacheprovider --tb=short"
+SUITE = "-m pytest -q -rs -c capture/pyproject.toml --rootdir . -p no:cacheprovider --tb=short --timeout=900"
 
 
 class Done(NamedTuple):
