@@ -5478,17 +5478,18 @@ do
     end
   end
 
-  -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one. With the
-  -- verdict over all of them, the first character after too long a pause where a telegram seems to begin (restart_at),
-  -- and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at: number of the
-  -- character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both its
-  -- characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there is
-  -- none.
+  -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit (0: none) where any does.
+  -- With the verdict over all of them, the first character after too long a pause where a telegram seems to begin
+  -- (restart_at), and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at:
+  -- number of the character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both
+  -- its characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there
+  -- is none.
   function S.longest(times, limit)
     local longest = {verdict = K.TIME_OK}
     local before
     local character, finish = times.first, times.first + times.count
 
+    if limit == 0 then limit = K.ANY_TIME end -- nothing exceeds it: the most that an interval can have been counts
     while character < finish do
       local read, at = read_at(times, character), character - times.first + 1
 
