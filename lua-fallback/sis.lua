@@ -1382,8 +1382,9 @@ do
     record.known = line
     if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, record) end
     if record.type ~= K.EVENT then note_spell(line, record) end
-    if record.type == K.EVENT and record.event == K.LIMITS_TOLD then
-      local text = sub(record.bytes, record.data_offset + 1, record.data_offset + record.count)
+    if record.type == K.EVENT and record.event == K.LIMITS_TOLD and record.values == record.declared then
+      -- Of a text that is cut, the beginning of a number is another number.
+      local text = sub(record.bytes, record.data_offset + 1, record.data_offset + record.values)
 
       line.limits = {told_in = number, text = string.match(text, "^[^\0]*")}
     end
@@ -1424,7 +1425,7 @@ end
 
 do
   local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
-  local FRAMING_SIS = 0
+  local FRAMING_SIS, FRAMING_3964R = 0, 1
   local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
   K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
@@ -1452,6 +1453,15 @@ do
 
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
   local handle -- of this dissector, once there is one
+
+  -- How long a packet is, or the payload of a record, with what the capture has cut. For Lua, a part of a packet ends
+  -- where the capture has cut it.
+  function T.reported_len(tvb)
+    local record = packet.record
+
+    if record and record.values < record.count and T.index(record, tvb) == 0 then return record.count end
+    return tvb:reported_len()
+  end
 
   -- The index, from 0, of the first character of the record in `part`, a subset of its payload.
   function T.index(record, part)
@@ -1562,7 +1572,7 @@ do
       add_expert(item, size < RECORD_HEADER_SIZE and ET.header_length_short or ET.truncated)
       return false
     end
-    return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
+    return #bytes >= size, #bytes < size
   end
 
   -- ns of one character, including start and stop bits; 0 if the rate is unknown.
@@ -1587,27 +1597,30 @@ do
     record.character_ns = character_ns(record)
     record.expected = declared * (record.type == K.EVENT and 1 or 6) -- bytes after the header
     record.is_readable = version == RECORD_VERSION and size >= RECORD_HEADER_SIZE
-    record.captured = nil -- packet size that the next two belong to
-    record.count = nil -- characters with a value
-    record.timed = nil -- characters with interval and flags as well
+    record.size = nil -- of the packet
+    record.captured = nil -- how much of it the capture has: what follows belongs to this size and this much
+    record.count = nil -- characters of the record
+    record.values = nil -- characters whose value is here
+    record.timed = nil -- characters whose interval and flags are here as well
     record.no_flags = nil -- their values without characters
     return record
   end)
 
   -- Decodes whatever is complete. The three arrays follow one another: missing bytes at the end are first missing
   -- from the flags.
-  local function count_characters(record, captured)
+  local function count_characters(record, captured, size)
     local declared, rest = record.declared, max(captured - record.data_offset, 0)
 
-    record.captured = captured
-    record.count = min(rest, declared)
+    record.size, record.captured = size, captured
+    record.count = min(size - record.data_offset, declared)
+    record.values = min(rest, declared)
     record.timed = record.type ~= K.EVENT and max(min(rest - declared * 5, declared), 0) or 0
     record.no_flags = rep("\0", record.timed)
   end
 
   -- Reads a record with a valid header.
-  local function read_record(record, tvb, bytes)
-    if record.captured ~= #bytes then count_characters(record, #bytes) end
+  local function read_record(record, tvb, bytes, there)
+    if record.captured ~= #bytes or record.size ~= there then count_characters(record, #bytes, there) end
     record.tvb = tvb
     record.bytes = bytes
     record.known = nil -- in the first pass: the state of the line
@@ -1617,7 +1630,7 @@ do
     record.duration = 0 -- ns, from the first character to the last
   end
 
-  -- Compares the count with the available bytes.
+  -- Compares the count with the bytes of the record.
   local function check_count(item, record, there)
     local declared, rest, expected = record.declared, there - record.data_offset, record.expected
 
@@ -1817,7 +1830,7 @@ do
 
   local function dissect_event(tvb, pinfo, tree, root, record)
     local name = N.events[record.event] or "Event of a later version"
-    local offset, count = record.data_offset, record.count
+    local offset, count = record.data_offset, record.values
     local text = name .. ": " .. format_text(sub(record.bytes, offset + 1, offset + count))
     local item = add(tree, FT.event, tvb, 18, 2) or root
 
@@ -1837,14 +1850,14 @@ do
 
   -- As hex and as text: a drive sends ASCII until SIS is selected.
   local function dissect_other(tvb, pinfo, tree, record)
-    local offset, count = record.data_offset, record.count
-    local shown = sub(record.bytes, offset + 1, offset + min(count, 24))
+    local offset, count, values = record.data_offset, record.count, record.values
+    local shown = sub(record.bytes, offset + 1, offset + min(values, 24))
     local more = #shown < count and " ..." or ""
     local info = strformat("%d other character%s", count, plural(count))
 
-    if count > 0 then
-      add(tree, FT.data, tvb, offset, count)
-      add(tree, FT.text, tvb, offset, count)
+    if values > 0 then
+      add(tree, FT.data, tvb, offset, values)
+      add(tree, FT.text, tvb, offset, values)
       info = info .. "  " .. hex(shown) .. more
       if is_text(shown) then info = info .. "  \"" .. format_text(shown) .. "\"" .. more end
     end
@@ -1853,12 +1866,12 @@ do
 
   -- Restores the columns for a dissector that finds a frame is not its own. SIS writes both.
   local function dissect_frame(tvb, pinfo, parent, record)
-    local count = record.count
+    local count, values = record.count, record.values
 
-    if record.framing ~= FRAMING_SIS or count == 0 then
+    if record.framing ~= FRAMING_SIS or values == 0 then
       write_columns(pinfo, strformat("%d character%s", count, plural(count)))
     end
-    if count > 0 then framing_table:try(record.framing, tvb(record.data_offset, count):tvb(), pinfo, parent) end
+    if values > 0 then framing_table:try(record.framing, tvb(record.data_offset, values):tvb(), pinfo, parent) end
   end
 
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
@@ -1895,6 +1908,12 @@ do
       and #bytes == there
   end
 
+  -- Whether its own dissector has already said that the capture has cut a frame.
+  local function is_payload_cut(record)
+    return record.type == K.FRAME and record.values > 0 and record.values < record.count
+      and (record.framing == FRAMING_SIS or record.framing == FRAMING_3964R)
+  end
+
   function sertap.dissector(tvb, pinfo, parent)
     local bytes, there = tvb:raw(), tvb:reported_len()
     local tree = (#bytes > 0 or there == 0) and parent:referenced(handle) and parent:add(sertap, tvb()) or nil
@@ -1908,9 +1927,10 @@ do
       if can_be_read then show_record(tvb, tree, root, record, there) end
     end
     if can_be_read then
-      read_record(record, tvb, bytes)
+      read_record(record, tvb, bytes, there)
       if S.is_counting then S.note_record(record) end
       dissect_record(tvb, pinfo, parent, tree, root, record)
+      if #bytes < there and not is_payload_cut(record) then S.show_cut(tvb, pinfo, parent, "SERTAP") end
     elseif is_cut then
       write_columns(pinfo, "")
       S.show_cut(tvb, pinfo, parent, "SERTAP")
@@ -2520,9 +2540,10 @@ do
   end
 
   local function dissect_telegrams(tvb, pinfo, tree)
-    local bytes, there, offset = tvb:raw(), tvb:reported_len(), 0
+    local bytes, offset = tvb:raw(), 0
 
     S.begin_packet(pinfo)
+    local there = T.reported_len(tvb)
     local cols = packet.cols
     cols.protocol = "SIS"
     while offset < #bytes do
@@ -6988,10 +7009,11 @@ do
   local WRONG = "Wrong block check character: the receiver answers NAK"
   local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
 
-  -- SYNAX's own times are not documented: these are Siemens'.
-  procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", 220,
+  local ZVZ_MS, QVZ_MS = 220, 2000 -- Siemens' times: SYNAX's own are not documented
+
+  procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", ZVZ_MS,
     "Longest interval between two characters of a block; 0: no verdict")
-  procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", 2000, "Longest time to the partner's answer; 0: no verdict")
+  procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", QVZ_MS, "Longest time to the partner's answer; 0: no verdict")
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
   -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, refused,
@@ -7012,8 +7034,9 @@ do
 
   -- Two requests within QVZ come from both partners, if possible: then neither was answered.
   local function note_request(bus, unit, times)
-    local before = bus.request
-    local is_soon = before and T.elapsed(before.finish, times.begin) < procedure.prefs.qvz_ms * MS
+    local before, limit_ms = bus.request, procedure.prefs.qvz_ms
+    local soon = (limit_ms > 0 and limit_ms or QVZ_MS) * MS
+    local is_soon = before and T.elapsed(before.finish, times.begin) < soon
 
     unit.meaning, unit.tries = ASKS, 1
     if is_soon and (unit.line == 0 or unit.line ~= before.line) then
@@ -7048,16 +7071,16 @@ do
     if bus.request then bus.request = nil else bus.block = nil end
   end
 
-  local function note_block(bus, unit, bytes)
+  local function note_block(bus, unit, bytes, is_whole)
     local last = bus.last_block
 
     unit.meaning, unit.tries = BLOCK, 1
-    if last and last.bytes == bytes then
+    if is_whole and last and last.bytes == bytes then
       unit.repeat_of = last.repeat_of or last.frame
       unit.tries = last.tries + 1
       last.bytes = nil
     end
-    unit.bytes = bytes
+    unit.bytes = is_whole and bytes -- otherwise the rest may differ: no block is the same
     bus.request, bus.refused, bus.block, bus.last_block = nil, nil, unit, unit
   end
 
@@ -7074,7 +7097,7 @@ do
 
     buses[key] = buses[key] or {}
     if there > 1 then
-      note_block(buses[key], unit, bytes)
+      note_block(buses[key], unit, bytes, #bytes == there)
     elseif character == STX then
       note_request(buses[key], unit, times)
     elseif character == DLE or character == NAK then
@@ -7209,6 +7232,12 @@ do
     local finish, first = there - END_SIZE, 1
     local data, doubled
 
+    if d.is_cut then
+      add(d.tree, FX["3964r_raw"], d.tvb, 0, there)
+      d.cols.info:append("Block")
+      return
+    end
+
     if finish >= 0 and byte(bytes, finish + 1) == DLE and byte(bytes, finish + 2) == ETX then
       -- Another logger's block may include its STX: then the check character decides.
       local bcc = byte(bytes, there)
@@ -7248,16 +7277,19 @@ do
   end
 
   function procedure.dissector(tvb, pinfo, parent)
-    local bytes, there = tvb:raw(), tvb:reported_len()
-    local tree = parent:add(procedure, tvb())
+    local bytes, tree = tvb:raw(), parent:add(procedure, tvb())
 
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
     pinfo.cols.protocol = "3964R"
     pinfo.cols.info = ""
-    if #bytes == 0 then return end
+    local there = T.reported_len(tvb)
+    if #bytes == 0 then
+      if there > 0 then S.show_cut(tvb, pinfo, parent, "3964R") end
+      return
+    end
     local times = S.times(tvb, there, there)
     local d = {tvb = tvb, bytes = bytes, tree = tree, root = tree, cols = pinfo.cols, times = times,
-      unit = find_unit(bytes, there, times)}
+      is_cut = #bytes < there, unit = find_unit(bytes, there, times)}
 
     append_text(tree, ", " .. N.procedure_meanings[d.unit.meaning])
     if d.unit.meaning == BLOCK then dissect_block(d, pinfo, parent) else dissect_character(d) end
@@ -7265,6 +7297,7 @@ do
     show_unit(d)
     show_answer(d)
     if d.unit.meaning == BLOCK then show_intervals(d) end
+    if d.is_cut then S.show_cut(tvb, pinfo, parent, "3964R") end
   end
 end
 

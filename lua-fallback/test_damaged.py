@@ -67,6 +67,17 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
 
 
 @sizes
+@pytest.mark.parametrize("name", ["records", "3964r"])
+def test_records_that_the_capture_has_cut(
+    name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path
+) -> None:
+    records = [item.record(None) for item in Scenario(HERE / f"{name}.txt").items]
+    cut = [bad_input.Packet(record[:end], len(record)) for record in records for end in range(1, len(record))]
+    bad_input.write(tmp_path / "cut.pcapng", some(cut, count), "sertap")
+    parity.check(plugin, script, tmp_path / "cut.pcapng", "-o", "sis.tza_ms:5")
+
+
+@sizes
 @pytest.mark.parametrize("name", ["synaxobj", "synaxpcp"])
 def test_objects(name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Objects and PCP: every beginning, every cut of the capture, and bytes that are changed."""

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import bad_input
+from bad_input import Packet
 from make import HERE, Scenario
 from sistap.files import pcapng
 from sistap.wireshark.tshark import Tshark
@@ -72,3 +74,36 @@ def test_capture_file_cut_in_a_packet(ends: tuple[int, ...] | None, tshark: Tsha
             ]
         )
         assert done.stdout.split() == ["3"], end
+
+
+# What a packet is called that is damaged on the wire, by the name of its dissector.
+DAMAGED = ("_ws.malformed", "sertap.truncated", "sis.length.short", "3964r.broken", "synax.short")
+SNAPPED = {"records": "sertap", "3964r": "sertap"}
+
+
+def damages(tshark: Tshark, dissector: str, packets: list[Packet], folder: Path) -> list[tuple[bool, set[str]]]:
+    """Tell of each packet whether the capture has cut it, and which damage it is said to have."""
+    bad_input.write(folder / "snapped.pcapng", packets, dissector)
+    columns = [word for field in ("_ws.short", *DAMAGED) for word in ("-e", field)]
+    lines = tshark.output("-r", str(folder / "snapped.pcapng"), "-T", "fields", *columns).splitlines()
+    rows = [line.split("\t") for line in lines]
+    return [(bool(short), {name for name, cell in zip(DAMAGED, cells, strict=True) if cell}) for short, *cells in rows]
+
+
+@pytest.mark.parametrize("name", SNAPPED)
+def test_what_the_capture_has_cut_is_not_damaged(name: str, tshark: Tshark, tmp_path: Path) -> None:
+    """A packet of which the capture has only the beginning has the damage of the whole packet at most."""
+    items = Scenario(HERE / f"{name}.txt").items
+    whole = [item.record(None) for item in items if SNAPPED[name] != "sertap" or item.raw is None]
+    packets = [Packet(data[:end], len(data)) for data in whole for end in range(1, len(data) + 1)]
+    found = damages(tshark, SNAPPED[name], packets, tmp_path)
+    assert len(found) == len(packets) > 100
+    wrong = []
+    damage: set[str] = set()
+    for packet, (is_short, is_said) in reversed(list(zip(packets, found, strict=True))):
+        is_whole = len(packet.data) == packet.original
+        if is_whole:
+            damage = is_said
+        if is_short == is_whole or not is_said <= damage:
+            wrong.append(f"{packet.data.hex(' ')}, {len(packet.data)} of {packet.original}: {is_short} {is_said}")
+    assert not wrong, "\n".join(wrong)
