@@ -6841,7 +6841,11 @@ do
     telegram = {frame = number, finish = packet.time + (packet.record and packet.record.duration or 0),
       is_repeat = is_repeat}
     telegrams[number] = telegram
-    if is_repeat or d.is_cut then return telegram end
+    if is_repeat or (d.is_cut and not d.is_snapped) then return telegram end
+    if d.is_snapped then
+      buses[T.bus_key()] = nil
+      return telegram
+    end
     if d.is_reaction then note_reaction(bus_of(), d, telegram) else note_command(bus_of(), d, telegram) end
     return telegram
   end
@@ -6945,7 +6949,9 @@ do
     if d.is_follow_up then return end
     d.is_cut = #d.bytes < COMMAND_SIZE
     if d.is_cut then
-      add_expert(d.root, EX.synax_short, strformat("A command has %d bytes", COMMAND_SIZE))
+      if not d.is_snapped then
+        add_expert(d.root, EX.synax_short, strformat("A command has %d bytes", COMMAND_SIZE))
+      end
       d.words = d.words .. "  [cut]"
       return
     end
@@ -6961,22 +6967,22 @@ do
   end
 
   -- Decodes the data of a block; false if they do not look like RK512.
-  function S.dissect_rk512i(tvb, pinfo, parent, is_repeat)
+  function S.dissect_rk512i(tvb, pinfo, parent, is_repeat, is_snapped)
     local bytes = tvb:raw()
 
     if not looks_like_rk512(bytes) then return false end
     local tree = parent:add(rk512i, tvb())
     local d = {tvb = tvb, bytes = bytes, tree = tree, root = tree, words = "",
-      is_follow_up = byte(bytes, 1) == FOLLOW_UP, is_reaction = byte(bytes, 3) == 0}
+      is_follow_up = byte(bytes, 1) == FOLLOW_UP, is_reaction = byte(bytes, 3) == 0, is_snapped = is_snapped}
 
     pinfo.cols.protocol = "RK512"
     dissect_head(d)
     d.telegram = find_telegram(d, is_repeat)
-    if d.is_cut then
-      if #bytes > FOLLOW_UP_SIZE then add(tree, FX.rk512i_data, tvb, FOLLOW_UP_SIZE, #bytes - FOLLOW_UP_SIZE) end
-    else
-      if d.is_reaction then show_reaction(d) end
+    if d.is_reaction then show_reaction(d) end
+    if not d.is_cut and not is_snapped then
       show_data(d)
+    elseif #bytes > d.data_at then
+      add(tree, FX.rk512i_data, tvb, d.data_at, #bytes - d.data_at)
     end
     show_links(d)
     append_text(tree, ", " .. d.words)
@@ -6987,8 +6993,14 @@ do
   function rk512i.dissector(tvb, pinfo, parent)
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
     pinfo.cols.info = ""
-    if S.dissect_rk512i(tvb, pinfo, parent, false) then return tvb:len() end
-    return 0
+    local captured, there = tvb:len(), tvb:reported_len()
+    local is_snapped = captured < there
+
+    if captured >= min(there, FOLLOW_UP_SIZE) and not S.dissect_rk512i(tvb, pinfo, parent, false, is_snapped) then
+      return 0
+    end
+    if is_snapped then S.show_cut(tvb, pinfo, parent, "RK512I") end
+    return tvb:len()
   end
 end
 
@@ -7408,29 +7420,33 @@ do
     end
     if offset == SHORT_HEAD then return true end
     add_raw(t, offset, t.end_)
-    mark(t, nil, EX.synax_short, "The head is cut: %d of %d bytes", t.end_, SHORT_HEAD)
+    if t.whole < SHORT_HEAD then
+      mark(t, nil, EX.synax_short, "The head is cut: %d of %d bytes", t.whole, SHORT_HEAD)
+    end
     say(t, "Cut telegram")
     return false
   end
 
   local function read_extent(t)
-    local there = t.end_ - SHORT_HEAD
+    local there = t.whole - SHORT_HEAD
 
     t.declared = 2 * word_at(t, 5)
     if t.command == FETCH then t.declared = t.is_follow_up and 0 or K.HEAD_SIZE end
     t.is_short = t.declared > there
-    t.end_ = SHORT_HEAD + min(t.declared, there)
+    t.whole = SHORT_HEAD + min(t.declared, there)
+    t.is_cut = t.end_ < t.whole
+    t.end_ = min(t.end_, t.whole)
   end
 
   local function check_extent(t)
-    local there = #t.bytes
+    local there = t.there
 
     if t.is_short then
       mark(t, nil, EX.synax_short, "%d of %d bytes after the length are there", there - SHORT_HEAD, t.declared)
     end
-    if there > t.end_ then
-      add_raw(t, t.end_, there)
-      mark(t, nil, EX.synax_unexpected, "%d byte%s after the telegram", there - t.end_, plural(there - t.end_))
+    if there > t.whole then
+      add_raw(t, t.end_, #t.bytes)
+      mark(t, nil, EX.synax_unexpected, "%d byte%s after the telegram", there - t.whole, plural(there - t.whole))
     end
   end
 
@@ -7480,8 +7496,9 @@ do
   local function begin_transfer(t, way)
     local announced, is_last = announced_by(t), says_last(t)
 
-    if t.is_block and byte_at(t, BLOCK_AT) == CANCEL_BLOCK then way.transfer = nil end
-    if t.is_short or announced <= t.end_ - HEAD or (is_last and way.transfer and not way.transfer.is_last) then
+    if t.is_block and byte_at(t, BLOCK_AT) == CANCEL_BLOCK or t.is_cut and not is_last then way.transfer = nil end
+    if t.is_short or t.is_cut or announced <= t.end_ - HEAD
+      or (is_last and way.transfer and not way.transfer.is_last) then
       return
     end
     way.transfer = {
@@ -7500,7 +7517,7 @@ do
     local transfer = way.transfer
 
     if not transfer then return end
-    if t.is_short then
+    if t.is_short or t.is_cut then
       way.transfer = nil
       return
     end
@@ -7548,17 +7565,15 @@ do
   end
 
   local function add_block_data(t, block)
-    local length = t.end_ - HEAD
-
-    if length == 0 then return end
-    add(t.tree, F.data, t.tvb, HEAD, length)
+    if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
+    if t.whole == HEAD then return end
     if block == IO_BLOCK or block == MODE_BLOCK then
       for at = HEAD, t.end_ - 2, 2 do
         add_le(t.tree, FX.arcnet7f_word, t.tvb, at, 2)
       end
     end
     if block == MODE_BLOCK then mark(t, nil, EX.synax_note, "No document says which value is which mode") end
-    say_bytes(t, length)
+    say_bytes(t, t.whole - HEAD)
   end
 
   local function add_block(t)
@@ -7600,6 +7615,11 @@ do
 
     say(t, "%s", words)
     if t.command == FETCH then return end
+    if t.is_cut then
+      say_bytes(t, t.whole - HEAD)
+      if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
+      return
+    end
     if head.is_last or (announced == length and length > 0) then
       local telegram = t.end_ == #t.bytes and t.tvb or t.tvb(0, t.end_):tvb()
 
@@ -7618,7 +7638,7 @@ do
     if t.end_ < HEAD then
       add_raw(t, SHORT_HEAD, t.end_)
       say(t, "Cut telegram")
-      if not t.is_short then
+      if not t.is_short and not t.is_cut then
         mark(t, nil, EX.synax_short, "The length says %d bytes, the head has %d", t.declared, K.HEAD_SIZE)
       end
     elseif t.is_block then
@@ -7654,7 +7674,8 @@ do
       say(t, " of %s", transfer.ident.text)
     end
     if length > 0 then add(t.tree, F.data, t.tvb, SHORT_HEAD, length) end
-    say_bytes(t, length)
+    say_bytes(t, t.whole - SHORT_HEAD)
+    if t.is_cut then return end
     if not transfer then
       mark(t, nil, EX.synax_note, "No list goes on here: its beginning is missing, or it has ended")
       return
@@ -7687,16 +7708,19 @@ do
     check_extent(t)
   end
 
-  local function dissect(tvb, pinfo, parent)
+  -- `tvb` is what the capture has of a packet of `there` bytes.
+  local function dissect(tvb, pinfo, parent, there)
     local tree = parent:add(arcnet7f, tvb())
     local bytes = tvb:raw()
-    local t = {tvb = tvb, bytes = bytes, pinfo = pinfo, tree = tree, root = tree, words = "", end_ = #bytes}
+    local t = {tvb = tvb, bytes = bytes, pinfo = pinfo, tree = tree, root = tree, words = "", there = there,
+      whole = there, end_ = #bytes}
 
     kept_of[packet.number] = kept_of[packet.number] or {}
     t.kept = kept_of[packet.number]
     if add_short_head(t) then add_rest(t) end
     pinfo.cols.info = t.words
     append_text(t.root, ", " .. t.words)
+    if #bytes < there then S.show_cut(tvb, pinfo, parent, "ARCNET7F") end
   end
 
   -- Wireshark takes the three bytes after the protocol id as its split flag and sequence number; seven bytes if the
@@ -7705,10 +7729,11 @@ do
     S.begin_packet(pinfo)
     pinfo.cols.protocol = "ARCNET7F"
     pinfo.cols.info = ""
-    if pinfo.match ~= PROTOCOL_ID then return dissect(tvb, pinfo, parent) end
+    if pinfo.match ~= PROTOCOL_ID then return dissect(tvb, pinfo, parent, tvb:reported_len()) end
     local frame, offset = frame_field(), tvb:offset()
+    local begin = offset == 10 and 2 or max(offset, 4) - 4
 
-    if frame then dissect(frame.range(offset == 10 and 2 or max(offset, 4) - 4):tvb(), pinfo, parent) end
+    if frame then dissect(frame.range(begin):tvb(), pinfo, parent, offset + tvb:reported_len() - begin) end
   end
 
   DissectorTable.get("arcnet.protocol_id"):add(PROTOCOL_ID, arcnet7f)
@@ -7839,6 +7864,15 @@ do
       if c.word == BASIC_STATE then ways[key] = {} end
       ways[key].image = sub(c.bytes, 1, c.there)
     elseif c.word == BASIC_STATE then
+      ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
+    end
+  end
+
+  -- First pass: what was under way when the capture cut a packet.
+  local function forget(c)
+    if c.sender ~= GUESS then
+      ways[find_key(c, c.sender)] = {}
+    else
       ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
     end
   end
@@ -8085,18 +8119,27 @@ do
   end
 
   local function check_size(c)
-    local more = #c.bytes - c.there
+    local more = c.all - c.there
 
     if more == 0 then return end
-    add(c.tree, F.raw, c.tvb, c.there, more)
+    if #c.bytes > c.there then add(c.tree, F.raw, c.tvb, c.there, #c.bytes - c.there) end
     mark(c, nil, EX.synax_unexpected, "%d byte%s after the six words of the channel", more, plural(more))
+  end
+
+  -- Of a channel that the capture has cut, nothing is certain.
+  local function add_cut(c, is_synax)
+    add_sender(c)
+    say(c, "Cut channel")
+    if #c.bytes > 0 then add(c.tree, F.raw, c.tvb, 0, #c.bytes) end
+    if not packet.visited and is_synax then forget(c) end
   end
 
   -- Everything but the telegram for another dissector.
   local function add_channel(c)
     local is_synax, telegram = synaxpk.prefs.layout == SYNAX, nil
 
-    c.there = is_synax and min(#c.bytes, CHANNEL_SIZE) or #c.bytes
+    c.there = is_synax and min(c.all, CHANNEL_SIZE) or c.all
+    if c.there > #c.bytes then return add_cut(c, is_synax) end
     if c.there < WORD_SIZE then
       add_open_bytes(c, c.tvb, 0, c.there)
       mark(c, nil, EX.synax_short, "The control or status word is cut")
@@ -8114,7 +8157,8 @@ do
   function synaxpk.dissector(tvb, pinfo, parent)
     S.begin_packet(pinfo)
     local tree, cols = parent:add(synaxpk, tvb()), pinfo.cols
-    local c = {tvb = tvb, bytes = tvb:raw(), pinfo = pinfo, tree = tree, root = tree, words = ""}
+    local c = {tvb = tvb, bytes = tvb:raw(), all = tvb:reported_len(), pinfo = pinfo, tree = tree, root = tree,
+      words = ""}
 
     cols.protocol = "SYNAXPK"
     cols.info = ""
@@ -8126,6 +8170,7 @@ do
       cols.info:fence()
       Dissector.get("sis"):call(telegram, pinfo, parent)
     end
+    if #c.bytes < c.all then S.show_cut(tvb, pinfo, parent, "SYNAXPK") end
   end
 end
 

@@ -67,13 +67,20 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
 
 
 @sizes
-@pytest.mark.parametrize("name", ["records", "3964r"])
-def test_records_that_the_capture_has_cut(
-    name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path
+@pytest.mark.parametrize(
+    ("name", "dissector"),
+    [("records", "sertap"), ("3964r", "sertap"), ("3964r", "rk512i"), ("arcnet7f", "arcnet7f"), ("synaxpk", "synaxpk")],
+)
+def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
+    name: str, dissector: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path
 ) -> None:
-    records = [item.record(None) for item in Scenario(HERE / f"{name}.txt").items]
-    cut = [bad_input.Packet(record[:end], len(record)) for record in records for end in range(1, len(record))]
-    bad_input.write(tmp_path / "cut.pcapng", some(cut, count), "sertap")
+    """Each packet whole, and then its beginnings: so what is under way when the capture cuts a packet is known."""
+    items = Scenario(HERE / f"{name}.txt").items
+    whole = [item.data if dissector == "rk512i" else item.record(None) for item in items]
+    ends = [(data, end) for data in whole for end in (len(data), *range(1, len(data)))]
+    bad_input.write(
+        tmp_path / "cut.pcapng", some([bad_input.Packet(data[:end], len(data)) for data, end in ends], count), dissector
+    )
     parity.check(plugin, script, tmp_path / "cut.pcapng", "-o", "sis.tza_ms:5")
 
 
