@@ -1382,8 +1382,9 @@ do
     record.known = line
     if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, record) end
     if record.type ~= K.EVENT then note_spell(line, record) end
-    if record.type == K.EVENT and record.event == K.LIMITS_TOLD then
-      local text = sub(record.bytes, record.data_offset + 1, record.data_offset + record.count)
+    if record.type == K.EVENT and record.event == K.LIMITS_TOLD and record.values == record.declared then
+      -- Of a text that is cut, the beginning of a number is another number.
+      local text = sub(record.bytes, record.data_offset + 1, record.data_offset + record.values)
 
       line.limits = {told_in = number, text = string.match(text, "^[^\0]*")}
     end
@@ -1424,7 +1425,7 @@ end
 
 do
   local RECORD_VERSION, RECORD_HEADER_SIZE = 1, 20
-  local FRAMING_SIS = 0
+  local FRAMING_SIS, FRAMING_3964R = 0, 1
   local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
   K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
@@ -1452,6 +1453,15 @@ do
 
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
   local handle -- of this dissector, once there is one
+
+  -- How long a packet is, or the payload of a record, with what the capture has cut. For Lua, a part of a packet ends
+  -- where the capture has cut it.
+  function T.reported_len(tvb)
+    local record = packet.record
+
+    if record and record.values < record.count and T.index(record, tvb) == 0 then return record.count end
+    return tvb:reported_len()
+  end
 
   -- The index, from 0, of the first character of the record in `part`, a subset of its payload.
   function T.index(record, part)
@@ -1562,7 +1572,7 @@ do
       add_expert(item, size < RECORD_HEADER_SIZE and ET.header_length_short or ET.truncated)
       return false
     end
-    return #bytes >= RECORD_HEADER_SIZE, #bytes < RECORD_HEADER_SIZE
+    return #bytes >= size, #bytes < size
   end
 
   -- ns of one character, including start and stop bits; 0 if the rate is unknown.
@@ -1587,27 +1597,30 @@ do
     record.character_ns = character_ns(record)
     record.expected = declared * (record.type == K.EVENT and 1 or 6) -- bytes after the header
     record.is_readable = version == RECORD_VERSION and size >= RECORD_HEADER_SIZE
-    record.captured = nil -- packet size that the next two belong to
-    record.count = nil -- characters with a value
-    record.timed = nil -- characters with interval and flags as well
+    record.size = nil -- of the packet
+    record.captured = nil -- how much of it the capture has: what follows belongs to this size and this much
+    record.count = nil -- characters of the record
+    record.values = nil -- characters whose value is here
+    record.timed = nil -- characters whose interval and flags are here as well
     record.no_flags = nil -- their values without characters
     return record
   end)
 
   -- Decodes whatever is complete. The three arrays follow one another: missing bytes at the end are first missing
   -- from the flags.
-  local function count_characters(record, captured)
+  local function count_characters(record, captured, size)
     local declared, rest = record.declared, max(captured - record.data_offset, 0)
 
-    record.captured = captured
-    record.count = min(rest, declared)
+    record.size, record.captured = size, captured
+    record.count = min(size - record.data_offset, declared)
+    record.values = min(rest, declared)
     record.timed = record.type ~= K.EVENT and max(min(rest - declared * 5, declared), 0) or 0
     record.no_flags = rep("\0", record.timed)
   end
 
   -- Reads a record with a valid header.
-  local function read_record(record, tvb, bytes)
-    if record.captured ~= #bytes then count_characters(record, #bytes) end
+  local function read_record(record, tvb, bytes, there)
+    if record.captured ~= #bytes or record.size ~= there then count_characters(record, #bytes, there) end
     record.tvb = tvb
     record.bytes = bytes
     record.known = nil -- in the first pass: the state of the line
@@ -1617,7 +1630,7 @@ do
     record.duration = 0 -- ns, from the first character to the last
   end
 
-  -- Compares the count with the available bytes.
+  -- Compares the count with the bytes of the record.
   local function check_count(item, record, there)
     local declared, rest, expected = record.declared, there - record.data_offset, record.expected
 
@@ -1817,7 +1830,7 @@ do
 
   local function dissect_event(tvb, pinfo, tree, root, record)
     local name = N.events[record.event] or "Event of a later version"
-    local offset, count = record.data_offset, record.count
+    local offset, count = record.data_offset, record.values
     local text = name .. ": " .. format_text(sub(record.bytes, offset + 1, offset + count))
     local item = add(tree, FT.event, tvb, 18, 2) or root
 
@@ -1837,14 +1850,14 @@ do
 
   -- As hex and as text: a drive sends ASCII until SIS is selected.
   local function dissect_other(tvb, pinfo, tree, record)
-    local offset, count = record.data_offset, record.count
-    local shown = sub(record.bytes, offset + 1, offset + min(count, 24))
+    local offset, count, values = record.data_offset, record.count, record.values
+    local shown = sub(record.bytes, offset + 1, offset + min(values, 24))
     local more = #shown < count and " ..." or ""
     local info = strformat("%d other character%s", count, plural(count))
 
-    if count > 0 then
-      add(tree, FT.data, tvb, offset, count)
-      add(tree, FT.text, tvb, offset, count)
+    if values > 0 then
+      add(tree, FT.data, tvb, offset, values)
+      add(tree, FT.text, tvb, offset, values)
       info = info .. "  " .. hex(shown) .. more
       if is_text(shown) then info = info .. "  \"" .. format_text(shown) .. "\"" .. more end
     end
@@ -1853,12 +1866,12 @@ do
 
   -- Restores the columns for a dissector that finds a frame is not its own. SIS writes both.
   local function dissect_frame(tvb, pinfo, parent, record)
-    local count = record.count
+    local count, values = record.count, record.values
 
-    if record.framing ~= FRAMING_SIS or count == 0 then
+    if record.framing ~= FRAMING_SIS or values == 0 then
       write_columns(pinfo, strformat("%d character%s", count, plural(count)))
     end
-    if count > 0 then framing_table:try(record.framing, tvb(record.data_offset, count):tvb(), pinfo, parent) end
+    if values > 0 then framing_table:try(record.framing, tvb(record.data_offset, values):tvb(), pinfo, parent) end
   end
 
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
@@ -1895,6 +1908,12 @@ do
       and #bytes == there
   end
 
+  -- Whether its own dissector has already said that the capture has cut a frame.
+  local function is_payload_cut(record)
+    return record.type == K.FRAME and record.values > 0 and record.values < record.count
+      and (record.framing == FRAMING_SIS or record.framing == FRAMING_3964R)
+  end
+
   function sertap.dissector(tvb, pinfo, parent)
     local bytes, there = tvb:raw(), tvb:reported_len()
     local tree = (#bytes > 0 or there == 0) and parent:referenced(handle) and parent:add(sertap, tvb()) or nil
@@ -1908,9 +1927,10 @@ do
       if can_be_read then show_record(tvb, tree, root, record, there) end
     end
     if can_be_read then
-      read_record(record, tvb, bytes)
+      read_record(record, tvb, bytes, there)
       if S.is_counting then S.note_record(record) end
       dissect_record(tvb, pinfo, parent, tree, root, record)
+      if #bytes < there and not is_payload_cut(record) then S.show_cut(tvb, pinfo, parent, "SERTAP") end
     elseif is_cut then
       write_columns(pinfo, "")
       S.show_cut(tvb, pinfo, parent, "SERTAP")
@@ -2520,9 +2540,10 @@ do
   end
 
   local function dissect_telegrams(tvb, pinfo, tree)
-    local bytes, there, offset = tvb:raw(), tvb:reported_len(), 0
+    local bytes, offset = tvb:raw(), 0
 
     S.begin_packet(pinfo)
+    local there = T.reported_len(tvb)
     local cols = packet.cols
     cols.protocol = "SIS"
     while offset < #bytes do
@@ -5478,17 +5499,18 @@ do
     end
   end
 
-  -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one. With the
-  -- verdict over all of them, the first character after too long a pause where a telegram seems to begin (restart_at),
-  -- and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at: number of the
-  -- character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both its
-  -- characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there is
-  -- none.
+  -- The interval that is, or may be, the longest of a telegram: one that exceeds the limit (0: none) where any does.
+  -- With the verdict over all of them, the first character after too long a pause where a telegram seems to begin
+  -- (restart_at), and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at:
+  -- number of the character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both
+  -- its characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there
+  -- is none.
   function S.longest(times, limit)
     local longest = {verdict = K.TIME_OK}
     local before
     local character, finish = times.first, times.first + times.count
 
+    if limit == 0 then limit = K.ANY_TIME end -- nothing exceeds it: the most that an interval can have been counts
     while character < finish do
       local read, at = read_at(times, character), character - times.first + 1
 
@@ -6819,7 +6841,11 @@ do
     telegram = {frame = number, finish = packet.time + (packet.record and packet.record.duration or 0),
       is_repeat = is_repeat}
     telegrams[number] = telegram
-    if is_repeat or d.is_cut then return telegram end
+    if is_repeat or (d.is_cut and not d.is_snapped) then return telegram end
+    if d.is_snapped then
+      buses[T.bus_key()] = nil
+      return telegram
+    end
     if d.is_reaction then note_reaction(bus_of(), d, telegram) else note_command(bus_of(), d, telegram) end
     return telegram
   end
@@ -6923,7 +6949,9 @@ do
     if d.is_follow_up then return end
     d.is_cut = #d.bytes < COMMAND_SIZE
     if d.is_cut then
-      add_expert(d.root, EX.synax_short, strformat("A command has %d bytes", COMMAND_SIZE))
+      if not d.is_snapped then
+        add_expert(d.root, EX.synax_short, strformat("A command has %d bytes", COMMAND_SIZE))
+      end
       d.words = d.words .. "  [cut]"
       return
     end
@@ -6939,22 +6967,22 @@ do
   end
 
   -- Decodes the data of a block; false if they do not look like RK512.
-  function S.dissect_rk512i(tvb, pinfo, parent, is_repeat)
+  function S.dissect_rk512i(tvb, pinfo, parent, is_repeat, is_snapped)
     local bytes = tvb:raw()
 
     if not looks_like_rk512(bytes) then return false end
     local tree = parent:add(rk512i, tvb())
     local d = {tvb = tvb, bytes = bytes, tree = tree, root = tree, words = "",
-      is_follow_up = byte(bytes, 1) == FOLLOW_UP, is_reaction = byte(bytes, 3) == 0}
+      is_follow_up = byte(bytes, 1) == FOLLOW_UP, is_reaction = byte(bytes, 3) == 0, is_snapped = is_snapped}
 
     pinfo.cols.protocol = "RK512"
     dissect_head(d)
     d.telegram = find_telegram(d, is_repeat)
-    if d.is_cut then
-      if #bytes > FOLLOW_UP_SIZE then add(tree, FX.rk512i_data, tvb, FOLLOW_UP_SIZE, #bytes - FOLLOW_UP_SIZE) end
-    else
-      if d.is_reaction then show_reaction(d) end
+    if d.is_reaction then show_reaction(d) end
+    if not d.is_cut and not is_snapped then
       show_data(d)
+    elseif #bytes > d.data_at then
+      add(tree, FX.rk512i_data, tvb, d.data_at, #bytes - d.data_at)
     end
     show_links(d)
     append_text(tree, ", " .. d.words)
@@ -6965,8 +6993,14 @@ do
   function rk512i.dissector(tvb, pinfo, parent)
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
     pinfo.cols.info = ""
-    if S.dissect_rk512i(tvb, pinfo, parent, false) then return tvb:len() end
-    return 0
+    local captured, there = tvb:len(), tvb:reported_len()
+    local is_snapped = captured < there
+
+    if captured >= min(there, FOLLOW_UP_SIZE) and not S.dissect_rk512i(tvb, pinfo, parent, false, is_snapped) then
+      return 0
+    end
+    if is_snapped then S.show_cut(tvb, pinfo, parent, "RK512I") end
+    return tvb:len()
   end
 end
 
@@ -6987,10 +7021,11 @@ do
   local WRONG = "Wrong block check character: the receiver answers NAK"
   local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
 
-  -- SYNAX's own times are not documented: these are Siemens'.
-  procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", 220,
+  local ZVZ_MS, QVZ_MS = 220, 2000 -- Siemens' times: SYNAX's own are not documented
+
+  procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", ZVZ_MS,
     "Longest interval between two characters of a block; 0: no verdict")
-  procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", 2000, "Longest time to the partner's answer; 0: no verdict")
+  procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", QVZ_MS, "Longest time to the partner's answer; 0: no verdict")
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
   -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, refused,
@@ -7011,8 +7046,9 @@ do
 
   -- Two requests within QVZ come from both partners, if possible: then neither was answered.
   local function note_request(bus, unit, times)
-    local before = bus.request
-    local is_soon = before and T.elapsed(before.finish, times.begin) < procedure.prefs.qvz_ms * MS
+    local before, limit_ms = bus.request, procedure.prefs.qvz_ms
+    local soon = (limit_ms > 0 and limit_ms or QVZ_MS) * MS
+    local is_soon = before and T.elapsed(before.finish, times.begin) < soon
 
     unit.meaning, unit.tries = ASKS, 1
     if is_soon and (unit.line == 0 or unit.line ~= before.line) then
@@ -7047,16 +7083,16 @@ do
     if bus.request then bus.request = nil else bus.block = nil end
   end
 
-  local function note_block(bus, unit, bytes)
+  local function note_block(bus, unit, bytes, is_whole)
     local last = bus.last_block
 
     unit.meaning, unit.tries = BLOCK, 1
-    if last and last.bytes == bytes then
+    if is_whole and last and last.bytes == bytes then
       unit.repeat_of = last.repeat_of or last.frame
       unit.tries = last.tries + 1
       last.bytes = nil
     end
-    unit.bytes = bytes
+    unit.bytes = is_whole and bytes -- otherwise the rest may differ: no block is the same
     bus.request, bus.refused, bus.block, bus.last_block = nil, nil, unit, unit
   end
 
@@ -7073,7 +7109,7 @@ do
 
     buses[key] = buses[key] or {}
     if there > 1 then
-      note_block(buses[key], unit, bytes)
+      note_block(buses[key], unit, bytes, #bytes == there)
     elseif character == STX then
       note_request(buses[key], unit, times)
     elseif character == DLE or character == NAK then
@@ -7208,6 +7244,12 @@ do
     local finish, first = there - END_SIZE, 1
     local data, doubled
 
+    if d.is_cut then
+      add(d.tree, FX["3964r_raw"], d.tvb, 0, there)
+      d.cols.info:append("Block")
+      return
+    end
+
     if finish >= 0 and byte(bytes, finish + 1) == DLE and byte(bytes, finish + 2) == ETX then
       -- Another logger's block may include its STX: then the check character decides.
       local bcc = byte(bytes, there)
@@ -7247,16 +7289,19 @@ do
   end
 
   function procedure.dissector(tvb, pinfo, parent)
-    local bytes, there = tvb:raw(), tvb:reported_len()
-    local tree = parent:add(procedure, tvb())
+    local bytes, tree = tvb:raw(), parent:add(procedure, tvb())
 
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
     pinfo.cols.protocol = "3964R"
     pinfo.cols.info = ""
-    if #bytes == 0 then return end
+    local there = T.reported_len(tvb)
+    if #bytes == 0 then
+      if there > 0 then S.show_cut(tvb, pinfo, parent, "3964R") end
+      return
+    end
     local times = S.times(tvb, there, there)
     local d = {tvb = tvb, bytes = bytes, tree = tree, root = tree, cols = pinfo.cols, times = times,
-      unit = find_unit(bytes, there, times)}
+      is_cut = #bytes < there, unit = find_unit(bytes, there, times)}
 
     append_text(tree, ", " .. N.procedure_meanings[d.unit.meaning])
     if d.unit.meaning == BLOCK then dissect_block(d, pinfo, parent) else dissect_character(d) end
@@ -7264,6 +7309,7 @@ do
     show_unit(d)
     show_answer(d)
     if d.unit.meaning == BLOCK then show_intervals(d) end
+    if d.is_cut then S.show_cut(tvb, pinfo, parent, "3964R") end
   end
 end
 
@@ -7374,29 +7420,33 @@ do
     end
     if offset == SHORT_HEAD then return true end
     add_raw(t, offset, t.end_)
-    mark(t, nil, EX.synax_short, "The head is cut: %d of %d bytes", t.end_, SHORT_HEAD)
+    if t.whole < SHORT_HEAD then
+      mark(t, nil, EX.synax_short, "The head is cut: %d of %d bytes", t.whole, SHORT_HEAD)
+    end
     say(t, "Cut telegram")
     return false
   end
 
   local function read_extent(t)
-    local there = t.end_ - SHORT_HEAD
+    local there = t.whole - SHORT_HEAD
 
     t.declared = 2 * word_at(t, 5)
     if t.command == FETCH then t.declared = t.is_follow_up and 0 or K.HEAD_SIZE end
     t.is_short = t.declared > there
-    t.end_ = SHORT_HEAD + min(t.declared, there)
+    t.whole = SHORT_HEAD + min(t.declared, there)
+    t.is_cut = t.end_ < t.whole
+    t.end_ = min(t.end_, t.whole)
   end
 
   local function check_extent(t)
-    local there = #t.bytes
+    local there = t.there
 
     if t.is_short then
       mark(t, nil, EX.synax_short, "%d of %d bytes after the length are there", there - SHORT_HEAD, t.declared)
     end
-    if there > t.end_ then
-      add_raw(t, t.end_, there)
-      mark(t, nil, EX.synax_unexpected, "%d byte%s after the telegram", there - t.end_, plural(there - t.end_))
+    if there > t.whole then
+      add_raw(t, t.end_, #t.bytes)
+      mark(t, nil, EX.synax_unexpected, "%d byte%s after the telegram", there - t.whole, plural(there - t.whole))
     end
   end
 
@@ -7446,8 +7496,9 @@ do
   local function begin_transfer(t, way)
     local announced, is_last = announced_by(t), says_last(t)
 
-    if t.is_block and byte_at(t, BLOCK_AT) == CANCEL_BLOCK then way.transfer = nil end
-    if t.is_short or announced <= t.end_ - HEAD or (is_last and way.transfer and not way.transfer.is_last) then
+    if t.is_block and byte_at(t, BLOCK_AT) == CANCEL_BLOCK or t.is_cut and not is_last then way.transfer = nil end
+    if t.is_short or t.is_cut or announced <= t.end_ - HEAD
+      or (is_last and way.transfer and not way.transfer.is_last) then
       return
     end
     way.transfer = {
@@ -7466,7 +7517,7 @@ do
     local transfer = way.transfer
 
     if not transfer then return end
-    if t.is_short then
+    if t.is_short or t.is_cut then
       way.transfer = nil
       return
     end
@@ -7514,17 +7565,15 @@ do
   end
 
   local function add_block_data(t, block)
-    local length = t.end_ - HEAD
-
-    if length == 0 then return end
-    add(t.tree, F.data, t.tvb, HEAD, length)
+    if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
+    if t.whole == HEAD then return end
     if block == IO_BLOCK or block == MODE_BLOCK then
       for at = HEAD, t.end_ - 2, 2 do
         add_le(t.tree, FX.arcnet7f_word, t.tvb, at, 2)
       end
     end
     if block == MODE_BLOCK then mark(t, nil, EX.synax_note, "No document says which value is which mode") end
-    say_bytes(t, length)
+    say_bytes(t, t.whole - HEAD)
   end
 
   local function add_block(t)
@@ -7566,6 +7615,11 @@ do
 
     say(t, "%s", words)
     if t.command == FETCH then return end
+    if t.is_cut then
+      say_bytes(t, t.whole - HEAD)
+      if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
+      return
+    end
     if head.is_last or (announced == length and length > 0) then
       local telegram = t.end_ == #t.bytes and t.tvb or t.tvb(0, t.end_):tvb()
 
@@ -7584,7 +7638,7 @@ do
     if t.end_ < HEAD then
       add_raw(t, SHORT_HEAD, t.end_)
       say(t, "Cut telegram")
-      if not t.is_short then
+      if not t.is_short and not t.is_cut then
         mark(t, nil, EX.synax_short, "The length says %d bytes, the head has %d", t.declared, K.HEAD_SIZE)
       end
     elseif t.is_block then
@@ -7620,7 +7674,8 @@ do
       say(t, " of %s", transfer.ident.text)
     end
     if length > 0 then add(t.tree, F.data, t.tvb, SHORT_HEAD, length) end
-    say_bytes(t, length)
+    say_bytes(t, t.whole - SHORT_HEAD)
+    if t.is_cut then return end
     if not transfer then
       mark(t, nil, EX.synax_note, "No list goes on here: its beginning is missing, or it has ended")
       return
@@ -7653,16 +7708,19 @@ do
     check_extent(t)
   end
 
-  local function dissect(tvb, pinfo, parent)
+  -- `tvb` is what the capture has of a packet of `there` bytes.
+  local function dissect(tvb, pinfo, parent, there)
     local tree = parent:add(arcnet7f, tvb())
     local bytes = tvb:raw()
-    local t = {tvb = tvb, bytes = bytes, pinfo = pinfo, tree = tree, root = tree, words = "", end_ = #bytes}
+    local t = {tvb = tvb, bytes = bytes, pinfo = pinfo, tree = tree, root = tree, words = "", there = there,
+      whole = there, end_ = #bytes}
 
     kept_of[packet.number] = kept_of[packet.number] or {}
     t.kept = kept_of[packet.number]
     if add_short_head(t) then add_rest(t) end
     pinfo.cols.info = t.words
     append_text(t.root, ", " .. t.words)
+    if #bytes < there then S.show_cut(tvb, pinfo, parent, "ARCNET7F") end
   end
 
   -- Wireshark takes the three bytes after the protocol id as its split flag and sequence number; seven bytes if the
@@ -7671,10 +7729,11 @@ do
     S.begin_packet(pinfo)
     pinfo.cols.protocol = "ARCNET7F"
     pinfo.cols.info = ""
-    if pinfo.match ~= PROTOCOL_ID then return dissect(tvb, pinfo, parent) end
+    if pinfo.match ~= PROTOCOL_ID then return dissect(tvb, pinfo, parent, tvb:reported_len()) end
     local frame, offset = frame_field(), tvb:offset()
+    local begin = offset == 10 and 2 or max(offset, 4) - 4
 
-    if frame then dissect(frame.range(offset == 10 and 2 or max(offset, 4) - 4):tvb(), pinfo, parent) end
+    if frame then dissect(frame.range(begin):tvb(), pinfo, parent, offset + tvb:reported_len() - begin) end
   end
 
   DissectorTable.get("arcnet.protocol_id"):add(PROTOCOL_ID, arcnet7f)
@@ -7805,6 +7864,15 @@ do
       if c.word == BASIC_STATE then ways[key] = {} end
       ways[key].image = sub(c.bytes, 1, c.there)
     elseif c.word == BASIC_STATE then
+      ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
+    end
+  end
+
+  -- First pass: what was under way when the capture cut a packet.
+  local function forget(c)
+    if c.sender ~= GUESS then
+      ways[find_key(c, c.sender)] = {}
+    else
       ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
     end
   end
@@ -8051,18 +8119,27 @@ do
   end
 
   local function check_size(c)
-    local more = #c.bytes - c.there
+    local more = c.all - c.there
 
     if more == 0 then return end
-    add(c.tree, F.raw, c.tvb, c.there, more)
+    if #c.bytes > c.there then add(c.tree, F.raw, c.tvb, c.there, #c.bytes - c.there) end
     mark(c, nil, EX.synax_unexpected, "%d byte%s after the six words of the channel", more, plural(more))
+  end
+
+  -- Of a channel that the capture has cut, nothing is certain.
+  local function add_cut(c, is_synax)
+    add_sender(c)
+    say(c, "Cut channel")
+    if #c.bytes > 0 then add(c.tree, F.raw, c.tvb, 0, #c.bytes) end
+    if not packet.visited and is_synax then forget(c) end
   end
 
   -- Everything but the telegram for another dissector.
   local function add_channel(c)
     local is_synax, telegram = synaxpk.prefs.layout == SYNAX, nil
 
-    c.there = is_synax and min(#c.bytes, CHANNEL_SIZE) or #c.bytes
+    c.there = is_synax and min(c.all, CHANNEL_SIZE) or c.all
+    if c.there > #c.bytes then return add_cut(c, is_synax) end
     if c.there < WORD_SIZE then
       add_open_bytes(c, c.tvb, 0, c.there)
       mark(c, nil, EX.synax_short, "The control or status word is cut")
@@ -8080,7 +8157,8 @@ do
   function synaxpk.dissector(tvb, pinfo, parent)
     S.begin_packet(pinfo)
     local tree, cols = parent:add(synaxpk, tvb()), pinfo.cols
-    local c = {tvb = tvb, bytes = tvb:raw(), pinfo = pinfo, tree = tree, root = tree, words = ""}
+    local c = {tvb = tvb, bytes = tvb:raw(), all = tvb:reported_len(), pinfo = pinfo, tree = tree, root = tree,
+      words = ""}
 
     cols.protocol = "SYNAXPK"
     cols.info = ""
@@ -8092,6 +8170,7 @@ do
       cols.info:fence()
       Dissector.get("sis"):call(telegram, pinfo, parent)
     end
+    if #c.bytes < c.all then S.show_cut(tvb, pinfo, parent, "SYNAXPK") end
   end
 end
 

@@ -67,6 +67,24 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
 
 
 @sizes
+@pytest.mark.parametrize(
+    ("name", "dissector"),
+    [("records", "sertap"), ("3964r", "sertap"), ("3964r", "rk512i"), ("arcnet7f", "arcnet7f"), ("synaxpk", "synaxpk")],
+)
+def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
+    name: str, dissector: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path
+) -> None:
+    """Each packet whole, and then its beginnings: so what is under way when the capture cuts a packet is known."""
+    items = Scenario(HERE / f"{name}.txt").items
+    whole = [item.data if dissector == "rk512i" else item.record(None) for item in items]
+    ends = [(data, end) for data in whole for end in (len(data), *range(1, len(data)))]
+    bad_input.write(
+        tmp_path / "cut.pcapng", some([bad_input.Packet(data[:end], len(data)) for data, end in ends], count), dissector
+    )
+    parity.check(plugin, script, tmp_path / "cut.pcapng", "-o", "sis.tza_ms:5")
+
+
+@sizes
 @pytest.mark.parametrize("name", ["synaxobj", "synaxpcp"])
 def test_objects(name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Objects and PCP: every beginning, every cut of the capture, and bytes that are changed."""

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import parity
-from make import Scenario, scenarios
+from make import HERE, Scenario, scenarios
 from merging import Group, apart, groups
 from sistap.wireshark.tshark import Tshark
 
@@ -55,6 +55,13 @@ def test_every_item(group: Group, passes: tuple[str, ...], plugin: Tshark, scrip
 @PASSES
 def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: Tshark, script: Tshark) -> None:
     parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
+
+
+@pytest.mark.parametrize("name", ["timing-reads", "3964r"])
+def test_without_limits(name: str, plugin: Tshark, script: Tshark) -> None:
+    """A limit of 0 is none."""
+    limits = ("-o", "sis.tza_ms:0", "-o", "3964r.zvz_ms:0", "-o", "3964r.qvz_ms:0")
+    parity.check(plugin, script, HERE / f"{name}.pcapng", *limits)
 
 
 @pytest.mark.parametrize(

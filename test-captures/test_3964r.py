@@ -102,6 +102,17 @@ def test_the_procedure(passes: tuple[str, ...], tshark: Tshark) -> None:
         assert with_experts(row, wanted) == wanted, f"frame {number}"
 
 
+def test_without_a_verdict_on_qvz_all_else_is_the_same(tshark: Tshark) -> None:
+    """Frame 29 asks while frame 28 waits for its answer, whether or not answers are judged."""
+    fields = [f"3964r.{field}" for field in PROCEDURE_FIELDS if field != "qvz.verdict"]
+    without = shown(tshark, "3964r", fields, "-o", "3964r.qvz_ms:0")
+    assert without[28]["3964r.meaning"] == str(BOTH_ASK)
+    judged = shown(tshark, "3964r", fields)
+    for row in (*without, *judged):  # the expert item of the verdicts
+        row.pop("3964r.exceeded", None)
+    assert without == judged
+
+
 @pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])
 def test_the_telegrams(passes: tuple[str, ...], tshark: Tshark) -> None:
     rows = shown(tshark, "3964r", RK512_FIELDS, *passes)

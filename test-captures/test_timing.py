@@ -134,6 +134,27 @@ def written(folder: Path, *lines: str) -> Path:
     return folder / "few.pcapng"
 
 
+# Eight characters of 1.145833 ms, the last seven in one read 10 ms after the first; a sender may be 2 % too fast.
+# The seventh-last came at least 6 * 1.122916 ms before the read, the first character at most 16 ms before its own.
+MOST_BEFORE = (10_000_000 - 6 * 1_122_916 + 16_000_000) / 1e9
+
+
+@pytest.mark.parametrize("limit", [0, 20, 60_000])
+def test_without_a_limit_the_longest_is_as_with_one_that_nothing_exceeds(
+    limit: int, tshark: Tshark, tmp_path: Path
+) -> None:
+    """Inside the read there are 10.385420 ms at most: less than before it."""
+    block = "telegram 00 00 00 00 00 07 10 14"
+    lines = ("silence 90", "uncertainty 16", "command 16>3 12", "reads 1 7", "pause 2 10")
+    capture = written(tmp_path, *lines, "@framing 1", block, "reads 1 7", "pause 2 10")
+    options = ("-o", f"sis.tza_ms:{limit}", "-o", f"3964r.zvz_ms:{limit}")
+    columns = ("sis.tza.interval_max", "sis.tza.position", "3964r.zvz.interval_max", "3964r.zvz.position")
+    words = [word for column in columns for word in ("-e", column)]
+    rows = tshark.output("-r", str(capture), *options, "-T", "fields", *words).splitlines()
+    longest = [f"{MOST_BEFORE:.9f}", "2"]
+    assert [row.split() for row in rows] == [longest, longest]
+
+
 def test_without_the_taps_times_there_is_no_verdict(tshark: Tshark, tmp_path: Path) -> None:
     """A packet's time is then any time: of pauses it says nothing, of reactions nothing certain."""
     capture = written(tmp_path, "@link sis", "silence 90", "command 16>3 12", "reaction 16>3 12 00 04")

@@ -98,7 +98,7 @@ static void
 note_limits(line_t *line, const packet_info *pinfo, const sertap_record_t *record)
 {
     uint8_t *text =
-        tvb_get_string_enc(wmem_file_scope(), record->tvb, record->data_offset, record->count, ENC_UTF_8);
+        tvb_get_string_enc(wmem_file_scope(), record->tvb, record->data_offset, record->values, ENC_UTF_8);
 
     line->limits = (sertap_limits_t){pinfo->num, (const char *)text};
 }
@@ -144,7 +144,8 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
     line_t *line = record->known = find_line(pinfo);
 
     note_disturbance(line, pinfo, record);
-    if (record->type == SERTAP_EVENT && record->event == SERTAP_LIMITS_TOLD)
+    if (record->type == SERTAP_EVENT && record->event == SERTAP_LIMITS_TOLD &&
+        record->values == record->declared) /* the beginning of a number is another number */
         note_limits(line, pinfo, record);
     if (record->type != SERTAP_EVENT)
         note_spell(&line->window, pinfo, record);

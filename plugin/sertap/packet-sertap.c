@@ -203,6 +203,7 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
         expert_add_info(pinfo, ti, &ei_truncated);
         return false;
     }
+    tvb_ensure_bytes_exist(tvb, 0, size); /* throws where the capture has cut the header */
 
     record->type = compat_get_uint8(tvb, 2);
     record->line = compat_get_uint8(tvb, 3);
@@ -220,7 +221,7 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
     return true;
 }
 
-/* Compares the count with the available bytes; whatever is complete is still decoded. */
+/* Compares the count with the bytes of the record; whatever is complete is still decoded. */
 static void
 check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *record)
 {
@@ -230,7 +231,8 @@ check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *
     unsigned expected = record->declared * per_character;
 
     /* The three arrays follow one another: missing bytes at the end are first missing from the flags. */
-    record->count = MIN(captured, record->declared);
+    record->count = MIN(bytes, record->declared);
+    record->values = MIN(captured, record->declared);
     if (record->type != SERTAP_EVENT && captured > record->declared * 5)
         record->timed = MIN(captured - record->declared * 5, record->declared);
     if (bytes < expected) {
@@ -374,10 +376,10 @@ static void
 dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
     const char *name = val_to_str_const(record->event, events, "Event of a later version");
-    const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->count);
+    const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->values);
     proto_item *ti = proto_tree_add_item(tree, hf_event, tvb, 18, 2, ENC_BIG_ENDIAN);
 
-    proto_tree_add_item(tree, hf_text, tvb, record->data_offset, record->count, ENC_UTF_8);
+    proto_tree_add_item(tree, hf_text, tvb, record->data_offset, record->values, ENC_UTF_8);
     if (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST)
         expert_add_info_format(pinfo, ti, &ei_event, "%s: %s", name, text);
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
@@ -401,14 +403,15 @@ is_text(tvbuff_t *tvb, unsigned offset, unsigned length)
 static void
 dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
-    unsigned offset = record->data_offset, count = record->count, shown = MIN(count, 24);
-    const char *more = shown < count ? " ..." : "";
+    unsigned offset = record->data_offset, values = record->values, shown = MIN(values, 24);
+    const char *more = shown < record->count ? " ..." : "";
 
-    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s", count, plurality(count, "", "s"));
-    if (count == 0)
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%u other character%s", record->count,
+                 plurality(record->count, "", "s"));
+    if (values == 0)
         return;
-    proto_tree_add_item(tree, hf_data, tvb, offset, count, ENC_NA);
-    proto_tree_add_item(tree, hf_text, tvb, offset, count, ENC_ASCII);
+    proto_tree_add_item(tree, hf_data, tvb, offset, values, ENC_NA);
+    proto_tree_add_item(tree, hf_text, tvb, offset, values, ENC_ASCII);
     col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s",
                     tvb_bytes_to_str_punct(pinfo->pool, tvb, offset, shown, ' '), more);
     if (is_text(tvb, offset, shown))
@@ -419,12 +422,14 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
 static void
 dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const sertap_record_t *record)
 {
-    tvbuff_t *payload = tvb_new_subset_length(tvb, record->data_offset, record->count);
+    tvbuff_t *payload =
+        tvb_new_subset_length_caplen(tvb, record->data_offset, (int)record->values, (int)record->count);
 
-    if (record->count > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
+    if (record->values > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
         return;
     col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
-    call_data_dissector(payload, pinfo, parent);
+    if (record->values > 0)
+        call_data_dissector(payload, pinfo, parent);
 }
 
 static int
@@ -450,6 +455,7 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         sertap_record_survey(record);
     if (!pinfo->fd->visited)
         sertap_line_note(pinfo, record);
+    tap_queue_packet(tap_sertap, pinfo, record); /* before a dissector finds that the capture has cut it */
     if (record->type == SERTAP_EVENT) {
         dissect_event(tvb, pinfo, tree, record);
     } else {
@@ -461,7 +467,8 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
             dissect_other(tvb, pinfo, tree, record);
         report_errors(pinfo, root, record); /* after the info column has its text */
     }
-    tap_queue_packet(tap_sertap, pinfo, record);
+    /* Throws where the capture has cut the packet, and Wireshark says so. */
+    tvb_ensure_bytes_exist(tvb, 0, (int)tvb_reported_length(tvb));
     return tvb_captured_length(tvb);
 }
 

@@ -26,7 +26,8 @@ typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
 /* The state of a line in the first pass: line.c. */
 struct sertap_line;
 
-/* One record, decoded. If it is cut off, it has fewer characters than it declares. */
+/* One record, decoded. If it is cut off, it has fewer characters than it declares. If the capture cut the
+ * packet (its snapshot length), fewer of these have a value here. */
 typedef struct {
     tvbuff_t *tvb;
     uint8_t type;
@@ -39,8 +40,9 @@ typedef struct {
     uint32_t uncertainty; /* ns; SERTAP_UNCERTAINTY_UNKNOWN */
     uint16_t event;
     unsigned declared;     /* number of characters according to the record */
-    unsigned count;        /* characters with a value */
-    unsigned timed;        /* characters with interval and flags as well */
+    unsigned count;        /* characters of the record */
+    unsigned values;       /* characters whose value is here */
+    unsigned timed;        /* characters whose interval and flags are here as well */
     unsigned data_offset;  /* of the values */
     unsigned times_offset; /* of the intervals, 4 bytes each, ns */
     unsigned flags_offset;

@@ -192,6 +192,8 @@ sis_longest(const sis_times_t *times, int64_t limit)
     sis_longest_t longest = {0};
     read_t before = {0};
 
+    if (limit == 0)
+        limit = SIS_ANY_TIME; /* nothing exceeds it: the most that an interval can have been counts */
     for (unsigned i = times->first, end = times->first + times->count; i < end; i += before.size) {
         read_t read = read_at(times, i);
         sis_interval_t interval = {.at = i - times->first + 1,

@@ -41,8 +41,8 @@ typedef struct {
 /* The times of the telegram at the beginning of `tvb`. */
 sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length);
 
-/* The interval that is, or may be, the longest of a telegram: one that exceeds the limit where there is one.
- * With the verdict over all of them. at is 0 where there is none. Only where times->record is not NULL. */
+/* The interval that is, or may be, the longest of a telegram: one that exceeds the limit where any does.
+ * With the verdict over all of them. at is 0 where there is none. */
 typedef struct {
     sis_interval_t interval;
     sis_verdict_t verdict;
@@ -50,6 +50,7 @@ typedef struct {
     unsigned unknown_at; /* the character before which the interval is unknown and matters; 0: none */
 } sis_longest_t;
 
+/* The limit in ns; 0: none, and nothing exceeds it. Only where times->record is not NULL. */
 sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);
 
 /* From the end of one telegram to the beginning of another. */

@@ -22,6 +22,10 @@
 #define MS         INT64_C(1000000)
 #define MOST_TRIES 6 /* to connect, and to send */
 
+/* Siemens' times: SYNAX's own are not documented. */
+#define ZVZ_MS 220
+#define QVZ_MS 2000
+
 static int proto_3964r = -1;
 
 static int hf_character = -1;
@@ -59,8 +63,8 @@ static expert_field ei_tries = EI_INIT;
 static expert_field ei_exceeded = EI_INIT;
 static expert_field ei_unresolved = EI_INIT;
 
-/* SYNAX's own times are not documented: these are Siemens'. */
-static unsigned zvz_ms = 220, qvz_ms = 2000;
+/* Preferences; 0: no verdict. */
+static unsigned zvz_ms = ZVZ_MS, qvz_ms = QVZ_MS;
 
 typedef enum {
     ASKS,
@@ -144,7 +148,8 @@ static void
 note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
 {
     unit_t *before = bus->request;
-    bool is_soon = before != NULL && sertap_elapsed(before->end, times->begin) < qvz_ms * MS;
+    int64_t soon = (qvz_ms > 0 ? qvz_ms : QVZ_MS) * MS;
+    bool is_soon = before != NULL && sertap_elapsed(before->end, times->begin) < soon;
 
     unit->meaning = ASKS;
     unit->tries = 1;
@@ -189,8 +194,9 @@ static void
 note_block(bus_t *bus, unit_t *unit, tvbuff_t *tvb)
 {
     unsigned length = tvb_captured_length(tvb);
-    bool is_same =
-        bus->last_block != NULL && bus->length == length && tvb_memeql(tvb, 0, bus->bytes, length) == 0;
+    bool is_whole = length == tvb_reported_length(tvb);
+    bool is_same = is_whole && bus->last_block != NULL && bus->length == length &&
+                   tvb_memeql(tvb, 0, bus->bytes, length) == 0;
 
     unit->meaning = BLOCK;
     unit->tries = 1;
@@ -201,7 +207,7 @@ note_block(bus_t *bus, unit_t *unit, tvbuff_t *tvb)
     } else {
         wmem_free(wmem_file_scope(), bus->bytes);
         bus->bytes = tvb_memdup(wmem_file_scope(), tvb, 0, length);
-        bus->length = length;
+        bus->length = is_whole ? length : 0; /* the rest may differ: no block is the same */
     }
     bus->request = NULL;
     bus->refused = NULL;
@@ -400,6 +406,11 @@ dissect_block(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, proto_tree 
     tvbuff_t *data = NULL;
     bool is_good;
 
+    if (there < tvb_reported_length(tvb)) {
+        proto_tree_add_item(tree, hf_raw, tvb, 0, there, ENC_NA);
+        col_append_str(pinfo->cinfo, COL_INFO, "Block");
+        return;
+    }
     if (there >= END_SIZE && tvb_get_ntohs(tvb, there - END_SIZE) == (DLE << 8 | ETX)) {
         end = there - END_SIZE;
         begin = begin_of_data(tvb, end);
@@ -444,7 +455,7 @@ dissect_3964r(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data 
 
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "3964R");
     col_clear(pinfo->cinfo, COL_INFO);
-    if (tvb_captured_length(tvb) == 0)
+    if (tvb_reported_length(tvb) == 0)
         return 0;
     times = sis_times(tvb, pinfo, tvb_reported_length(tvb));
     unit = find_unit(tvb, pinfo, &times);
@@ -458,6 +469,7 @@ dissect_3964r(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data 
     show_answer(unit, &times, tvb, pinfo, tree);
     if (unit->meaning == BLOCK)
         show_intervals(&times, tvb, pinfo, tree);
+    tvb_ensure_bytes_exist(tvb, 0, (int)tvb_reported_length(tvb)); /* throws where the capture has cut it */
     return tvb_captured_length(tvb);
 }
 

@@ -97,8 +97,10 @@ typedef struct {
     bool is_follow_up;
     bool is_block;
     bool is_short;     /* bytes are missing */
+    bool is_cut;       /* the capture has not all of it */
     unsigned declared; /* bytes after the first seven, according to the head */
-    unsigned end;      /* available bytes of the telegram */
+    unsigned whole;    /* bytes of the telegram */
+    unsigned end;      /* bytes of the telegram that are in the capture */
     kept_t *kept;
 } telegram_t;
 
@@ -141,8 +143,9 @@ add_short_head(telegram_t *t)
     if (offset == SHORT_HEAD)
         return true;
     add_raw(t, offset, t->end);
-    expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The head is cut: %u of %u bytes", t->end,
-                           SHORT_HEAD);
+    if (t->whole < SHORT_HEAD)
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The head is cut: %u of %u bytes",
+                               t->whole, SHORT_HEAD);
     wmem_strbuf_append(t->words, "Cut telegram");
     return false;
 }
@@ -152,27 +155,29 @@ add_short_head(telegram_t *t)
 static void
 read_extent(telegram_t *t)
 {
-    unsigned there = t->end - SHORT_HEAD;
+    unsigned there = t->whole - SHORT_HEAD;
 
     t->declared = 2 * tvb_get_letohs(t->tvb, 5);
     if (t->command == FETCH)
         t->declared = t->is_follow_up ? 0 : SYNAX_HEAD_SIZE;
     t->is_short = t->declared > there;
-    t->end = SHORT_HEAD + MIN(t->declared, there);
+    t->whole = SHORT_HEAD + MIN(t->declared, there);
+    t->is_cut = t->end < t->whole;
+    t->end = MIN(t->end, t->whole);
 }
 
 static void
 check_extent(telegram_t *t)
 {
-    unsigned there = tvb_captured_length(t->tvb);
+    unsigned there = tvb_reported_length(t->tvb);
 
     if (t->is_short)
         expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
                                "%u of %u bytes after the length are there", there - SHORT_HEAD, t->declared);
-    if (there > t->end) {
-        add_raw(t, t->end, there);
+    if (there > t->whole) {
+        add_raw(t, t->end, tvb_captured_length(t->tvb));
         expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "%u byte%s after the telegram",
-                               there - t->end, plurality(there - t->end, "", "s"));
+                               there - t->whole, plurality(there - t->whole, "", "s"));
     }
 }
 
@@ -250,9 +255,9 @@ begin_transfer(const telegram_t *t, way_t *way)
     bool is_cancel = t->is_block && compat_get_uint8(t->tvb, BLOCK_AT) == CANCEL_BLOCK;
     transfer_t *transfer;
 
-    if (is_cancel)
+    if (is_cancel || (t->is_cut && !says_last(t)))
         way->transfer = NULL;
-    if (t->is_short || announced <= t->end - HEAD ||
+    if (t->is_short || t->is_cut || announced <= t->end - HEAD ||
         (says_last(t) && way->transfer != NULL && !way->transfer->is_last))
         return;
     transfer = wmem_new0(wmem_file_scope(), transfer_t);
@@ -272,7 +277,7 @@ continue_transfer(const telegram_t *t, way_t *way)
 
     if (transfer == NULL)
         return;
-    if (t->is_short) {
+    if (t->is_short || t->is_cut) {
         way->transfer = NULL;
         return;
     }
@@ -332,16 +337,15 @@ say_bytes(telegram_t *t, unsigned count)
 static void
 add_block_data(telegram_t *t, unsigned block)
 {
-    unsigned length = t->end - HEAD;
-
-    if (length == 0)
+    if (t->end > HEAD)
+        proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, t->end - HEAD, ENC_NA);
+    if (t->whole == HEAD)
         return;
-    proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
     for (unsigned at = HEAD; (block == IO_BLOCK || block == MODE_BLOCK) && at + 2 <= t->end; at += 2)
         proto_tree_add_item(t->tree, hf_word, t->tvb, at, 2, ENC_LITTLE_ENDIAN);
     if (block == MODE_BLOCK)
         mark(t, NULL, &ei_synax_note, "No document says which value is which mode");
-    say_bytes(t, length);
+    say_bytes(t, t->whole - HEAD);
 }
 
 /* Instead of axis and parameter; the three bytes after its number are 0 in the telegram that is printed. */
@@ -392,6 +396,12 @@ add_parameter(telegram_t *t)
 
     if (t->command == FETCH)
         return;
+    if (t->is_cut) {
+        say_bytes(t, t->whole - HEAD);
+        if (length > 0)
+            proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
+        return;
+    }
     if (head.is_last || (announced == length && length > 0)) {
         synax_add_data(t->tree, t->pinfo, data, 0, ENC_LITTLE_ENDIAN, &head, t->words);
     } else if (announced > length) {
@@ -413,7 +423,7 @@ add_first(telegram_t *t)
     if (t->end < HEAD) {
         add_raw(t, SHORT_HEAD, t->end);
         wmem_strbuf_append(t->words, "Cut telegram");
-        if (!t->is_short) /* otherwise already reported */
+        if (!t->is_short && !t->is_cut) /* otherwise already reported */
             expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
                                    "The length says %u bytes, the head has %u", t->declared, SYNAX_HEAD_SIZE);
     } else if (t->is_block) {
@@ -459,7 +469,9 @@ add_follow_up(telegram_t *t)
     }
     if (length > 0)
         proto_tree_add_item(t->tree, hf_sis_data, t->tvb, SHORT_HEAD, length, ENC_NA);
-    say_bytes(t, length);
+    say_bytes(t, t->whole - SHORT_HEAD);
+    if (t->is_cut)
+        return;
     if (transfer == NULL) {
         mark(t, NULL, &ei_synax_note, "No list goes on here: its beginning is missing, or it has ended");
         return;
@@ -524,7 +536,11 @@ kept_of(packet_info *pinfo)
 static int
 dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
-    telegram_t t = {.tvb = tvb, .pinfo = pinfo, .end = tvb_captured_length(tvb), .kept = kept_of(pinfo)};
+    telegram_t t = {.tvb = tvb,
+                    .pinfo = pinfo,
+                    .whole = tvb_reported_length(tvb),
+                    .end = tvb_captured_length(tvb),
+                    .kept = kept_of(pinfo)};
 
     t.words = wmem_strbuf_new(pinfo->pool, "");
     t.root = proto_tree_add_item(parent, proto_arcnet7f, tvb, 0, -1, ENC_NA);
@@ -535,6 +551,7 @@ dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
         add_rest(&t);
     col_add_str(pinfo->cinfo, COL_INFO, wmem_strbuf_get_str(t.words));
     proto_item_append_text(t.root, ", %s", wmem_strbuf_get_str(t.words));
+    tvb_ensure_bytes_exist(tvb, 0, (int)tvb_reported_length(tvb)); /* throws where the capture has cut it */
     return tvb_captured_length(tvb);
 }
 

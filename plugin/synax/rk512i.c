@@ -87,7 +87,9 @@ typedef struct {
     wmem_strbuf_t *words;
     const telegram_t *telegram;
     unsigned data_at; /* the beginning of its data */
-    bool is_follow_up, is_reaction, is_cut;
+    bool is_follow_up, is_reaction;
+    bool is_cut;     /* a command without its whole head */
+    bool is_snapped; /* the capture has not all of it */
 } dissection_t;
 
 static bus_t *
@@ -203,10 +205,12 @@ find_telegram(const dissection_t *d, const synax_block_t *block)
     telegram->frame = d->pinfo->num;
     telegram->end = begin + (record != NULL ? (int64_t)record->duration : 0);
     telegram->is_repeat = block != NULL && block->is_repeat;
-    if (telegram->is_repeat || d->is_cut)
+    if (telegram->is_repeat || (d->is_cut && !d->is_snapped))
         return telegram;
     bus = bus_of(d->pinfo);
-    if (d->is_reaction)
+    if (d->is_snapped)
+        *bus = (bus_t){.key = bus->key};
+    else if (d->is_reaction)
         note_reaction(bus, d, telegram, begin);
     else
         note_command(bus, d, telegram);
@@ -381,7 +385,9 @@ dissect_head(dissection_t *d)
         return;
     d->is_cut = tvb_captured_length(d->tvb) < COMMAND_SIZE;
     if (d->is_cut) {
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "A command has %u bytes", COMMAND_SIZE);
+        if (!d->is_snapped)
+            expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "A command has %u bytes",
+                                   COMMAND_SIZE);
         wmem_strbuf_append(d->words, "  [cut]");
         return;
     }
@@ -425,17 +431,16 @@ synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void
     d.tree = proto_item_add_subtree(d.root, ett_rk512i);
     d.is_follow_up = compat_get_uint8(tvb, 0) == FOLLOW_UP;
     d.is_reaction = compat_get_uint8(tvb, 2) == 0;
+    d.is_snapped = tvb_captured_length(tvb) < tvb_reported_length(tvb);
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "RK512");
     dissect_head(&d);
     d.telegram = find_telegram(&d, data);
-    if (d.is_cut) {
-        if (tvb_captured_length(tvb) > FOLLOW_UP_SIZE)
-            proto_tree_add_item(d.tree, hf_data, tvb, FOLLOW_UP_SIZE, -1, ENC_NA);
-    } else {
-        if (d.is_reaction)
-            show_reaction(&d);
+    if (d.is_reaction)
+        show_reaction(&d);
+    if (!d.is_cut && !d.is_snapped)
         show_data(&d);
-    }
+    else if (tvb_captured_length(tvb) > d.data_at)
+        proto_tree_add_item(d.tree, hf_data, tvb, d.data_at, tvb_captured_length(tvb) - d.data_at, ENC_NA);
     show_links(&d);
     queue_answer(&d);
     proto_item_append_text(d.root, ", %s", wmem_strbuf_get_str(d.words));
@@ -446,10 +451,14 @@ synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void
 static int
 dissect_rk512i(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
 {
+    unsigned there = tvb_reported_length(tvb);
+
     col_clear(pinfo->cinfo, COL_INFO);
-    if (synax_rk512i_dissect(tvb, pinfo, parent, data))
-        return tvb_captured_length(tvb);
-    return 0;
+    tvb_ensure_bytes_exist(tvb, 0, (int)MIN(there, FOLLOW_UP_SIZE));
+    if (!synax_rk512i_dissect(tvb, pinfo, parent, data))
+        return 0;
+    tvb_ensure_bytes_exist(tvb, 0, (int)there); /* throws where the capture has cut it */
+    return tvb_captured_length(tvb);
 }
 
 /* clang-format off */

@@ -313,6 +313,18 @@ follow_word(const channel_t *c)
     }
 }
 
+/* What was under way when the capture cut a packet. */
+static void
+forget(const channel_t *c)
+{
+    if (c->sender != GUESS) {
+        begin_anew(c, c->sender);
+    } else {
+        begin_anew(c, 0);
+        begin_anew(c, READ_BIT);
+    }
+}
+
 static kept_t *
 kept_of(packet_info *pinfo)
 {
@@ -634,14 +646,29 @@ add_indradrive(channel_t *c)
 static void
 check_size(channel_t *c)
 {
-    unsigned all = tvb_captured_length(c->tvb);
+    unsigned all = tvb_reported_length(c->tvb), captured = tvb_captured_length(c->tvb);
 
     if (layout != SYNAX || all <= c->there)
         return;
-    proto_tree_add_item(c->tree, hf_sis_raw, c->tvb, c->there, all - c->there, ENC_NA);
+    if (captured > c->there)
+        proto_tree_add_item(c->tree, hf_sis_raw, c->tvb, c->there, captured - c->there, ENC_NA);
     expert_add_info_format(c->pinfo, c->root, &ei_synax_unexpected,
                            "%u byte%s after the six words of the channel", all - c->there,
                            plurality(all - c->there, "", "s"));
+}
+
+/* Of a channel that the capture has cut, nothing is certain. */
+static void
+add_cut(channel_t *c)
+{
+    unsigned captured = tvb_captured_length(c->tvb);
+
+    add_sender(c);
+    say(c, "Cut channel");
+    if (captured > 0)
+        proto_tree_add_item(c->tree, hf_sis_raw, c->tvb, 0, captured, ENC_NA);
+    if (!c->pinfo->fd->visited && layout == SYNAX)
+        forget(c);
 }
 
 /* Everything but the telegram for another dissector. */
@@ -650,6 +677,10 @@ add_channel(channel_t *c)
 {
     tvbuff_t *telegram = NULL;
 
+    if (c->there > tvb_captured_length(c->tvb)) {
+        add_cut(c);
+        return NULL;
+    }
     if (c->there < WORD_SIZE) {
         add_open_bytes(c, c->tvb, 0, c->there, NULL);
         mark(c, NULL, &ei_synax_short, "The control or status word is cut");
@@ -670,7 +701,7 @@ add_channel(channel_t *c)
 static int
 dissect_synaxpk(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
-    unsigned all = tvb_captured_length(tvb);
+    unsigned all = tvb_reported_length(tvb);
     channel_t c = {.tvb = tvb, .pinfo = pinfo};
     tvbuff_t *telegram;
 
@@ -688,6 +719,7 @@ dissect_synaxpk(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *dat
         col_set_fence(pinfo->cinfo, COL_INFO);
         call_dissector(sis_telegram, telegram, pinfo, parent);
     }
+    tvb_ensure_bytes_exist(tvb, 0, (int)all); /* throws where the capture has cut it */
     return tvb_captured_length(tvb);
 }
 
