@@ -806,6 +806,8 @@ expert_field("sis.length.differ", "MALFORMED", "ERROR",
     .. "status 0xF2")
 expert_field("sis.length.short", "MALFORMED", "ERROR", "The telegram is cut")
 expert_field("sis.length.long", "PROTOCOL", "WARN", "Bytes follow the end of the telegram")
+expert_field("sis.telegrams.many", "UNDECODED", "NOTE",
+  "More telegrams in a packet than are decoded: only those that begin in its first 32,768 bytes")
 expert_field("sis.length.header", "MALFORMED", "ERROR", "Subaddresses and telegram number do not fit into the length")
 expert_field("sis.control.reserved.set", "PROTOCOL", "NOTE",
   "Reserved bits of the telegram control are set (another edition? preference sis.edition)")
@@ -2431,7 +2433,8 @@ do
     telegram.sum = sum -- nil: not all of it is there
     telegram.is_good = is_good
     telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
-    telegram.times = S.times(body.tvb, body.there, declared ~= 0 and min(body.there, declared) or body.there)
+    telegram.length = declared ~= 0 and min(body.there, declared) or body.there -- without what follows it
+    telegram.times = S.times(body.tvb, body.there, telegram.length)
     -- Whether nothing is wrong and no tree is needed: then an earlier result may be valid.
     body.is_quick = not body.tree and not S.is_counting and is_good and body.there == declared and #bytes == declared
   end
@@ -2539,6 +2542,20 @@ do
     return there - offset
   end
 
+  -- A packet as long as Wireshark allows would have more telegrams than Wireshark can show: it refuses a tree of more
+  -- than a million items. So these bytes begin the last of them.
+  local MOST_BYTES = 32768
+
+  local function dissect_rest(tvb, offset, parent, there)
+    local rest = tvb(offset)
+    local tree = parent:referenced(handle) and parent:add(sis, rest) or nil
+
+    append_text(tree, ", not decoded")
+    add_expert(tree or parent, E.telegrams_many)
+    add(tree, F.raw, tvb, offset, rest:len())
+    packet.cols.info:append(strformat(" | Not decoded, %d byte%s", there - offset, plural(there - offset)))
+  end
+
   local function dissect_telegrams(tvb, pinfo, tree)
     local bytes, offset = tvb:raw(), 0
 
@@ -2546,7 +2563,7 @@ do
     local there = T.reported_len(tvb)
     local cols = packet.cols
     cols.protocol = "SIS"
-    while offset < #bytes do
+    while offset < min(#bytes, MOST_BYTES) do
       local extent = telegram_extent(bytes, offset, there)
       local is_alone = offset == 0 and extent == there
       local part = is_alone and tvb or tvb(offset, min(extent, #bytes - offset)):tvb()
@@ -2555,6 +2572,7 @@ do
       if offset == 0 then cols.info = info else cols.info:append(" | " .. info) end
       offset = offset + extent
     end
+    if offset < #bytes then dissect_rest(tvb, offset, tree, there) end
     if #bytes < there then
       if offset == 0 then cols.info = "" end
       S.show_cut(tvb, pinfo, tree, "SIS")
@@ -3832,11 +3850,17 @@ do
   end
 
   -- Two stations, including the route between them: a drive behind a router is not the router.
-  local function find_stream(bus, telegram)
+  local function stream_key(telegram)
     local sender, receiver = telegram.sender, telegram.receiver
     local key = sender < receiver and sender * 256 + receiver or receiver * 256 + sender
 
     if telegram.subaddress_count > 0 then key = strformat("%d ", key) .. sub(telegram.path, 2) end
+    return key
+  end
+
+  -- Of a command: the first one begins the stream.
+  local function stream_of_command(bus, telegram)
+    local key = stream_key(telegram)
     local stream = bus.streams[key]
 
     if not stream then
@@ -3921,7 +3945,7 @@ do
   end
 
   local function begin_exchange(bus, number, telegram)
-    local stream, times = find_stream(bus, telegram), telegram.times
+    local stream, times = stream_of_command(bus, telegram), telegram.times
     local from = stream.from[S.direction(telegram)]
     local bytes, declared = telegram.bytes, telegram.declared
     local exchange = { -- with only the fields that most exchanges need: half of the memory
@@ -3993,7 +4017,8 @@ do
       and is_same_subservice(from.bytes, telegram)
   end
 
-  -- It was answered or the master went on, and a damaged telegram came since: a reaction now belongs to that one.
+  -- It was answered or the master went on, and a damaged telegram came since. That one may have been another command,
+  -- so a reaction that comes now belongs to the damaged telegram.
   local function is_over(exchange)
     local over_in = exchange.reaction_in or exchange.next_command_in
 
@@ -4022,8 +4047,9 @@ do
   end
 
   local function end_exchange(record, bus, number, telegram)
-    local stream, kept = find_stream(bus, telegram), S.direction(telegram)
+    local stream, kept = bus.streams[stream_key(telegram)], S.direction(telegram)
 
+    if not stream then return end
     for i = 0, 1 do
       local from = stream.from[i == 0 and kept or 1 - kept]
 
@@ -6102,7 +6128,7 @@ do
     "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus"))
 
   -- The packet being dissected, until it is counted: {record, telegrams}. A telegram: {is_good, is_reaction, service,
-  -- talker, length, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
+  -- talker, length, there, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
   -- reaction_time}.
   local noted = {}
 
@@ -6125,7 +6151,8 @@ do
       is_reaction = telegram.is_reaction,
       service = telegram.service,
       talker = body.ends.talker,
-      length = body.there,
+      length = telegram.length,
+      there = body.there, -- and what follows it
       status_text = body.status_text,
       errors = errors,
       times = {record = times.record, first = times.first, count = times.count, begin = times.begin, end_ = times.end_,
@@ -6391,7 +6418,7 @@ do
     local all = rows[ALL]
 
     add_to(all, "telegrams", 1)
-    if not telegram.times.record then add_to(all, "characters", telegram.length) end
+    if not telegram.times.record then add_to(all, "characters", telegram.there) end
     if not telegram.is_good then
       add_to(all, "damaged", 1)
       return

@@ -9,8 +9,10 @@ import pytest
 
 import parity
 from make import Scenario
+from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 from test_exchange import check_many_routes
+from test_packed import MOST_BYTES, write_packets
 from test_sequence import OPEN, endless
 
 
@@ -28,3 +30,10 @@ def test_transfers_that_nobody_ends_are_forgotten(plugin: Tshark, script: Tshark
     capture = tmp_path / "open.pcapng"
     capture.write_bytes(Scenario(tmp_path / "open.txt").capture())
     parity.check(plugin, script, capture)
+
+
+def test_a_packet_that_is_too_long_ends_as_bytes(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    long = build(0x60, 16, 3, bytes(240))
+    write_packets(tmp_path / "long.pcapng", [long * (MOST_BYTES // len(long) + 3)])
+    assert len(parity.packets(script, tmp_path / "long.pcapng", "-Y", "sis.telegrams.many")) == 1
+    parity.check(plugin, script, tmp_path / "long.pcapng")

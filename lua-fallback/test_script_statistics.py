@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from make import Scenario, scenarios
 from merging import Group, groups
 from sistap.wireshark.tshark import Tshark
+from test_packed import COMMAND, NOISE, REACTION, write_packets
 from test_parity import options
 
 ROW = re.compile(r"^ *(All|\d+) +(\|.*\|)$", re.MULTILINE)
@@ -30,11 +32,13 @@ def figures(kind: str, text: str) -> list[tuple[str, ...]]:
     return [row for row in rows if kind != "tree" or row[-1] != "0"]
 
 
-def check(plugin: Tshark, script: Tshark, capture: Path, *given: str) -> dict[str, list[tuple[str, ...]]]:
+def check(
+    plugin: Tshark, script: Tshark, capture: Path, *given: str, kinds: Iterable[str] = READERS
+) -> dict[str, list[tuple[str, ...]]]:
     """Compare the figures of both for a capture; return them."""
     reading = ("-q", "-r", str(capture), *given)
     counted = {}
-    for kind in READERS:
+    for kind in kinds:
         counted[kind] = figures(kind, plugin.output("-z", f"sis,{kind}", *reading))
         assert figures(kind, script.output("-o", f"sis.statistics:{kind}", *reading)) == counted[kind], kind
     return counted
@@ -43,6 +47,12 @@ def check(plugin: Tshark, script: Tshark, capture: Path, *given: str) -> dict[st
 def test_a_capture(plugin: Tshark, script: Tshark) -> None:
     counted = check(plugin, script, CAPTURE)
     assert all(counted.values()), "there is nothing to compare"
+
+
+def test_bytes_after_a_telegram(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """They are characters of the line, and of no station."""
+    write_packets(tmp_path / "noisy.pcapng", [COMMAND + NOISE, REACTION + NOISE])
+    assert len(check(plugin, script, tmp_path / "noisy.pcapng", kinds=["bus"])["bus"]) == 3
 
 
 def test_accesses_to_parameters(plugin: Tshark, script: Tshark) -> None:

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* The two protocols and everything that belongs to them: the only file that knows all others. Wireshark's
- * make-plugin-reg.py finds these functions by their names. */
+/* All protocols and what belongs to them: the only file that knows all others. Wireshark's make-plugin-reg.py
+ * finds these functions by their names. */
 
 #include "parameters/fields.h"
 #include "parameters/ident.h"

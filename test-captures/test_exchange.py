@@ -255,9 +255,9 @@ SECTIONS: Table = {
     7: "stream=0; tza.set_in=5; command.unanswered",
     8: "stream=2; tza.set_in=5; unanswered_before=7",
     9: "reaction.unasked",
-    10: "stream=4",
-    11: "stream=3; reaction_in=12; parameter.name=Velocity data scaling type",
-    12: "stream=3; command_in=11; parameter.name=Velocity data scaling type",
+    10: "stream=3",
+    11: "stream=4; reaction_in=12; parameter.name=Velocity data scaling type",
+    12: "stream=4; command_in=11; parameter.name=Velocity data scaling type",
     13: "stream=5; reaction_in=14",
     14: "stream=5; command_in=13",
 }

@@ -14,6 +14,9 @@ import pytest
 
 import bad_input
 from make import Scenario
+from sistap.files import pcapng
+from sistap.line.settings import Flag, LineSettings
+from sistap.records.record import Record, Type
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 
@@ -195,3 +198,22 @@ def test_more_parameters_than_rows(tshark: Tshark, tmp_path: Path) -> None:
     text = tshark.output("-q", "-z", "sis,parameters", "-r", str(tmp_path / "many.pcapng"))
     assert len(parameters(text)) == 10_000
     assert re.search(r"^All +(\| +){3}\|more parameters than rows \| +\|10002 \| +0 \| +0 \|", text, re.MULTILINE)
+
+
+def test_load_of_more_than_64_lines_is_their_mean(tshark: Tshark, tmp_path: Path) -> None:
+    """Every line is busy from the first character to the last: a load of 100 %."""
+    lines = 70
+    settings = LineSettings(9600, 8, "E", 2)
+    sent = build(0x12, 16, 3)
+    intervals = [0] + [settings.character_ns] * (len(sent) - 1)
+    time_ns = 1_700_000_000_000_000_000
+    blocks = [pcapng.section_header("test", "")]
+    for line in range(lines):
+        blocks.append(pcapng.interface_description(pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, f"{line}")))
+    for line in range(lines):
+        flags = bytes([Flag.INTERVAL_UNKNOWN]) + bytes(len(sent) - 1)
+        record = Record(time_ns, Type.FRAME, 0, settings, sent, intervals, flags, 0)
+        blocks.append(pcapng.enhanced_packet(line, time_ns, pcapng.upper_pdu("sertap", record.pack())))
+    capture = tmp_path / "lines.pcapng"
+    capture.write_bytes(b"".join(blocks))
+    assert table(tshark.output("-q", "-z", "sis,bus", "-r", str(capture)))["All"][8] == "100.0"

@@ -17,8 +17,8 @@ typedef struct {
     proto_item *item; /* of the last field read */
     unsigned offset;  /* of the first byte not read yet */
     unsigned end;     /* of the available useful data */
-    bool is_cut;      /* the header announces more */
-    bool is_short;    /* something is missing, and a note says so */
+    bool is_cut;      /* the telegram is not whole: the header's note says so, so a missing field has none */
+    bool is_short;    /* a field that was read had too few bytes; then nothing more is read */
     bool is_nested;   /* an element of service 0x04 */
     bool is_reaction;
     uint8_t service;
@@ -27,7 +27,7 @@ typedef struct {
     uint32_t error; /* the code, 0: none */
     const char *error_text;
     const sis_error_t *errors;  /* of the elements of service 0x04, the last first */
-    bool is_explained;          /* an error code says more than the status */
+    bool is_explained;          /* an error code was shown, so the text of the status is not repeated */
     wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;       /* and what is wrong, after that */
     sis_request_t *request;     /* of a command: filled in while reading */

@@ -87,18 +87,26 @@ are_stream_keys_equal(const void *a, const void *b)
     return memcmp(a, b, sizeof(stream_key_t)) == 0;
 }
 
-static sis_stream_t *
-find_stream(sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
+static stream_key_t
+stream_key(const sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
     stream_key_t key = {0};
-    sis_stream_t *stream;
 
     key.bus = bus->key;
     key.low = MIN(telegram->sender, telegram->receiver);
     key.high = MAX(telegram->sender, telegram->receiver);
     key.subaddress_count = telegram->subaddress_count;
     tvb_memcpy(tvb, key.subaddresses, SIS_STATIC_LENGTH, telegram->subaddress_count);
-    stream = wmem_map_lookup(streams, &key);
+    return key;
+}
+
+/* Of a command: the first one begins the stream. */
+static sis_stream_t *
+stream_of_command(sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    stream_key_t key = stream_key(bus, tvb, telegram);
+    sis_stream_t *stream = wmem_map_lookup(streams, &key);
+
     if (stream == NULL) {
         stream = wmem_new0(wmem_file_scope(), sis_stream_t);
         stream->number = wmem_map_size(streams);
@@ -237,7 +245,7 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
 static sis_exchange_t *
 begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    sis_stream_t *stream = find_stream(bus, tvb, telegram);
+    sis_stream_t *stream = stream_of_command(bus, tvb, telegram);
     unsigned direction = command_direction(telegram);
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
     sis_exchange_t **master = &stream->bus->last[telegram->sender];
@@ -320,8 +328,8 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
            is_same_subservice(command, length, tvb, telegram);
 }
 
-/* It was answered or the master went on, and a damaged telegram came since: a reaction now belongs to that
- * one. */
+/* It was answered or the master went on, and a damaged telegram came since. That one may have been another
+ * command, so a reaction that comes now belongs to the damaged telegram. */
 static bool
 is_over(const sis_exchange_t *exchange)
 {
@@ -334,10 +342,11 @@ static void
 end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
              const sis_telegram_t *telegram)
 {
-    const sis_stream_t *stream = find_stream(bus, tvb, telegram);
+    stream_key_t key = stream_key(bus, tvb, telegram);
+    const sis_stream_t *stream = wmem_map_lookup(streams, &key);
     unsigned kept = command_direction(telegram);
 
-    for (unsigned i = 0; i < 2; i++) {
+    for (unsigned i = 0; stream != NULL && i < 2; i++) {
         unsigned direction = i == 0 ? kept : !kept;
         sis_exchange_t *exchange = stream->from[direction].last;
 
@@ -365,36 +374,72 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
     }
 }
 
-sis_record_t *
-sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+/* Several telegrams may be in one packet. Their records form a list: proto_data with a key for each of them
+ * would be searched from its beginning for every telegram. */
+static sis_record_t *
+next_record(packet_info *pinfo)
 {
-    uint32_t key = ++sis_packet(pinfo)->count; /* several telegrams may be in one packet */
-    sis_record_t *record = p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, key);
-    const sertap_record_t *tap = sertap_record(pinfo);
-    sis_bus_t *bus;
+    const sis_record_t *before = sis_packet(pinfo)->found;
 
-    if (record != NULL && record->service == telegram->service &&
-        record->is_reaction == telegram->is_reaction)
-        return record;
-    /* A telegram that the first pass did not see: TCP reassembled its segments differently. */
-    if (record != NULL || pinfo->fd->visited) {
-        record = wmem_new0(pinfo->pool, sis_record_t);
-        record->load = -1;
-        return record;
-    }
-    bus = sis_exchange_bus(pinfo);
-    if (tap != NULL)
-        note_disturbance(bus, tap);
-    record = wmem_new0(wmem_file_scope(), sis_record_t);
+    return before != NULL ? before->next : p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, 0);
+}
+
+static sis_record_t *
+add_record(packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    sis_record_t *before = sis_packet(pinfo)->found;
+    sis_record_t *record = wmem_new0(wmem_file_scope(), sis_record_t);
+
     record->service = telegram->service;
     record->is_reaction = telegram->is_reaction;
-    p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, key, record);
+    if (before != NULL)
+        before->next = record;
+    else
+        p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, 0, record);
+    return record;
+}
+
+/* Of a telegram that the first pass did not see: TCP reassembled its segments differently. */
+static sis_record_t *
+unseen_record(packet_info *pinfo)
+{
+    sis_record_t *record = wmem_new0(pinfo->pool, sis_record_t);
+
+    record->load = -1;
+    return record;
+}
+
+/* First pass: its relations to the telegrams before it. */
+static void
+note_telegram(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    const sertap_record_t *tap = sertap_record(pinfo);
+    sis_bus_t *bus = sis_exchange_bus(pinfo);
+
+    if (tap != NULL)
+        note_disturbance(bus, tap);
     if (!telegram->is_good)
         note_damaged(bus, pinfo);
     else if (telegram->is_reaction)
         end_exchange(record, bus, tvb, pinfo, telegram);
     else
         record->exchange = begin_exchange(bus, tvb, pinfo, telegram);
+}
+
+sis_record_t *
+sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+{
+    sis_record_t *record = next_record(pinfo);
+
+    if (record == NULL && pinfo->fd->visited)
+        return unseen_record(pinfo);
+    if (record == NULL) {
+        record = add_record(pinfo, telegram);
+        note_telegram(record, tvb, pinfo, telegram);
+    }
+    sis_packet(pinfo)->found = record;
+    if (record->service != telegram->service || record->is_reaction != telegram->is_reaction)
+        return unseen_record(pinfo);
     return record;
 }
 

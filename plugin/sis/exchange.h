@@ -105,6 +105,7 @@ typedef struct {
 
 /* The results of the first pass for one telegram; rare ones are in a separate structure. */
 typedef struct sis_record {
+    struct sis_record *next;             /* of the next telegram in the same packet; NULL: none */
     sis_exchange_t *exchange;            /* NULL: a damaged telegram, or a reaction without a command */
     const struct sis_settings *settings; /* valid for this telegram; NULL: none */
     const sis_ended_t *ended;            /* the transfer that this telegram ended, unfinished; NULL: none */

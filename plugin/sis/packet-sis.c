@@ -50,6 +50,7 @@ static expert_field ei_checksum = EI_INIT;
 static expert_field ei_lengths_differ = EI_INIT;
 static expert_field ei_too_short = EI_INIT;
 static expert_field ei_too_long = EI_INIT;
+static expert_field ei_too_many = EI_INIT;
 static expert_field ei_header_too_long = EI_INIT;
 static expert_field ei_control_reserved = EI_INIT;
 static expert_field ei_control_status = EI_INIT;
@@ -492,7 +493,9 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
         dissect_stump(&d);
     else
         dissect_whole_telegram(&d);
-    tvb_ensure_bytes_exist(tvb, 0, (int)there); /* else Wireshark says that the capture has cut the packet */
+    /* Throws where the capture has cut the packet, and Wireshark then says so. It stands last, so that all
+     * captured bytes are dissected before. */
+    tvb_ensure_bytes_exist(tvb, 0, (int)there);
 }
 
 /* Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
@@ -509,6 +512,26 @@ telegram_extent(tvbuff_t *tvb, unsigned offset)
     return there;
 }
 
+/* A packet as long as Wireshark allows would have more telegrams than Wireshark can show or count: it refuses
+ * a tree of more than a million items, and a tap's queue holds 5,000. So these bytes begin the last of them.
+ */
+#define MOST_BYTES 32768
+
+static void
+dissect_rest(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
+{
+    unsigned there = tvb_reported_length(tvb);
+    proto_item *root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
+    proto_tree *tree = proto_item_add_subtree(root, ett_sis);
+
+    separate(pinfo);
+    col_append_fstr(pinfo->cinfo, COL_INFO, "Not decoded, %u byte%s", there, plurality(there, "", "s"));
+    proto_item_append_text(root, ", not decoded");
+    expert_add_info(pinfo, root, &ei_too_many);
+    proto_tree_add_item(tree, hf_sis_raw, tvb, 0, tvb_captured_length(tvb), ENC_NA);
+    tvb_ensure_bytes_exist(tvb, 0, (int)there);
+}
+
 static int
 dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
@@ -516,7 +539,7 @@ dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "SIS");
     col_clear(pinfo->cinfo, COL_INFO);
-    while (tvb_reported_length_remaining(tvb, offset) > 0) {
+    while (offset < MOST_BYTES && tvb_reported_length_remaining(tvb, offset) > 0) {
         unsigned extent = telegram_extent(tvb, offset);
 
         sis_dissect_telegram(extent == tvb_reported_length(tvb) ? tvb
@@ -524,6 +547,8 @@ dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
                              pinfo, tree);
         offset += extent;
     }
+    if (tvb_reported_length_remaining(tvb, offset) > 0)
+        dissect_rest(tvb_new_subset_remaining(tvb, offset), pinfo, tree);
     return tvb_captured_length(tvb);
 }
 
@@ -558,6 +583,7 @@ static ei_register_info experts[] = {
     {&ei_lengths_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2", EXPFILL}},
     {&ei_too_short, {"sis.length.short", PI_MALFORMED, PI_ERROR, "The telegram is cut", EXPFILL}},
     {&ei_too_long, {"sis.length.long", PI_PROTOCOL, PI_WARN, "Bytes follow the end of the telegram", EXPFILL}},
+    {&ei_too_many, {"sis.telegrams.many", PI_UNDECODED, PI_NOTE, "More telegrams in a packet than are decoded: only those that begin in its first 32,768 bytes", EXPFILL}},
     {&ei_header_too_long, {"sis.length.header", PI_MALFORMED, PI_ERROR, "Subaddresses and telegram number do not fit into the length", EXPFILL}},
     {&ei_control_reserved, {"sis.control.reserved.set", PI_PROTOCOL, PI_NOTE, "Reserved bits of the telegram control are set (another edition? preference sis.edition)", EXPFILL}},
     {&ei_control_status, {"sis.control.status.set", PI_RESPONSE_CODE, PI_NOTE, "The status in the telegram control is not 'no error'", EXPFILL}},

@@ -99,7 +99,7 @@ typedef struct {
     sis_quantiles_t intervals;
     uint64_t busy;      /* ns */
     int64_t begin, end; /* in the first row: of all characters, ns since 1970; 0: none yet */
-    uint64_t lines;     /* in the first row: lines seen, one bit each */
+    GHashTable *lines;  /* in the first row: the set of lines seen */
 } row_t;
 
 static stat_tap_table *
@@ -127,6 +127,7 @@ add_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
             items[i].value.string_value = g_strdup("");
     }
     row->station = station;
+    row->lines = g_hash_table_new(NULL, NULL);
     sis_quantiles_init(&row->intervals);
     items[0].user_data.ptr_value = row;
     items[0].value.string_value = station == ALL ? g_strdup("All") : g_strdup_printf("%3d", station);
@@ -251,10 +252,17 @@ reset_table(stat_tap_table *table)
 
         sis_quantiles_init(&row->intervals);
         row->busy = row->begin = row->end = 0;
-        row->lines = 0;
+        g_hash_table_remove_all(row->lines);
         for (unsigned column = 1; column < table->num_fields; column++)
             reset_item(stat_tap_get_field_data(table, i, column));
     }
+}
+
+static void
+free_row(row_t *row)
+{
+    g_hash_table_destroy(row->lines);
+    g_free(row);
 }
 
 static void
@@ -263,7 +271,7 @@ free_item(stat_tap_table *table _U_, unsigned row _U_, unsigned column, stat_tap
     if (item->type == TABLE_ITEM_STRING)
         g_free((char *)item->value.string_value);
     if (column == 0)
-        g_free(item->user_data.ptr_value);
+        free_row(item->user_data.ptr_value);
 }
 
 static bool
@@ -352,7 +360,7 @@ count_record(const stat_tap_table *table, packet_info *pinfo, const sertap_recor
     count(table, 0, BUS_CHARACTERS, record->count);
     count(table, 0, BUS_LINE, line_errors(record, 0, record->timed));
     all->busy += (uint64_t)sertap_character_ns(record) * record->count;
-    all->lines |= UINT64_C(1) << MIN(sertap_line_number(pinfo), 63);
+    g_hash_table_add(all->lines, GUINT_TO_POINTER(sertap_line_number(pinfo)));
     if (all->begin == 0)
         all->begin = begin;
     all->end = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
@@ -413,7 +421,7 @@ count_telegram(stat_tap_table *table, const sis_telegram_t *telegram)
 
     count(table, 0, BUS_TELEGRAMS, 1);
     if (telegram->times.record == NULL)
-        count(table, 0, BUS_CHARACTERS, telegram->length);
+        count(table, 0, BUS_CHARACTERS, tvb_reported_length(telegram->tvb)); /* and what follows it */
     if (!telegram->is_good) {
         count(table, 0, BUS_DAMAGED, 1);
         return;
@@ -437,12 +445,10 @@ set_loads(const stat_tap_table *table)
 {
     const row_t *all = row_at(table, 0);
     int64_t span = sertap_elapsed(all->begin, all->end);
-    unsigned lines = 0;
+    unsigned lines = g_hash_table_size(all->lines);
 
     if (span <= 0)
         return;
-    for (uint64_t rest = all->lines; rest != 0; rest &= rest - 1)
-        lines++;
     for (unsigned i = 0; i < table->num_elements; i++)
         set_decimal(table, i, BUS_LOAD, 1, permille(row_at(table, i)->busy, span * (i == 0 ? lines : 1.0)));
 }

@@ -27,7 +27,6 @@ sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
     unsigned there = tvb_reported_length(tvb);
 
     telegram->tvb = tvb;
-    telegram->length = there;
     telegram->control = header[4];
     telegram->service = header[5];
     telegram->sender = header[6];
@@ -39,7 +38,8 @@ sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
     telegram->body_offset =
         SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
     telegram->declared = sis_declared_length(tvb, 0);
-    telegram->times = sis_times(tvb, pinfo, telegram->declared != 0 ? MIN(there, telegram->declared) : there);
+    telegram->length = telegram->declared != 0 ? MIN(there, telegram->declared) : there;
+    telegram->times = sis_times(tvb, pinfo, telegram->length);
     telegram->is_good = telegram->body_offset <= telegram->declared && sis_is_good(tvb, 0);
     telegram->last_address = telegram->receiver;
     if (telegram->is_good && telegram->subaddress_count > 0)

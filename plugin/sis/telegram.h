@@ -39,8 +39,8 @@ typedef struct sis_error {
 /* One telegram; the tap "sis" receives it. */
 typedef struct sis_telegram {
     const struct sis_telegram *before; /* in the same packet; NULL: none */
-    tvbuff_t *tvb;                     /* begins with it */
-    unsigned length;                   /* available bytes */
+    tvbuff_t *tvb;                     /* begins with it; what is no part of it may follow */
+    unsigned length;                   /* of its bytes in the packet, without those that follow it */
     unsigned declared;                 /* declared bytes; 0: unknown */
     bool is_good;                      /* start character, equal lengths, complete, checksum */
     uint8_t control;
@@ -66,7 +66,7 @@ typedef struct sis_telegram {
 
 /* Several telegrams may be in one packet; kept while it is dissected. */
 typedef struct {
-    unsigned count;             /* number of those whose exchange was searched for */
+    struct sis_record *found;   /* of the telegram whose exchange was searched for last; NULL: none */
     const sis_telegram_t *last; /* the last dissected telegram; NULL: none */
 } sis_packet_t;
 

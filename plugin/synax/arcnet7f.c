@@ -555,9 +555,10 @@ dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
     return tvb_captured_length(tvb);
 }
 
-/* Wireshark takes the three bytes after the protocol id for its split flag and sequence number, and seven
- * where the first of them is 0xFF and the link type is BSD's, without the two bytes of the offset
- * (packet-arcnet.c). */
+/* The telegram begins with the protocol id. But packet-arcnet.c keeps the id and three bytes after it, which
+ * it takes for a split flag and a sequence number, and passes on the rest. So this goes back 4 bytes in the
+ * packet. With the link type of BSD and 0xFF as split flag, it keeps seven bytes after the id. Only then does
+ * the rest begin at 10; the id is at 2. */
 static int
 dissect_in_arcnet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
 {

@@ -9,7 +9,8 @@
 #include "sertap/time.h"
 #include "synax/rk512i.h"
 
-/* SEND and FETCH, each indexed by its letter here. */
+/* The three commands as their letters in the telegram. A row of the table has the index of its letter here.
+ */
 static const char commands[] = {'A', 'E', 'O'};
 
 static void
