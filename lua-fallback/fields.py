@@ -87,7 +87,7 @@ def _texts(source: Source) -> Iterator[str]:
 
 def _strings(source: Source, words: str) -> str:
     """Return what names the values of a field, or its unit."""
-    if words == "NULL":
+    if words == "NULL" or words.startswith("CF_FUNC"):  # a script cannot format a field
         return "nil"
     kind, name = re.fullmatch(r"(\w+)\(&?(\w+)\)", words).groups()  # type: ignore[union-attr]
     if kind == "FRAMENUM_TYPE":
@@ -96,7 +96,7 @@ def _strings(source: Source, words: str) -> str:
 
 
 def _display(words: str) -> str:
-    parts = [part.strip() for part in words.split("|")]
+    parts = [part.strip() for part in words.replace("BASE_CUSTOM", "BASE_NONE").split("|")]
     return " + ".join(part if part.isdigit() else f"base.{part.removeprefix('BASE_')}" for part in parts)
 
 

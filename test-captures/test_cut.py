@@ -126,7 +126,7 @@ def test_list_of_which_the_capture_has_cut_a_piece(tshark: Tshark, tmp_path: Pat
     first = bytes.fromhex("7F 10 80 00 05 07 00 01 00 02 01 3C 00 0C 00 20 00 01 02 03 04")
     second, third = (bytes.fromhex(f"7F {number} 1C 00 05 02 00 05 06 07 08") for number in ("20", "21"))
     cut = Packet(second[:9], len(second))
-    packets = [first, second, third, first, cut, third, first, second, third]
+    packets: list[Packet | bytes] = [first, second, third, first, cut, third, first, second, third]
     assert shown_of(tshark, "synax.pieces.length", "arcnet7f", packets, tmp_path) == [*[""] * 2, "16", *[""] * 5, "16"]
     notes = shown_of(tshark, "synax.note", "arcnet7f", packets, tmp_path)
     assert [number for number, note in enumerate(notes, 1) if note] == [6]
@@ -137,7 +137,7 @@ def test_telegram_of_which_the_capture_has_cut_a_fragment(tshark: Tshark, tmp_pa
     first = bytes.fromhex("004B 02D90000 000000000000")
     last = bytes.fromhex("044B 00121003 000000000000")
     cut = Packet(first[:8], len(first))
-    packets = [first, last, first, first, last, cut, last, first, cut, last, first, last]
+    packets: list[Packet | bytes] = [first, last, first, first, last, cut, last, first, cut, last, first, last]
     receivers = shown_of(tshark, "sis.receiver", "synaxpk", packets, tmp_path)
     assert [number for number, receiver in enumerate(receivers, 1) if receiver] == [2, 5, 12]
 
@@ -145,7 +145,13 @@ def test_telegram_of_which_the_capture_has_cut_a_fragment(tshark: Tshark, tmp_pa
 def test_equal_beginnings_of_blocks_are_no_repeat(tshark: Tshark, tmp_path: Path) -> None:
     """The rest, which the capture has cut, may differ."""
     block = bytes.fromhex("00 00 00 00 00 07 10 03 14")
-    packets = [Packet(block[:6], len(block)), Packet(block[:6], len(block)), block[:6], block, block]
+    packets: list[Packet | bytes] = [
+        Packet(block[:6], len(block)),
+        Packet(block[:6], len(block)),
+        block[:6],
+        block,
+        block,
+    ]
     assert shown_of(tshark, "3964r.repeat_of", "3964r", packets, tmp_path) == ["", "", "", "", "4"]
 
 

@@ -14,7 +14,7 @@ import pytest
 from sharkd import Sharkd
 
 from lesson import Filter, recording
-from pages import markdown, page, questions, workbench
+from pages import HERE, markdown, page, questions, workbench
 from pages.__main__ import lessons
 from pages.dissection import buttons, dissection, rules
 
@@ -203,7 +203,7 @@ def test_index_links_every_lesson_and_the_glossary() -> None:
     text = page.index_page(LESSONS)
     assert re.findall(r'<li><a href="([^"]+)"', text) == [f"{lesson.path.stem}.html" for lesson in LESSONS]
     assert all(word in text for word in ('id="glossary"', "TzA", "TrS", f'href="{page.POSTER}"'))
-    assert (page.HERE / "glossary.md").read_text().startswith("# Glossary\n")  # also read alone, as a file
+    assert (HERE / "glossary.md").read_text().startswith("# Glossary\n")  # also read alone, as a file
     assert (text.count("<h1"), text.count(">Glossary<")) == (1, 1)
     for lesson in LESSONS:
         assert f'href="{page.POSTER}"' in page.lesson_page(lesson, LESSONS, {})

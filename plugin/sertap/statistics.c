@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Statistics of the line itself: `tshark -z sertap,tree`, Statistics > Serial tap: characters and intervals. */
+/* Statistics of the line itself: `tshark -z sertap,tree`, *Serial tap: characters and intervals*. */
 
 #include "sertap/statistics.h"
 
