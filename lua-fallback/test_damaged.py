@@ -69,7 +69,13 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
 @sizes
 @pytest.mark.parametrize(
     ("name", "dissector"),
-    [("records", "sertap"), ("3964r", "sertap"), ("3964r", "rk512i"), ("arcnet7f", "arcnet7f"), ("synaxpk", "synaxpk")],
+    [
+        ("records", "sertap"),
+        ("3964r", "sertap"),
+        pytest.param("3964r", "rk512i", marks=pytest.mark.thorough),
+        pytest.param("arcnet7f", "arcnet7f", marks=pytest.mark.thorough),
+        pytest.param("synaxpk", "synaxpk", marks=pytest.mark.thorough),
+    ],
 )
 def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
     name: str, dissector: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path

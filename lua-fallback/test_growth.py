@@ -12,7 +12,7 @@ from make import Scenario
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 from test_exchange import check_many_routes
-from test_packed import MOST_BYTES, write_packets
+from test_packed import MOST_BYTES, written
 from test_sequence import OPEN, endless
 
 
@@ -34,6 +34,6 @@ def test_transfers_that_nobody_ends_are_forgotten(plugin: Tshark, script: Tshark
 
 def test_a_packet_that_is_too_long_ends_as_bytes(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     long = build(0x60, 16, 3, bytes(240))
-    write_packets(tmp_path / "long.pcapng", [long * (MOST_BYTES // len(long) + 3)])
-    assert len(parity.packets(script, tmp_path / "long.pcapng", "-Y", "sis.telegrams.many")) == 1
-    parity.check(plugin, script, tmp_path / "long.pcapng")
+    capture = written(tmp_path, long * (MOST_BYTES // len(long) + 3))
+    assert len(parity.packets(script, capture, "-Y", "sis.telegrams.many")) == 1
+    parity.check(plugin, script, capture)

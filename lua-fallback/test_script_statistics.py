@@ -12,7 +12,7 @@ import pytest
 from make import Scenario, scenarios
 from merging import Group, groups
 from sistap.wireshark.tshark import Tshark
-from test_packed import COMMAND, NOISE, REACTION, write_packets
+from test_packed import COMMAND, NOISE, REACTION, written
 from test_parity import options
 
 ROW = re.compile(r"^ *(All|\d+) +(\|.*\|)$", re.MULTILINE)
@@ -51,10 +51,11 @@ def test_a_capture(plugin: Tshark, script: Tshark) -> None:
 
 def test_bytes_after_a_telegram(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """They are characters of the line, and of no station."""
-    write_packets(tmp_path / "noisy.pcapng", [COMMAND + NOISE, REACTION + NOISE])
-    assert len(check(plugin, script, tmp_path / "noisy.pcapng", kinds=["bus"])["bus"]) == 3
+    capture = written(tmp_path, COMMAND + NOISE, REACTION + NOISE)
+    assert len(check(plugin, script, capture, kinds=["bus"])["bus"]) == 3
 
 
+@pytest.mark.thorough
 def test_accesses_to_parameters(plugin: Tshark, script: Tshark) -> None:
     """In the list of parameters, and as JSON."""
     capture = CAPTURE.with_name("accesses.pcapng")

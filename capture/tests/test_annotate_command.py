@@ -296,6 +296,7 @@ def test_a_file_of_bytes_is_no_log(tmp_path: Path, content: bytes, words: str) -
     refused(run(tmp_path, "x"), 2, words)
 
 
+@pytest.mark.thorough
 @pytest.mark.attack("a log with an endless line", "the first million characters are explained")
 def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     """Its beginning is explained; the whole line is copied."""

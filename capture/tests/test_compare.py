@@ -128,6 +128,7 @@ def test_a_capture_and_itself(tmp_path: Path, bus: dict[str, Path]) -> None:
     assert {one["chance"] for times in compared["times"] for one in (times["half_within"],)} == {1.0}
 
 
+@pytest.mark.thorough
 def test_several_files_of_a_side(tmp_path: Path, bus: dict[str, Path]) -> None:
     both = as_json(tmp_path, "--good", bus["evening"], bus["next"], "--bad", bus["night"])
     alone = [as_json(tmp_path, bus[name], bus["night"])["good"] for name in ("evening", "next")]

@@ -398,6 +398,7 @@ def test_a_wireshark_that_opens_the_toolbar_late_is_waited_for(tmp_path: Path, s
     assert wireshark.ended()[0] == 3
 
 
+@pytest.mark.thorough
 def test_a_self_test_before_the_capture_says_how_exact_it_is(
     tmp_path: Path, line: tuple[int, str], started: list[Wireshark], state: Path
 ) -> None:

@@ -131,6 +131,12 @@ def test_the_widths_are_of_all_columns_in_their_order() -> None:
     assert widths == [":".join(form.split(":")[:2]) for _, form in COLUMNS]
 
 
+def test_milliseconds_are_at_the_right() -> None:
+    """So that their points stand below each other; Wireshark itself puts only fields without a format there."""
+    to_the_right = re.findall(r'^\t"%Cus:([^"]+)", -1:R', (PROFILE / "recent").read_text(), re.MULTILINE)
+    assert to_the_right == [form.split(":")[1] for title, form in COLUMNS if title.endswith("(ms)")]
+
+
 def test_the_toolbar_that_is_shown_is_that_of_the_extcap(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["extcap", "--extcap-interfaces"]) == 0
     (name,) = re.findall(r"^extcap .*{display=([^}]+)}", capsys.readouterr().out, re.MULTILINE)

@@ -254,6 +254,7 @@ def test_the_rate_is_found_and_then_followed(tmp_path: Path) -> None:
     assert all(record.settings.baud == 57600 and not record.errors for record in last)
 
 
+@pytest.mark.thorough
 @terminals
 def test_in_real_time_through_a_pseudo_terminal(tmp_path: Path) -> None:
     """A late tap may hear the first telegram after a change wrongly; it must not fall behind."""

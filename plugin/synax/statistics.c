@@ -9,8 +9,7 @@
 #include "sertap/time.h"
 #include "synax/rk512i.h"
 
-/* The three commands as their letters in the telegram. A row of the table has the index of its letter here.
- */
+/* The letters of the commands. A row of the table has the index of its letter here. */
 static const char commands[] = {'A', 'E', 'O'};
 
 static void
