@@ -94,10 +94,16 @@ def test_macros_are_the_same_for_later_wiresharks() -> None:
 
 
 def test_graphs_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
-    fields = {(row[5].partition("(")[0], row[6]) for row in rows("io_graphs") if row[6]}
+    fields = {
+        (row[5].replace("COUNT FRAMES", "COUNT").partition("(")[0], row[6]) for row in rows("io_graphs") if row[6]
+    }
     assert fields
     for function, field in fields:
         assert f"{function}({field})" in tshark("statistics", "-q", "-z", f"io,stat,0,{function}({field}){field}")
+
+
+def test_graphs_have_different_units_so_that_wireshark_shows_a_legend() -> None:
+    assert len({row[5] for row in rows("io_graphs") if row[0] == "Enabled"}) > 1
 
 
 def test_plots_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
