@@ -187,8 +187,8 @@ is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
     return !exchange->is_reaction_kept && damaged_since(transfer, exchange) >= enough;
 }
 
-/* The number of bytes of a list, if this is its first piece and has length words (a SERCOS list: bytes used, possible);
- * 0: unknown. */
+/* The number of bytes of a list, if this is its first piece and has length words (a SERCOS list: bytes used,
+ * possible); 0: unknown. */
 static uint32_t
 announced_by(const sis_body_t *body)
 {
