@@ -33,6 +33,7 @@ def some(packets: Sequence[T], count: int) -> list[T]:
 sizes = pytest.mark.parametrize("count", [FEW, pytest.param(ALL, marks=pytest.mark.thorough)], ids=["some", "all"])
 
 
+@pytest.mark.thorough
 @sizes
 @pytest.mark.parametrize(
     "reaction", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["commands", "reactions"]
@@ -44,6 +45,7 @@ def test_useful_data(count: int, reaction: bool, plugin: Tshark, script: Tshark,
     parity.check(plugin, script, capture)
 
 
+@pytest.mark.thorough
 @sizes
 def test_lengths(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Telegrams that the capture has cut, and lengths that differ."""
@@ -54,6 +56,7 @@ def test_lengths(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> 
     parity.check(plugin, script, capture)
 
 
+@pytest.mark.thorough
 @sizes
 def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     records = [item.record(None) for item in Scenario(HERE / "records.txt").items]
@@ -66,6 +69,7 @@ def test_every_beginning_of_every_record(count: int, plugin: Tshark, script: Tsh
     parity.check(plugin, script, capture)
 
 
+@pytest.mark.thorough
 @sizes
 @pytest.mark.parametrize(
     ("name", "dissector"),
@@ -90,6 +94,7 @@ def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
     parity.check(plugin, script, tmp_path / "cut.pcapng", "-o", "sis.tza_ms:5")
 
 
+@pytest.mark.thorough
 @sizes
 @pytest.mark.parametrize("name", ["synaxobj", "synaxpcp"])
 def test_objects(name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
@@ -104,6 +109,7 @@ def test_objects(name: str, count: int, plugin: Tshark, script: Tshark, tmp_path
     parity.check(plugin, script, tmp_path / "bad.pcapng")
 
 
+@pytest.mark.thorough
 @sizes
 def test_process_data(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     data = bytes(range(40))

@@ -24,6 +24,7 @@ def test_many_commands_wait_for_their_routers(script: Tshark, tmp_path: Path) ->
     check_many_routes(script, 30_000, tmp_path / "many.pcapng")
 
 
+@pytest.mark.thorough
 def test_transfers_that_nobody_ends_are_forgotten(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """As in the plugin, the oldest is dropped."""
     (tmp_path / "open.txt").write_text(f"{endless(OPEN + 10)}\ncommand 16>3 1F 3C 05 01 00 00 03 04")
@@ -32,6 +33,7 @@ def test_transfers_that_nobody_ends_are_forgotten(plugin: Tshark, script: Tshark
     parity.check(plugin, script, capture)
 
 
+@pytest.mark.thorough
 def test_a_packet_that_is_too_long_ends_as_bytes(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     long = build(0x60, 16, 3, bytes(240))
     capture = written(tmp_path, long * (MOST_BYTES // len(long) + 3))

@@ -57,6 +57,7 @@ def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: T
     parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["timing-reads", "3964r"])
 def test_without_limits(name: str, plugin: Tshark, script: Tshark) -> None:
     """A limit of 0 is none."""
@@ -64,6 +65,7 @@ def test_without_limits(name: str, plugin: Tshark, script: Tshark) -> None:
     parity.check(plugin, script, HERE / f"{name}.pcapng", *limits)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "group",
     [PLAIN, *(pytest.param(group, marks=pytest.mark.thorough) for group in (WITH_OPTIONS, *apart()))],

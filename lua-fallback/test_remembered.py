@@ -118,6 +118,7 @@ def test_name_learned_between(options: tuple[str, ...], plugin: Tshark, script: 
     assert names == ["", "", "Name", "Name", "Other", "Name", "Name"]
 
 
+@pytest.mark.thorough
 @PASSES
 def test_more_than_it_remembers(options: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     values = [telegram for number in range(DIFFERENT) for telegram in read(7, struct.pack("<i", number))]
@@ -126,6 +127,7 @@ def test_more_than_it_remembers(options: tuple[str, ...], plugin: Tshark, script
     compare(plugin, script, capture, *options)
 
 
+@pytest.mark.thorough
 def test_preference_changed(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Two captures in one tshark: what was remembered of a header is dropped when the edition changes."""
     folder = tmp_path / "plugins"

@@ -47,6 +47,7 @@ def write(capture: Path, records: list[Record]) -> None:
     capture.write_bytes(b"".join(blocks))
 
 
+@pytest.mark.thorough
 @pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same in plugin and script")
 def test_of_events(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """In the packet list and in the expert items."""

@@ -25,6 +25,7 @@ def compilers_options(build: Path, *options: str) -> list[set[str]]:
     return [set(call["command"].split()) for call in calls]
 
 
+@pytest.mark.thorough
 def test_plain_build(tmp_path: Path) -> None:
     calls = compilers_options(tmp_path)
     assert calls

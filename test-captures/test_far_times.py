@@ -69,6 +69,7 @@ def test_reaction_times(tshark: Tshark, tmp_path: Path) -> None:
     assert found == [seconds(elapsed(*pair)) for pair in pairs]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("times", [FAR_NS, FAR_S], ids=["nanoseconds", "seconds"])
 @pytest.mark.parametrize("layers", [["-V"], ["-2"], mutate.STATISTICS], ids=["trees", "two_passes", "statistics"])
 def test_every_packet_is_dissected(times: tuple[int, ...], layers: list[str], tshark: Tshark, tmp_path: Path) -> None:

@@ -176,6 +176,7 @@ def long_list() -> bytes:
     return words + bytes(i % 251 for i in range(LONGEST - 4))
 
 
+@pytest.mark.thorough
 def test_longest_list(tshark: Tshark, tmp_path: Path) -> None:
     """65,535 bytes in 278 pieces; P-0-0072 is a list of single unsigned bytes by its attribute."""
     data = long_list()
@@ -223,6 +224,7 @@ def endless(count: int) -> str:
     return "\n".join(f"command 16>3 1F 38 {number % 256:02X} 00 {number % 256:02X} 00 01 02" for number in range(count))
 
 
+@pytest.mark.thorough
 def test_transfers_that_nobody_ends_are_forgotten(tshark: Tshark, tmp_path: Path) -> None:
     """The oldest is told to have ended; the newest goes on."""
     lines = [endless(OPEN), "command 16>3 1F 38 05 01 00 00 01 02", "command 16>3 1F 3C 05 01 00 00 03 04"]

@@ -155,6 +155,7 @@ def test_stations(tshark: Tshark) -> None:
     check(tshark, "arcnet", f"{LINKS} {PIECES}", f"{EXPERTS} synax.unanswered_before", STATIONS, prefix="")
 
 
+@pytest.mark.thorough
 def test_whole_lists(tshark: Tshark) -> None:
     frames = shown(tshark, HERE / "arcnet.pcapng", "sis.data", prefix="")
     assert {number: frames[number]["sis.data"].split(",")[-1] for number in WHOLES} == WHOLES
@@ -165,6 +166,7 @@ def test_bsd(tshark: Tshark) -> None:
     check(tshark, "arcnet-bsd", f"{fields} {PIECES}", EXPERTS, BSD, prefix="")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 def test_every_cut(passes: tuple[str, ...], tshark: Tshark, tmp_path: Path) -> None:
     """Each telegram of a first, a follow-up and a block, cut after each of its bytes: never an exception."""

@@ -90,6 +90,7 @@ def test_objects(tshark: Tshark) -> None:
     check(tshark, "synaxobj", FIELDS, EXPERTS, OBJECTS, prefix="")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["synaxobj", "synaxpcp"])
 def test_every_beginning(name: str, tshark: Tshark, tmp_path: Path) -> None:
     whole = [item.data for item in Scenario(HERE / f"{name}.txt").items]
@@ -105,6 +106,7 @@ def test_every_beginning(name: str, tshark: Tshark, tmp_path: Path) -> None:
 WRITE_REQUEST = "0082 0004 0002 5FF6 0002 0102"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "text"),
     [("synaxobj", "5E7101 02EA050500901001 3C01002C00 00"), ("synaxpcp", WRITE_REQUEST), ("synaxpd", WRITE_REQUEST)],

@@ -196,6 +196,7 @@ def test_direction(direction: str, sender: str, tshark: Tshark) -> None:
     assert {frame.get("synaxpk.sender") for number, frame in frames.items() if number != 63} == {sender}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("layout", ["synax", "indradrive"])
 @pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 def test_every_cut(passes: tuple[str, ...], layout: str, tshark: Tshark, tmp_path: Path) -> None:

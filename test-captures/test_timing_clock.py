@@ -154,6 +154,7 @@ def test_no_verdict_is_wrong(name: str, tshark: Tshark, tmp_path: Path) -> None:
     assert found >= needed
 
 
+@pytest.mark.thorough
 def test_the_longest_interval_and_its_place(tshark: Tshark, tmp_path: Path) -> None:
     """With an exact clock they are the true ones; of equal intervals the first."""
     random = Random(1)

@@ -120,6 +120,7 @@ ADAPTERS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ADAPTERS)
 def test_coarse_reads(name: str, tshark: Tshark, tmp_path: Path) -> None:
     """Reads bring ends and beginnings of telegrams together, whole exchanges after a stall."""

@@ -159,6 +159,7 @@ def test_a_signal_ends_it(number: signal.Signals) -> None:
         assert process.wait() == 0
 
 
+@pytest.mark.thorough
 @posix("no signals")
 def test_a_reader_who_does_not_read_does_not_hold_up_a_stop(log: Path) -> None:
     """annotate LOG | less, and then Ctrl-C."""
@@ -176,6 +177,7 @@ def test_a_reader_who_does_not_read_does_not_hold_up_a_stop(log: Path) -> None:
     os.close(theirs)
 
 
+@pytest.mark.thorough
 @posix("no pipes in folders")
 def test_a_named_pipe_is_read_once(tmp_path: Path, log: Path) -> None:
     fifo = tmp_path / "fifo"
@@ -229,6 +231,7 @@ SAID_3964R = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "lines",
     [
@@ -273,6 +276,7 @@ def test_what_cannot_be_read_is_named_and_the_rest_counted(tmp_path: Path) -> No
     assert PHASE_TEXT.encode() in done.stdout
 
 
+@pytest.mark.thorough
 def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes(b"nothing to see here\n")
     done = run(tmp_path, "x")
@@ -320,6 +324,7 @@ def test_of_a_year_that_a_capture_cannot_have_the_clock_holds(tmp_path: Path, ye
     assert second.time_ns - first.time_ns == 300_000_000
 
 
+@pytest.mark.thorough
 @pytest.mark.attack("a `--regex` that never ends", "stopped after two seconds")
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a timer of POSIX")
 def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
@@ -328,6 +333,7 @@ def test_an_expression_that_never_ends_is_given_up(tmp_path: Path) -> None:
     refused(done, 2, "line 1: the expression takes longer than 2 s; make it simpler")
 
 
+@pytest.mark.thorough
 def test_an_empty_log(tmp_path: Path) -> None:
     (tmp_path / "x").touch()
     done = run(tmp_path, "x")
@@ -369,6 +375,7 @@ def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
     assert run(tmp_path, log, "-w", "x.pcapng", PATH=str(tmp_path)).returncode == 0
 
 
+@pytest.mark.thorough
 def test_who_reads_only_the_beginning_is_no_failure_to_speak_of(log: Path) -> None:
     log.write_bytes(log.read_bytes() * 200)
     with subprocess.Popen([*ANNOTATE, str(log)], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -388,6 +395,7 @@ def test_the_user_may_have_other_columns(tmp_path: Path, log: Path) -> None:
     assert PHASE_TEXT.encode() in run(tmp_path, log, HOME=str(tmp_path / "home")).stdout
 
 
+@pytest.mark.thorough
 def test_no_file_stays(tmp_path: Path, log: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o777)
@@ -404,6 +412,7 @@ def test_the_help_is_a_page() -> None:
         assert re.search(re.escape(word), page)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("piece", [" ", "\x1b[1m"])
 def test_a_file_of_one_long_line_comes_to_an_end(tmp_path: Path, piece: str) -> None:
     """Within minutes, though a naive search would look at the rest of the line again and again."""

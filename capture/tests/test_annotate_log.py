@@ -46,6 +46,7 @@ def test_a_log(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["specification", "statistics", "repeats", "duplex", "sequences", "phases-routed"])
 def test_a_log_is_read_back_to_the_same_telegrams_and_times(tmp_path: Path, name: str) -> None:
     assert run(tmp_path, "log", CAPTURES / f"{name}.pcapng", "-o", "x.txt", TZ=ZONE).returncode == 0
@@ -64,6 +65,7 @@ def test_a_capture_of_a_log_without_times_is_a_log_without_times(tmp_path: Path)
     ]
 
 
+@pytest.mark.thorough
 def test_a_capture_that_is_cut_is_a_log_up_to_there(tmp_path: Path) -> None:
     capture = write(tmp_path / "x.pcapng", BUS)
     whole = run(tmp_path, "log", capture).stdout.splitlines()
@@ -85,6 +87,7 @@ def test_a_full_disk(tmp_path: Path, full: Path) -> None:
     refused(run(tmp_path, "log", capture, "-o", full), 1, "/dev/full", "No space left")
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_opened(tmp_path: Path) -> None:
     capture = write(tmp_path / "x.pcapng", BUS)
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)

@@ -106,6 +106,7 @@ def test_each_byte_has_its_field(tmp_path: Path) -> None:
     assert found.text.strip("\n") == log.replace("\r\n", "\n").strip("\n")
 
 
+@pytest.mark.thorough
 def test_foreign_text_is_text(tmp_path: Path) -> None:
     log = '<script>alert("&amp;")</script> \x00 \x1b[31m é\nRX <02><56><02><02><10><92><00><00><00><02> <b title="x">\n'
     found = made(tmp_path, log.encode("latin-1"))
@@ -113,6 +114,7 @@ def test_foreign_text_is_text(tmp_path: Path) -> None:
     assert len(found.explanations) == 1
 
 
+@pytest.mark.thorough
 def test_what_is_no_telegram_and_what_is_damaged(tmp_path: Path) -> None:
     found = made(tmp_path, b"41 42 43 44\n02 57 02 02 10 92 00 00 00 02\n")
     assert found.marks[0] == ("41 42 43 44", "other", "no telegram")
@@ -120,6 +122,7 @@ def test_what_is_no_telegram_and_what_is_damaged(tmp_path: Path) -> None:
     assert "  [wrong checksum]  " in found.explanations[1]
 
 
+@pytest.mark.thorough
 def test_long_data_put_together_from_pieces_has_its_own_bytes(tmp_path: Path) -> None:
     captures = Path(__file__).parents[2] / "test-captures"
     log = subprocess.run(

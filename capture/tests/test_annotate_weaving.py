@@ -82,6 +82,7 @@ _LOG = st.lists(st.tuples(_LINE, st.sampled_from(["\n", "\r\n", "\r", ""])), max
 )
 
 
+@pytest.mark.thorough
 @given(_LOG, st.sampled_from(["utf-8", "latin-1"]), st.lists(st.booleans(), max_size=30))
 def test_without_the_explanations_it_is_the_log(log: str, encoding: str, pauses: list[bool]) -> None:
     data = log.encode(encoding, "replace").rstrip(b"\r")  # nobody could tell it from that of an explanation

@@ -662,6 +662,7 @@ def drain(terminal: int) -> bytes:
         heard += data
 
 
+@pytest.mark.thorough
 @terminals
 def test_a_pty_that_nobody_configured_delivers_every_byte(tmp_path: Path) -> None:
     log = tmp_path / "log"
@@ -703,6 +704,7 @@ def test_without_a_listener_characters_are_gone_and_nobody_gets_old_ones() -> No
     terminal.close()
 
 
+@pytest.mark.thorough
 @terminals
 def test_a_listener_who_does_not_read_holds_up_nothing() -> None:
     terminal = PseudoTerminal(Pace(simulated=True), 9600)
@@ -729,6 +731,7 @@ def test_before_it_closes_a_listener_has_time_to_read(monkeypatch: pytest.Monkey
 # -- The command ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @signals
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("options", [["--pty"], ["--listen", "127.0.0.1:0"]])
@@ -784,6 +787,7 @@ def test_wrong_options_get_one_line_with_the_cure(tmp_path: Path, options: list[
     assert cure in result.stderr
 
 
+@pytest.mark.thorough
 def test_an_address_in_use(tmp_path: Path) -> None:
     path = tmp_path / "bus"
     for address in ["127.0.0.1:0", *([] if WINDOWS else [str(path)])]:
@@ -814,6 +818,7 @@ def test_nobody_reads_its_name() -> None:
     )  # as Windows has it
 
 
+@pytest.mark.thorough
 @sockets
 def test_a_socket_that_a_killed_bus_left_is_replaced_but_no_file(tmp_path: Path) -> None:
     path = tmp_path / "bus"
@@ -829,6 +834,7 @@ def test_a_socket_that_a_killed_bus_left_is_replaced_but_no_file(tmp_path: Path)
     assert path.read_text() == "precious"
 
 
+@pytest.mark.thorough
 @signals
 def test_a_tap_that_goes_on_talking_does_not_hold_up_the_end() -> None:
     with running("--listen", "127.0.0.1:0") as (process, name), connect(name) as connection:

@@ -172,6 +172,7 @@ def test_a_capture_runs_without_real_time_priority_too(
     assert len(capfd.readouterr().err.splitlines()) == 1  # the summary
 
 
+@pytest.mark.thorough
 @terminals
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_port_is_put_back_when_a_signal_ends_a_capture(
@@ -575,6 +576,7 @@ def test_wrong_usage(run: Run, arguments: list[str], capfd: pytest.CaptureFixtur
     assert "Traceback" not in capfd.readouterr().err
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("descriptor", [0, 1, 2])
 def test_the_port_must_not_be_the_terminal_it_runs_in(tap: Tap, descriptor: int) -> None:
     streams = [subprocess.DEVNULL, subprocess.DEVNULL, subprocess.DEVNULL]
@@ -972,6 +974,7 @@ def launch(tap: Tap, *arguments: str, **popen: Any) -> subprocess.Popen[bytes]:
     return tap.process
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("number", SIGNALS[1:])
 @pytest.mark.parametrize("arguments", [[], ["-q"]])
 def test_a_stuck_terminal_does_not_hold_up_a_capture(
@@ -988,6 +991,7 @@ def test_a_stuck_terminal_does_not_hold_up_a_capture(
     assert isinstance(blocks(path)[-1], InterfaceStatistics)
 
 
+@pytest.mark.thorough
 def test_text_on_a_stuck_terminal_does_not_hold_up_a_stop(tap: Tap, stuck: Stuck) -> None:
     process = tap.start(stdout=stuck.slave)
     tap.send(*ALL)
@@ -997,6 +1001,7 @@ def test_text_on_a_stuck_terminal_does_not_hold_up_a_stop(tap: Tap, stuck: Stuck
     assert "standard output is not being read; the last records are missing in it\n" in err
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("arguments", [[], ["-w", "-"]])
 def test_a_pipe_that_is_not_read_does_not_hold_up_a_stop(

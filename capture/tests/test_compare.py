@@ -107,6 +107,7 @@ def test_five_lines_say_what_happened_in_the_night(tmp_path: Path, bus: dict[str
     assert told["Line, limits"] == "nothing differs"
 
 
+@pytest.mark.thorough
 def test_how_much_slower(tmp_path: Path, bus: dict[str, Path]) -> None:
     compared = as_json(tmp_path, bus["evening"], bus["night"])
     [slower] = [times for times in compared["times"] if times["differs"]]
@@ -116,12 +117,14 @@ def test_how_much_slower(tmp_path: Path, bus: dict[str, Path]) -> None:
     assert half["chance"] < 0.01
 
 
+@pytest.mark.thorough
 def test_another_evening_is_nothing_to_cry_about(tmp_path: Path, bus: dict[str, Path]) -> None:
     compared = as_json(tmp_path, bus["evening"], bus["next"])
     assert set(compared["lines"].values()) == {"nothing differs"}
     assert not compared["differs"]
 
 
+@pytest.mark.thorough
 def test_a_capture_and_itself(tmp_path: Path, bus: dict[str, Path]) -> None:
     compared = as_json(tmp_path, bus["night"], bus["night"])
     assert not compared["differs"]
@@ -151,6 +154,7 @@ def test_who_left_and_who_is_new(tmp_path: Path) -> None:
     assert "may be chance" not in line
 
 
+@pytest.mark.thorough
 def test_who_is_asked_and_never_answers(tmp_path: Path) -> None:
     good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER)] * 30)
     bad = write(tmp_path / "bad.pcapng", [Sent(READ), Sent(ANSWER), Sent(READ_4)] * 30)
@@ -162,6 +166,7 @@ def test_who_is_asked_and_never_answers(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.thorough
 def test_limits_and_faults(tmp_path: Path) -> None:
     """BUS has limits, a line error and lost characters; the other side has one good exchange."""
     good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER)])
@@ -177,6 +182,7 @@ def test_limits_and_faults(tmp_path: Path) -> None:
     assert told["lines"]["Line, limits"] == "TzA 5 ms, was none; TrS 50 ms, was none"
 
 
+@pytest.mark.thorough
 def test_a_page(tmp_path: Path, bus: dict[str, Path]) -> None:
     done = run(tmp_path, "compare", bus["evening"], bus["night"], "--format", "html", "-o", "changed.html")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -187,6 +193,7 @@ def test_a_page(tmp_path: Path, bus: dict[str, Path]) -> None:
     assert "http" not in page
 
 
+@pytest.mark.thorough
 def test_a_capture_that_is_cut_or_empty(tmp_path: Path, bus: dict[str, Path]) -> None:
     cut = tmp_path / "cut.pcapng"
     cut.write_bytes(bus["night"].read_bytes()[:-40])
@@ -200,6 +207,7 @@ def test_a_capture_that_is_cut_or_empty(tmp_path: Path, bus: dict[str, Path]) ->
     assert "0 telegrams" in done.stdout
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_compared(tmp_path: Path, bus: dict[str, Path]) -> None:
     evening = bus["evening"]
     for wrong in ([evening], [evening] * 3, ["--good", evening], ["--good", evening, "--bad", evening, "--", evening]):

@@ -198,6 +198,7 @@ NO_MESSAGES = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.attack("the toolbar's pipe delivers something that is not a message", "ignored; the next message works")
 def test_messages_that_no_wireshark_sends_end_nothing(demo: Wireshark) -> None:
     demo.say(INITIALIZED)
@@ -321,6 +322,7 @@ def test_the_demo_bus_is_cut_as_its_scenario_says(tmp_path: Path, started: list[
     ]
 
 
+@pytest.mark.thorough
 def test_a_distant_tap_is_captured_and_its_rate_is_not_set_here(tmp_path: Path, started: list[Wireshark]) -> None:
     with serving("127.0.0.1:0", "--baud", "19200") as (_, name, master):
         started.append(wireshark := Wireshark(tmp_path, "sistap-distant", "--address", name.removeprefix("bus://")))
@@ -361,6 +363,7 @@ def test_a_toolbar_that_closes_ends_it(demo: Wireshark) -> None:
     assert demo.ended() == (0, "")
 
 
+@pytest.mark.thorough
 def test_a_reader_that_leaves_ends_it_without_a_word(demo: Wireshark) -> None:
     demo.capture.close()
     assert demo.ended() == (0, "")
@@ -387,6 +390,7 @@ def test_what_cannot_be_captured_is_said_in_one_line_with_an_empty_capture(
     assert says in errors
 
 
+@pytest.mark.thorough
 def test_a_wireshark_that_opens_the_toolbar_late_is_waited_for(tmp_path: Path, started: list[Wireshark]) -> None:
     started.append(wireshark := Wireshark(tmp_path, "sistap-ttyNONE"))
     assert list(wireshark.blocks())  # all of the capture: it has failed

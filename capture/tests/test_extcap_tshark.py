@@ -59,6 +59,7 @@ def test_the_demo_bus_is_captured(tshark: Tshark) -> None:
     assert "extcap" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_a_capture_filter_sees_telegrams(tshark: Tshark) -> None:
     capture = ["-i", "sistap-demo", "-f", "link[7] == 4", "-c", "8", *NOT_LONGER, "-T", "fields", "-e", "sis.receiver"]
     assert [line for line in tshark.run(capture).stdout.splitlines() if line] == 6 * ["4"]
@@ -74,6 +75,7 @@ def test_options_come_from_the_preferences(tshark: Tshark) -> None:
     assert tshark.run([*rate, *other, *capture]).stdout.splitlines() == ["1200"]
 
 
+@pytest.mark.thorough
 def test_an_error_arrives_in_words_and_alone(tshark: Tshark) -> None:
     done = tshark.run(["-i", "sistap-demo", "-f", "link[5] =", *NOT_LONGER])
     (said,) = (line for line in done.stderr.splitlines() if line.startswith("tshark:"))

@@ -46,6 +46,7 @@ def odd_ones(text: str, keep: str = "\n") -> set[str]:
     return {character for character in text if not character.isprintable() and character not in keep}
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_seen_is_shown() -> None:
     assert visible("Motor läuft, 12 µs → °C 😀") == "Motor läuft, 12 µs → °C 😀"
     assert visible("\x1b[31m") == r"\x1b[31m"
@@ -73,6 +74,7 @@ def capture(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.thorough
 @of_others
 @pytest.mark.parametrize("kind", ["text", "html", "json"])
 def test_a_report(capture: Path, tmp_path: Path, kind: str) -> None:
@@ -92,6 +94,7 @@ def test_a_capture_as_a_log(capture: Path, tmp_path: Path) -> None:
     assert not odd_ones(done.stdout + done.stderr)
 
 
+@pytest.mark.thorough
 @of_others
 def test_an_explained_log(tmp_path: Path) -> None:
     """The text output is the unchanged log, with safe lines between; the page is safe as a whole."""

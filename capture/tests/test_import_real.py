@@ -43,6 +43,7 @@ def test_what_qemu_itself_has_recorded(tmp_path: Path) -> None:
     assert "latency timer 1 ms, and a USB frame" in done.events[0]
 
 
+@pytest.mark.thorough
 def test_both_directions_through_cdc_acm(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     played = truth("usbmon-cdc-acm")
     source = unpacked("usbmon-cdc-acm.pcapng", tmp_path)
@@ -80,6 +81,7 @@ def test_line_errors_of_a_ft232r(tmp_path: Path) -> None:
     assert "latency timer 1 ms, and a USB frame" in done.events[0]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "settings"),
     [

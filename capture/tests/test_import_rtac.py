@@ -47,6 +47,7 @@ def test_one_direction_is_a_shared_line(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("packets", "flags"),
     [

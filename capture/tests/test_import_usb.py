@@ -94,6 +94,7 @@ def test_the_fixtures_are_cdc_to_wireshark(tmp_path: Path) -> None:
     assert dissected(host.save(tmp_path / "usb.pcap"), *fields) == ["0x20\t", "\t0x20"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("recorder", [Usbmon, UsbPcap])
 def test_the_adapter_says_how_it_was_set(tmp_path: Path, recorder: type[Usbmon] | type[UsbPcap]) -> None:
     host = ftdi(recorder())
@@ -206,6 +207,7 @@ def test_line_errors_are_at_their_characters(tmp_path: Path) -> None:
     assert flags == [BAD, *[0] * 62, LOST | SOMEWHERE, SOMEWHERE]
 
 
+@pytest.mark.thorough
 def test_no_earlier_than_the_latency_timer(tmp_path: Path) -> None:
     """The host asks all the time, so a transfer comes every 5 ms; each can be a USB frame (1 ms) late."""
     host = ftdi(latency_ms=5)
@@ -228,6 +230,7 @@ def test_without_a_latency_timer_in_the_capture_it_is_16_ms(tmp_path: Path) -> N
     assert "latency timer 16 ms, as by default" in done.events[0]
 
 
+@pytest.mark.thorough
 def test_the_latency_timer_of_the_time_when_characters_came(tmp_path: Path) -> None:
     """Before, another program had set it to 16 ms; closing the port restores it."""
     host = ftdi()
@@ -249,6 +252,7 @@ def test_a_host_that_does_not_ask_leaves_characters_waiting(tmp_path: Path) -> N
     assert uncertainty_ms(run(host.save(tmp_path / "usb.pcap")).records[0]) == pytest.approx(51.5)
 
 
+@pytest.mark.thorough
 def test_a_full_transfer_does_not_empty_the_adapter(tmp_path: Path) -> None:
     """64 bytes are all that a packet holds: what comes at 84 may have waited since the transfer before, at 70."""
     host = ftdi()
@@ -309,6 +313,7 @@ def test_what_the_adapter_has_not_taken_was_not_sent(tmp_path: Path) -> None:
     assert characters(run(host.save(tmp_path / "usb.pcap")).records, SHARED) == COMMAND[:3]
 
 
+@pytest.mark.thorough
 def test_what_is_on_its_way_at_the_end_is_not_lost(tmp_path: Path) -> None:
     host = ftdi()
     host.send(100, 110, COMMAND)
@@ -317,6 +322,7 @@ def test_what_is_on_its_way_at_the_end_is_not_lost(tmp_path: Path) -> None:
     assert (record.data, record.uncertainty_ns) == (COMMAND, UNCERTAINTY_UNKNOWN)
 
 
+@pytest.mark.thorough
 def test_bytes_that_the_capture_does_not_have_are_marked(tmp_path: Path) -> None:
     host = ftdi()
     host.receive(4, 20, STATUS + b"A", length=40)
@@ -328,6 +334,7 @@ def test_bytes_that_the_capture_does_not_have_are_marked(tmp_path: Path) -> None
     assert (characters(records, SHARED), flags) == (b"ABCD", [0, LOST, 0, LOST])
 
 
+@pytest.mark.thorough
 def test_bytes_sent_that_the_capture_does_not_have_are_marked(tmp_path: Path) -> None:
     """usbmon had room for two of eleven."""
     host = ftdi()
@@ -404,6 +411,7 @@ def two_adapters(folder: Path) -> Path:
     return pcap(folder / "usb.pcap", 220, sorted(first.packets + second.packets, key=lambda p: p[0]))
 
 
+@pytest.mark.thorough
 def test_of_several_adapters_one_has_to_be_chosen(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     source = two_adapters(tmp_path)
     assert run(source).code == 2

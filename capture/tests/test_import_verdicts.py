@@ -50,6 +50,7 @@ def exchange(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return source
 
 
+@pytest.mark.thorough
 def test_an_exchange_of_a_usb_capture(tshark: Tshark, exchange: Path) -> None:
     fields = ["sis.talker", "sis.listener", "sis.parameter", "sis.command_in", "sertap.line", "sertap.format"]
     command, reaction = telegrams(tshark, exchange, *fields)
@@ -112,6 +113,7 @@ def test_intervals_of_a_logic_analyser(
     assert telegrams(tshark, source, "sis.tza.verdict", "sis.tza.position", tza=5) == [[verdict, "5"]]
 
 
+@pytest.mark.thorough
 def test_verdicts_stay_open_where_the_times_have_no_bound(tshark: Tshark, tmp_path: Path) -> None:
     """RTAC: the stamps are 30 ms apart, but their characters are unknown."""
     stamps = [(100, 1, COMMAND), (130, 2, REACTION)]

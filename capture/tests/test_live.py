@@ -49,6 +49,7 @@ def logged(path: Path, capture: Path) -> list[str]:
     return [line.replace("  [no reaction]", "") for line in lines if not line.startswith("^-- ")]
 
 
+@pytest.mark.thorough
 def test_it_shows_what_log_shows(tmp_path: Path, tshark: Tshark, capture: Path, traffic: list[Record]) -> None:
     path = tmp_path / "live.txt"
     output = Output(str(path))
@@ -76,6 +77,7 @@ def test_each_record_is_shown_when_it_has_come(tmp_path: Path, tshark: Tshark, t
     output.close()
 
 
+@pytest.mark.thorough
 def test_without_tshark_it_goes_on(
     tmp_path: Path, tshark: Tshark, traffic: list[Record], monkeypatch: pytest.MonkeyPatch
 ) -> None:

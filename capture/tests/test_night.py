@@ -57,6 +57,7 @@ def seconds(record: Record) -> float:
     return record.time_ns / 1e9
 
 
+@pytest.mark.thorough
 def test_a_scenario_can_say_when_it_begins(night: Path) -> None:
     records = list(reading.records(night))
     assert seconds(records[0]) == BEGIN.timestamp()
@@ -95,6 +96,7 @@ def test_the_comparison_says_it_in_five_lines(night: Path, tmp_path: Path, capsy
     assert "without a reaction 2, was 0" in first[3]
 
 
+@pytest.mark.thorough
 def test_the_report_has_the_least_and_the_greatest(night: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["report", "--format", "json", str(night)]) == 0
     parameters = json.loads(capsys.readouterr().out)["parameters"]
@@ -102,6 +104,7 @@ def test_the_report_has_the_least_and_the_greatest(night: Path, capsys: pytest.C
     assert (limit["first"], limit["last"], limit["written_by"]) == ("2000.0000 rpm", "200.0000 rpm", 17)
 
 
+@pytest.mark.thorough
 def test_duckdb_finds_the_minutes(night: Path, tmp_path: Path) -> None:
     duckdb = pytest.importorskip("duckdb", reason="duckdb asks the tables: pip install duckdb")
     pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install pyarrow")

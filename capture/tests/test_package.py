@@ -45,6 +45,7 @@ def test_a_package_has_everything(checkout: Path) -> None:
     assert script.read_bytes() == (checkout / "lua-fallback/sis.lua").read_bytes()
 
 
+@pytest.mark.thorough
 def test_a_source_distribution_has_everything(checkout: Path) -> None:
     setup(checkout / "capture", "sdist", "--dist-dir", "../dist")
     shutil.unpack_archive(next((checkout / "dist").iterdir()), checkout / "dist")

@@ -90,6 +90,7 @@ def test_the_list_as_csv(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.thorough
 def test_several_captures_go_on(tmp_path: Path) -> None:
     """In the second, the value of the first is known; counts are those of both."""
     again = tmp_path / "again.pcapng"
@@ -125,6 +126,7 @@ def test_a_capture_that_is_cut(tmp_path: Path) -> None:
     assert "accesses.pcapng" in done.stdout, "the next one is read"
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_read_or_written(tmp_path: Path, full: Path) -> None:
     (tmp_path / "junk").write_bytes(b"this is no capture at all, just a text\n" * 9)
     refused(run(tmp_path, "parameters", "junk"), 2, "junk is not a capture")

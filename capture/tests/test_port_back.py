@@ -144,6 +144,7 @@ def test_a_stop_does_not_wait_for_a_port_that_was_lost(
     assert capture.stop() == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("port", ["{}/missing", "bus://{}/missing", "socket://127.0.0.1:1", "rfc2217://127.0.0.1:1"])
 def test_waiting_for_months_leaves_no_garbage(tmp_path: Path, port: str) -> None:
     """A capture collects none, and tries every second."""

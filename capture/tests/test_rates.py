@@ -64,6 +64,7 @@ def assert_events_tell_the_settings(records: list[Record]) -> None:
 # -- Looking for the rate -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("baud", "text"),
     [
@@ -94,12 +95,14 @@ def test_the_settings_of_a_bus_are_found_and_nothing_is_lost_on_the_way(tmp_path
     assert len(after) > len(sent) / 2
 
 
+@pytest.mark.thorough
 def test_only_the_rate_is_looked_for_if_the_format_is_said(tmp_path: Path) -> None:
     with running("--listen", "127.0.0.1:0", "--baud", "19200", "--fast", "--cycles", "1") as (_, port):
         _, _, records = captured(port, tmp_path / "x", "--baud", "auto", "--format", "8E1")
     assert changes(records) == ["19200 Bd 8E1: looking for the rate", "19200 Bd 8E1: found, by a valid telegram"]
 
 
+@pytest.mark.thorough
 @terminals
 def test_through_a_pseudo_terminal(tmp_path: Path) -> None:
     """It has no parity: 8E1 and 8N1 are the same for it."""
@@ -237,6 +240,7 @@ def test_every_telegram_is_read_at_the_rate_that_the_bus_was_told(tmp_path: Path
     assert all(f"sistap: {text}\n" in said for text in expected)
 
 
+@pytest.mark.thorough
 def test_without_it_the_tap_stays(tmp_path: Path) -> None:
     with running("--listen", "127.0.0.1:0", "--fast", "--rates", "115200", "--cycles", "2") as (_, port):
         _, _, records = captured(port, tmp_path / "x")

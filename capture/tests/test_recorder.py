@@ -387,6 +387,7 @@ def test_what_cannot_be_kept_is_refused_at_once(
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
+@pytest.mark.thorough
 @sockets
 def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """End to end: a bus, two lines that appear while it runs, and the full ring beside the kept files."""

@@ -118,6 +118,7 @@ def tested(tshark: Tshark) -> Iterator[Watched]:
     tested.relay.close()
 
 
+@pytest.mark.thorough
 def test_at_seams_nothing_is_unjudged_nor_judged_twice(
     tested: Watched, traffic: list[Record], expected: list[int]
 ) -> None:

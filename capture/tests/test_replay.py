@@ -72,6 +72,7 @@ def times(one: Record) -> list[int]:
 # -- Character by character -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "options",
     [

@@ -39,6 +39,7 @@ def test_the_page_is_written_into_this_folder(tmp_path: Path, capture: Path) -> 
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.thorough
 @drawing
 @pytest.mark.parametrize(
     ("name", "beginning"), [("x.png", b"\x89PNG"), ("x.svg", b"<?xml"), ("x.JSON", b"{"), ("x.txt", b"Found: ")]
@@ -68,6 +69,7 @@ def test_limits_told_to_the_capture_are_named(tmp_path: Path) -> None:
     assert "Whoever captured told the limits TzA = 8 ms, TrS = 40 ms." in text
 
 
+@pytest.mark.thorough
 @drawing
 def test_a_title_and_a_note_stand_above(tmp_path: Path, capture: Path) -> None:
     words = ("--title", "Press <4>", "--note", "Stops at night\nsince May")

@@ -89,6 +89,7 @@ def test_the_list_names_them_all() -> None:
     assert listed["drives"].startswith("two drives and a control")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_same_seed_same_bytes_at_the_same_times(name: str) -> None:
     one = load(name)
@@ -419,6 +420,7 @@ FAULTS = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("fault", "matches"), FAULTS)
 def test_wireshark_sees_what_goes_wrong(fault: str, matches: dict[str, int], tmp_path: Path, sharkd: Sharkd) -> None:
     (tmp_path / "x.toml").write_text(BUS_OF_ONE + (f"\n[[fault]]\n{fault}\n" if fault else ""))

@@ -588,6 +588,7 @@ def test_two_captures_of_one_tap_with_a_stalled_and_a_hostile_one_beside_them(tm
     assert "times are of the clock at bus://127.0.0.1:" in started.data.decode()
 
 
+@pytest.mark.thorough
 def test_a_killed_tap_and_one_in_its_place(tmp_path: Path) -> None:
     path, file = tmp_path / "tap", tmp_path / "file"
     with serving(str(path)) as (process, name, master):
@@ -616,6 +617,7 @@ def test_a_killed_tap_and_one_in_its_place(tmp_path: Path) -> None:
     assert first_again.flags[0] == Flag.LOST_BEFORE | Flag.INTERVAL_UNKNOWN
 
 
+@pytest.mark.thorough
 def test_a_port_that_is_lost_is_told(tmp_path: Path) -> None:
     with serving("127.0.0.1:0") as (process, name, master):
         capture = capturing(name, tmp_path / "file")
@@ -627,6 +629,7 @@ def test_a_port_that_is_lost_is_told(tmp_path: Path) -> None:
         assert capture.wait(PATIENCE_S) == 0
 
 
+@pytest.mark.thorough
 def test_the_rate_is_set_at_the_tap(tmp_path: Path) -> None:
     with serving("127.0.0.1:0", "--baud", "19200", "--format", "8N1") as (_, name, master):
         for options in (["--baud", "auto"], ["--follow-baud"]):

@@ -306,6 +306,7 @@ def verdicts(capture: Path) -> list[list[str]]:
     return [line.split("\t") for line in lines.splitlines()]
 
 
+@pytest.mark.thorough
 @needs_sigrok
 def test_its_verdicts_are_right_and_none_is_open(wire: Path, tmp_path: Path) -> None:
     """Pauses inside telegrams, some longer than TzA: the virtual bus itself says which."""

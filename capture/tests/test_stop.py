@@ -196,6 +196,7 @@ class At:
             sys.settrace(None)
 
 
+@pytest.mark.thorough
 def test_a_signal_at_any_line_leaves_nothing(leftovers: Callable[[], list[str]]) -> None:
     counting = At(0)
     counting.run()
@@ -205,6 +206,7 @@ def test_a_signal_at_any_line_leaves_nothing(leftovers: Callable[[], list[str]])
         assert leftovers() == [], f"after a signal at line {number} of {count}"
 
 
+@pytest.mark.thorough
 def test_a_hail_of_signals_at_any_time_leaves_nothing(leftovers: Callable[[], list[str]]) -> None:
     main = threading.main_thread().ident
     assert main

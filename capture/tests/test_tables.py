@@ -222,6 +222,7 @@ def test_spark_gives_the_same_answers(made: Path, spark: Any, question: str) -> 
         }
 
 
+@pytest.mark.thorough
 def test_run_again_it_adds_nothing(tmp_path: Path, days: list[Path]) -> None:
     first = run(tmp_path, "tables", *days, "-o", "t")
     before = count(tmp_path / "t"), sorted((tmp_path / "t").rglob("*"))
@@ -232,6 +233,7 @@ def test_run_again_it_adds_nothing(tmp_path: Path, days: list[Path]) -> None:
     assert before[0] == [len(DAY_1) + len(DAY_2), 4, 2]
 
 
+@pytest.mark.thorough
 def test_a_capture_that_has_grown_brings_what_is_new(tmp_path: Path) -> None:
     for sent in (DAY_2[:8], DAY_2):
         write(tmp_path / "growing.pcapng", sent)
@@ -240,6 +242,7 @@ def test_a_capture_that_has_grown_brings_what_is_new(tmp_path: Path) -> None:
     assert len(list((tmp_path / "t" / "telegrams").rglob("*.parquet"))) == 1
 
 
+@pytest.mark.thorough
 def test_a_capture_that_is_another_now_replaces_what_it_had(tmp_path: Path) -> None:
     """Two days that become one, of the same name and beginning."""
     for sent in ([*DAY_1, command(0x10, READ)._replace(silence_ms=4000.0)], DAY_1):
@@ -248,6 +251,7 @@ def test_a_capture_that_is_another_now_replaces_what_it_had(tmp_path: Path) -> N
     assert count(tmp_path / "t") == [len(DAY_1), 2, 1]
 
 
+@pytest.mark.thorough
 def test_a_telegram_in_two_captures_is_one(tmp_path: Path, days: list[Path]) -> None:
     """A copy of another name, and a capture that has the beginning of it."""
     write_at(tmp_path / "beginning.pcapng", DAY_2[:8], DAY_S)
@@ -259,6 +263,7 @@ def test_a_telegram_in_two_captures_is_one(tmp_path: Path, days: list[Path]) -> 
     assert count(tmp_path / "t") == [len(DAY_2), 2, 1]
 
 
+@pytest.mark.thorough
 def test_what_was_removed_is_made_again(tmp_path: Path, days: list[Path]) -> None:
     run(tmp_path, "tables", *days, "-o", "t")
     shutil.rmtree(tmp_path / "t" / "telegrams" / "tap=test_port" / "day=2023-11-14")
@@ -266,6 +271,7 @@ def test_what_was_removed_is_made_again(tmp_path: Path, days: list[Path]) -> Non
     assert count(tmp_path / "t") == [len(DAY_1) + len(DAY_2), 4, 2]
 
 
+@pytest.mark.thorough
 def test_with_the_script(tmp_path: Path, days: list[Path], made: Path) -> None:
     (tmp_path / "plugins").mkdir()
     shutil.copy(HOUSE / "lua-fallback" / "sis.lua", tmp_path / "plugins")
@@ -285,6 +291,7 @@ def test_what_cannot_be_put(tmp_path: Path, days: list[Path]) -> None:
     refused(run(tmp_path, "tables", days[0], "-o", "junk/t"), 2, "cannot write junk/t", "-o")
 
 
+@pytest.mark.thorough
 def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, days: list[Path]) -> None:
     """A folder is in the place of a file."""
     run(tmp_path, "tables", days[0], "-o", "t")
@@ -296,6 +303,7 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, days: list[Path
     assert not list((tmp_path / "t").rglob("*.new"))
 
 
+@pytest.mark.thorough
 def test_a_file_that_is_none_of_the_tables(tmp_path: Path, days: list[Path]) -> None:
     run(tmp_path, "tables", *days, "-o", "t")
     copy = shutil.copy(days[0], tmp_path / "copy.pcapng")
