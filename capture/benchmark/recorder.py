@@ -34,7 +34,7 @@ class Row(NamedTuple):
 def main() -> int:
     """Play, measure, judge."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--telegrams", type=float, default=1e6, help="number of telegrams (1e6); four busy days have 1e7")
+    parser.add_argument("--telegrams", type=float, default=1e6, help="number of telegrams (1e6); 4 busy days have 1e7")
     parser.add_argument("--keep", default="faults", help="as capture's --keep (faults)")
     parser.add_argument("--faults", default="checksum=0.0005", help="as bus's --faults (checksum=0.0005)")
     parser.add_argument("--rows", type=float, default=10, metavar="SECONDS", help="between two rows (10)")
