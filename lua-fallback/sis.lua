@@ -2535,11 +2535,22 @@ do
   end
 
   -- Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
+  -- A damaged one also ends where a good one begins: if a character was lost, its length counts the first one of the
+  -- next.
   local function telegram_extent(bytes, offset, there)
     local declared = S.declared_length(bytes, offset)
+    local is_followed = declared > 0 and byte(bytes, offset + declared + 1) == K.START
+    local last = is_followed and offset + declared or #bytes
 
-    if declared > 0 and byte(bytes, offset + declared + 1) == K.START then return declared end
-    return there - offset
+    if declared <= #bytes - offset and not S.is_good(bytes, offset) then
+      local start = string.find(bytes, char(K.START), offset + 2, true)
+
+      while start and start <= last do
+        if S.is_good(bytes, start - 1) then return start - 1 - offset end
+        start = string.find(bytes, char(K.START), start + 1, true)
+      end
+    end
+    return is_followed and declared or there - offset
   end
 
   -- A packet as long as Wireshark allows would have more telegrams than Wireshark can show: it refuses a tree of more
@@ -2642,6 +2653,12 @@ do
 
     return general == 0x10 or general == 0x11 or general == 0x1E or general == 0x1F
   end
+
+  S.subservices = {
+    [0x00] = N.subservices_identification,
+    [0x02] = N.subservices_flash,
+    [0x03] = N.subservices_initialization,
+  }
 
   function S.left(body)
     return body.end_ - body.offset
@@ -3288,8 +3305,43 @@ do
     list.last_request = request
   end
 
+  -- Whether an element of a reaction, `length` bytes after its service, may answer this command: as whole telegrams
+  -- are compared (sis/exchange).
+  local function is_answer_to(command, list, service, length)
+    if command.service ~= service then return false end
+    if not command.has_device or length < 3 then return true end
+    local first, second = byte(list.bytes, list.offset + 2, list.offset + 3) -- after the status
+    local defined = S.subservices[service]
+
+    if S.has_control_byte(service) then
+      return command.element == band(rshift(first, 3), 7) and command.device == second
+    end
+    return not defined or (command.subservice or 0) == second or not defined[second]
+  end
+
+  local function find_command(from, list, service, length)
+    while from and not is_answer_to(from, list, service, length) do
+      from = from.next
+    end
+    return from
+  end
+
+  -- What the exchange keeps for an element; of a command, in the second pass, it is the next one. No document says
+  -- whether a station may leave elements out. If it did, an element that fits two commands belongs to neither.
+  local function take_command(commands, list, service, length)
+    local command, is_reaction = commands.next, list.is_reaction
+
+    if is_reaction then command = find_command(command, list, service, length) end
+    if not command then return nil end
+    if is_reaction and not commands.is_each_answered and find_command(command.next, list, service, length) then
+      return nil
+    end
+    commands.next = command.next
+    return command
+  end
+
   -- The body of an element, `length` bytes after its service, as if it were alone in a telegram.
-  local function dissect_element_body(list, root, service, length, asked)
+  local function dissect_element_body(list, root, service, length, commands)
     local element = {
       telegram = list.telegram,
       tvb = list.tvb,
@@ -3309,11 +3361,15 @@ do
       record = list.record,
       summary = S.service_name(service),
       marks = "",
-      asked = asked and asked.service == service and asked or nil,
+      asked = take_command(commands, list, service, length),
       ends = list.ends,
       accesses = list.accesses,
     }
 
+    if list.is_reaction and list.asked and not element.asked then
+      list.item = root
+      S.mark(list, E.body_note, "which element of the command this answers is unknown")
+    end
     if not list.is_reaction then
       element.request = {service = service}
       add_request(list, element.request)
@@ -3336,28 +3392,29 @@ do
   end
 
   -- The following elements still have their commands.
-  local function show_recursion(list, length)
+  local function show_recursion(list, length, commands)
+    take_command(commands, list, LIST_SERVICE, length)
     if not list.is_reaction then add_request(list, {service = LIST_SERVICE}) end
     S.mark(list, E.list_recursion, "a list in a list")
     if length > 0 then add(list.tree, F.raw, list.tvb, list.offset, length) end
   end
 
   -- What an element stands for, `length` bytes after its service of which `there` are there.
-  local function dissect_element_service(list, number, root, length, there, asked)
+  local function dissect_element_service(list, number, root, length, there, commands)
     local service = S.take(list, F.service, 1)
 
     if not service then return end
     if length > there and not list.is_cut then S.mark(list, E.body_missing, "element %d is cut", number) end
     if service == LIST_SERVICE then
-      show_recursion(list, there)
+      show_recursion(list, there, commands)
     else
-      dissect_element_body(list, root, service, there, asked)
+      dissect_element_body(list, root, service, there, commands)
     end
     list.offset = list.offset + there
   end
 
   -- Length, service, body.
-  local function dissect_element(list, number, asked)
+  local function dissect_element(list, number, commands)
     local left, length = S.left(list), byte(list.bytes, list.offset + 1)
     local size, outer = min(length + 1, left), list.tree
     local root = add_subtree(outer, list.tvb, list.offset, size, strformat("Element %d", number))
@@ -3367,20 +3424,34 @@ do
     if length == 0 then
       S.mark(list, E.body_unexpected, "element %d is empty", number)
     else
-      dissect_element_service(list, number, root, length - 1, size - 2, asked)
+      dissect_element_service(list, number, root, length - 1, size - 2, commands)
     end
     list.tree = outer
   end
 
+  -- The commands of a list that a reaction answers: those that no element has answered yet, and whether there are as
+  -- many in the reaction.
+  local function commands_of(list)
+    local first = list.asked and list.asked.list
+    local command, at = first, list.offset
+
+    while command and at < list.end_ do
+      command = command.next
+      at = at + 1 + byte(list.bytes, at + 1)
+    end
+    return {next = first, is_each_answered = not command and at >= list.end_}
+  end
+
   S.bodies[LIST_SERVICE] = function(body)
-    local asked, number = body.asked and body.asked.list, 1
+    local number = 1
 
     body.last_request = nil -- of its elements
     if body.is_reaction and S.take_channel_error(body) then return end
     if S.left(body) == 0 and not body.is_cut then S.mark(body, E.body_note, "an empty list") end
+    local commands = commands_of(body)
+
     while S.left(body) > 0 and not body.is_short do
-      dissect_element(body, number, asked)
-      asked = asked and asked.next
+      dissect_element(body, number, commands)
       number = number + 1
     end
   end
@@ -3984,16 +4055,10 @@ do
       and byte(command, body + 2) == byte(reaction, body + 3)
   end
 
-  local subservices = {
-    [0x00] = N.subservices_identification,
-    [0x02] = N.subservices_flash,
-    [0x03] = N.subservices_initialization,
-  }
-
   -- The subservice, second byte of the useful data of a command, third of a reaction, where both have it. One that is
   -- not defined tells nothing: fig. 2-13 answers 0x01 with 0xF1.
   local function is_same_subservice(command, telegram)
-    local body, defined = telegram.body_offset, subservices[telegram.service]
+    local body, defined = telegram.body_offset, S.subservices[telegram.service]
 
     if not defined or body + 2 > #command or body + 3 > telegram.declared then return true end
     local subservice = byte(telegram.bytes, body + 3)
@@ -8871,22 +8936,26 @@ do
   end
 
   -- For dissect_tcp_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the capture
-  -- began in the middle): the length up to the next one. 0 if more bytes are needed.
+  -- began in the middle): the length up to the next one. A damaged telegram also ends there: if a character was lost,
+  -- its length counts the first one of the next. 0 if more bytes are needed.
   local function telegram_length(tvb, pinfo, offset)
     local bytes, rest = tvb:raw(), tvb:reported_len() - offset
-    local next_start = offset
+    local captured, declared, next_start = #bytes - offset, 0, offset
 
     if byte(bytes, offset + 1) == K.START then
-      local declared = S.declared_length(bytes, offset)
-
-      if declared > 0 then return declared end
-      if #bytes - offset < 4 then return pinfo.can_desegment > 0 and 0 or rest end
+      declared = S.declared_length(bytes, offset)
+      if declared > captured or S.is_good(bytes, offset) then return declared end
+      if captured < 4 then return pinfo.can_desegment > 0 and 0 or rest end
+      if declared > 0 then rest = declared end
     end
-    repeat
+    while true do
       next_start = string.find(bytes, char(K.START), next_start + 2, true)
       next_start = next_start and next_start - 1
-    until not next_start or may_begin(bytes, next_start)
-    return next_start and next_start - offset or rest
+      if not next_start or next_start - offset >= rest then return rest end
+      if may_begin(bytes, next_start) and (declared == 0 or #bytes - next_start >= 4) then
+        return next_start - offset
+      end
+    end
   end
 
   -- The info column may have text: another telegram of this packet, or TCP's text, which ends with a space.

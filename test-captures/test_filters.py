@@ -64,7 +64,8 @@ HERE = Path(__file__).parent
         ("tcp", "sis.service == 0x03", [1, 3, 4]),
         ("tcp", "sis.service == 0x92", [5]),
         ("tcp-resync", "sis.service == 0x92", [4]),
-        ("tcp-resync", "sis.service == 0x9d", [5, 6]),
+        ("tcp-resync", "sis.service == 0x9d", [5, 6, 7, 9]),
+        ("tcp-resync", "sis.service == 3 && frame.number > 6", [7, 8]),
         ("tcp-foreign", "sis", []),
     ],
 )

@@ -106,3 +106,12 @@ def test_wireshark_does_not_refuse_the_tree(tshark: Tshark, tmp_path: Path) -> N
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.count("Start character") == DECODED
     assert "issector bug" not in done.stdout
+
+
+@pytest.mark.parametrize("lost", [1, 3])
+def test_the_telegram_after_lost_characters_is_whole(lost: int, tshark: Tshark, tmp_path: Path) -> None:
+    """The length of the damaged one counts the first characters of the next one."""
+    damaged = build(READ_PHASE, 16, 3, b"\x00\x04", reaction=True)[:-lost]
+    capture = written(tmp_path, damaged + COMMAND + REACTION)
+    kinds = tshark.output("-r", str(capture), "-T", "fields", "-e", "sis.control.reaction").strip()
+    assert kinds.endswith("0,1")  # of a short rest, the kind may be missing

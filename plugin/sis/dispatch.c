@@ -155,10 +155,63 @@ add_error(sis_body_t *list, const sis_body_t *element)
     list->errors = error;
 }
 
+/* The elements of a command that no element of the reaction has answered yet. */
+typedef struct {
+    const sis_request_t *next;
+    bool is_each_answered; /* there are as many in the reaction */
+} commands_t;
+
+/* Whether an element of a reaction, `length` bytes after its service, may answer this command: as whole
+ * telegrams are compared (exchange.c). */
+static bool
+is_answer_to(const sis_request_t *command, const sis_body_t *list, uint8_t service, unsigned length)
+{
+    const value_string *subservices = sis_subservices_of(service);
+    uint8_t first, second; /* after the status */
+
+    if (command->service != service)
+        return false;
+    if (!command->has_device || length < 3)
+        return true;
+    first = compat_get_uint8(list->tvb, list->offset + 1);
+    second = compat_get_uint8(list->tvb, list->offset + 2);
+    if (sis_has_control_byte(service))
+        return command->element == SIS_ELEMENT(first) && command->device == second;
+    return subservices == NULL || command->subservice == second ||
+           try_val_to_str(second, subservices) == NULL;
+}
+
+static const sis_request_t *
+find_command(const sis_request_t *from, const sis_body_t *list, uint8_t service, unsigned length)
+{
+    while (from != NULL && !is_answer_to(from, list, service, length))
+        from = from->next;
+    return from;
+}
+
+/* What the exchange keeps for an element; of a command, in the second pass, it is the next one. No document
+ * says whether a station may leave elements out. If it did, an element that fits two commands belongs to
+ * neither. */
+static const sis_request_t *
+take_command(commands_t *commands, const sis_body_t *list, uint8_t service, unsigned length)
+{
+    const sis_request_t *command = commands->next;
+
+    if (list->is_reaction)
+        command = find_command(command, list, service, length);
+    if (command == NULL)
+        return NULL;
+    if (list->is_reaction && !commands->is_each_answered &&
+        find_command(command->next, list, service, length) != NULL)
+        return NULL;
+    commands->next = command->next;
+    return command;
+}
+
 /* The body of an element, `length` bytes after its service, as if it were alone in a telegram. */
 static void
 dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsigned length,
-                     const sis_request_t *asked)
+                     commands_t *commands)
 {
     wmem_allocator_t *pool = list->pinfo->pool;
     sis_body_t element = {.telegram = list->telegram,
@@ -177,8 +230,12 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
                           .accesses = list->accesses,
                           .summary = wmem_strbuf_new(pool, sis_service_name(pool, service)),
                           .marks = wmem_strbuf_new(pool, ""),
-                          .asked = asked != NULL && asked->service == service ? asked : NULL};
+                          .asked = take_command(commands, list, service, length)};
 
+    if (list->is_reaction && list->asked != NULL && element.asked == NULL) {
+        list->item = root;
+        sis_mark(list, &ei_sis_note, "which element of the command this answers is unknown");
+    }
     if (!list->is_reaction) {
         element.request = wmem_new0(pool, sis_request_t);
         element.request->service = service;
@@ -200,10 +257,11 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
 
 /* The following elements still have their commands. */
 static void
-show_recursion(sis_body_t *list, unsigned length)
+show_recursion(sis_body_t *list, unsigned length, commands_t *commands)
 {
     sis_request_t *request = wmem_new0(list->pinfo->pool, sis_request_t);
 
+    take_command(commands, list, LIST_SERVICE, length);
     request->service = LIST_SERVICE;
     add_request(list, request);
     sis_mark(list, &ei_recursion, "a list in a list");
@@ -213,7 +271,7 @@ show_recursion(sis_body_t *list, unsigned length)
 
 /* Length, service, body. */
 static void
-dissect_element(sis_body_t *list, unsigned number, const sis_request_t *asked)
+dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
 {
     unsigned there = sis_left(list), length = compat_get_uint8(list->tvb, list->offset);
     unsigned end = MIN(length + 1, there);
@@ -230,27 +288,42 @@ dissect_element(sis_body_t *list, unsigned number, const sis_request_t *asked)
         if (length + 1 > there && !list->is_cut)
             sis_mark(list, &ei_sis_missing, "element %u is cut", number);
         if (service == LIST_SERVICE)
-            show_recursion(list, end - 2);
+            show_recursion(list, end - 2, commands);
         else
-            dissect_element_body(list, root, (uint8_t)service, end - 2, asked);
+            dissect_element_body(list, root, (uint8_t)service, end - 2, commands);
         list->offset += end - 2;
     }
     list->tree = outer;
 }
 
+/* The commands of a list that a reaction answers. */
+static commands_t
+commands_of(const sis_body_t *list)
+{
+    commands_t commands = {list->asked != NULL ? list->asked->list : NULL, false};
+    const sis_request_t *command = commands.next;
+    unsigned at = list->offset;
+
+    while (command != NULL && at < list->end) {
+        command = command->next;
+        at += 1 + compat_get_uint8(list->tvb, at);
+    }
+    commands.is_each_answered = command == NULL && at >= list->end;
+    return commands;
+}
+
 static void
 dissect_list(sis_body_t *body)
 {
-    const sis_request_t *asked = body->asked != NULL ? body->asked->list : NULL;
+    commands_t commands;
 
     if (body->is_reaction && sis_take_channel_error(body))
         return;
     if (sis_left(body) == 0 && !body->is_cut)
         sis_mark(body, &ei_sis_note, "an empty list");
-    for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++) {
-        dissect_element(body, number, asked);
-        asked = asked != NULL ? asked->next : NULL;
-    }
+    commands = commands_of(body);
+    for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++)
+        dissect_element(body, number, &commands);
 }
 
 /* clang-format off */

@@ -15,6 +15,7 @@ uint8_t sis_general_service(uint8_t service);
 /* Whether a body begins with parameter control and device address. */
 bool sis_has_control_byte(uint8_t service);
 #define SIS_LAST_TRANSMISSION 0x04 /* bit 2 of the parameter control, fig. 8-1 */
+#define SIS_ELEMENT(control)  ((control) >> 3 & 7)
 
 /* Whether a reaction of this service begins with a status byte. */
 bool sis_has_status(uint8_t service);

@@ -499,17 +499,25 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
 }
 
 /* Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
- */
+ * A damaged one also ends where a good one begins: if a character was lost, its length counts the first one
+ * of the next. */
 static unsigned
 telegram_extent(tvbuff_t *tvb, unsigned offset)
 {
     unsigned there = tvb_reported_length_remaining(tvb, offset);
     unsigned captured = tvb_captured_length_remaining(tvb, offset);
-    unsigned declared = sis_declared_length(tvb, offset);
+    unsigned declared = sis_declared_length(tvb, offset), next = offset;
+    bool is_followed =
+        declared > 0 && declared < captured && compat_get_uint8(tvb, offset + declared) == SIS_START;
+    unsigned end = offset + (is_followed ? declared : captured);
 
-    if (declared > 0 && declared < captured && compat_get_uint8(tvb, offset + declared) == SIS_START)
-        return declared;
-    return there;
+    if (declared <= captured && !sis_is_good(tvb, offset)) {
+        while (compat_find_uint8(tvb, next + 1, SIS_START, &next) && next < end) {
+            if (sis_is_good(tvb, next))
+                return next - offset;
+        }
+    }
+    return is_followed ? declared : there;
 }
 
 /* A packet as long as Wireshark allows would have more telegrams than Wireshark can show or count: it refuses

@@ -30,22 +30,26 @@ may_begin(tvbuff_t *tvb, unsigned offset)
     return there < 4 || declared > there || sis_is_good(tvb, offset);
 }
 
-/* For tcp_dissect_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost,
- * the capture began in the middle): the length up to the next one. 0 if more bytes are needed. */
+/* For tcp_dissect_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the
+ * capture began in the middle): the length up to the next one. A damaged telegram also ends there: if a
+ * character was lost, its length counts the first one of the next. 0 if more bytes are needed. */
 static unsigned
 telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
 {
-    unsigned rest = tvb_reported_length_remaining(tvb, offset), declared = sis_declared_length(tvb, offset);
-    unsigned next = offset;
+    unsigned rest = tvb_reported_length_remaining(tvb, offset), declared = 0;
+    unsigned captured = tvb_captured_length_remaining(tvb, offset), next = offset;
 
     if (compat_get_uint8(tvb, offset) == SIS_START) {
-        if (declared > 0)
+        declared = sis_declared_length(tvb, offset);
+        if (declared > captured || sis_is_good(tvb, offset))
             return declared;
-        if (tvb_captured_length_remaining(tvb, offset) < 4)
+        if (captured < 4)
             return pinfo->can_desegment ? 0 : rest;
+        if (declared > 0)
+            rest = declared;
     }
-    while (compat_find_uint8(tvb, next + 1, SIS_START, &next)) {
-        if (may_begin(tvb, next))
+    while (compat_find_uint8(tvb, next + 1, SIS_START, &next) && next - offset < rest) {
+        if (may_begin(tvb, next) && (declared == 0 || tvb_captured_length_remaining(tvb, next) >= 4))
             return next - offset;
     }
     return rest;

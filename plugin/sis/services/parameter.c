@@ -12,7 +12,6 @@
 #include "sis/learned.h"
 #include "sis/sequence.h"
 
-#define ELEMENT(control)      ((sis_element_t)((control) >> 3 & 7))
 #define CONTROL_RESERVED      0xC3
 #define DATA_STATUS_UNDEFINED 0xFEF0 /* fig. 8-44 */
 #define NO_DRIVE              0
@@ -102,7 +101,7 @@ take_control(access_t *access)
 
     if (!sis_take(body, hf_control, 1, &control))
         return false;
-    access->element = ELEMENT(control);
+    access->element = (sis_element_t)SIS_ELEMENT(control);
     access->is_last = control & SIS_LAST_TRANSMISSION;
     if (body->tree)
         show_control(access);
