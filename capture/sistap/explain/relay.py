@@ -135,7 +135,7 @@ class Relay:
         if self._failures > 1 and self._number > self._judged:  # a pending record may be the cause
             yield from self._give_up("tshark ends again and again")
         elif self._pending_bytes > self._seams.behind:
-            yield from self._give_up("tshark is too slow for this line")
+            yield from self._give_up("tshark is too slow for this bus")
         if not self._posts and self._clock_s() >= self._next_s:
             self._replace()
 

@@ -211,7 +211,7 @@ class Recorder:
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
         why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
         if beginning.known:
-            why += "; it begins with earlier telegrams that told limits and names"
+            why += "; it begins with earlier telegrams that set limits or read names"
         started = b"".join(self._blocks.packet(self._again(record, beginning, why)) for record in self._started)
         return _File(self, path, beginning.heading + started + beginning.known)
 
