@@ -239,7 +239,7 @@ class Relay:
         """Leave pending records unjudged."""
         count = self._number - self._judged
         self.unjudged += count
-        self._say(f"{why}: {count} records were not looked at")
+        self._say(f"{why}: {count} records were not tested with the filter")
         self._failures = max(1, self._failures)
         self._dismiss()
         while self._pending:
