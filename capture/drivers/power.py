@@ -23,7 +23,10 @@ PULLS = 10
 FIRST_S, STEP_S = 4.5, 0.13  # time until the power cut, and its increase each time
 PROMISED_S = 1.0  # the README: at most the characters of the last second
 OF_SYNC_S = 2.0  # and those that came during the slow write of the emulated computer
-_SLACK = f"It lacks no more than the last second; to write that, the emulated machine is given {OF_SYNC_S:g} s more."
+_SLACK = (
+    f"At most the last {PROMISED_S + OF_SYNC_S:g} s are missing: the second that `sistap` promises, "
+    f"and {OF_SYNC_S:g} s because the emulated disk writes slowly."
+)
 CHARACTERS_S = 870  # at 9600 Bd
 PACE_S = 0.1  # interval between looks: constant looking would leave no time to the capture
 BURST = bytes(range(256)) * 256  # no stretch of 87 characters repeats in a row

@@ -23,8 +23,8 @@ from sistap.terminal.visible import visible
 # The module of each command, imported only when it is called, and its line in the list of commands.
 COMMANDS = {
     "ports": ("sistap.line.ports", "list the serial ports of this computer"),
-    "capture": ("sistap.capture.command", "record a line into a pcapng file, or show it as text"),
-    "serve": ("sistap.serve.command", "share a line of this computer with other computers"),
+    "capture": ("sistap.capture.command", "record a bus into a pcapng file, or show it as text"),
+    "serve": ("sistap.serve.command", "share the bus at this computer with other computers"),
     "report": ("sistap.report.command", "summarize a capture on one page, with pictures and the worst moments"),
     "parameters": ("sistap.parameters.command", "list the parameters that were read and written, and their changes"),
     "compare": ("sistap.compare.command", "show what changed between a good capture and a bad one"),
@@ -42,8 +42,8 @@ COMMANDS = {
 }
 
 DESCRIPTION = """\
-A passive tap for the SIS serial protocol of Rexroth and Indramat drives. It records every character on the line with
-its time, for Wireshark. It only listens.
+A passive tap for the SIS serial protocol of Rexroth and Indramat drives. It records every character on the bus with its
+time, for Wireshark. It only listens.
 """
 
 EPILOG = """\
@@ -51,7 +51,7 @@ EPILOG = """\
 
 examples:
   sistap ports                                             list the ports
-  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -  watch a line live in Wireshark
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -  watch a bus live in Wireshark
   sistap bus                                               start a simulated bus; then listen to the port it prints
 
 exit status:

@@ -30,8 +30,8 @@ good  as it should be
 poor  a capture works, but could be better; the line says how
 bad   a capture does not work, or Wireshark cannot read it; the line says what to do
 
-With -i, sistap opens the port for a moment, as a capture does. It writes nothing to the port and lowers RTS and DTR. It
-restores the settings that it tuned.
+With -i, sistap opens the port for a moment, as a capture does. It writes nothing to the port and switches RTS and DTR
+off. It restores the settings that it tuned.
 
 examples:
   sistap doctor                                         this computer

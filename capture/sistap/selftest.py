@@ -30,32 +30,32 @@ if TYPE_CHECKING:  # loaded only where it is needed
 
 DESCRIPTION = """\
 Measure how late sistap sees characters. It uses a pseudo terminal of its own (a socket on Windows), or a port whose
-transmit and receive lines are joined. sistap keeps the result, and later captures use it as their uncertainty.
-With --beside, compare two captures of the same traffic. The times of one of them must be true.
+transmit and receive wires are joined. sistap stores the result, and later captures use it as their uncertainty. With
+--beside, compare two captures of the same traffic. The times of one of them must be exact.
 """
 
 EPILOG = """\
-The bound is p99.9: one character in a thousand is later. A capture uses it for sertap.uncertainty as long as computer,
+The result is p99.9: one character in a thousand is later. A capture uses it for sertap.uncertainty as long as computer,
 kernel and priority are the same. For a port, its adapter, tuning, rate and format must be the same, too. A measurement
-at a port includes the way out, so it overstates the uncertainty and never understates it.
+at a port also includes the sending. So its result can be too large, but never too small.
 
 With -i (not on Windows), sistap SENDS characters (@ to ~, one by one). Take the port off the bus first, then join its
-transmit and receive lines (RS232: pins 2 and 3; RS422: TxD+ to RxD+, TxD- to RxD-).
+transmit and receive wires (RS232: pins 2 and 3; RS422: TxD+ to RxD+, TxD- to RxD-).
 
-With --beside, TRUE is the capture of a logic analyser. OTHER is that of an adapter at the same bus at the same time. A
-delay that all characters of OTHER share cannot be seen; it changes no interval.
+With --beside, TRUE is the capture of a logic analyser. OTHER is the capture of an adapter at the same bus at the same
+time. A delay that all characters of OTHER share cannot be seen; it changes no interval.
 
 examples:
   sistap selftest                                       this computer, 5 seconds
   sistap selftest --duration 60                         a minute; finds rare long delays, too
   sistap selftest -i /dev/ttyUSB0 --transmit --baud 115200
-                                                        an adapter whose lines are joined
+                                                        an adapter whose wires are joined
   sistap selftest --beside analyser.pcapng adapter.pcapng --plot late.png
-                                                        how true the times of an adapter are
+                                                        how exact the times of an adapter are
 
 exit status:
-  0  measured and kept; or stopped by Ctrl-C or SIGTERM, with nothing kept
-  1  what was sent did not come back, or the result cannot be kept
+  0  measured and stored; or stopped by Ctrl-C or SIGTERM, with nothing stored
+  1  what was sent did not come back, or the result cannot be stored
   2  wrong usage, such as -i without --transmit, or captures with nothing in common
   3  the port cannot be opened
 """
@@ -80,7 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="port",
         metavar="PORT",
         type=ports.short,
-        help="measure this port; join its transmit and receive lines first",
+        help="measure this port; join its transmit and receive wires first",
     )
     add("--transmit", action="store_true", help="allow sending characters on PORT; without it, sistap sends nothing")
     add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")

@@ -577,7 +577,9 @@ def test_simulated_time_ends_with_the_last_tap() -> None:
         assert finish(process) == (0, "")
 
 
-@pytest.mark.attack("a tap that never reads", "disconnected; the others hear everything")
+@pytest.mark.attack(
+    "a client of `sistap bus --listen` that never reads", "disconnected; the other clients receive everything"
+)
 def test_a_silent_tap_is_let_go_and_the_others_hear_everything(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -247,4 +247,7 @@ def test_an_export_that_is_cut_anywhere(tmp_path: Path, text: str) -> None:
 
 def test_more_than_two_lines(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert imported(tmp_path, LOGIC_2 + "third,data,0.02,0.001,0x04,\n").code == 2
-    assert "3 decoders (Async Serial, Async Serial [1], third): export one, or two of a line" in capfd.readouterr().err
+    assert (
+        "3 decoders (Async Serial, Async Serial [1], third): export one, or the two directions of one bus"
+        in capfd.readouterr().err
+    )

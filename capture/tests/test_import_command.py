@@ -150,7 +150,7 @@ class Endless:
 
     lines: Mapping[int, str] = {0: "endless"}
     settings = LineSettings()
-    settings_from = "as told"
+    settings_from = "as given"
     timing = "none"
     warning = ""
 

@@ -50,7 +50,7 @@ def test_both_directions_through_cdc_acm(tmp_path: Path, capfd: pytest.CaptureFi
     assert run(source).code == 2
     said = capfd.readouterr().err
     assert said == (
-        f"sistap: {source} does not say at which rate the line ran (a driver tells a CDC adapter its rate only when it "
+        f"sistap: {source} does not say at which rate the bus ran (a driver tells a CDC adapter its rate only when it "
         "changes): add it, such as --baud 9600\n"
     )
     done = run(source, "--baud", "9600")

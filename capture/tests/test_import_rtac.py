@@ -85,4 +85,4 @@ def test_a_header_that_is_cut(tmp_path: Path) -> None:
 def test_the_rate_has_to_be_told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     source = pcap(tmp_path / "rtac.pcap", RTAC, [packet(1, RX, COMMAND)])
     assert run(source).code == 2
-    assert "does not say at which rate the line ran" in capfd.readouterr().err
+    assert "does not say at which rate the bus ran" in capfd.readouterr().err

@@ -113,7 +113,7 @@ def test_it_is_known_by_its_requests_or_by_its_status_alone(tmp_path: Path) -> N
     host.receive(20, 36, STATUS + REACTION)
     done = run(host.save(tmp_path / "usb.pcap"), "--baud", "19200", "--format", "8N1")
     assert [(record.settings, record.data) for record in done.records] == [(LineSettings(19200, 8, "N", 2), REACTION)]
-    assert "19200 Bd 8N1, as told" in done.events[0]
+    assert "19200 Bd 8N1, as given" in done.events[0]
 
 
 def test_without_a_rate_it_says_what_to_add(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -122,7 +122,7 @@ def test_without_a_rate_it_says_what_to_add(tmp_path: Path, capfd: pytest.Captur
     source = host.save(tmp_path / "usb.pcap")
     assert run(source).code == 2
     said = capfd.readouterr().err
-    assert said == f"sistap: {source} does not say at which rate the line ran: add it, such as --baud 9600\n"
+    assert said == f"sistap: {source} does not say at which rate the bus ran: add it, such as --baud 9600\n"
 
 
 @pytest.mark.parametrize(

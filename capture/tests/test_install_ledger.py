@@ -286,7 +286,9 @@ def test_root_takes_over_a_list_that_only_root_could_write(root: Path, state: Pa
     assert tree(root) == {"installed-for-all.json"}
 
 
-@pytest.mark.attack("as root: others can write where root keeps its list", "refused; the message says what to do")
+@pytest.mark.attack(
+    "as root: others can write to the folder of root's list of installed files", "refused; the message says what to do"
+)
 @no_root
 @pytest.mark.parametrize("who", ["a folder for all", "a link", "a list for all"])
 def test_a_folder_of_root_that_others_could_write_is_not_used(root: Path, tmp_path: Path, who: str) -> None:

@@ -134,7 +134,7 @@ def test_analysers_are_listed(
     assert show(monkeypatch, sysfs, []) == 0
     assert capsys.readouterr().out.splitlines() == [
         "port                           adapter  driver   latency",
-        "sigrok:fx2lafw:conn=1.2?rx=D0  Logic    fx2lafw  samples the line",
+        "sigrok:fx2lafw:conn=1.2?rx=D0  Logic    fx2lafw  samples the bus",
     ]
 
 

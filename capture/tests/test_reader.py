@@ -949,7 +949,7 @@ def test_socket_url(server: socket.socket) -> None:
     url = f"socket://127.0.0.1:{server.getsockname()[1]}"
     source = open_reader(url, SETTINGS, line=1)
     connection, _ = server.accept()
-    assert source.timing == f"times are those of arrival at this program over socket://; {STEADY}; no bound known"
+    assert source.timing == f"times are those of arrival at this program over socket://; {STEADY}; uncertainty unknown"
     (note,) = source.notes
     assert "no verdict on its times is possible" in note
     assert source.adapter == url

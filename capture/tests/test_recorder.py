@@ -122,7 +122,7 @@ def test_each_file_has_its_window_and_each_record_once(
         assert earlier == [old for old in map(identity, traffic) if old in earlier and old[0] < since]
         assert started[0] == (traffic[0].time_ns if earlier else inside[0][0])
         assert b"; kept: sis.checksum.status-0 at " in started[1]
-        assert started[1].endswith(b"told limits and names") is bool(earlier)
+        assert started[1].endswith(b"set limits or read names") is bool(earlier)
 
 
 def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:

@@ -157,7 +157,7 @@ def test_what_ends_every_tshark_is_left_out_at_last(tshark: Tshark, traffic: lis
     tested.play(traffic[:50])
     tested.wait(49)
     assert all(judged.is_unjudged for judged in tested.judged)
-    assert "ends again and again: 49 records were not looked at" in tested.said[-1]
+    assert "ends again and again: 49 records were not tested with the filter" in tested.said[-1]
     tested.relay.close()
 
 
@@ -169,7 +169,7 @@ def test_one_that_is_too_slow_is_told_and_the_next_goes_on(tshark: Tshark, traff
         os.kill(tested.running[0].pid, signal.SIGSTOP)
         tested.put(traffic[10:200])
         (said,) = tested.said
-        assert "tshark is too slow for this line" in said and "records were not looked at" in said
+        assert "tshark is too slow for this bus" in said and "records were not tested with the filter" in said
         assert tested.relay.unjudged == sum(judged.is_unjudged for judged in tested.judged) > 0
         tested.put(traffic[200:])
         tested.end()

@@ -66,7 +66,7 @@ def test_limits_told_to_the_report_go_before_those_of_the_bus(tmp_path: Path, ca
 
 def test_limits_told_to_the_capture_are_named(tmp_path: Path) -> None:
     text = report(tmp_path, TOLD, "--format", "text").stdout
-    assert "Whoever captured told the limits TzA = 8 ms, TrS = 40 ms." in text
+    assert "The limits TzA = 8 ms, TrS = 40 ms were given for this capture" in text
 
 
 @pytest.mark.thorough

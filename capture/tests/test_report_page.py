@@ -90,7 +90,7 @@ def test_every_colour_of_the_pictures_changes_in_the_dark(text: str) -> None:
 
 
 def test_a_window_with_nothing_in_it_says_so(text: str) -> None:
-    assert "Asked for: 1 s from 100 s</b><br>Nothing was on the line." in text
+    assert "Asked for: 1 s from 100 s</b><br>Nothing was on the bus." in text
 
 
 class Drawn:

@@ -238,7 +238,7 @@ WRONG = [
     ("x = " + "[" * 3000, "use fewer levels"),
     (
         'title = ""\nascii_first = "x"\nstation = [{ address = 3 }]',
-        r"a real line is not disturbed: \[\[fault\]\] and ascii_first need \[\[master\]\] and \[\[station\]\]",
+        r"sistap does not disturb a real bus: \[\[fault\]\] and ascii_first need \[\[master\]\] and \[\[station\]\]",
     ),
     ("title = 5\nstation = [{ address = 3 }]", "title = 5: use a text in quotes"),
     ('title = ""\nline = 9600', r"\[line\] is not a table: write \{ key = value \}"),

@@ -199,7 +199,7 @@ def test_who_never_answers_makes_room(served: Listeners, told: list[str], monkey
                 pass
 
 
-@pytest.mark.attack("more connections than a line allows", "the next one is refused")
+@pytest.mark.attack("more connections than `sistap serve` allows (32)", "the next one is refused")
 def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "MOST", 2)
     with ExitStack() as opened:

@@ -215,7 +215,7 @@ def test_other_adapters_have_no_bound(device: Device) -> None:
     read = source.read(0.01)
     assert read and read.uncertainty_ns == UNCERTAINTY_UNKNOWN
     assert source.adapter == "COM5"
-    assert source.timing.startswith("Windows tells no bound of its times; clock ")
+    assert source.timing.startswith("Windows does not report how exact its times are; clock ")
     assert [note.partition(":")[0] for note in source.notes] == ["COM5"]
 
 

@@ -56,7 +56,7 @@ def _send(ours: int, character: bytes) -> Sending:
 def _timed(heard: Sequence[Record], sent: Sequence[Sending]) -> str:
     """Check the times of all characters against the bounds in the record."""
     if all(record.uncertainty_ns == UNCERTAINTY_UNKNOWN for record in heard):
-        return ", times without a bound"
+        return ", times of unknown uncertainty"
     judged = list(zip(_times(heard), sent, strict=True))
     early = [at_ns - sending.begun_ns for (at_ns, _), sending in judged if at_ns < sending.begun_ns]
     late = [at_ns - bound_ns - sending.done_ns for (at_ns, bound_ns), sending in judged]

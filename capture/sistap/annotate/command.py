@@ -33,14 +33,14 @@ Explain a log. The input is any text with the bytes of SIS telegrams. The output
 below each telegram. The explanations come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 
 sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225". Lines may have offsets
-and a column of characters. A telegram may span several lines, and a line may hold several telegrams. Time stamps and
-direction marks are used if present. All other text stays as it is: without the lines that begin
-with blanks and "^--", the output is the input, byte for byte.
+and a column of characters. A telegram may go over several lines, and a line may hold several telegrams. sistap uses
+time stamps and direction marks if the log has them. The log itself is copied byte for byte. The added lines begin with
+blanks and "^--".
 """
 
 EPILOG = """\
-A FILE is read to its end before it is explained, so that a command without a reaction is known. Lines added
-later are not in the output. A pipe (-) is explained live, each telegram as soon as it is complete.
+A file is read to its end before it is explained. So sistap knows which command had no reaction. Lines that are added
+later are not in the output. Standard input (-) is explained live: each telegram as soon as it is complete.
 
 examples:
   sistap annotate docklight.txt                    the log and its explanation
@@ -84,8 +84,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="REGEX",
         type=_reader,
         default=AnyReader,
-        help="how to find the bytes in a line, with the named groups of text2pcap: (?<data>...) in hexadecimal, and "
-        "optional (?<time>...) and (?<dir>...); other lines are skipped",
+        help="a pattern (regular expression) for a line of the log, with the names of text2pcap: (?<data>...) is the "
+        "bytes in hexadecimal; (?<time>...) and (?<dir>...) are optional; lines that do not fit are left out",
     )
     parser.add_argument("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
 

@@ -19,21 +19,21 @@ from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Write a capture as a log: one line for each telegram with its time, its direction and its bytes, and its explanation
+Write a capture as a log: one line of text for each telegram with its time, direction and bytes, and its explanation
 below. `sistap annotate` reads such a log and finds the same telegrams at the same times. The explanations come from
 Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
-Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; a shared bus has none. A log
+Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; an RS485 bus has none. A log
 has no line errors and no times inside a telegram, so keep the capture as well.
 
 examples:
   sistap log day.pcapng                  to standard output
-  sistap log day.pcapng -o day.txt       to a file, for example for a mail
+  sistap log day.pcapng -o day.txt       to a file, for example to mail it
 
 exit status:
-  0  done; a message on standard error tells if the capture is cut off
+  0  done; a message on standard error says if the end of the capture is missing
   1  failed while running: tshark or the plugin is missing, disk full
   2  wrong usage, a CAPTURE that cannot be read or has no records of sistap, or a FILE that cannot be written
 """

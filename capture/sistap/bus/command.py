@@ -31,25 +31,25 @@ from sistap.terminal.visible import visible
 
 DESCRIPTION = """\
 Play a virtual SIS bus. A scenario says which masters ask, which stations answer, and what goes wrong. The bus begins
-when somebody listens. It sends on a real port only with --transmit.
+when a program listens. It sends on a real port only with --transmit.
 """
 
 EPILOG = """\
 A SCENARIO is a built-in one (--list names them) or a FILE.toml. The README beside the built-in ones explains how to
 write one (sistap/bus/scenarios; in the .deb /usr/share/doc/sistap/scenarios.md). A scenario without a master waits for
-a real one. A scenario without stations talks to real ones, at a port only. The same seed plays the same bytes.
+a real one. A scenario without stations talks to real ones, at a real port only.
 
 The scenarios s5, s5-cam, s5-faults and s5-shared play procedure 3964R. Listen with --framing 3964r.
 
 examples:
   sistap bus                                       a master and two drives, at a pseudo terminal
   sistap bus --list                                list the other scenarios
-  sistap bus late-reaction -w late.pcapng          straight into a capture file, at once
+  sistap bus late-reaction -w late.pcapng          into a capture file, at once
   sistap bus noise --listen 127.0.0.1:5000         for `sistap capture -i bus://127.0.0.1:5000`
   sistap bus drives                                drives that wait for your master
   sistap bus indradrive-waits --log master.txt     the same with an IndraDrive, and a log of what your master says
   sistap bus mine.toml --port /dev/ttyUSB0 --transmit
-                                                   your script against drives on a real line
+                                                   your script with drives on a real bus
 
 exit status:
   0  done; also when stopped by Ctrl-C or SIGTERM
@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("-w", dest="file", metavar="FILE", help="write a capture file, at once; - is standard output")
     add("--force", action="store_true", help=FORCE)
     add("--reads", type=int, default=1, metavar="N", help="read up to N characters at a time (with --listen or -w)")
-    add("--baud", type=int, help="rate of the line (default: the scenario's, usually 9600)")
+    add("--baud", type=int, help="rate of the bus (default: the scenario's, usually 9600)")
     add("--format", help="character format (default: the scenario's, usually 8E1)")
     add(
         "--rates",
@@ -78,12 +78,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="after each loop, the demo's master tests the next of these rates with a drive, then sets it for all; "
         "9600, 19200, 38400, 57600 or 115200",
     )
-    add("--seed", type=int, default=1, help="same seed, same bus (default 1)")
+    add("--seed", type=int, default=1, help="the same number plays the same bytes (default 1)")
     add(
         "--cycles",
         type=int,
         default=0,
-        help="times to play a loop (default: until stopped; with -w once)",
+        help="how many times to play the loop (default: until stopped; with -w once)",
     )
     add("--duration", type=float, metavar="SECONDS", help="end after this time of the bus")
     add(
@@ -96,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--log",
         type=Path,
         metavar="FILE",
-        help="write a line for each telegram: time, bytes, faults; includes those of a real master",
+        help="write a line of text for each telegram: time, bytes, faults; also for those of a real master",
     )
 
 
@@ -177,7 +177,7 @@ def _check_place(args: argparse.Namespace, played: Scenario, faults: Faults) -> 
     if not played.has_masters and args.duration is not None:
         raise ValueError(f"{name} has no master, it answers a real one until it is stopped: leave out --duration")
     if not played.is_complete and args.faults:
-        raise ValueError("--faults disturbs what a tap hears, but a real line is not disturbed: leave it out")
+        raise ValueError("--faults disturbs what a tap hears, but sistap does not disturb a real bus: leave it out")
     if played.procedure and (faults.checksum or faults.pause):
         raise ValueError("--faults checksum and pause are for SIS: use parity, break or loss, or [[fault]]")
     if args.rates and name != DEFAULT:

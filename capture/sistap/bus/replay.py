@@ -27,16 +27,16 @@ Play a capture that sistap wrote: every character at its time. It goes to a pseu
 """
 
 EPILOG = """\
-Characters that arrived in one read are played at once. Characters of two lines (RS422, RS232) are played in the order
-of their times. A socket also carries the number of the line and line errors. A pseudo terminal and a port carry the
-values alone; a line at the end says how many errors there were. A capture of the replay, taken at a socket, has the
-characters, intervals and errors of the original.
+Characters that arrived in one read are played at once. Characters of two directions (RS422, RS232) are played in the
+order of their times. A socket also carries line errors and the number of the line (1 or 2). A pseudo terminal and a
+port carry the values alone; a message at the end says how many errors there were. A capture of the replay at a socket
+has the characters, intervals and errors of the original.
 
 examples:
   sistap replay day.pcapng                                 at a pseudo terminal; its name is printed
   sistap replay day.pcapng --listen 127.0.0.1:5000         for `sistap capture -i bus://127.0.0.1:5000`
   sistap replay day.pcapng --listen ./bus --fast           as fast as the listener reads
-  sistap replay day.pcapng --port /dev/ttyUSB0 --transmit  on a real line: take the machine off it first
+  sistap replay day.pcapng --port /dev/ttyUSB0 --transmit  on a real bus: disconnect the machine first
 
 exit status:
   0  done; also when stopped by Ctrl-C or SIGTERM

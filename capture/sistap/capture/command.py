@@ -29,8 +29,8 @@ LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
 LARGEST_S = 86_400  # before and after
 
 DESCRIPTION = """\
-Listen to a serial line and record every character with its time. Write a pcapng file for Wireshark, or lines of text.
-sistap never writes to the port.
+Listen to a bus and record every character with its time. Write a pcapng file for Wireshark, or lines of text. sistap
+never writes to the port.
 """
 
 EPILOG = """\
@@ -40,49 +40,50 @@ A PORT is one of these:
   sigrok:fx2lafw?rx=D0          a logic analyser that sigrok-cli can read, with times exact to a microsecond
   socket://HOST:PORT            a URL of pyserial, also rfc2217://HOST:PORT; its times are less exact
 
-The line of a logic analyser is at channel D0. Add &tx=D1 for the other direction, which is line 2. Add &samplerate=8m
-for more than 4 million samples a second. Add &invert=rx, tx or both if the line is low while nothing is sent. Name one
-of several analysers with fx2lafw:conn=BUS.ADDRESS.
+Connect the bus to channel D0 of a logic analyser. Add &tx=D1 if the other direction is at D1. Add &samplerate=8m for 8
+million samples a second (default 4). Add &invert=rx, tx or both if the signal is low while nothing is sent. If there
+are several analysers, choose one with fx2lafw:conn=BUS.ADDRESS (from `sistap ports`).
 
 --baud auto tries all rates from 9600 to 115200 Bd until a valid telegram comes. Without --format, it tries 8E1 and 8N1
-at each rate. It keeps what it reads on the way. On a silent line the search does not end.
+at each rate. It records what it reads during the search. On a silent bus the search does not end.
 
---follow-baud changes the rate when the bus does (service 0x03), also for a timed test. If nothing valid follows, a line
-says so. With --baud auto as well, the search then begins again.
+--follow-baud changes the rate of the tap when the bus changes its rate (service 0x03), also for a timed test. If no
+valid telegram follows, a message says so. With --baud auto as well, the search then begins again.
 
-RS422 and RS232 have a line for each direction. Connect a port to each, and give -i twice. Line 1 is the first port,
-line 2 the second. Both are in one file, in the order in which their telegrams began. A record may wait up to half a
-second for an older telegram on the other line.
+RS422 and RS232 have wires for each direction. Connect a port to each direction, and give -i twice. In the capture, line
+1 is the first port and line 2 the second. Both are in one file, in the order in which their telegrams began. A record
+may wait up to half a second for an older telegram of the other direction.
 
-A capture filter has the syntax of tcpdump. It sees the plain telegram: link[5] is the service, link[6] the sender
-address, link[7] the receiver address. Characters outside of telegrams, and events, always pass.
+A capture filter has the syntax of tcpdump. It sees the bytes of the telegram: link[5] is the service, link[6] the
+sender address, link[7] the receiver address. Other characters (outside of telegrams) and events are always written.
 
 A master sets the limits TzA and TrS when it starts the bus. A tap that joins later does not hear them, and without
-limits Wireshark cannot judge times. Give the limits with --tza and --trs. The capture keeps them, marked as told by the
-user. They apply until the bus sets others.
+limits Wireshark cannot judge times. Give the limits with --tza and --trs. The capture stores them. They apply until the
+bus itself sets others.
 
 With --framing 3964r the tap records procedure 3964R: each handshake character (STX, DLE, NAK), and blocks with their
-BCC. A filter then sees the block. It cannot search for a rate or follow one.
+BCC (check character). A filter then sees the block. --baud auto and --follow-baud do not work then.
 
 Without -w, each record is shown as `sistap log` shows it: time, bytes, and their meaning. The meaning comes from tshark
-with Wireshark's dissector. Without tshark, there is one line for each telegram. A terminal shows colours, unless
-NO_COLOR is set.
+with Wireshark's dissector. Without tshark, there is one line of text for each telegram. A terminal shows colours,
+unless NO_COLOR is set.
 
 With --keep, a recorder runs for months. It tests each packet with the display filter FILTER. Around each match it
-writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. A file is complete after
-another --before seconds, when no later match can extend it. Then COMMAND starts. FILTER is tested live: a command
-without a reaction is found at the next command (sis.unanswered_before).
+writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. A file ends --after
+seconds after its last match. It stays open for --before seconds more, because the time before a later match can begin
+in it. Then it is complete, and COMMAND starts. FILTER is tested live: a command without a reaction is found at the next
+command (sis.unanswered_before).
 
 examples:
   sistap capture -i /dev/ttyUSB0                               each telegram with its meaning
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
-  sistap capture -i bus://pi:5000 -w x.pcapng                  the line of another computer
+  sistap capture -i bus://pi:5000 -w x.pcapng                  the bus at another computer
   sistap capture -i /dev/ttyUSB0 --baud auto                   find the rate
-  sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of an RS422 line
+  sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of RS422
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 --framing 3964r -w x.pcapng
                                                                an S5 and a PPC over 3964R, both directions
   sistap capture -i /dev/ttyUSB0 -w day.pcapng -b duration:3600 -b files:24
-                                                               the last 24 hours, a file for each
+                                                               the last 24 hours, one file for each hour
   sistap capture -i 'sigrok:fx2lafw?rx=D0' -w x.pcapng         a logic analyser
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
@@ -120,7 +121,7 @@ class _Ports(argparse.Action):
             parser.error(f"{option} needs a {self.metavar}")
         named = [*(namespace.ports or []), ports.short(value)]
         if len(named) > len(BOTH_LINES):
-            parser.error(f"{option} can be given once, or twice for the two directions of a line")
+            parser.error(f"{option} can be given once, or twice for the two directions of RS422 or RS232")
         namespace.ports = named
 
 
@@ -173,8 +174,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="ports",
         action=_Ports,
         metavar="PORT",
-        help="the port to listen to (default: the only one there is); give it twice for the two directions of an RS422 "
-        "or RS232 line",
+        help="the port to listen to (default: the only one there is); give it twice for the two directions of RS422 or "
+        "RS232",
     )
     add(
         "-w",

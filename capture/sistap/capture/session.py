@@ -251,7 +251,7 @@ class Capture:
             self._console.say("sistap can search for the rate of SIS telegrams only: choose a rate")
             return
         if any(isinstance(reader, Distant) for reader in self._readers):
-            self._console.say("set the rate of a distant tap there, with the options of `sistap serve`")
+            self._console.say("the rate of a distant tap is set on its computer, with the options of `sistap serve`")
             return
         formats = () if baud else self._conditions.formats or FORMATS
         self._conditions = replace(self._conditions, formats=formats)

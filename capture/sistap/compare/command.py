@@ -19,19 +19,19 @@ from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Show what changed between a good time and a bad one: stations that appeared or left, parameters that differ and who
-wrote them, new services and errors, reaction times and intervals, faults of the line, rates and limits. The first five
-lines are the summary; the tables below have everything. Each difference says how likely chance alone would cause it.
-All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
+wrote them, new services and errors, reaction times and intervals, faults of the bus, rates and limits. The first five
+lines are the summary; the tables below have everything. Each difference has a probability: how likely it is by chance
+alone. All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
-A side may have several files, such as those of a ring. Name them with --good and --bad, in the order of their time. The
-* of a shell does that.
+A side may have several files, such as those of a ring. Name them with --good and --bad, in the order of their time. A
+pattern such as night-*.pcapng names them in this order.
 
 Chance: the captures are cut into pieces, because neighbouring telegrams are alike. Then the pieces are compared:
 medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Of a hundred comparisons,
-some differ by chance; this is taken into account. A difference is certain if chance causes it less than once in 100
-times.
+some differ by chance. The probabilities are corrected for that. A difference is certain if it is less likely than 1 in
+100 by chance.
 
 examples:
   sistap compare evening.pcapng night.pcapng                     good first, then bad
@@ -39,7 +39,7 @@ examples:
   sistap compare evening.pcapng night.pcapng --format html -o changed.html
 
 exit status:
-  0  done, whatever changed; a message on standard error tells if a capture is cut off
+  0  done, whatever changed; a message on standard error says if the end of a capture is missing
   1  failed while running: tshark or the plugin is missing, disk full
   2  wrong usage, a capture that cannot be read, or a FILE that cannot be written
 """

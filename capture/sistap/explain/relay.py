@@ -135,7 +135,7 @@ class Relay:
         if self._failures > 1 and self._number > self._judged:  # a pending record may be the cause
             yield from self._give_up("tshark ends again and again")
         elif self._pending_bytes > self._seams.behind:
-            yield from self._give_up("tshark is too slow for this line")
+            yield from self._give_up("tshark is too slow for this bus")
         if not self._posts and self._clock_s() >= self._next_s:
             self._replace()
 
@@ -239,7 +239,7 @@ class Relay:
         """Leave pending records unjudged."""
         count = self._number - self._judged
         self.unjudged += count
-        self._say(f"{why}: {count} records were not looked at")
+        self._say(f"{why}: {count} records were not tested with the filter")
         self._failures = max(1, self._failures)
         self._dismiss()
         while self._pending:

@@ -34,24 +34,24 @@ Convert what another tool recorded into a capture of sistap:
 {_LIST}
 
 sistap detects the format from the contents of FILE. It keeps all characters, their errors, and their times. The last
-line says how exact the times are. Captures of USB and RTAC need tshark.
+message says how exact the times are. Captures of USB and RTAC need tshark.
 
 With --dissector, FILE is a table of whole messages. Each line has the time in s, M (master) or S (slave), and the
-bytes. The packets are for that dissector of Wireshark. A message of synaxobj begins with its head of 3 bytes: index,
-operation.
+bytes. Each message becomes a packet for that dissector of Wireshark. A message of synaxobj begins with a head of 3
+bytes: index (2) and operation (1).
 """
 
 EPILOG = """\
 examples:
-  sistap import usb.pcapng -w bus.pcapng                               the adapter says how it was set
-  sistap import usb.pcapng -w bus.pcapng --device 1.5                  this one, of several
+  sistap import usb.pcapng -w bus.pcapng                               the file contains rate and format
+  sistap import usb.pcapng -w bus.pcapng --device 1.5                  one of several adapters
   sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
   sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
   sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -k -i -
   sistap import messages.csv -w pcp.pcapng --dissector synaxpcp        lines such as 0.125,M,0082 000C 0002
 
 exit status:
-  0  done; also of a file that is cut: a line says so
+  0  done; also if the end of FILE is missing: a message says so
   1  failed while running: tshark is missing, disk full
   2  wrong usage, a FILE that cannot be read or an OUT that cannot be written
 """
@@ -81,7 +81,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="data bits, parity N, E, O, M or S, stop bits, if not in FILE (default 8E1)",
     )
     add("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
-    add("--device", metavar="BUS.ADDRESS", help="which adapter, if a USB capture has several")
+    add("--device", metavar="BUS.ADDRESS", help="choose this adapter, if a USB capture has several")
     add(
         "--samplerate",
         type=_whole,
@@ -171,7 +171,7 @@ def _precision(uncertainties_ns: Counter[int]) -> str:
     if not uncertainties_ns:
         return "stopped before the first character"
     if UNCERTAINTY_UNKNOWN in uncertainties_ns:
-        return "how exact they are is not known, so verdicts on limits stay open"
+        return "their uncertainty is unknown, so verdicts on limits are unresolved"
     ordered = sorted(uncertainties_ns)
     passed, half = 0, 0
     for half in ordered:

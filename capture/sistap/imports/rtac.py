@@ -46,10 +46,10 @@ class RtacCapture:
         self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
         self.settings = told.settings
         need_rate(self.settings, capture)
-        self.settings_from = "as told"
+        self.settings_from = "as given"
         lines = {read.line for read in self.reads()}
         if not lines:
-            raise UsageError(f"{capture} has no characters in it: capture while the line is in use")
+            raise UsageError(f"{capture} has no characters in it: capture while the bus is in use")
         self.lines = numbered(
             "serial port, received", "serial port, sent", has_received=RECEIVED in lines, has_sent=SENT in lines
         )

@@ -42,7 +42,7 @@ class SampledLine:
     def __init__(self, path: Path, rows: Iterable[Row | Unreadable], told: Told) -> None:
         """Read all characters: a table may have one channel after the other. May raise UsageError."""
         self.settings = told.settings
-        self.settings_from = "as told"
+        self.settings_from = "as given"
         self.warning = ""
         self._rows = sorted(self._readable(rows), key=lambda row: row.time_s)
         if not self._rows:
@@ -50,7 +50,9 @@ class SampledLine:
         channels = sorted({row.channel for row in self._rows})
         if len(channels) > 2:
             listed = ", ".join(channels)
-            raise UsageError(f"{path} has {len(channels)} decoders ({listed}): export one, or two of a line")
+            raise UsageError(
+                f"{path} has {len(channels)} decoders ({listed}): export one, or the two directions of one bus"
+            )
         self._lines = dict(zip(channels, (RECEIVED, SENT), strict=False))
         self.lines = numbered(channels[0], channels[-1], has_sent=len(channels) > 1)
         self._period_ns = (

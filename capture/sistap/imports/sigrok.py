@@ -31,7 +31,7 @@ _ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_E
 def opened(path: Path, told: Told) -> SampledLine:
     """Open a file of annotations. May raise UsageError."""
     if told.samplerate is None:
-        also = "" if told.settings.baud else ", and the rate of the line, such as --baud 9600"
+        also = "" if told.settings.baud else ", and the rate of the bus, such as --baud 9600"
         raise UsageError(f"{path} counts samples and does not say how many a second has: add --samplerate HZ{also}")
     need_rate(told.settings, path)
     return SampledLine(path, _rows(path, told.settings, told.samplerate), told)

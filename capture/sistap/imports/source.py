@@ -68,4 +68,4 @@ def need_rate(settings: LineSettings, name: object, why: str = "") -> None:
     """
     if not settings.baud:
         reason = f" ({why})" if why else ""
-        raise UsageError(f"{name} does not say at which rate the line ran{reason}: add it, such as --baud 9600")
+        raise UsageError(f"{name} does not say at which rate the bus ran{reason}: add it, such as --baud 9600")

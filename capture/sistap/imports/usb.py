@@ -96,7 +96,7 @@ class UsbCapture:
         assert port.settings
         self.settings = port.settings
         need_rate(self.settings, capture, self._kind.no_rate)
-        self.settings_from = "as the adapter was set" if port.was_set else "as told"
+        self.settings_from = "as the adapter was set" if port.was_set else "as given"
         if port.was_set and told.baud not in (None, self.settings.baud):
             self.settings_from += f", not {told.baud} Bd"
         name = f"{self._kind.name} adapter {port.name}"

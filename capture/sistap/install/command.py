@@ -36,9 +36,9 @@ already loads from elsewhere stays. So does a plugin of an earlier install, if W
 built. With --lua, sis.lua replaces a plugin of an earlier install.
 
 The command goes into ~/.local/bin; for all users into /usr/local/bin; on Windows into a folder of its own. If that
-folder is not in PATH, a line says what to do. A command sistap from a package stays.
+folder is not in PATH, a message says what to do. A command sistap from a package stays.
 
-As root, sistap installs for all users. A Wireshark run as root skips personal folders. sistap keeps a file that
+As root, sistap installs for all users. Wireshark run as root does not read personal folders. sistap keeps a file that
 somebody else put there or has changed. `sistap uninstall` removes everything again.
 
 examples:

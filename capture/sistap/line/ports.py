@@ -210,7 +210,7 @@ def run(args: argparse.Namespace) -> int:
         return DONE
     rows = [("port", "adapter", "driver", "latency")]
     rows += [(port, visible(behind.name) or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
-    rows += [(one.port, visible(one.name), analyser.DRIVER, "samples the line") for one in analysers]
+    rows += [(one.port, visible(one.name), analyser.DRIVER, "samples the bus") for one in analysers]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

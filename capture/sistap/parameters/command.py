@@ -17,17 +17,17 @@ from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-List the parameters that were read and written. For each parameter of each device, the list has its name and unit, how
-often it was read, written and refused, its first, last, lowest and highest value, and who wrote it last. Name the files
-of a ring in the order of their time. The figures come from Wireshark's dissector: install tshark with the plugin or
-sis.lua.
+List the parameters that were read and written. For each parameter of each device, the list has its name and unit. It
+has the number of reads, writes and refusals, the first, last, lowest and highest value, and who wrote it last. Name the
+files of a ring in the order of their time. The figures come from Wireshark's dissector: install tshark with the plugin
+or sis.lua.
 """
 
 EPILOG = f"""\
-A read counts when its reaction comes. A write counts when its reaction accepts it. A refusal counts as an error. A
-parameter whose attribute is not known is shown as bytes. The value before a change is the last one that was read or
-written; without one it is unknown. A segment of a list is counted, but it is not the value of the list. Stations are
-told apart by the name of their port. There is room for {MOST} parameters.
+A read counts when its reaction comes. A write counts when its reaction accepts it. A refusal counts as an error. If the
+attribute of a parameter is not known, its values are shown as bytes. The value before a change is the last value that
+was read or written. If there is none, it is unknown. A segment of a list is counted, but it is not the value of the
+list. Stations with the same address at different ports are different stations. There is room for {MOST} parameters.
 
 examples:
   sistap parameters day.pcapng                              the list
@@ -35,7 +35,7 @@ examples:
   sistap parameters --csv day.pcapng -o parameters.csv      for a spreadsheet
 
 exit status:
-  0  done; a message on standard error tells if a capture is cut off
+  0  done; a message on standard error says if the end of a capture is missing
   1  failed while running: tshark or the plugin is missing, disk full
   2  wrong usage, a CAPTURE that cannot be read, or a FILE that cannot be written
 """

@@ -98,7 +98,7 @@ class Recorder:
     @property
     def summary(self) -> str:
         """Return what was kept, in words."""
-        unjudged = f"; {self.relay.unjudged} records were not looked at" if self.relay.unjudged else ""
+        unjudged = f"; {self.relay.unjudged} records were not tested with the filter" if self.relay.unjudged else ""
         return f"{self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
 
     # -- In the thread of the capture
@@ -157,7 +157,7 @@ class Recorder:
             raise OutputError(self._trouble)
         if self._left_out and self._queue.qsize() < MOST_WAITING // 2:
             left_out, self._left_out = self._left_out, 0
-            self._say(f"{self._wanted.folder} is too slow: {left_out} records were not looked at")
+            self._say(f"{self._wanted.folder} is too slow: {left_out} records were not tested with the filter")
 
     # -- In its own thread
 
@@ -211,7 +211,7 @@ class Recorder:
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
         why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
         if beginning.known:
-            why += "; it begins with earlier telegrams that told limits and names"
+            why += "; it begins with earlier telegrams that set limits or read names"
         started = b"".join(self._blocks.packet(self._again(record, beginning, why)) for record in self._started)
         return _File(self, path, beginning.heading + started + beginning.known)
 

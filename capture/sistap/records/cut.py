@@ -12,7 +12,7 @@ from sistap.records.framer_3964r import Framer3964R
 from sistap.records.record import Framing
 
 WORDS = "sis|3964r|silence:MS"
-HELP = "cut SIS telegrams (the default), blocks of procedure 3964R, or frames separated by that much silence"
+HELP = "what to look for: SIS telegrams (the default), blocks of procedure 3964R, or frames between silences of MS ms"
 LONGEST_MS = 1e12  # more than 30 years
 
 

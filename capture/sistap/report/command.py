@@ -24,9 +24,9 @@ from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Put a whole capture on one page: what was captured and how exact its times are, what the bus limits and who exceeded it,
-the ten worst moments with the display filters that find them in Wireshark, the bus in pictures, and tables of stations
-and services. All figures come from Wireshark's dissector, through tshark, which has to be installed with the plugin.
+Put a whole capture on one page. It shows what was captured and how exact its times are, the limits of the bus and who
+exceeded them, the ten worst moments with the display filters that find them in Wireshark, the bus in pictures, and
+tables of stations and services. All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
@@ -40,7 +40,7 @@ examples:
   sistap report day.pcapng --format text                  the tables alone, on standard output
 
 exit status:
-  0  done; also of a capture that is cut: the page says so
+  0  done; also if the end of the capture is missing: the page says so
   1  failed while running: tshark, the plugin or matplotlib is missing, disk full
   2  wrong usage, a CAPTURE that cannot be read or a FILE that cannot be written
 """
@@ -115,13 +115,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tza",
         metavar="MS",
         type=limit,
-        help="TzA to judge by, in place of what the bus was told: longest interval between two characters",
+        help="use this limit TzA in place of the one set on the bus: longest interval between two characters",
     )
     parser.add_argument(
         "--trs",
         metavar="MS",
         type=limit,
-        help="TrS to judge by, in place of what the bus was told: longest reaction time",
+        help="use this limit TrS in place of the one set on the bus: longest reaction time",
     )
     parser.add_argument(
         "--title", default="", metavar="TEXT", help="the heading of the page, in place of the file name"

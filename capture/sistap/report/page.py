@@ -82,8 +82,8 @@ _PARAMETERS = (
     "`sistap parameters --changes` lists every writing that has changed something."
 )
 _VALUES = (
-    "Where nothing was read for long the line has a gap. A dot is a value that was written. Red are the limits, where "
-    "minimum and maximum were read and are not far away."
+    "Where nothing was read for a long time, the curve has a gap. A dot is a value that was written. Red lines are the "
+    "limits, if minimum and maximum were read and are not far away."
 )
 _REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
 _OVERVIEW = (
@@ -190,7 +190,7 @@ def _windows(report: Report) -> str:
         if drawing:
             figures.append(_figure(drawing, f"window{number}", left_out))
         else:
-            figures.append(f"<p><b>{escape(window.title)}</b><br>Nothing was on the line.</p>")
+            figures.append(f"<p><b>{escape(window.title)}</b><br>Nothing was on the bus.</p>")
     return f"<h2>In full detail</h2><p>{_KEY}</p>{''.join(figures)}" if figures else ""
 
 

@@ -33,7 +33,7 @@ GLOSSARY = (
     "the receiver may take a character 02 for the start of another telegram.",
     "TrS is the longest time a station may take to answer a command. TwM is how long the master waits before it sends "
     "a command again.",
-    "A verdict is unresolved where the clock is not exact enough: the true time may be on either side of the limit.",
+    "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit.",
 )
 PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
 _LIMITS = {
@@ -309,6 +309,6 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
 def _told(report: Report) -> Iterable[str]:
     """Say which limits a person told, and when."""
     for text in sorted({packet.text for packet in report.figures.events if packet.event == Event.LIMITS_TOLD}):
-        yield f"Whoever captured told the limits {text}. They count until the bus itself sets others."
+        yield f"The limits {text} were given for this capture (--tza, --trs). They apply until the bus sets others."
     if here := told(report.limits_ms):
-        yield f"Judged by {here}, as told to this report, whatever the bus was told."
+        yield f"Judged by {here}, as given for this report (--tza, --trs), in place of the limits set on the bus."

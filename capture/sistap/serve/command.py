@@ -29,9 +29,9 @@ from sistap.terminal.stop import Stop
 LISTEN = "127.0.0.1:5000"
 
 DESCRIPTION = """\
-Listen to a serial line here and share it with other computers. There, `sistap capture -i bus://ADDRESS:PORT` receives
-every character with its time, its errors and the settings of the line. sistap never writes to the port, and no listener
-can change anything here.
+Listen to a bus here and share it with other computers. There, `sistap capture -i bus://ADDRESS:PORT` receives every
+character with its time, its errors, and rate and format. sistap never writes to the port, and no listener can change
+anything here.
 """
 
 EPILOG = """\
@@ -43,7 +43,7 @@ characters it missed. A slow listener never delays the tap.
 
 examples:
   sistap serve -i /dev/ttyUSB0                             for this computer, and for others through ssh
-  ssh -N -L 5000:127.0.0.1:5000 pi                         on the laptop: the line is then at bus://127.0.0.1:5000
+  ssh -N -L 5000:127.0.0.1:5000 pi                         on the laptop: the bus is then at bus://127.0.0.1:5000
   sistap serve -i /dev/ttyUSB0 --listen 192.168.7.1:5000 --allow 192.168.7.0/24
                                                            for a private network
   sistap serve -i /dev/ttyUSB0 --baud auto --follow-baud   find the rate, and follow its changes

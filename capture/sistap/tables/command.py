@@ -17,14 +17,14 @@ from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Collect captures in tables (Parquet files), to query many months and many machines: telegrams, values of parameters,
-events. DuckDB, Spark, pandas and other programs read them. Run it as often as you like: it adds only what is new, also
-if a capture has grown or shares telegrams with another. The contents come from Wireshark's dissector: install tshark
-with the plugin or sis.lua.
+events. DuckDB, Spark, pandas and other programs read them. Run it as often as you like: it adds only what is new. A
+capture may have grown, or have telegrams of another capture. The contents come from Wireshark's dissector: install
+tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
-The tables are folders in FOLDER, with a subfolder for each tap and each day (UTC). A tap is named after its port. Many
-machines use the same port name: where their tables come together, name the tap with --tap.
+The tables are folders in FOLDER, with a subfolder for each tap and each day (UTC). A tap is named after its port.
+Several machines may use the same port name. If they write into the same FOLDER, name each tap with --tap.
 
 examples:
   sistap tables day.pcapng -o tables
@@ -32,7 +32,7 @@ examples:
   duckdb -c "SELECT sender, max(reaction_s) FROM 'tables/telegrams/*/*/*.parquet' GROUP BY sender"
 
 exit status:
-  0  done; a message on standard error tells if a capture is cut off
+  0  done; a message on standard error says if the end of a capture is missing
   1  failed while running: tshark, the plugin or pyarrow is missing, disk full; earlier captures are in the tables
   2  wrong usage, a CAPTURE that cannot be read, or a FOLDER that cannot be written
 """

@@ -29,7 +29,7 @@ class Advice(NamedTuple):
 
 
 _LINUX = Advice(
-    no_port="if it stays away, `sudo dmesg | tail` says why",
+    no_port="if it does not appear, `sudo dmesg | tail` says why",
     late="run sistap with sudo, or put `@dialout - rtprio 1` into /etc/security/limits.conf and log in again",
     tshark="Debian and Ubuntu: `apt-get install tshark`",
     wireshark="`apt-get install wireshark`",
@@ -45,8 +45,8 @@ _LINUX = Advice(
 )
 
 _MACOS = _LINUX._replace(
-    no_port="if it stays away, see System Information > USB, and install its driver",
-    late="end what needs the processor",
+    no_port="if it does not appear, see System Information > USB, and install its driver",
+    late="end other programs that need the processor",
     tshark="install Wireshark, which includes it",
     wireshark="install Wireshark",
     libpcap="macOS includes it: start sistap with the Python of this system",
@@ -58,8 +58,8 @@ _MACOS = _LINUX._replace(
 )
 
 _WINDOWS = Advice(
-    no_port="if it stays away, Device Manager > Ports (COM & LPT) shows whether its driver is missing",
-    late="end what needs the processor, and choose the power plan High performance",
+    no_port="if it does not appear, Device Manager > Ports (COM & LPT) shows whether its driver is missing",
+    late="end other programs that need the processor, and choose the power plan High performance",
     tshark="run Wireshark's installer again and tick TShark",
     wireshark="run Wireshark's installer again and tick Wireshark",
     libpcap="install Npcap, which Wireshark's installer includes",

@@ -243,6 +243,8 @@ def _check(scenario: Scenario, tokens: Set[object]) -> None:
     if not addresses and not scenario.has_stations:
         raise ValueError("nobody is on the bus: add [[station]] or [[master]]")
     if not scenario.is_complete and (scenario.faults or scenario.ascii_first):
-        raise ValueError("a real line is not disturbed: [[fault]] and ascii_first need [[master]] and [[station]]")
+        raise ValueError(
+            "sistap does not disturb a real bus: [[fault]] and ascii_first need [[master]] and [[station]]"
+        )
     if len(addresses) < 2 and any(fault.kind == "collision" for fault in scenario.faults):
         raise ValueError('[[fault]] kind = "collision" needs a second [[master]]')

@@ -114,7 +114,7 @@ def _held(behind: Adapter, settings: LineSettings) -> tuple[int, str]:
 def _unknown(port: str) -> str:
     return (
         f"{port}: the delay of its adapter is not known and not in the uncertainty; off the bus, "
-        f"with its lines joined, `sistap selftest -i {port} --transmit` measures it"
+        f"with its wires joined, `sistap selftest -i {port} --transmit` measures it"
     )
 
 

@@ -24,9 +24,9 @@ class UrlReader:
         self.line = line
         scheme, separator, _ = port.partition("://")
         over = scheme + separator
-        self.timing = f"times are those of arrival at this program over {over}; {STEADY}; no bound known"
+        self.timing = f"times are those of arrival at this program over {over}; {STEADY}; uncertainty unknown"
         self.notes: tuple[str, ...] = (
-            f"{port}: without a bound no verdict on its times is possible: a device of this computer has one",
+            f"{port}: without a known uncertainty no verdict on its times is possible: use a port of this computer",
         )
         try:
             self._device = closed_serial(port, settings)

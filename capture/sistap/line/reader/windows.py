@@ -111,8 +111,8 @@ class WindowsReader:
         """Return how late a character can be seen in ns, a phrase for its source, and messages for the user."""
         behind = self._behind
         if self._known is None or behind.latency_ms is None:
-            note = f"{self.name}: without a bound no verdict on its times is possible: an adapter of FTDI has one"
-            return UNCERTAINTY_UNKNOWN, "Windows tells no bound of its times", (note,)
+            note = f"{self.name}: without a known uncertainty no verdict on its times is possible: use an FTDI adapter"
+            return UNCERTAINTY_UNKNOWN, "Windows does not report how exact its times are", (note,)
         bound = latency.bound(self._known, self.name, behind, self.settings)
         if behind.latency_ms <= 1:
             return bound
