@@ -41,8 +41,8 @@ from sistap.sis.telegram import build  # noqa: E402
 
 PATIENCE_S = 120
 UNPLUG, END, KILL = "unplugged", "ended", "killed"
-SKIPPED = "records not looked at"
-_SKIPPED = re.compile(r": (\d+) records were not looked at$", re.MULTILINE)
+SKIPPED = "records not tested"
+_SKIPPED = re.compile(r": (\d+) records were not tested with the filter$", re.MULTILINE)
 BETWEEN = 300_000  # characters from one unplugging to the next, on average; in a short day there are four
 LASTS = 50_000_000  # characters, in which a recorder is once ended and once killed
 ON_THE_WAY = 20_000  # characters: a kernel holds 12,288, sistap those of a read and a telegram that is not complete

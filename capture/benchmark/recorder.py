@@ -3,7 +3,7 @@
 """Can the recorder run for months? Its memory during simulated traffic without pauses, row by row.
 
 A virtual bus plays as fast as the tap reads; a full ring is written beside the kept files. Exit code 1 if the memory of
-sistap grows, if a record was not looked at, or if a capture failed.
+sistap grows, if a record was not tested with the filter, or if a capture failed.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def main() -> int:
     late = rows[len(rows) // 4 :]
     grows = max(row.sistap_mb for row in late[-3:]) > GROWTH * late[0].sistap_mb
     print("the memory of sistap", "GROWS" if grows else "is constant")
-    return int(bool(code) or grows or "not looked at" in said)
+    return int(bool(code) or grows or "not tested with the filter" in said)
 
 
 def _measure(args: argparse.Namespace, folder: Path) -> tuple[str, list[Row], int]:
