@@ -36,6 +36,15 @@ def test_much_on_stderr_does_not_block_it() -> None:
         assert list(shell.lines(["-c", f"{flood}; echo done"])) == ["done"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there, a console has another way")
+def test_ctrl_c_does_not_reach_one_that_still_gets_input(tmp_path: Path) -> None:
+    """Otherwise `capture` as text would say that tshark has failed, at each Ctrl-C."""
+    with Tshark("sh") as shell, (tmp_path / "errors").open("wb") as errors:
+        process = shell.start(["-c", "read line; echo $line"], errors)
+        assert os.getpgid(process.pid) != os.getpgid(0)
+        assert process.communicate(b"as before\n")[0] == b"as before\n"
+
+
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root needs a copy")
 def test_no_room_for_the_copy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def full(source: object, copy: object, size: int) -> None:
