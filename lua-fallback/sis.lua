@@ -7055,8 +7055,8 @@ do
   procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", QVZ_MS, "Longest time to the partner's answer; 0: no verdict")
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
-  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, refused,
-  -- last_block}.
+  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the partner's
+  -- request meanwhile, refused, last_block}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
@@ -7079,7 +7079,7 @@ do
 
     unit.meaning, unit.tries = ASKS, 1
     if is_soon and (unit.line == 0 or unit.line ~= before.line) then
-      unit.meaning = BOTH_ASK
+      unit.meaning, bus.rival = BOTH_ASK, unit
       return -- the first request still waits
     end
     if before then
@@ -7089,25 +7089,31 @@ do
       unit.tries = bus.refused.tries + 1
     end
     if bus.block then unit.unanswered = bus.block.frame end
-    bus.block, bus.refused, bus.request = nil, nil, unit
+    bus.block, bus.rival, bus.refused, bus.request = nil, nil, nil, unit
+  end
+
+  -- Nobody answers himself. A shared line does not show who has sent what.
+  local function can_answer(unit, asked)
+    return asked and (unit.line == 0 or unit.line ~= asked.line)
   end
 
   local function note_answer(bus, unit, times, is_good)
-    local asked = bus.request or bus.block
+    local asked = can_answer(unit, bus.request) and bus.request or bus.rival
 
-    if not asked then
+    if can_answer(unit, asked) then
+      unit.meaning = is_good and GRANTS or REFUSES_REQUEST
+      bus.request, bus.rival = nil, nil
+    elseif can_answer(unit, bus.block) then
+      asked = bus.block
+      unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
+      if is_good then bus.last_block = nil end -- the same bytes again would be a new block
+      bus.block = nil
+    else
       unit.meaning = OUT_OF_PLACE
       return
     end
-    if bus.request then
-      unit.meaning = is_good and GRANTS or REFUSES_REQUEST
-    else
-      unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
-      if is_good then bus.last_block = nil end -- the same bytes again would be a new block
-    end
     answer(unit, asked, times)
     bus.refused = not is_good and asked or nil
-    if bus.request then bus.request = nil else bus.block = nil end
   end
 
   local function note_block(bus, unit, bytes, is_whole)
@@ -7120,7 +7126,7 @@ do
       last.bytes = nil
     end
     unit.bytes = is_whole and bytes -- otherwise the rest may differ: no block is the same
-    bus.request, bus.refused, bus.block, bus.last_block = nil, nil, unit, unit
+    bus.request, bus.rival, bus.refused, bus.block, bus.last_block = nil, nil, nil, unit, unit
   end
 
   -- The meaning of a unit depends on what came before it; found in the first pass, and kept.
@@ -7316,6 +7322,7 @@ do
   end
 
   function procedure.dissector(tvb, pinfo, parent)
+    if tvb:reported_len() == 0 then return 0 end
     local bytes, tree = tvb:raw(), parent:add(procedure, tvb())
 
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end

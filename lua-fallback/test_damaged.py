@@ -95,6 +95,12 @@ def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
 
 
 @pytest.mark.thorough
+def test_no_character_of_3964r(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    bad_input.write(tmp_path / "empty.pcapng", [b""], "3964r")
+    parity.check(plugin, script, tmp_path / "empty.pcapng")
+
+
+@pytest.mark.thorough
 @sizes
 @pytest.mark.parametrize("name", ["synaxobj", "synaxpcp"])
 def test_objects(name: str, count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
