@@ -1018,6 +1018,7 @@ expert_field("synax.unexpected", "PROTOCOL", "WARN", "More bytes than expected")
 expert_field("synax.error", "RESPONSE_CODE", "NOTE", "The answer reports an error")
 expert_field("synax.unanswered", "SEQUENCE", "NOTE", "No answer before the next request")
 expert_field("synax.unanswered_before", "SEQUENCE", "NOTE", "A request before this one got no answer")
+expert_field("synax.pieces.too_many", "SEQUENCE", "NOTE", "More than 8192 pieces: they are not joined")
 
 -- synax/head.c
 field("synax.info", "Info access", ftypes.UINT16, base.HEX)
@@ -5029,7 +5030,7 @@ do
   -- Of the value at `at`, which counts from 1.
   local function value_text(bytes, at, layout)
     local number, format, unit = number_text(bytes, at, layout), layout.format, layout.unit
-    local request = layout.is_command and requests[S.little_endian(bytes, at, min(layout.size, 4))]
+    local request = layout.is_command and requests[S.little_endian(bytes, at, layout.size)]
 
     if request then return number .. " (" .. request .. ")" end
     if not unit or unit == "" or format == BINARY or format == IDENT or format == HEXADECIMAL then return number end
@@ -7055,8 +7056,8 @@ do
   procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", QVZ_MS, "Longest time to the partner's answer; 0: no verdict")
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
-  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the partner's
-  -- request meanwhile, refused, last_block}.
+  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the
+  -- partner's request meanwhile, refused, last_block}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
@@ -7359,11 +7360,15 @@ do
     length = FX.synax_pieces_length,
   }
 
-  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole}. First pass: adds a piece.
+  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole, full_in: frame of the first piece
+  -- too many}. First pass: adds a piece.
   function S.add_piece(transfer, bytes, is_last)
     local pieces, all = transfer.pieces, {}
 
-    if #pieces == MOST_PIECES then return end
+    if #pieces == MOST_PIECES then
+      transfer.full_in = transfer.full_in or packet.number
+      return
+    end
     pieces[#pieces + 1] = {frame = packet.number, bytes = bytes}
     if not is_last then return end
     for i, piece in ipairs(pieces) do
@@ -7374,6 +7379,7 @@ do
 
   -- Shows what is known of a piece. Returns the whole with its last piece: its tvb.
   function S.put_together(tree, tvb, transfer, is_last)
+    if transfer.full_in and packet.number >= transfer.full_in then add_expert(tree, EX.synax_pieces_too_many) end
     if not transfer.whole_in then return nil end
     if not is_last then
       set_generated(add(tree, FX.synax_pieces_whole_in, tvb, 0, 0, transfer.whole_in))
