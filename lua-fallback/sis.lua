@@ -1018,6 +1018,7 @@ expert_field("synax.unexpected", "PROTOCOL", "WARN", "More bytes than expected")
 expert_field("synax.error", "RESPONSE_CODE", "NOTE", "The answer reports an error")
 expert_field("synax.unanswered", "SEQUENCE", "NOTE", "No answer before the next request")
 expert_field("synax.unanswered_before", "SEQUENCE", "NOTE", "A request before this one got no answer")
+expert_field("synax.pieces.too_many", "SEQUENCE", "NOTE", "More than 8192 pieces: they are not joined")
 
 -- synax/head.c
 field("synax.info", "Info access", ftypes.UINT16, base.HEX)
@@ -5094,7 +5095,7 @@ do
   -- Of the value at `at`, which counts from 1.
   local function value_text(bytes, at, layout)
     local number, format, unit = number_text(bytes, at, layout), layout.format, layout.unit
-    local request = layout.is_command and requests[S.little_endian(bytes, at, min(layout.size, 4))]
+    local request = layout.is_command and requests[S.little_endian(bytes, at, layout.size)]
 
     if request then return number .. " (" .. request .. ")" end
     if not unit or unit == "" or format == BINARY or format == IDENT or format == HEXADECIMAL then return number end
@@ -7120,8 +7121,8 @@ do
   procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", QVZ_MS, "Longest time to the partner's answer; 0: no verdict")
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
-  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, refused,
-  -- last_block}.
+  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the
+  -- partner's request meanwhile, refused, last_block}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
@@ -7144,7 +7145,7 @@ do
 
     unit.meaning, unit.tries = ASKS, 1
     if is_soon and (unit.line == 0 or unit.line ~= before.line) then
-      unit.meaning = BOTH_ASK
+      unit.meaning, bus.rival = BOTH_ASK, unit
       return -- the first request still waits
     end
     if before then
@@ -7154,25 +7155,31 @@ do
       unit.tries = bus.refused.tries + 1
     end
     if bus.block then unit.unanswered = bus.block.frame end
-    bus.block, bus.refused, bus.request = nil, nil, unit
+    bus.block, bus.rival, bus.refused, bus.request = nil, nil, nil, unit
+  end
+
+  -- Nobody answers himself. A shared line does not show who has sent what.
+  local function can_answer(unit, asked)
+    return asked and (unit.line == 0 or unit.line ~= asked.line)
   end
 
   local function note_answer(bus, unit, times, is_good)
-    local asked = bus.request or bus.block
+    local asked = can_answer(unit, bus.request) and bus.request or bus.rival
 
-    if not asked then
+    if can_answer(unit, asked) then
+      unit.meaning = is_good and GRANTS or REFUSES_REQUEST
+      bus.request, bus.rival = nil, nil
+    elseif can_answer(unit, bus.block) then
+      asked = bus.block
+      unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
+      if is_good then bus.last_block = nil end -- the same bytes again would be a new block
+      bus.block = nil
+    else
       unit.meaning = OUT_OF_PLACE
       return
     end
-    if bus.request then
-      unit.meaning = is_good and GRANTS or REFUSES_REQUEST
-    else
-      unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
-      if is_good then bus.last_block = nil end -- the same bytes again would be a new block
-    end
     answer(unit, asked, times)
     bus.refused = not is_good and asked or nil
-    if bus.request then bus.request = nil else bus.block = nil end
   end
 
   local function note_block(bus, unit, bytes, is_whole)
@@ -7185,7 +7192,7 @@ do
       last.bytes = nil
     end
     unit.bytes = is_whole and bytes -- otherwise the rest may differ: no block is the same
-    bus.request, bus.refused, bus.block, bus.last_block = nil, nil, unit, unit
+    bus.request, bus.rival, bus.refused, bus.block, bus.last_block = nil, nil, nil, unit, unit
   end
 
   -- The meaning of a unit depends on what came before it; found in the first pass, and kept.
@@ -7381,6 +7388,7 @@ do
   end
 
   function procedure.dissector(tvb, pinfo, parent)
+    if tvb:reported_len() == 0 then return 0 end
     local bytes, tree = tvb:raw(), parent:add(procedure, tvb())
 
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
@@ -7417,11 +7425,15 @@ do
     length = FX.synax_pieces_length,
   }
 
-  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole}. First pass: adds a piece.
+  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole, full_in: frame of the first piece
+  -- too many}. First pass: adds a piece.
   function S.add_piece(transfer, bytes, is_last)
     local pieces, all = transfer.pieces, {}
 
-    if #pieces == MOST_PIECES then return end
+    if #pieces == MOST_PIECES then
+      transfer.full_in = transfer.full_in or packet.number
+      return
+    end
     pieces[#pieces + 1] = {frame = packet.number, bytes = bytes}
     if not is_last then return end
     for i, piece in ipairs(pieces) do
@@ -7432,6 +7444,7 @@ do
 
   -- Shows what is known of a piece. Returns the whole with its last piece: its tvb.
   function S.put_together(tree, tvb, transfer, is_last)
+    if transfer.full_in and packet.number >= transfer.full_in then add_expert(tree, EX.synax_pieces_too_many) end
     if not transfer.whole_in then return nil end
     if not is_last then
       set_generated(add(tree, FX.synax_pieces_whole_in, tvb, 0, 0, transfer.whole_in))

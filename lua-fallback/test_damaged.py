@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+import struct
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -92,6 +93,19 @@ def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
         tmp_path / "cut.pcapng", some([bad_input.Packet(data[:end], len(data)) for data, end in ends], count), dissector
     )
     parity.check(plugin, script, tmp_path / "cut.pcapng", "-o", "sis.tza_ms:5")
+
+
+@pytest.mark.thorough
+def test_no_character_of_3964r(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    bad_input.write(tmp_path / "empty.pcapng", [b""], "3964r")
+    parity.check(plugin, script, tmp_path / "empty.pcapng")
+
+
+@pytest.mark.thorough
+def test_more_pieces_than_are_joined(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    packets = [struct.pack(">HI6x", 0x044B if number == 8193 else 0x004B, number) for number in range(8194)]
+    bad_input.write(tmp_path / "many.pcapng", packets, "synaxpk")
+    parity.check(plugin, script, tmp_path / "many.pcapng")
 
 
 @pytest.mark.thorough

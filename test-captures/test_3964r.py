@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
+import bad_input
 from sistap.wireshark.tshark import Tshark
 from tables import HERE
 
@@ -42,7 +44,7 @@ PROCEDURE = {  # meaning, the unit that it answers, attempt, and other fields
     27: (RECEIVED, 26, None, "qvz.verdict=1 exceeded"),
     28: (ASKS, None, 1, ""),
     29: (BOTH_ASK, None, 1, "conflict"),
-    30: (GRANTS, 28, None, "qvz.verdict=0"),
+    30: (GRANTS, 29, None, "qvz.verdict=0"),  # the station of frame 28 gives way
     31: (BLOCK, None, 1, "raw=000041440100 broken zvz.verdict=0"),
     32: (BLOCK, None, 1, "raw=00104144100310 broken zvz.verdict=0"),
 }
@@ -111,6 +113,33 @@ def test_without_a_verdict_on_qvz_all_else_is_the_same(tshark: Tshark) -> None:
     for row in (*without, *judged):  # the expert item of the verdicts
         row.pop("3964r.exceeded", None)
     assert without == judged
+
+
+# Of 3964r-lines: meaning, and what it answers. Of two that ask at once, the one that then grants is not granted.
+LINES = [
+    *((ASKS, None), (NOTHING, None), (GRANTS, 1)),
+    *((BLOCK, None), (NOTHING, None), (RECEIVED, 4), (NOTHING, None)),
+    *((ASKS, None), (BOTH_ASK, None), (GRANTS, 8), (NOTHING, None)),
+    *((ASKS, None), (BOTH_ASK, None), (GRANTS, 13)),
+]
+
+
+@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])
+def test_nobody_answers_himself(passes: tuple[str, ...], tshark: Tshark) -> None:
+    fields = ["3964r.meaning", "3964r.answers", "3964r.answer_time", "3964r.qvz.verdict"]
+    rows = shown(tshark, "3964r-lines", fields, *passes)
+    assert [(int(row["3964r.meaning"]), row.get("3964r.answers")) for row in rows] == [
+        (meaning, str(answered) if answered else None) for meaning, answered in LINES
+    ]
+    assert all(("3964r.answers" in row) == ("3964r.answer_time" in row) == ("3964r.qvz.verdict" in row) for row in rows)
+
+
+def test_nothing_at_all(tshark: Tshark, tmp_path: Path) -> None:
+    """No character: neither a line of the tree nor a name in the packet list."""
+    bad_input.write(tmp_path / "empty.pcapng", [b""], "3964r")
+    columns = ("-T", "fields", "-e", "frame.protocols", "-e", "_ws.col.Protocol")
+    (line,) = tshark.output("-r", str(tmp_path / "empty.pcapng"), "-V", *columns).splitlines()
+    assert "3964" not in line
 
 
 @pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])

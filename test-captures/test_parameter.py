@@ -281,6 +281,12 @@ COMMANDS: Table = {
     "data_status.impossible=0; data_status.invalid=0",
     24: "data_status=0x0100; data_status.set=0; data_status.enabled=0; data_status.not_executed=0; "
     "data_status.impossible=0; data_status.invalid=1",
+    # Attribute 0x003B0001: factor 1, 8 bytes, a command, hexadecimal. 0x0000000100000003 is no request, 3 is one.
+    26: "attribute=0x003b0001; attribute.factor=1; attribute.length=3; attribute.command=1; "
+    "attribute.format=3; attribute.decimals=0; attribute.protected_2=0; attribute.protected_3=0; "
+    "attribute.protected_4=0",
+    27: "value=0x0000000100000003",
+    29: "value=0x0000000000000003 (set and enable)",
 }
 
 

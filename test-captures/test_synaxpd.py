@@ -79,6 +79,19 @@ def test_rows_that_are_refused(row: str, tshark: Tshark) -> None:
     assert done.stdout == ""
 
 
+def test_of_several_rows_for_a_word_the_first_counts(tshark: Tshark) -> None:
+    """Rows of another port or direction, and of words that are not there, count for nothing."""
+    rows = ("7002 to 1 other", "7001 from 1 other", "7001 to 32767 far", "7001 to 2 second", "7001 to 2 late")
+    table = [
+        f'"{port}","{direction} the PPC","{word}","2","unsigned","{name}","",""'
+        for port, direction, word, name in (row.split() for row in rows)
+    ]
+    options = [word for row in table for word in ("-o", f"uat:synax_process_data:{row}")]
+    options += ["-o", "synaxpd.ports:7001", "-Y", "frame.number == 1", "-T", "fields", "-e", "synaxpd.value"]
+    shown = tshark.output("-r", str(HERE / "synaxpd-table.pcapng"), *options)
+    assert shown.strip() == f"second = {0xFFFF}"
+
+
 def test_a_direction_without_ports(tshark: Tshark, tmp_path: Path) -> None:
     """By name there are no ports: what `sistap import --dissector` writes has it in the flags of the packet."""
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "x")

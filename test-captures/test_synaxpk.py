@@ -7,10 +7,12 @@ from chapter 11 of FLP-04VRS.
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import pytest
 
+import bad_input
 from make import Scenario
 from sistap.files import pcapng
 from sistap.wireshark.tshark import Tshark
@@ -194,6 +196,20 @@ def test_direction(direction: str, sender: str, tshark: Tshark) -> None:
     options = ("-o", f"synaxpk.direction:{direction}")
     frames = shown(tshark, HERE / "synaxpk.pcapng", "synaxpk.sender", *options, prefix="")
     assert {frame.get("synaxpk.sender") for number, frame in frames.items() if number != 63} == {sender}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
+def test_more_fragments_than_are_joined(passes: tuple[str, ...], tshark: Tshark, tmp_path: Path) -> None:
+    """8,192 fragments of 4 bytes are joined; of 8,194 the last two have a note."""
+    for count, length, noted in ((8192, "32768", []), (8194, None, [8193, 8194])):
+        words = [0x004B] * (count - 1) + [0x044B]
+        packets = [struct.pack(">HI6x", word, number) for number, word in enumerate(words)]
+        bad_input.write(tmp_path / "many.pcapng", packets, "synaxpk")
+        fields = "synax.pieces.length synax.pieces.too_many"
+        frames = shown(tshark, tmp_path / "many.pcapng", fields, *passes, prefix="")
+        assert frames[count].get("synax.pieces.length") == length
+        assert [number for number, frame in frames.items() if "synax.pieces.too_many" in frame] == noted
 
 
 @pytest.mark.thorough

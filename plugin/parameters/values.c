@@ -149,7 +149,7 @@ command_text(uint64_t raw)
 {
     static const value_string requests[] = {{0, "clear"}, {1, "interrupt"}, {3, "set and enable"}, {0, NULL}};
 
-    return try_val_to_str((uint32_t)raw, requests);
+    return raw <= UINT32_MAX ? try_val_to_str((uint32_t)raw, requests) : NULL;
 }
 
 /* A number without its unit. */

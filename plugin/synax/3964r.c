@@ -109,7 +109,8 @@ typedef struct unit {
 typedef struct {
     uint64_t key;
     unit_t *request; /* waits for its answer; NULL: none */
-    unit_t *block;   /* likewise */
+    unit_t *rival;   /* the partner's request meanwhile: one of the two is answered */
+    unit_t *block;   /* waits for its answer */
     unit_t *refused; /* the last request or block that was refused */
     uint8_t *bytes;  /* of the last block */
     unsigned length;
@@ -155,6 +156,7 @@ note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
     unit->tries = 1;
     if (is_soon && (unit->line == 0 || unit->line != before->line)) {
         unit->meaning = BOTH_ASK;
+        bus->rival = unit;
         return; /* the first request still waits */
     }
     if (before != NULL) {
@@ -165,20 +167,29 @@ note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
     }
     if (bus->block != NULL)
         unit->unanswered = bus->block->frame;
-    bus->block = NULL;
+    bus->block = bus->rival = NULL;
     bus->refused = NULL;
     bus->request = unit;
+}
+
+/* Nobody answers himself. A shared line does not show who has sent what. */
+static bool
+can_answer(const unit_t *unit, const unit_t *asked)
+{
+    return asked != NULL && (unit->line == 0 || unit->line != asked->line);
 }
 
 static void
 note_answer(bus_t *bus, unit_t *unit, const sis_times_t *times, bool is_good)
 {
-    if (bus->request != NULL) {
+    unit_t *request = can_answer(unit, bus->request) ? bus->request : bus->rival;
+
+    if (can_answer(unit, request)) {
         unit->meaning = is_good ? GRANTS : REFUSES_REQUEST;
-        answer(unit, bus->request, times);
-        bus->refused = is_good ? NULL : bus->request;
-        bus->request = NULL;
-    } else if (bus->block != NULL) {
+        answer(unit, request, times);
+        bus->refused = is_good ? NULL : request;
+        bus->request = bus->rival = NULL;
+    } else if (can_answer(unit, bus->block)) {
         unit->meaning = is_good ? ACKNOWLEDGES : REFUSES_BLOCK;
         answer(unit, bus->block, times);
         bus->refused = is_good ? NULL : bus->block;
@@ -209,7 +220,7 @@ note_block(bus_t *bus, unit_t *unit, tvbuff_t *tvb)
         bus->bytes = tvb_memdup(wmem_file_scope(), tvb, 0, length);
         bus->length = is_whole ? length : 0; /* the rest may differ: no block is the same */
     }
-    bus->request = NULL;
+    bus->request = bus->rival = NULL;
     bus->refused = NULL;
     bus->block = bus->last_block = unit;
 }
@@ -448,15 +459,17 @@ dissect_character(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const uni
 static int
 dissect_3964r(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
-    proto_item *root = proto_tree_add_item(parent, proto_3964r, tvb, 0, -1, ENC_NA);
-    proto_tree *tree = proto_item_add_subtree(root, ett_3964r);
+    proto_item *root;
+    proto_tree *tree;
     sis_times_t times;
     const unit_t *unit;
 
-    col_set_str(pinfo->cinfo, COL_PROTOCOL, "3964R");
-    col_clear(pinfo->cinfo, COL_INFO);
     if (tvb_reported_length(tvb) == 0)
         return 0;
+    root = proto_tree_add_item(parent, proto_3964r, tvb, 0, -1, ENC_NA);
+    tree = proto_item_add_subtree(root, ett_3964r);
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "3964R");
+    col_clear(pinfo->cinfo, COL_INFO);
     times = sis_times(tvb, pinfo, tvb_reported_length(tvb));
     unit = find_unit(tvb, pinfo, &times);
     proto_item_append_text(root, ", %s", val_to_str_const(unit->meaning, procedure_meanings, ""));

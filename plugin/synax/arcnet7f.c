@@ -5,7 +5,6 @@
 #include "synax/arcnet7f.h"
 
 #include <epan/proto_data.h>
-#include <epan/to_str.h>
 
 #include "parameters/fields.h"
 #include "parameters/ident.h"
@@ -13,6 +12,7 @@
 #include "synax/fields.h"
 #include "synax/head.h"
 #include "synax/pieces.h"
+#include "synax/ways.h"
 
 #define PROTOCOL_ID 0x7F
 #define TO          0
@@ -77,6 +77,7 @@ typedef struct {
 
 /* From one station to another. */
 typedef struct {
+    synax_way_t key;
     kept_t *request; /* waiting for its answer */
     uint32_t request_in;
     nstime_t request_time;
@@ -184,16 +185,7 @@ check_extent(telegram_t *t)
 static way_t *
 find_way(const packet_info *pinfo, const address *from, const address *to)
 {
-    const char *key =
-        wmem_strdup_printf(pinfo->pool, "%u/%u/%s/%s", compat_section(pinfo), compat_interface(pinfo),
-                           address_to_str(pinfo->pool, from), address_to_str(pinfo->pool, to));
-    way_t *way = wmem_map_lookup(ways, key);
-
-    if (way == NULL) {
-        way = wmem_new0(wmem_file_scope(), way_t);
-        wmem_map_insert(ways, wmem_strdup(wmem_file_scope(), key), way);
-    }
-    return way;
+    return synax_find_way(ways, pinfo, from, to, 0, sizeof(way_t));
 }
 
 /* The subject of a telegram, the same in a FETCH and in its answer: a parameter or a block, and read or
@@ -558,7 +550,9 @@ dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
 /* The telegram begins with the protocol id. But packet-arcnet.c keeps the id and three bytes after it, which
  * it takes for a split flag and a sequence number, and passes on the rest. So this goes back 4 bytes in the
  * packet. With the link type of BSD and 0xFF as split flag, it keeps seven bytes after the id. Only then does
- * the rest begin at 10; the id is at 2. */
+ * the rest begin at 10; the id is at 2. So this is sure only for the link types of ARCNET: inside another
+ * protocol, ARCNET begins elsewhere. In Wireshark's own source, packet-arcnet.c should list 0x7F among the
+ * ids without a split flag; then this function is not needed. */
 static int
 dissect_in_arcnet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
 {
@@ -603,7 +597,7 @@ synax_arcnet7f_register(void)
     proto_register_field_array(proto_arcnet7f, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
     register_dissector("arcnet7f", dissect_arcnet7f, proto_arcnet7f);
-    ways = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_str_hash, g_str_equal);
+    ways = synax_new_ways();
 }
 
 void

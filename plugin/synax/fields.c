@@ -15,6 +15,7 @@ expert_field ei_synax_unexpected = EI_INIT;
 expert_field ei_synax_error = EI_INIT;
 expert_field ei_synax_unanswered = EI_INIT;
 expert_field ei_synax_unanswered_before = EI_INIT;
+expert_field ei_synax_too_many = EI_INIT;
 
 /* clang-format off */
 static hf_register_info fields[] = {
@@ -30,6 +31,7 @@ static ei_register_info experts[] = {
     {&ei_synax_error, {"synax.error", PI_RESPONSE_CODE, PI_NOTE, "The answer reports an error", EXPFILL}},
     {&ei_synax_unanswered, {"synax.unanswered", PI_SEQUENCE, PI_NOTE, "No answer before the next request", EXPFILL}},
     {&ei_synax_unanswered_before, {"synax.unanswered_before", PI_SEQUENCE, PI_NOTE, "A request before this one got no answer", EXPFILL}},
+    {&ei_synax_too_many, {"synax.pieces.too_many", PI_SEQUENCE, PI_NOTE, "More than 8192 pieces: they are not joined", EXPFILL}},
 };
 /* clang-format on */
 

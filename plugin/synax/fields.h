@@ -21,6 +21,7 @@ extern expert_field ei_synax_unexpected;
 extern expert_field ei_synax_error;             /* that an answer reports */
 extern expert_field ei_synax_unanswered;        /* only a later packet shows it */
 extern expert_field ei_synax_unanswered_before; /* on the request that follows */
+extern expert_field ei_synax_too_many;          /* pieces of a transfer */
 
 void synax_fields_register(void);
 

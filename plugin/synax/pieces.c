@@ -33,6 +33,7 @@ static const fragment_items items = {
 static reassembly_table table;
 static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
 static wmem_map_t *counts;   /* of pieces, by transfer */
+static wmem_map_t *full_in;  /* by transfer: the frame of the first piece too many */
 
 /* The number alone identifies a transfer: the stations were compared before. */
 static void *
@@ -57,23 +58,36 @@ synax_next_transfer(void)
 
 /* The number of a piece; only in the first pass. */
 static unsigned
-count_piece(uint32_t transfer)
+count_piece(const packet_info *pinfo, uint32_t transfer)
 {
     void *key = GUINT_TO_POINTER(transfer);
     unsigned number = GPOINTER_TO_UINT(wmem_map_lookup(counts, key));
 
     wmem_map_insert(counts, key, GUINT_TO_POINTER(number + 1));
+    if (number == MOST_PIECES)
+        wmem_map_insert(full_in, key, GUINT_TO_POINTER(pinfo->num));
     return number;
+}
+
+/* A piece too many, or one after it: then none are joined. */
+static bool
+is_too_many(const packet_info *pinfo, uint32_t transfer)
+{
+    uint32_t first = GPOINTER_TO_UINT(wmem_map_lookup(full_in, GUINT_TO_POINTER(transfer)));
+
+    return first != 0 && pinfo->num >= first;
 }
 
 tvbuff_t *
 synax_put_together(proto_tree *tree, packet_info *pinfo, tvbuff_t *piece, uint32_t transfer, bool is_last)
 {
-    unsigned number = pinfo->fd->visited ? 0 : count_piece(transfer);
+    unsigned number = pinfo->fd->visited ? 0 : count_piece(pinfo, transfer);
     fragment_head *head;
 
-    if (number >= MOST_PIECES)
+    if (is_too_many(pinfo, transfer)) {
+        expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_synax_too_many);
         return NULL;
+    }
     head = fragment_add_seq_check(&table, piece, 0, pinfo, transfer, NULL, number, tvb_captured_length(piece),
                                   !is_last);
     if (is_last)
@@ -110,4 +124,5 @@ synax_pieces_register(void)
     reassembly_table_register(&table, &functions);
     counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
     counts = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    full_in = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
 }

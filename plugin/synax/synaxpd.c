@@ -131,6 +131,7 @@ typedef struct {
     packet_info *pinfo;
     proto_tree *tree;
     unsigned count;       /* of whole words */
+    const row_t **rows;   /* by word, from 0: that of the value that begins there; NULL: none */
     wmem_strbuf_t *words; /* for the packet list */
 } dissection_t;
 
@@ -155,19 +156,20 @@ find_direction(const packet_info *pinfo)
     return is_to == is_from ? DIRECTION_UNKNOWN : is_to ? TO_PPC : FROM_PPC;
 }
 
-/* The value that begins with this word, from 0; NULL: none. */
-static const row_t *
-find_row(const packet_info *pinfo, unsigned word)
+/* The rows of this packet, by word. Of several rows for a word, the first counts. */
+static const row_t **
+find_rows(const packet_info *pinfo, unsigned count)
 {
-    if (!is_udp(pinfo))
-        return NULL;
-    for (unsigned i = 0; i < row_count; i++) {
-        unsigned port = rows[i].direction == TO_PPC ? pinfo->destport : pinfo->srcport;
+    const row_t **found = wmem_alloc0_array(pinfo->pool, const row_t *, count);
 
-        if (rows[i].port == port && rows[i].word == word + 1)
-            return &rows[i];
+    for (unsigned i = 0; is_udp(pinfo) && i < row_count; i++) {
+        unsigned port = rows[i].direction == TO_PPC ? pinfo->destport : pinfo->srcport;
+        unsigned word = rows[i].word - 1;
+
+        if (rows[i].port == port && word < count && found[word] == NULL)
+            found[word] = &rows[i];
     }
-    return NULL;
+    return found;
 }
 
 /* High byte first, unless C-0-0129 says otherwise (p. 6-4). */
@@ -225,7 +227,7 @@ add_value(const dissection_t *d, unsigned word, const row_t *row)
 static unsigned
 dissect_word(const dissection_t *d, unsigned word)
 {
-    const row_t *row = find_row(d->pinfo, word);
+    const row_t *row = d->rows[word];
 
     if (row != NULL && word + row->width / 2 <= d->count) {
         add_value(d, word, row);
@@ -263,8 +265,11 @@ dissect_synaxpd(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *dat
 {
     unsigned there = tvb_captured_length(tvb);
     direction_t direction = find_direction(pinfo);
-    dissection_t d = {
-        .tvb = tvb, .pinfo = pinfo, .count = there / 2, .words = wmem_strbuf_new(pinfo->pool, "")};
+    dissection_t d = {.tvb = tvb,
+                      .pinfo = pinfo,
+                      .count = there / 2,
+                      .rows = find_rows(pinfo, there / 2),
+                      .words = wmem_strbuf_new(pinfo->pool, "")};
     proto_item *root;
 
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "SYNAXPD");

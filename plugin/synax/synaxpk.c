@@ -11,7 +11,6 @@
 
 #include <epan/prefs.h>
 #include <epan/proto_data.h>
-#include <epan/to_str.h>
 
 #include "parameters/fields.h"
 #include "parameters/ident.h"
@@ -19,6 +18,7 @@
 #include "sis/names.h"
 #include "synax/fields.h"
 #include "synax/pieces.h"
+#include "synax/ways.h"
 
 #define CHANNEL_SIZE 12u /* six words (SYNAX, page 3-3) */
 #define WORD_SIZE    2u
@@ -102,6 +102,7 @@ static dissector_handle_t sis_telegram;
 
 /* Data under way in one direction. */
 typedef struct {
+    synax_way_t key;
     uint8_t image[CHANNEL_SIZE]; /* of the channel, the last time it had data */
     unsigned image_size;
     uint32_t transfer; /* 0: none */
@@ -243,16 +244,8 @@ static way_t *
 find_way(const channel_t *c, unsigned whose)
 {
     const packet_info *pinfo = c->pinfo;
-    const char *key = wmem_strdup_printf(pinfo->pool, "%u/%u/%s/%s/%u", compat_section(pinfo),
-                                         compat_interface(pinfo), address_to_str(pinfo->pool, &pinfo->src),
-                                         address_to_str(pinfo->pool, &pinfo->dst), whose);
-    way_t *way = wmem_map_lookup(ways, key);
 
-    if (way == NULL) {
-        way = wmem_new0(wmem_file_scope(), way_t);
-        wmem_map_insert(ways, wmem_strdup(wmem_file_scope(), key), way);
-    }
-    return way;
+    return synax_find_way(ways, pinfo, &pinfo->src, &pinfo->dst, whose, sizeof(way_t));
 }
 
 static unsigned
@@ -295,7 +288,10 @@ follow(const channel_t *c, kept_t *kept)
 static void
 begin_anew(const channel_t *c, unsigned whose)
 {
-    *find_way(c, whose) = (way_t){0};
+    way_t *way = find_way(c, whose);
+
+    way->image_size = 0;
+    way->transfer = 0;
 }
 
 /* First pass: data are repeated only if their sender has sent nothing else since. If the sender is
@@ -791,7 +787,7 @@ synax_synaxpk_register(void)
         "from the master, and what it received from the slave",
         &direction, directions, FALSE);
     register_dissector("synaxpk", dissect_synaxpk, proto_synaxpk);
-    ways = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_str_hash, g_str_equal);
+    ways = synax_new_ways();
 }
 
 void
