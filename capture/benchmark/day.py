@@ -8,7 +8,7 @@ Telegrams, some of them damaged, and noise go into a pseudo terminal, three time
 `sistap capture --keep` reads it. At random moments the adapter is unplugged, or the recorder is ended or killed and
 starts again. Then all files are compared with what was sent: each character is in exactly one file of the ring, or
 behind the last one before an unplugging, which an event names, or before a kill. Everything damaged is in exactly one
-kept file, less what the recorder says that tshark did not look at. The same seed sends the same characters.
+kept file, less what the recorder says was not tested with the filter. The same seed sends the same characters.
 
 Exit code 1 if anything is missing elsewhere, is there twice or changed, or if memory or descriptors grow.
 """
