@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Try the attacks that the tests know, and print the table of SECURITY.md: what was tried, and what came of it.
 
-After `./bootstrap test`: build/venv/bin/python3 capture/tests/attacks.py. A test is an attack by its mark, such as
-@pytest.mark.attack("a toolbar says what no Wireshark says", "passed over, the capture goes on"). Some take root.
+After `./bootstrap test`: build/venv/bin/python3 capture/tests/attacks.py. Arguments are those of pytest; some attacks
+take root. A test is an attack by its mark, such as
+@pytest.mark.attack("a toolbar says what no Wireshark says", "passed over, the capture goes on").
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ def main() -> int:
     table = Table()
     os.environ.setdefault("WIRESHARK_PLUGIN_DIR", str(ROOT / "build/wireshark"))
     options = ["-q", "-c", str(ROOT / "capture/pyproject.toml"), "--rootdir", str(ROOT), "-m", MARK]
-    code = pytest.main([*options, *map(str, FOLDERS)], plugins=[table])
+    code = pytest.main([*options, *sys.argv[1:], *map(str, FOLDERS)], plugins=[table])
     print(*table.lines(), sep="\n")
     return int(code)
 

@@ -4,8 +4,12 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import tomllib
+from pathlib import Path
 
+import pytest
 from attacks import ROOT, known
 
 LOCK = (ROOT / "capture/develop.lock").read_text()
@@ -16,6 +20,14 @@ def test_the_table_of_attacks_is_that_of_the_tests() -> None:
     rows = re.findall(r"^\| (.+) \| (\d+) \| (.+) \|$", (ROOT / "SECURITY.md").read_text("utf-8"), re.MULTILINE)
     assert {(tried, result) for tried, _, result in rows} == set(known())
     assert all(int(count) for _, count, _ in rows)
+
+
+@pytest.mark.thorough
+def test_the_script_that_tries_them_finds_them() -> None:
+    """Its order of folders is its own, and so is what hides a module of the same name."""
+    command = [sys.executable, str(Path(__file__).with_name("attacks.py")), "--collect-only"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
 
 
 def test_the_list_of_packages_has_all_that_is_asked_for_with_sums() -> None:
