@@ -35,6 +35,7 @@
 #define IP_SIZE     20u
 #define TCP_HEAD    (IP_SIZE + 20u)
 #define TCP_LONGEST 60000u
+#define COUNTED     10000u /* packets; an interrupted run prints no last count */
 
 int LLVMFuzzerInitialize(int *count, char ***arguments);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -308,6 +309,8 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     preferences_set(sequence.changed);
     capture_close(&capture);
     packets_done += sequence.packets->len;
+    if (packets_done / COUNTED != (packets_done - sequence.packets->len) / COUNTED)
+        print_count();
     sequence_free(&sequence);
     return 0;
 }
