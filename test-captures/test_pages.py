@@ -16,7 +16,7 @@ from sharkd import Sharkd
 from lesson import Filter, recording
 from pages import HERE, markdown, page, questions, workbench
 from pages.__main__ import lessons
-from pages.dissection import buttons, dissection, rules
+from pages.dissection import buttons, chosen, dissection, rules
 
 LESSONS = lessons()
 READABLE = {
@@ -183,6 +183,16 @@ def test_packets_in_words_are_links() -> None:
         "12",
         "3",
     ]
+
+
+def test_a_time_after_a_packet_is_no_packet() -> None:
+    assert markdown.packets("In packet 10, 0.57 s later, and at packet 12, 6:15.") == {10, 12}
+
+
+def test_packets_that_a_lesson_leads_to_are_in_its_page() -> None:
+    """Of a long capture, the page has only some."""
+    first = next(lesson for lesson in LESSONS if lesson.path.stem == "00-record-it-yourself")
+    assert 18 in chosen(first, 10_000)
 
 
 def test_workbench_has_the_codes_of_the_plugin() -> None:

@@ -2,6 +2,8 @@
 // Compares what was typed with what is accepted. Forgives blanks, case, 0x, commas and units.
 // A check returns {right, say}: `right` is null where the text cannot be read, and `say` tells why.
 
+const UNITS = { sec: "s", second: "s", seconds: "s", sekunden: "s", msec: "ms", millisecond: "ms", milliseconds: "ms",
+  millisekunden: "ms", usec: "us", microseconds: "us" };
 const SECONDS = { s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6 };
 
 function wrong(say) {
@@ -12,14 +14,15 @@ function unreadable(say) {
   return { right: null, say };
 }
 
-// "0,012 s", "12 ms", "0x1B", "1B h": the value and its unit; null where it is no number.
+// "0,012 s", "12 ms", "0x1B", "1B h", "bit 4", "1350 1/min": the value and its unit; null where it is no number.
 function readNumber(text) {
-  const found = text.trim().toLowerCase()
-    .match(/^(?:0x([0-9a-f]+)|([0-9a-f]+) ?h|([+-]?\d+(?:[.,]\d+)?))\s*(s|%|[a-zµ]{2,}|)$/);
+  const found = text.trim().toLowerCase().replace(/^[a-z]{3,} +(?=\d)/, "").replace(/^[.,](?=\d)/, "0.")
+    .replace(/\.$/, "")
+    .match(/^(?:0x([0-9a-f]+)|([0-9a-f]+) ?h|([+-]?\d+(?:[.,]\d+)?))\s*(s|%|(?:1|[a-zµ]+)\/[a-z]+|[a-zµ]{2,}|)$/);
   if (!found) return null;
   const [, hexadecimal, marked, decimal, unit] = found;
   const value = decimal ? Number(decimal.replace(",", ".")) : parseInt(hexadecimal || marked, 16);
-  return { value, unit };
+  return { value, unit: UNITS[unit] || unit };
 }
 
 function sameNumber(typed, accepted) {
@@ -36,10 +39,10 @@ function sameNumber(typed, accepted) {
 
 // "3, 5", "packets 3 and 5", "3-5", "none": numbers in order; null where it is no such list.
 function readPackets(text) {
-  const words = text.toLowerCase().replace(/packets?|nos?\.|and|[&,;#]/g, " ").trim();
+  const words = text.toLowerCase().replace(/packets?|nos?\.|and|und|[&,;#+/]/g, " ").replace(/\.\s*$/, "").trim();
   if (/^(none|no|nothing|-)$/.test(words)) return [];
   const numbers = new Set();
-  for (const word of words.replace(/\s*(-|–|\.\.|to)\s*/g, "-").split(/\s+/)) {
+  for (const word of words.replace(/\s*(-|–|\.\.|to|bis)\s*/g, "-").split(/\s+/)) {
     const found = word.match(/^(\d{1,6})(?:-(\d{1,6}))?$/);
     if (!found) return null;
     const [first, last] = [Number(found[1]), Number(found[2] || found[1])];

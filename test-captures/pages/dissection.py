@@ -16,6 +16,7 @@ from sharkd import Sharkd, SharkdError
 
 from lesson import Filter, Value, recording
 from make import Scenario
+from pages import markdown
 from pages.questions import Lesson
 from sistap.annotate import meanings
 
@@ -98,21 +99,29 @@ def _preferences(lesson: Lesson) -> dict[str, str]:
 
 def _dissection(sharkd: Sharkd, lesson: Lesson, path: Path) -> dict[str, Any]:
     rows = sharkd.rows(path)
-    shown = _chosen(lesson, len(rows))
+    shown = chosen(lesson, len(rows))
     styles = _styles(sharkd, path)
     packets = [_packet(sharkd, path, row, styles) for row in rows if row["num"] in shown]
     filters = _filters(sharkd, lesson, path, packets if len(rows) <= MOST_FOR_FIELDS else [])
     return {"packets": packets, "filters": filters, "buttons": buttons(), "count": len(rows)}
 
 
-def _chosen(lesson: Lesson, count: int) -> set[int]:
+def chosen(lesson: Lesson, count: int) -> set[int]:
+    """Return which packets of a capture with so many are in the page: in a long one, those that the lesson names."""
     if count <= MOST:
         return set(range(1, count + 1))
-    named = {claim.packet for claim in lesson.claims if isinstance(claim, Value)} | {1}
+    named = {claim.packet for claim in lesson.claims if isinstance(claim, Value)} | {1} | _linked(lesson)
     for claim in lesson.claims:
         if isinstance(claim, Filter):
             named.update(claim.packets[:20])
     return {near for packet in named for near in range(packet - AROUND, packet + AROUND + 1)}
+
+
+def _linked(lesson: Lesson) -> set[int]:
+    """Return the packets that its texts lead to."""
+    said = [lesson.text, lesson.end]
+    said += [words for question in lesson.questions for words in (question.lead, question.hint, question.answer)]
+    return set().union(*map(markdown.packets, said))
 
 
 def _styles(sharkd: Sharkd, path: Path) -> dict[int, int]:
@@ -199,6 +208,9 @@ def _filters(sharkd: Sharkd, lesson: Lesson, path: Path, packets: list[dict[str,
     """Return what filters leave: those of the lesson, of its answers, of the buttons; the fields of the packets."""
     expressions = {claim.expression for claim in lesson.claims if isinstance(claim, Filter)}
     expressions |= {button[1] for button in buttons()}
+    for claim in lesson.claims:
+        if isinstance(claim, Value):  # as the lesson prints it, which may not be as Wireshark shows it
+            expressions.add(f"{claim.field} == {claim.value}")
     for question in lesson.questions:
         for ask in question.asks:
             expressions.update(ask.accepted if ask.kind == "filter" else ())

@@ -83,7 +83,13 @@ function packetsOf(expression) {
     if (said.length === 3 && field === "frame.number" && relation in RELATIONS) {
       return whole.filter((number) => RELATIONS[relation](number, Number(value)));
     }
+    if (relation === "in" && value === "{" && said[said.length - 1] === "}") return anyOf(field, said.slice(3, -1));
     return KNOWN.get(said.join(" ")) || null;
+  }
+
+  function anyOf(field, values) {
+    const left = values.map((value) => KNOWN.get(`${field} == ${value}`));
+    return left.every(Boolean) ? whole.filter((number) => left.some((one) => one.includes(number))) : null;
   }
 
   const direct = KNOWN.get(words.join(" "));

@@ -17,7 +17,7 @@ from pages import COURSE
 _FOLDING = re.compile(r"<(/?details|summary|/summary)>")
 _ITEM = re.compile(r"(-|\d+\.) +")
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)\s]+)\)")
-_PACKETS = re.compile(r"\b(packets? )(\d+(?:(?:, | and | or | to )\d+)*)", re.IGNORECASE)
+_PACKETS = re.compile(r"\b(packets? )(\d+(?![.:]\d)(?:(?:, | and | or | to )\d+(?![.:]?\d))*)", re.IGNORECASE)
 _PICTURES = {".svg": "image/svg+xml", ".png": "image/png"}
 
 
@@ -30,6 +30,11 @@ def inline(text: str) -> str:
     """Turn the text of one block into HTML. Numbers of packets become links to them."""
     parts = re.split(r"(`[^`]+`|!?\[[^]]*\]\([^)\s]+\))", text)
     return "".join(_special(part) if at % 2 else _words(part) for at, part in enumerate(parts))
+
+
+def packets(text: str) -> set[int]:
+    """Return the packets that a text links to."""
+    return {int(number) for number in re.findall(r'href="#packet-(\d+)"', html(text))}
 
 
 def cells(row: str) -> list[str]:

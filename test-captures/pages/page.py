@@ -76,8 +76,9 @@ def index_page(lessons: Sequence[Lesson]) -> str:
 <main class="single">
 <header>
 <h1>SIS, a course to do</h1>
-<p>Each lesson is a problem at a machine, and takes ten minutes. Read, look at the packets, and type your answers: the
-page checks them at once. Nothing leaves this computer. You can do every lesson here, or with Wireshark.</p>
+<p>Each lesson is a problem at a machine, and takes 10 to 15 minutes. Read, look at the packets, and type your answers:
+the page checks them at once. Nothing leaves this computer. Every question can be answered here. Double clicks, menus
+and statistics are only in Wireshark: with it you can do every step.</p>
 <p>Sheets to print (PDF): {papers}</p>
 <p id="progress" role="status"></p>
 </header>
