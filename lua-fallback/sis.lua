@@ -3436,11 +3436,16 @@ do
     local first = list.asked and list.asked.list
     local command, at = first, list.offset
 
-    while command and at < list.end_ do
-      command = command.next
-      at = at + 1 + byte(list.bytes, at + 1)
+    while at < list.end_ do
+      local length = byte(list.bytes, at + 1)
+
+      at = at + 1 + length
+      if length > 0 then -- else no element
+        if not command then return {next = first} end -- more than there are commands
+        command = command.next
+      end
     end
-    return {next = first, is_each_answered = not command and at >= list.end_}
+    return {next = first, is_each_answered = not command}
   end
 
   S.bodies[LIST_SERVICE] = function(body)

@@ -304,11 +304,17 @@ commands_of(const sis_body_t *list)
     const sis_request_t *command = commands.next;
     unsigned at = list->offset;
 
-    while (command != NULL && at < list->end) {
+    while (at < list->end) {
+        uint8_t length = compat_get_uint8(list->tvb, at);
+
+        at += 1 + length;
+        if (length == 0) /* no element */
+            continue;
+        if (command == NULL)
+            return commands; /* more than there are commands */
         command = command->next;
-        at += 1 + compat_get_uint8(list->tvb, at);
     }
-    commands.is_each_answered = command == NULL && at >= list->end;
+    commands.is_each_answered = command == NULL;
     return commands;
 }
 
