@@ -141,6 +141,9 @@ def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
 
 
 def _run(arguments: Sequence[str], stop: Stop) -> int:
+    if not arguments:
+        parser(()).print_help(sys.stderr)
+        return USAGE
     called = next((argument for argument in arguments if not argument.startswith("-")), "")
     if called and called not in COMMANDS and (close := get_close_matches(called, COMMANDS, 1)):
         Console().say(f"there is no command '{visible(called)}': did you mean `sistap {close[0]}`?")

@@ -18,6 +18,7 @@ from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal.advice import advice
 from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.terminal.state import is_root
 from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, program, version
 
@@ -175,6 +176,23 @@ def _pyserial() -> Iterator[Point]:
         yield Point("good", "ports", ", ".join(f"{port} ({behind})" for port, behind in found))
     else:
         yield Point("poor", "ports", f"none: plug the adapter in; {advice().no_port}")
+        yield from _rights()
+
+
+def _rights() -> Iterator[Point]:
+    """Say before there is a port whether its group will be missing: joining it takes a new login."""
+    if sys.platform != "linux" or is_root():
+        return
+    import grp  # noqa: PLC0415 - not on Windows
+
+    name = advice().ports_group
+    try:
+        group = grp.getgrnam(name)
+    except KeyError:  # another distribution's name
+        return
+    if group.gr_gid not in os.getgroups():
+        cure = f"`sudo usermod -aG {name} $USER`, then log in again"
+        yield Point("poor", "group", f"you are not in group {name}, to which serial ports belong: {cure}")
 
 
 def _grabbers() -> Iterator[Point]:

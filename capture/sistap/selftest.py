@@ -19,7 +19,7 @@ from sistap.line.analyser import is_analyser
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.sis.rates import RATES
 from sistap.terminal import state
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import no_matplotlib
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
@@ -126,10 +126,7 @@ def _beside(args: argparse.Namespace, console: Console) -> int:
         console.say(str(error))
         return USAGE
     except ImportError:
-        console.say(
-            f"matplotlib is missing for {sys.executable}: `{sys.executable} -m pip install matplotlib`, "
-            f"{advice().matplotlib}; without --plot it is not needed"
-        )
+        console.say(f"{no_matplotlib()}; without --plot it is not needed")
         return FAILED
     for line in comparison.lines():
         print(line)

@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import ast
+import bz2
+import gzip
 import importlib
+import lzma
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import sistap
 from sistap.cli import COMMANDS
-from sistap.terminal.advice import advice, examples, shell_word
+from sistap.terminal.advice import advice, examples, shell_word, unpack
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
@@ -20,6 +24,24 @@ WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
 # Where else such words may stand: in modules that Windows never loads, and where the programs of Linux are named.
 LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}
 LINUX_FILES = {"analyser.py"}  # of what is found in sysfs, and of a program that other systems get elsewhere
+
+
+@pytest.mark.parametrize(
+    ("pack", "command"), [(lzma.compress, "xz -dk"), (gzip.compress, "gunzip -k"), (bz2.compress, "bunzip2 -k")]
+)
+def test_a_packed_file_is_known_by_its_first_bytes(
+    tmp_path: Path, pack: Callable[[bytes], bytes], command: str
+) -> None:
+    path = tmp_path / "day"
+    path.write_bytes(pack(b"02 C3 02 02"))
+    assert unpack(path).endswith(f"`{command} {path}`")
+
+
+@pytest.mark.parametrize("beginning", [b"", b"BZ", b"PK", b"02 C3 02 02", bytes.fromhex("0A0D0D0A")])
+def test_what_is_not_packed(tmp_path: Path, beginning: bytes) -> None:
+    path = tmp_path / "day"
+    path.write_bytes(beginning)
+    assert unpack(path) == unpack(tmp_path / "none") == ""
 
 
 def test_windows_is_told_nothing_of_linux() -> None:

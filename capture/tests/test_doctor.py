@@ -213,6 +213,21 @@ def test_as_root(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyP
     assert "run as root, Wireshark skips" in at[1]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="the group of Linux")
+@pytest.mark.parametrize(("groups", "mark"), [([], "poor"), ([20], "")])
+def test_the_group_of_ports_before_there_is_one(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, groups: list[int], mark: str
+) -> None:
+    """Joining it takes a new login, which nobody wants at the machine."""
+    import grp  # noqa: PLC0415 - not on Windows
+
+    monkeypatch.setattr(ports, "found", list)
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(os, "getgroups", lambda: groups)
+    monkeypatch.setattr(grp, "getgrnam", lambda name: grp.struct_group((name, "x", 20, [])))
+    assert examined(capsys)[1].get("group", ("", ""))[0] == mark
+
+
 # -- A port ------------------------------------------------------------------------------------------------------------
 
 

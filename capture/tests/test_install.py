@@ -17,7 +17,7 @@ from portable import WINDOWS, compiled, posix, unpackaged
 
 import sistap.terminal.state
 from sistap import cli
-from sistap.install import command, shell, sources
+from sistap.install import command, shell, sources, uninstall
 from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import NOBODY, TsharkError
 
@@ -257,6 +257,12 @@ def test_uninstall_leaves_nothing(root: Path, run: Run, tmp_path: Path) -> None:
     assert files(tmp_path) == before
     assert not root.exists()
     assert run("uninstall") == (0, "nothing to remove: nothing was installed for this user\n", "")
+
+
+@posix("Windows has no such package")
+def test_uninstall_names_the_package(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(uninstall, "OF_PACKAGE", Path(uninstall.__file__).parent)
+    assert "apt-get remove sistap" in run("uninstall")[1]
 
 
 def test_uninstall_goes_on_after_what_cannot_be_removed(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ import argparse
 import json
 import os
 import pty
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -199,3 +200,18 @@ def test_a_capture_of_the_only_port(
 def test_a_command_that_is_misspelt(capfd: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["captrue"]) == 2
     assert capfd.readouterr().err == "sistap: there is no command 'captrue': did you mean `sistap capture`?\n"
+
+
+def test_without_a_command_it_shows_all(capfd: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([]) == 2
+    shown = capfd.readouterr()
+    assert shown.out == ""
+    assert all(re.search(rf"^    {name}\b", shown.err, re.MULTILINE) for name in cli.COMMANDS)
+
+
+@pytest.mark.parametrize("rate", ["9600", "auto"])
+def test_a_rate_given_with_b(capfd: pytest.CaptureFixture[str], rate: str) -> None:
+    """`-b` begins files, as dumpcap's; who comes from other programs means the baud rate."""
+    with pytest.raises(SystemExit):
+        cli.main(["capture", "-b", rate])
+    assert f"write --baud {rate}" in capfd.readouterr().err

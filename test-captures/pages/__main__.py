@@ -57,6 +57,12 @@ def main() -> int:
         os.environ.setdefault("WIRESHARK_PLUGIN_DIR", str(plugin))
     try:
         build(arguments.folder)
+    except PermissionError as error:
+        print(
+            f"pages: cannot write {error.filename}: name a folder of yours: python3 -m pages ~/sis-course",
+            file=sys.stderr,
+        )
+        return 1
     except (TsharkError, OSError, ValueError) as error:
         print(f"pages: {error}", file=sys.stderr)
         return 1

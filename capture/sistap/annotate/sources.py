@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from sistap.annotate.textlog import UTF_16, LineCutter, LogLine
+from sistap.terminal.advice import unpack
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
@@ -29,6 +30,8 @@ def is_file(log: str) -> bool:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
             return False  # opening it would wait for a writer
+        if packed := unpack(Path(log)):
+            raise SourceError(packed)
         with open(log, "rb") as file:
             _check_text(log, file.read(_PIECE))
         return True

@@ -157,6 +157,8 @@ def rate_argument(text: str) -> int | None:
 
 
 def _condition(text: str) -> tuple[str, float]:
+    if text.isdigit() or text == "auto":
+        raise argparse.ArgumentTypeError(f"for the rate, write --baud {text}; -b says when the next file begins")
     name, _, value = text.partition(":")
     try:
         return name, _positive({"duration": float, "filesize": int, "files": int}[name], value)

@@ -14,7 +14,7 @@ from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
 from sistap.imports.source import Source, Told
 from sistap.imports.usb import UsbCapture
-from sistap.terminal.advice import shell_word
+from sistap.terminal.advice import shell_word, unpack
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
 
@@ -61,9 +61,11 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     for capture in CAPTURES:
         if capture.protocol in seen:
             return capture.opened(tshark, path, told)
+    if packed := unpack(path):
+        raise UsageError(packed)
     raise UsageError(
-        f"{path} is none of the files that can be imported: {'; '.join(NAMES)}. For a log with bytes in hexadecimal: "
-        f"sistap annotate {shell_word(str(path))} -w FILE"
+        f"{path} is none of the files that can be imported. For a log with bytes in hexadecimal: "
+        f"`sistap annotate {shell_word(str(path))} -w FILE`. These can be imported: {'; '.join(NAMES)}"
     )
 
 

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from sistap.install import command
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.state import is_root
@@ -29,6 +31,14 @@ exit status:
 """
 
 
+OF_PACKAGE = Path("/usr/share/sistap")
+
+
+def _package() -> str:
+    """Return how to remove what runs, if it is of a package of this system."""
+    return f" with `sistap install`; {advice().package}" if Path(__file__).is_relative_to(OF_PACKAGE) else ""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = DESCRIPTION
@@ -43,7 +53,8 @@ def run(args: argparse.Namespace) -> int:
         for note in ledger.notes:
             console.say(note)
         if not ledger.files:
-            print(f"nothing to remove: nothing was installed for {'all users' if is_root() else 'this user'}")
+            whose = "all users" if is_root() else "this user"
+            print(f"nothing to remove: nothing was installed for {whose}{_package()}")
         removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
     except (TsharkError, folders.FoldersError) as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")

@@ -14,7 +14,7 @@ from sistap.report import plain, windows
 from sistap.report.gather import Report, gather
 from sistap.report.windows import Window
 from sistap.sis.limits import argument as limit
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import no_matplotlib
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
@@ -185,10 +185,7 @@ def _check_matplotlib() -> None:
         with held():
             import matplotlib  # noqa: F401, PLC0415
     except ImportError:
-        raise _NoMatplotlib(
-            f"matplotlib is missing for {sys.executable}: `{sys.executable} -m pip install matplotlib`, "
-            f"{advice().matplotlib}; --format text and json do without"
-        ) from None
+        raise _NoMatplotlib(f"{no_matplotlib()}; --format text and json do without") from None
 
 
 def _gather(args: argparse.Namespace, console: Console) -> Report:

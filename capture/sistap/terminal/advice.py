@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+from pathlib import Path
 from typing import NamedTuple
 
 
@@ -18,7 +19,7 @@ class Advice(NamedTuple):
     tshark: str
     wireshark: str  # tshark is installed, Wireshark is not
     libpcap: str
-    matplotlib: str  # besides `pip install`
+    matplotlib: str  # {python} runs sistap
     pyserial: str  # besides `python -m pip install pyserial`
     no_pseudo_terminal: str
     in_use: str  # another program has the port {port}: what follows "by another program"
@@ -26,6 +27,8 @@ class Advice(NamedTuple):
     started: str  # how to start Wireshark with the profile
     path: str  # {folder} is not in PATH
     latency_timer: str  # of an FTDI adapter: {name} is its name in Windows
+    ports_group: str = ""  # to which a user of serial ports has to belong
+    package: str = ""  # how the package of the system is removed
 
 
 _LINUX = Advice(
@@ -34,7 +37,8 @@ _LINUX = Advice(
     tshark="Debian and Ubuntu: `apt-get install tshark`",
     wireshark="`apt-get install wireshark`",
     libpcap="install the package libpcap0.8 (or libpcap)",
-    matplotlib="or install the package python3-matplotlib",
+    matplotlib="`sudo apt-get install python3-matplotlib`, or in a virtual environment "
+    "`{python} -m pip install matplotlib`",
     pyserial="or install the package python3-serial and run sistap with the system's own python3",
     no_pseudo_terminal="close some terminals",
     in_use="(often ModemManager): `sudo fuser -v {port}` names it",
@@ -42,6 +46,8 @@ _LINUX = Advice(
     started="start it with `wireshark -C SIS`",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.profile; on Debian and Ubuntu a new login is enough',
     latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
+    ports_group="dialout",
+    package="`sudo apt-get remove sistap` removes the Debian package",
 )
 
 _MACOS = _LINUX._replace(
@@ -51,10 +57,12 @@ _MACOS = _LINUX._replace(
     wireshark="install Wireshark",
     libpcap="macOS includes it: start sistap with the Python of this system",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
-    matplotlib="with the Python that runs sistap",
+    matplotlib="`{python} -m pip install matplotlib`",
     pyserial="with the Python that runs sistap",
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
     latency_timer="the driver of macOS has no such setting: capture with `sistap serve` on a Linux computer",
+    ports_group="",
+    package="",
 )
 
 _WINDOWS = Advice(
@@ -63,7 +71,7 @@ _WINDOWS = Advice(
     tshark="run Wireshark's installer again and tick TShark",
     wireshark="run Wireshark's installer again and tick Wireshark",
     libpcap="install Npcap, which Wireshark's installer includes",
-    matplotlib="with the Python that runs sistap",
+    matplotlib="type {python} -m pip install matplotlib",
     pyserial="with the Python that runs sistap",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
     in_use=": close that program first",
@@ -85,6 +93,31 @@ _OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '
 def advice(system: str = "") -> Advice:
     """Return the column of a system as Python names it; by default that of this one."""
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
+
+
+def no_matplotlib() -> str:
+    """Return what to do where it is missing."""
+    return f"matplotlib is missing for {sys.executable}: {advice().matplotlib.format(python=sys.executable)}"
+
+
+_PACKED = {
+    rb"\xfd7zXZ\x00": "xz -dk",
+    rb"\x1f\x8b": "gunzip -k",
+    rb"BZh[1-9]1A": "bunzip2 -k",
+    rb"PK\x03\x04": "unzip",
+    rb"7z\xbc\xaf": "7z x",
+}
+
+
+def unpack(path: Path) -> str:
+    """Return what to do first with a file that is packed; nothing if it is not, or cannot be read."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(6)
+    except OSError:
+        return ""
+    command = next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
+    return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""
 
 
 def examples(text: str, system: str = "") -> str:

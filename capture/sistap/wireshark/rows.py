@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from sistap.terminal.advice import unpack
 from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import TsharkError
 
@@ -81,7 +82,8 @@ def damage(capture: Path, error: TsharkError, came: bool) -> str:
     NotACapture if it is none, TsharkError if tshark failed for another reason.
     """
     if is_no_capture(error):
-        raise NotACapture(f"{capture} is not a capture that tshark can read") from None
+        cure = unpack(capture) or "of a log, `sistap annotate LOG -w FILE` makes one"
+        raise NotACapture(f"{capture} is not a capture that tshark can read; {cure}") from None
     last = last_words(error)
     if not came and not is_cut(error):
         raise TsharkError(f"tshark: {last}") from None
