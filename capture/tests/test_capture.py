@@ -548,7 +548,6 @@ def test_wrong_options_are_one_line(
 @pytest.mark.parametrize(
     "arguments",
     [
-        [],
         ["nonsense"],
         ["capture", "-i", "x", "-c", "0"],
         ["capture", "-i", "x", "-a", "duration:-1"],
