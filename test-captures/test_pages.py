@@ -186,7 +186,10 @@ def test_packets_in_words_are_links() -> None:
 
 
 def test_a_time_after_a_packet_is_no_packet() -> None:
-    assert markdown.packets("In packet 10, 0.57 s later, and at packet 12, 6:15.") == {10, 12}
+    assert markdown.packets("In packet 10, 0.57 s later, and at packet 12, 6:15. Packet 13.5 s, packet 14:30.") == {
+        10,
+        12,
+    }
 
 
 def test_packets_that_a_lesson_leads_to_are_in_its_page() -> None:

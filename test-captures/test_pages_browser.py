@@ -149,6 +149,8 @@ def test_wrong_answers_are_refused(lesson: Lesson, chromium: Chromium, folder: P
         ("number", "0.5", ".5", True),
         ("number", "4", "bit 4", True),
         ("number", "4", "bit 5", False),
+        ("number", "4", "not 4", None),
+        ("number", "-4", "minus 4", None),
         ("number", "1350", "1350 1/min.", True),
         ("number", "4", "3 bit 4", None),
         ("packets", "7, 8", "7 + 8.", True),

@@ -3,7 +3,9 @@
 // A check returns {right, say}: `right` is null where the text cannot be read, and `say` tells why.
 
 const UNITS = { sec: "s", second: "s", seconds: "s", sekunden: "s", msec: "ms", millisecond: "ms", milliseconds: "ms",
-  millisekunden: "ms", usec: "us", microseconds: "us" };
+  millisekunden: "ms", msecs: "ms", usec: "us",
+  microsecond: "us", microseconds: "us" };
+const NOUN = /^(bit|byte|character|drive|element|master|packet|phase|slave|station|telegram) +(?=\d)/;
 const SECONDS = { s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6 };
 
 function wrong(say) {
@@ -16,7 +18,7 @@ function unreadable(say) {
 
 // "0,012 s", "12 ms", "0x1B", "1B h", "bit 4", "1350 1/min": the value and its unit; null where it is no number.
 function readNumber(text) {
-  const found = text.trim().toLowerCase().replace(/^[a-z]{3,} +(?=\d)/, "").replace(/^[.,](?=\d)/, "0.")
+  const found = text.trim().toLowerCase().replace(NOUN, "").replace(/^[.,](?=\d)/, "0.")
     .replace(/\.$/, "")
     .match(/^(?:0x([0-9a-f]+)|([0-9a-f]+) ?h|([+-]?\d+(?:[.,]\d+)?))\s*(s|%|(?:1|[a-zµ]+)\/[a-z]+|[a-zµ]{2,}|)$/);
   if (!found) return null;

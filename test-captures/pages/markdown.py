@@ -17,7 +17,7 @@ from pages import COURSE
 _FOLDING = re.compile(r"<(/?details|summary|/summary)>")
 _ITEM = re.compile(r"(-|\d+\.) +")
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)\s]+)\)")
-_PACKETS = re.compile(r"\b(packets? )(\d+(?![.:]\d)(?:(?:, | and | or | to )\d+(?![.:]?\d))*)", re.IGNORECASE)
+_PACKETS = re.compile(r"\b(packets? )(\d+(?![.:]?\d)(?:(?:, | and | or | to )\d+(?![.:]?\d))*)", re.IGNORECASE)
 _PICTURES = {".svg": "image/svg+xml", ".png": "image/png"}
 
 
