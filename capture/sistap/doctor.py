@@ -190,7 +190,7 @@ def _rights() -> Iterator[Point]:
         group = grp.getgrnam(name)
     except KeyError:  # another distribution's name
         return
-    if group.gr_gid not in os.getgroups():
+    if group.gr_gid not in {*os.getgroups(), os.getegid()}:
         cure = f"`sudo usermod -aG {name} $USER`, then log in again"
         yield Point("poor", "group", f"you are not in group {name}, to which serial ports belong: {cure}")
 

@@ -112,6 +112,8 @@ _PACKED = {
 def unpack(path: Path) -> str:
     """Return what to do first with a file that is packed; nothing if it is not, or cannot be read."""
     try:
+        if not path.is_file():  # opening a pipe would wait for a writer
+            return ""
         with path.open("rb") as file:
             head = file.read(6)
     except OSError:
