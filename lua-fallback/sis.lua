@@ -2655,11 +2655,19 @@ do
     return general == 0x10 or general == 0x11 or general == 0x1E or general == 0x1F
   end
 
-  S.subservices = {
+  local subservices = {
     [0x00] = N.subservices_identification,
     [0x02] = N.subservices_flash,
     [0x03] = N.subservices_initialization,
   }
+
+  -- Whether a reaction with this subservice may answer a command with that one. A subservice that is not defined tells
+  -- nothing: fig. 2-13 answers 0x01 with 0xF1.
+  function S.may_answer_subservice(service, asked, answered)
+    local defined = subservices[service]
+
+    return not defined or asked == answered or not defined[answered]
+  end
 
   function S.left(body)
     return body.end_ - body.offset
@@ -3312,12 +3320,11 @@ do
     if command.service ~= service then return false end
     if not command.has_device or length < 3 then return true end
     local first, second = byte(list.bytes, list.offset + 2, list.offset + 3) -- after the status
-    local defined = S.subservices[service]
 
     if S.has_control_byte(service) then
       return command.element == band(rshift(first, 3), 7) and command.device == second
     end
-    return not defined or (command.subservice or 0) == second or not defined[second]
+    return S.may_answer_subservice(service, command.subservice or 0, second)
   end
 
   local function find_command(from, list, service, length)
@@ -4061,15 +4068,12 @@ do
       and byte(command, body + 2) == byte(reaction, body + 3)
   end
 
-  -- The subservice, second byte of the useful data of a command, third of a reaction, where both have it. One that is
-  -- not defined tells nothing: fig. 2-13 answers 0x01 with 0xF1.
+  -- The subservice, second byte of the useful data of a command, third of a reaction, where both have it.
   local function is_same_subservice(command, telegram)
-    local body, defined = telegram.body_offset, S.subservices[telegram.service]
+    local body = telegram.body_offset
 
-    if not defined or body + 2 > #command or body + 3 > telegram.declared then return true end
-    local subservice = byte(telegram.bytes, body + 3)
-
-    return byte(command, body + 2) == subservice or not defined[subservice]
+    if body + 2 > #command or body + 3 > telegram.declared then return true end
+    return S.may_answer_subservice(telegram.service, byte(command, body + 2), byte(telegram.bytes, body + 3))
   end
 
   -- Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; a device may

@@ -163,6 +163,7 @@ def test_mutants(  # noqa: PLR0913, PLR0917
     parity.check(plugin, script, capture, *options)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "passes", [(), pytest.param(("-2",), marks=pytest.mark.thorough)], ids=["one_pass", "two_passes"]
 )

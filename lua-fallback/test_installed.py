@@ -32,6 +32,7 @@ def folder(tmp_path: Path) -> Path:
     return made
 
 
+@pytest.mark.thorough
 def test_beside_the_plugin(folder: Path, plugin: Tshark) -> None:
     shutil.copytree(os.environ["WIRESHARK_PLUGIN_DIR"], folder, dirs_exist_ok=True)
     with Tshark(plugins=folder) as both:

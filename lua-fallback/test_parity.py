@@ -114,10 +114,9 @@ def is_ours(line: str) -> bool:
     "report",
     [
         "fields",
-        "values",
         *(
             pytest.param(report, marks=pytest.mark.thorough)
-            for report in ("protocols", "decodes", "heuristic-decodes", "dissector-tables")
+            for report in ("values", "protocols", "decodes", "heuristic-decodes", "dissector-tables")
         ),
     ],
 )

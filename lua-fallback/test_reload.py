@@ -55,6 +55,7 @@ def sessions(tshark: Tshark, name: str, folder: Path) -> tuple[list[list[str]], 
     return lists, [int(size) for size in re.findall(r"^memory (\d+)$", done.stderr, re.MULTILINE)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name",
     [

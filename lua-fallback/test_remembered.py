@@ -92,6 +92,7 @@ def in_pieces(chance: random.Random) -> Iterable[bytes]:
         yield from piece * chance.choice((1, 1, 2, 3))
 
 
+@pytest.mark.thorough
 @PASSES
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pieces_of_captures(
@@ -103,6 +104,7 @@ def test_pieces_of_captures(
     compare(plugin, script, capture, *options)
 
 
+@pytest.mark.thorough
 @PASSES
 def test_name_learned_between(options: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """The same read of a value before its parameter has a name and a unit, after it, and with another name and unit."""

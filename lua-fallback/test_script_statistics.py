@@ -44,6 +44,7 @@ def check(
     return counted
 
 
+@pytest.mark.thorough
 def test_a_capture(plugin: Tshark, script: Tshark) -> None:
     counted = check(plugin, script, CAPTURE)
     assert all(counted.values()), "there is nothing to compare"

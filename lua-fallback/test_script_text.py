@@ -56,6 +56,7 @@ def test_of_events(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     parity.check(plugin, script, tmp_path / "events.pcapng")
 
 
+@pytest.mark.thorough
 @pytest.mark.attack("the same in events and telegrams, in Wireshark", "escapes, the same in plugin and script")
 def test_of_the_line(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """Beside telegrams, and in them: a drive's description of itself (0x00, identification)."""

@@ -33,6 +33,7 @@ def test_plain_build(tmp_path: Path) -> None:
     assert not any("-Werror" in call for call in calls)
 
 
+@pytest.mark.thorough
 def test_the_version_is_that_of_the_python_package(tmp_path: Path) -> None:
     said = {option for call in compilers_options(tmp_path) for option in call if "PLUGIN_VERSION" in option}
     assert said == {f'-DPLUGIN_VERSION=\\"{sistap.__version__}\\"'}

@@ -81,6 +81,7 @@ OPTIONS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("capture", "display_filter", "frames"),
     [

@@ -27,6 +27,7 @@ def german() -> Iterator[dict[str, str]]:
         yield environment
 
 
+@pytest.mark.thorough
 def test_tshark_speaks_german(german: dict[str, str], tshark: Tshark) -> None:
     """Otherwise the other tests here would prove nothing. Rates and percents of a statistics tree are Wireshark's
     own.

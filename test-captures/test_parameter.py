@@ -333,6 +333,7 @@ def test_commands(tshark: Tshark) -> None:
     check(tshark, "commands", f"attribute {ATTRIBUTE} {PROTECTED} {STATUS} value", "", COMMANDS)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("number", ["4096", "8-0001", "12-1", "", "S-0-0047", "1-", "-1"])
 def test_user_table_refuses_what_is_no_number(number: str, tshark: Tshark) -> None:
     row = f'uat:sis_parameters:"S","{number}","A name","","0"'

@@ -227,6 +227,7 @@ def labels(tshark: Tshark, folder: Path) -> dict[tuple[str, int], list[str]]:
     return shown
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "code"), PROVOKED, ids=lambda value: value if isinstance(value, str) else f"{value:04X}"
 )

@@ -52,6 +52,7 @@ def whole(table: Table) -> Table:
     }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "table"), [("synaxpd", WORDS), ("synaxpd-table", VALUES), ("synaxpd-swapped", SWAPPED)]
 )
@@ -63,6 +64,7 @@ def test_no_port_is_known_by_itself(tshark: Tshark) -> None:
     assert "SYNAXPD" not in tshark.output("-r", str(HERE / "synaxpd.pcapng"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "row",
     [

@@ -68,6 +68,7 @@ def test_preferences_go_before_what_the_bus_said(tshark: Tshark) -> None:
         assert judged == expected, number
 
 
+@pytest.mark.thorough
 def test_an_interval_as_long_as_can_be_stored_may_be_any_longer(tshark: Tshark) -> None:
     scenario = Scenario(HERE / "timing-pauses.txt")
     saturated = next(number for number, item in enumerate(scenario.items, 1) if item.flags == {5: 0x40})
@@ -176,6 +177,7 @@ LOADS = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("silence_ms", "percent"), [load[1:] for load in LOADS], ids=[load[0] for load in LOADS])
 def test_load(silence_ms: float, percent: float, tshark: Tshark, tmp_path: Path) -> None:
     """At most one telegram (0.92 s/100) stands across the beginning of the second."""

@@ -76,6 +76,7 @@ def running(*options: str) -> Iterator[str]:
         process.communicate()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("most", [1, 10])
 def test_the_virtual_bus(most: int, tshark: Tshark, tmp_path: Path) -> None:
     """Its log marks each pause inside a telegram: one and a half times TzA at least, all else is far below it."""

@@ -102,6 +102,7 @@ def test_what_is_written_to_a_log_meanwhile_is_left_out(
     assert capfdbinary.readouterr() == (before, b"")
 
 
+@pytest.mark.thorough
 def test_a_pipe_knows_only_what_came(log: Path) -> None:
     # The first command is in vain, and only the second tells.
     log.write_text(f"{READ_PHASE.hex(' ')}\n{SET_RATE.hex(' ')}\n{READ_PHASE.hex(' ')}\n{PHASE.hex(' ')}\n")
@@ -355,6 +356,7 @@ def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
     assert run(tmp_path, log, "-w", "x", "--format", "html").returncode == 2
 
 
+@pytest.mark.thorough
 def test_a_full_disk(tmp_path: Path, log: Path, full: Path) -> None:
     refused(run(tmp_path, log, "-o", full), 1, "/dev/full is incomplete: No space left", "-o")
     refused(run(tmp_path, log, "-w", full), 1, "/dev/full: No space left")

@@ -763,6 +763,7 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
     ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("options", "cure"),
     [

@@ -221,6 +221,7 @@ def test_no_answer_is_wrong(exchanges: int) -> None:
         client.close()
 
 
+@pytest.mark.thorough
 def test_a_rate_is_tested_told_and_heard_by_nobody_who_is_not_told() -> None:
     """In real time; fig. 6-20 and 6-24. At another rate a station hears other characters, and no telegrams."""
     with running(1, 9600) as name:

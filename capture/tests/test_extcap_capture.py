@@ -369,6 +369,7 @@ def test_a_reader_that_leaves_ends_it_without_a_word(demo: Wireshark) -> None:
     assert demo.ended() == (0, "")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("interface", "options", "code", "says"),
     [

@@ -46,6 +46,7 @@ def tshark() -> Iterator[Tshark]:
     shutil.rmtree(folder)
 
 
+@pytest.mark.thorough
 def test_the_demo_bus_is_listed(tshark: Tshark) -> None:
     assert any("sistap-demo (SIS demo bus" in line for line in tshark.output("-D").splitlines())
 

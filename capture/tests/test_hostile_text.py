@@ -131,6 +131,7 @@ NAMED = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.attack("the same in names of files", "visible escapes, in one line")
 @pytest.mark.parametrize("there", [False, True])
 @pytest.mark.parametrize("command", NAMED.values(), ids=NAMED)

@@ -29,6 +29,7 @@ def packet(time_ms: int, event: int, data: bytes = b"") -> tuple[float, bytes]:
     return 3_600_000 + time_ms, struct.pack(">IIBBH", T0, time_ms * 1000, event, 0, 0) + data
 
 
+@pytest.mark.thorough
 def test_both_directions(tmp_path: Path) -> None:
     source = pcap(tmp_path / "rtac.pcap", RTAC, [packet(1, TX, COMMAND), packet(40, RX, REACTION)])
     done = run(source, "--baud", "9600")
@@ -39,6 +40,7 @@ def test_both_directions(tmp_path: Path) -> None:
     assert {record.uncertainty_ns for record in done.records} == {UNCERTAINTY_UNKNOWN}
 
 
+@pytest.mark.thorough
 def test_one_direction_is_a_shared_line(tmp_path: Path) -> None:
     source = pcap(tmp_path / "rtac.pcap", RTAC, [packet(1, RX, COMMAND), packet(40, RX_END, REACTION)])
     assert [(record.line, record.data) for record in run(source, "--baud", "9600").records] == [
@@ -77,6 +79,7 @@ def test_our_own_capture_with_this_link_type(tmp_path: Path) -> None:
     assert [record.data for record in run(path, "--baud", "9600").records] == [COMMAND]
 
 
+@pytest.mark.thorough
 def test_a_header_that_is_cut(tmp_path: Path) -> None:
     source = pcap(tmp_path / "rtac.pcap", RTAC, [packet(1, RX, COMMAND), (2, b"\0" * 11), packet(3, RX, REACTION)])
     assert [record.data for record in run(source, "--baud", "9600").records] == [COMMAND, REACTION]

@@ -58,6 +58,7 @@ def test_an_exchange_of_a_usb_capture(tshark: Tshark, exchange: Path) -> None:
     assert reaction == ["3", "16", "S-0-0036", "3", "1", "8E1"]  # the command is packet 3, after an event for each line
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("limit_ms", "verdict"),
     [
@@ -94,6 +95,7 @@ def table(folder: Path, pause_ms: float) -> Path:
     return source
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("pause_ms", "options", "verdict"),
     [

@@ -65,6 +65,7 @@ def test_a_scenario_can_say_when_it_begins(night: Path) -> None:
     assert END.timestamp() - 60 <= seconds(records[-1]) < END.timestamp() + 1
 
 
+@pytest.mark.thorough
 def test_the_list_of_changes_names_the_write(night: Path, capsys: pytest.CaptureFixture[str]) -> None:
     number = written(list(reading.records(night)))
     capsys.readouterr()

@@ -82,6 +82,7 @@ def events(path: Path) -> list[tuple[int, int]]:
     return [(record.line, record.event) for record in records(path) if record.type == Type.EVENT]
 
 
+@pytest.mark.thorough
 def test_a_port_that_goes_and_comes(adapters: list[Adapter], tap: Callable[..., Tap], tmp_path: Path) -> None:
     path = tmp_path / "x.pcapng"
     adapter = adapters[0]

@@ -100,6 +100,7 @@ def identity(record: Record) -> tuple[int, bytes]:
     return record.time_ns, record.data
 
 
+@pytest.mark.thorough
 def test_each_file_has_its_window_and_each_record_once(
     keep: Keep, tshark: Tshark, traffic: list[Record], tmp_path: Path
 ) -> None:
@@ -125,6 +126,7 @@ def test_each_file_has_its_window_and_each_record_once(
         assert started[1].endswith(b"set limits or read names") is bool(earlier)
 
 
+@pytest.mark.thorough
 def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
     keep("sis.checksum.status == 0")
     for file in kept(tmp_path):
@@ -144,6 +146,7 @@ def test_it_is_named_by_time_and_reason(keep: Keep, traffic: list[Record], tmp_p
     assert any(name.endswith("_damaged.pcapng") for name in names)
 
 
+@pytest.mark.thorough
 def test_the_oldest_go_and_other_files_stay(keep: Keep, tmp_path: Path) -> None:
     old = tmp_path / "kept_19990101000000.000_of-an-earlier-run.pcapng"
     others = [tmp_path / "kept_mine.pcapng", tmp_path / "ring_00001_20010101000000.pcapng"]
@@ -172,6 +175,7 @@ def test_two_files_of_one_moment_have_two_names(tmp_path: Path) -> None:
     assert first != second and not second.exists()
 
 
+@pytest.mark.thorough
 @posix("a line for sh")
 def test_a_command_is_told_of_each_file_and_not_waited_for(keep: Keep, tmp_path: Path) -> None:
     """It ends when this test says so."""

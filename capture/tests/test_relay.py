@@ -133,6 +133,7 @@ def test_at_seams_nothing_is_unjudged_nor_judged_twice(
     assert not tested.said and not tested.relay.unjudged
 
 
+@pytest.mark.thorough
 @signals
 def test_a_tshark_that_ends_is_replaced_and_nothing_is_lost(
     tested: Watched, traffic: list[Record], expected: list[int]

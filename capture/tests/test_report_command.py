@@ -32,6 +32,7 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("command") / "bus.pcapng", BUS)
 
 
+@pytest.mark.thorough
 @drawing
 def test_the_page_is_written_into_this_folder(tmp_path: Path, capture: Path) -> None:
     done = report(tmp_path, capture)
@@ -56,6 +57,7 @@ def test_text_and_json_go_to_standard_output(tmp_path: Path, capture: Path) -> N
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.thorough
 def test_limits_told_to_the_report_go_before_those_of_the_bus(tmp_path: Path, capture: Path) -> None:
     arguments = (capture, "--tza", "8", "--trs", "100")
     figures = json.loads(report(tmp_path, *arguments, "--format", "json").stdout)
@@ -92,6 +94,7 @@ def test_a_capture_that_is_cut_is_reported_up_to_there(tmp_path: Path, capture: 
     assert "/sistap-" not in done.stderr + done.stdout  # the copy that is read as root
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("block", [1, 12])
 def test_a_capture_that_is_damaged_is_reported_up_to_there(tmp_path: Path, capture: Path, block: int) -> None:
     data = bytearray(capture.read_bytes())
@@ -107,6 +110,7 @@ def test_a_capture_that_is_damaged_is_reported_up_to_there(tmp_path: Path, captu
     assert "before the damage" in done.stderr
 
 
+@pytest.mark.thorough
 @drawing
 @pytest.mark.parametrize("data", [b"", None])
 def test_a_capture_without_packets_is_an_honest_page(tmp_path: Path, data: bytes | None) -> None:

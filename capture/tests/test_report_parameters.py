@@ -30,6 +30,7 @@ def report() -> Report:
         return gather(tshark, CAPTURE, [], lambda text: None)
 
 
+@pytest.mark.thorough
 def test_the_table(report: Report) -> None:
     """As accesses.txt has it."""
     first, *rest = tables.parameters(report).rows

@@ -318,6 +318,7 @@ def test_what_is_wrong_with_a_fault(fault: str, line: str, tmp_path: Path) -> No
         read(f"{BUS_OF_ONE}\n[[fault]]\n{fault}", tmp_path)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("options", "cure"),
     [
@@ -536,6 +537,7 @@ def test_of_two_that_collided_neither_was_answered(tmp_path: Path) -> None:
 # -- At ports -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @terminals
 def test_our_master_talks_to_our_drives_over_a_pseudo_terminal(tmp_path: Path) -> None:
     log = tmp_path / "log"

@@ -166,7 +166,6 @@ typedef struct {
 static bool
 is_answer_to(const sis_request_t *command, const sis_body_t *list, uint8_t service, unsigned length)
 {
-    const value_string *subservices = sis_subservices_of(service);
     uint8_t first, second; /* after the status */
 
     if (command->service != service)
@@ -177,8 +176,7 @@ is_answer_to(const sis_request_t *command, const sis_body_t *list, uint8_t servi
     second = compat_get_uint8(list->tvb, list->offset + 2);
     if (sis_has_control_byte(service))
         return command->element == SIS_ELEMENT(first) && command->device == second;
-    return subservices == NULL || command->subservice == second ||
-           try_val_to_str(second, subservices) == NULL;
+    return sis_may_answer_subservice(service, command->subservice, second);
 }
 
 static const sis_request_t *

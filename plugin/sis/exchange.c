@@ -295,19 +295,15 @@ is_same_access(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
            command[body + 1] == compat_get_uint8(tvb, body + 2);
 }
 
-/* The subservice, second byte of the useful data of a command, third of a reaction, where both have it. One
- * that is not defined tells nothing: fig. 2-13 answers 0x01 with 0xF1. */
+/* The subservice, second byte of the useful data of a command, third of a reaction, where both have it. */
 static bool
 is_same_subservice(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
-    const value_string *defined = sis_subservices_of(telegram->service);
     unsigned body = telegram->body_offset;
-    uint8_t subservice;
 
-    if (defined == NULL || body + 2 > length || body + 3 > telegram->declared)
+    if (body + 2 > length || body + 3 > telegram->declared)
         return true;
-    subservice = compat_get_uint8(tvb, body + 2);
-    return command[body + 1] == subservice || try_val_to_str(subservice, defined) == NULL;
+    return sis_may_answer_subservice(telegram->service, command[body + 1], compat_get_uint8(tvb, body + 2));
 }
 
 /* Whether a reaction fits the last command of a direction. A reaction keeps the command's addresses; a

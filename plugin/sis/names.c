@@ -337,6 +337,14 @@ sis_subservices_of(uint8_t service)
 }
 
 bool
+sis_may_answer_subservice(uint8_t service, uint8_t asked, uint8_t answered)
+{
+    const value_string *defined = sis_subservices_of(service);
+
+    return defined == NULL || asked == answered || try_val_to_str(answered, defined) == NULL;
+}
+
+bool
 sis_service_is_reserved(uint8_t service)
 {
     return strcmp(service_entry(service)->strptr, "Reserved service") == 0;

@@ -56,6 +56,10 @@ const char *sis_service_name(wmem_allocator_t *scope, uint8_t service);
  */
 const value_string *sis_subservices_of(uint8_t service);
 
+/* Whether a reaction with this subservice may answer a command with that one. A subservice that is not
+ * defined tells nothing: fig. 2-13 answers 0x01 with 0xF1. */
+bool sis_may_answer_subservice(uint8_t service, uint8_t asked, uint8_t answered);
+
 /* In the edition that is set. */
 bool sis_service_is_reserved(uint8_t service);
 

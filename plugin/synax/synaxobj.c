@@ -136,13 +136,7 @@ typedef struct {
 
 _Static_assert(sizeof(object_key_t) == 8 + 8, "the key is hashed byte by byte, so it has no gaps");
 
-/* What is kept of an object, under its key. */
-typedef struct {
-    object_key_t key;
-    request_t *request; /* the last; NULL: none */
-} exchange_t;
-
-static wmem_map_t *exchanges;
+static wmem_map_t *requests; /* the last of each object */
 
 static unsigned
 hash_key(const void *key)
@@ -156,35 +150,23 @@ are_keys_equal(const void *a, const void *b)
     return memcmp(a, b, sizeof(object_key_t)) == 0;
 }
 
-static exchange_t *
-find_exchange(const object_key_t *key)
-{
-    exchange_t *exchange = wmem_map_lookup(exchanges, key);
-
-    if (exchange == NULL) {
-        exchange = wmem_new0(wmem_file_scope(), exchange_t);
-        exchange->key = *key;
-        wmem_map_insert(exchanges, &exchange->key, exchange);
-    }
-    return exchange;
-}
-
 static void
 begin_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
 {
-    exchange_t *exchange = find_exchange(key);
+    request_t *before = wmem_map_lookup(requests, key);
 
-    if (exchange->request != NULL)
-        exchange->request->next_in = pinfo->num;
-    link->request = exchange->request = wmem_new0(wmem_file_scope(), request_t);
+    if (before != NULL)
+        before->next_in = pinfo->num;
+    link->request = wmem_new0(wmem_file_scope(), request_t);
     link->request->frame = pinfo->num;
     link->request->moment = sertap_ns(&pinfo->abs_ts);
+    wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), key, sizeof *key), link->request);
 }
 
 static void
 end_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
 {
-    link->request = find_exchange(key)->request;
+    link->request = wmem_map_lookup(requests, key);
     if (link->request == NULL)
         return;
     if (link->request->answer_in == 0)
@@ -510,7 +492,7 @@ synaxobj_register(void)
     proto_register_field_array(proto_synaxobj, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
     register_dissector("synaxobj", dissect_synaxobj, proto_synaxobj);
-    exchanges = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_key, are_keys_equal);
+    requests = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_key, are_keys_equal);
 }
 
 void

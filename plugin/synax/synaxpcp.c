@@ -127,13 +127,7 @@ typedef struct {
 
 _Static_assert(sizeof(message_key_t) == 8 + 8, "the key is hashed byte by byte, so it has no gaps");
 
-/* What is kept of messages of one kind, under their key. */
-typedef struct {
-    message_key_t key;
-    request_t *request; /* the last; NULL: none */
-} exchange_t;
-
-static wmem_map_t *exchanges;
+static wmem_map_t *requests; /* the last of each kind */
 
 static unsigned
 hash_key(const void *key)
@@ -168,29 +162,17 @@ key_of(const dissection_t *d, bool is_at_device)
     return key;
 }
 
-static exchange_t *
-find_exchange(const dissection_t *d, bool is_at_device)
-{
-    message_key_t key = key_of(d, is_at_device);
-    exchange_t *exchange = wmem_map_lookup(exchanges, &key);
-
-    if (exchange == NULL) {
-        exchange = wmem_new0(wmem_file_scope(), exchange_t);
-        exchange->key = key;
-        wmem_map_insert(exchanges, &exchange->key, exchange);
-    }
-    return exchange;
-}
-
 static void
 begin_exchange(const dissection_t *d, link_t *link)
 {
+    message_key_t key = key_of(d, d->access->is_at_device);
+
     link->request = wmem_new0(wmem_file_scope(), request_t);
     link->request->frame = d->pinfo->num;
     link->request->moment = sertap_ns(&d->pinfo->abs_ts);
     link->request->number = compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN);
     link->request->subindex = compat_get_uint8(d->tvb, SUBINDEX_AT);
-    find_exchange(d, d->access->is_at_device)->request = link->request;
+    wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), &key, sizeof key), link->request);
 }
 
 /* At the same end of the bus, else at the other: a log may have only requests and responses. */
@@ -198,7 +180,8 @@ static void
 end_exchange(const dissection_t *d, link_t *link)
 {
     for (unsigned other = 0; other < 2; other++) {
-        request_t *request = find_exchange(d, d->access->is_at_device != (other == 1))->request;
+        message_key_t key = key_of(d, d->access->is_at_device != (other == 1));
+        request_t *request = wmem_map_lookup(requests, &key);
 
         if (request == NULL || request->answer_in != 0)
             continue;
@@ -514,5 +497,5 @@ synaxpcp_register(void)
     proto_register_field_array(proto_synaxpcp, fields, array_length(fields));
     proto_register_subtree_array(trees, array_length(trees));
     register_dissector("synaxpcp", dissect_synaxpcp, proto_synaxpcp);
-    exchanges = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_key, are_keys_equal);
+    requests = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_key, are_keys_equal);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What is kept of a way, from one station to another. */
+/* Remembers something for each way: from one station to another, on a line of the capture. */
 
 #include "synax/ways.h"
 

@@ -2,9 +2,11 @@
 // Compares what was typed with what is accepted. Forgives blanks, case, 0x, commas and units.
 // A check returns {right, say}: `right` is null where the text cannot be read, and `say` tells why.
 
-const UNITS = { sec: "s", second: "s", seconds: "s", sekunden: "s", msec: "ms", millisecond: "ms", milliseconds: "ms",
-  millisekunden: "ms", msecs: "ms", usec: "us",
-  microsecond: "us", microseconds: "us" };
+const UNITS = {
+  sec: "s", second: "s", seconds: "s", sekunden: "s",
+  msec: "ms", msecs: "ms", millisecond: "ms", milliseconds: "ms", millisekunden: "ms",
+  usec: "us", microsecond: "us", microseconds: "us",
+};
 const NOUN = /^(bit|byte|character|drive|element|master|packet|phase|slave|station|telegram) +(?=\d)/;
 const SECONDS = { s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6 };
 

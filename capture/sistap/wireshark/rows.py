@@ -82,8 +82,10 @@ def damage(capture: Path, error: TsharkError, came: bool) -> str:
     NotACapture if it is none, TsharkError if tshark failed for another reason.
     """
     if is_no_capture(error):
-        cure = unpack(capture) or "of a log, `sistap annotate LOG -w FILE` makes one"
-        raise NotACapture(f"{capture} is not a capture that tshark can read; {cure}") from None
+        raise NotACapture(
+            unpack(capture)
+            or f"{capture} is not a capture that tshark can read. If it is a log: `sistap annotate LOG -w FILE`"
+        ) from None
     last = last_words(error)
     if not came and not is_cut(error):
         raise TsharkError(f"tshark: {last}") from None

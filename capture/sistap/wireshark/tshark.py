@@ -39,12 +39,6 @@ _FOLDERS = {
 }
 
 
-if sys.platform == "win32":
-    _APART: dict[str, Any] = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-else:
-    _APART = {"process_group": 0}
-
-
 class TsharkError(Exception):
     """tshark is missing or failed; the text is the line to show."""
 
@@ -213,10 +207,12 @@ class Tshark:
     def start(self, arguments: Sequence[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
         """Start tshark with pipes to its stdin and from its stdout; its stderr goes to `errors`.
 
-        A terminal sends Ctrl-C to its foreground process group. tshark is not in it: it ends when its stdin does, and
-        until then it dissects what a stop still sends.
+        It ends when its stdin does. Until then it dissects what a stop still sends.
         """
-        settings = self._settings(arguments) | {"stdin": subprocess.PIPE} | _APART
+        settings = self._settings(arguments) | {
+            "stdin": subprocess.PIPE,
+            "start_new_session": True,  # Ctrl-C is for sistap alone
+        }
         return self._start([self._path, *arguments], stdout=subprocess.PIPE, stderr=errors, **settings)
 
     def usage(self, arguments: Sequence[str]) -> Used:
