@@ -207,6 +207,10 @@ def test_workbench_has_the_codes_of_the_plugin() -> None:
     assert used - set(tables["tables"]) == {"number", "data", "parameter", "parameter control"}
 
 
+def test_menus_are_marked_as_wiresharks() -> None:
+    assert markdown.inline("*File > Merge*, *Late*") == '<em class="menu">File &gt; Merge</em>, <em>Late</em>'
+
+
 def test_colours_are_those_of_the_profile() -> None:
     assert rules()[0].name == "SIS: damaged telegram"
     assert rules()[0].paper == "#d55e00"

@@ -245,6 +245,23 @@ def test_packets_are_shown_with_their_bytes(chromium: Chromium, folder: Path) ->
     assert chromium.run("selected.number") == 5
 
 
+def test_a_double_click_leads_to_the_named_packet(chromium: Chromium, folder: Path) -> None:
+    chromium.open(address(folder, "01-first-telegram") + "#packet-2")
+    field = "[...details.querySelectorAll('button')].find(({ item }) => item[4].startsWith('sis.command_in'))"
+    chromium.run(f"{field}.dispatchEvent(new MouseEvent('dblclick'))")
+    assert chromium.run("selected.number") == 1
+    assert chromium.run("document.activeElement.id") == "packet-1"
+    chromium.run(f"{field.replace('command', 'reaction')}.focus()")
+    chromium.press("Enter", 13, "\r")
+    assert chromium.run("selected.number") == 2
+
+
+def test_a_packet_that_the_page_has_not_is_named(chromium: Chromium, folder: Path) -> None:
+    chromium.open(address(folder, "01-first-telegram") + "#packet-700")
+    assert chromium.run("filterSaid.textContent").startswith("Packet 700 is not in this page.")
+    assert chromium.run("selected.number") == 1
+
+
 def test_filter_box(chromium: Chromium, folder: Path) -> None:
     chromium.open(address(folder, "01-first-telegram"))
     visible = "[...rows].filter(([, row]) => !row.hidden).map(([number]) => number)"
@@ -269,6 +286,23 @@ def test_answer_by_keyboard(chromium: Chromium, folder: Path) -> None:
     assert chromium.run("document.getElementById('question-1').classList.contains('done')")
 
 
+def test_what_is_typed_stays(chromium: Chromium, folder: Path) -> None:
+    chromium.open(address(folder, "02-who-talks"))
+    chromium.run("document.getElementById('ask-1-1').focus()")
+    chromium.type("7")
+    chromium.run("document.querySelector('[type=radio]').click()")
+    chosen = "[...document.querySelectorAll('[type=radio]')].map((one) => one.checked)"
+    assert chromium.run(chosen)[0]
+    chromium.open(address(folder, "02-who-talks"))
+    assert chromium.run("document.getElementById('ask-1-1').value") == "7"
+    assert chromium.run(chosen)[0]
+    chromium.open(address(folder, "index"))
+    chromium.run("document.getElementById('forget').click()")
+    chromium.open(address(folder, "02-who-talks"))
+    assert chromium.run("document.getElementById('ask-1-1').value") == ""
+    assert not any(chromium.run(chosen))
+
+
 @pytest.mark.parametrize(
     "store",
     [
@@ -287,7 +321,8 @@ def test_without_a_store_the_page_works(chromium: Chromium, folder: Path, store:
 @pytest.mark.parametrize("kept", ["[", "[]", "7", "null", '{"01-first-telegram": 3}', '{"01-first-telegram": null}'])
 def test_damaged_progress_begins_again(chromium: Chromium, folder: Path, kept: str) -> None:
     chromium.open(address(folder, "index"))
-    chromium.run(f"localStorage.setItem('sistap-course', {json.dumps(kept)})")
+    for place in ("sistap-course", "sistap-course-typed"):
+        chromium.run(f"localStorage.setItem('{place}', {json.dumps(kept)})")
     chromium.open(address(folder, FIRST.path.stem))
     assert chromium.run("document.getElementById('progress').textContent").startswith("0 of ")
     assert answer(chromium, 1, right(FIRST, 1))["done"]

@@ -34,7 +34,8 @@ _COLUMNS = (1, 2, 3, 6)  # of sharkd's: time, source, destination, information
 _NAME = re.compile(r"[a-z0-9]\w*(?:\.\w+)*")
 _TOLD_ALREADY = re.compile(r"sertap\.(interval|flags == 0x00)\b")  # a character's own line says it
 
-Tree = list[Any]  # label, first byte, how many, source of the bytes, filter, items below
+# Label, first byte, how many, source of the bytes, filter, items below; in a field that names a packet, its number.
+Tree = list[Any]
 
 
 class Rule(NamedTuple):
@@ -182,13 +183,13 @@ def _tree(item: dict[str, Any], first: int, count: int) -> Tree:
             start, size = 0, 0
     expression = item.get("f", "") if _field(item) not in ("", "frame", "text") else ""
     below = [_tree(one, first, count) for one in item.get("n", []) if not _TOLD_ALREADY.match(one.get("f", ""))]
-    return [item["l"], start, size, source, expression, below]
+    return [item["l"], start, size, source, expression, below, *([item["fnum"]] if "fnum" in item else [])]
 
 
 def _kinds(tree: Iterable[Tree], count: int) -> list[str]:
     """Return of each byte what kind of field it is, as `sistap annotate` colours it."""
     kinds = [""] * count
-    for _, first, size, source, expression, _ in _all(tree):
+    for _, first, size, source, expression, *_ in _all(tree):
         name = expression.split(" ")[0]
         if name.startswith(_TAP) or source or " " not in expression:
             continue

@@ -28,8 +28,7 @@ function showAll() {
 }
 
 document.getElementById("forget").addEventListener("click", () => {
-  kept = {};
-  keepProgress();
+  forget();
   showAll();
 });
 takeFromLink();

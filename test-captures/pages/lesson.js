@@ -11,6 +11,11 @@ function startQuestion(section) {
   const form = section.querySelector("form");
   const verdict = section.querySelector(".verdict");
   const answer = section.querySelector("details.answer");
+  for (const { name } of askedIn(section)) {
+    const text = typedIn(PAGE.lesson)[name];
+    if (typeof text === "string") form.elements[name].value = text;
+  }
+  form.addEventListener("input", ({ target }) => noteTyped(PAGE.lesson, target.name, target.value));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     const results = askedIn(section).map(({ ask, name }) => {
@@ -53,7 +58,7 @@ function showProgress() {
 
 function toFragment() {
   const found = window.location.hash.match(/^#packet-(\d+)$/);
-  if (found) select(Number(found[1]));
+  if (found) goToPacket(Number(found[1]));
 }
 
 fillList();

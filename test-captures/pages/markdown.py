@@ -18,6 +18,7 @@ _FOLDING = re.compile(r"<(/?details|summary|/summary)>")
 _ITEM = re.compile(r"(-|\d+\.) +")
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)\s]+)\)")
 _PACKETS = re.compile(r"\b(packets? )(\d+(?![.:]?\d)(?:(?:, | and | or | to )\d+(?![.:]?\d))*)", re.IGNORECASE)
+_EMPHASIS = re.compile(r"(?<![\w*])\*(?=\S)(.+?)(?<=\S)\*(?![\w*])", re.DOTALL)
 _PICTURES = {".svg": "image/svg+xml", ".png": "image/png"}
 
 
@@ -45,7 +46,12 @@ def cells(row: str) -> list[str]:
 def _words(text: str) -> str:
     shown = _PACKETS.sub(lambda found: found[1] + re.sub(r"\d+", _packet, found[2]), escape(text))
     shown = re.sub(r"\*\*(\S.*?)\*\*", r"<strong>\1</strong>", shown, flags=re.DOTALL)
-    return re.sub(r"(?<![\w*])\*(?=\S)(.+?)(?<=\S)\*(?![\w*])", r"<em>\1</em>", shown, flags=re.DOTALL)
+    return _EMPHASIS.sub(_emphasis, shown)
+
+
+def _emphasis(found: re.Match[str]) -> str:
+    """Mark a path through menus: those are in Wireshark, not in the page."""
+    return f'<em class="menu">{found[1]}</em>' if " &gt; " in found[1] else f"<em>{found[1]}</em>"
 
 
 def _packet(number: re.Match[str]) -> str:

@@ -56,6 +56,11 @@ function select(number, focus) {
   return true;
 }
 
+// A long capture is not in the page as a whole.
+function goToPacket(number, focus) {
+  if (!select(number, focus)) filterSaid.textContent = `Packet ${number} is not in this page. Open the capture in Wireshark.`;
+}
+
 // Scrolls the list, and nothing else, until a row is in sight.
 function uncover(row) {
   const box = row.closest(".list");
@@ -65,12 +70,13 @@ function uncover(row) {
 
 // Opens the innermost layers: of the tap only where nothing else is in the packet.
 function branch(item, layers) {
-  const [label, first, size, source, filter, below] = item;
+  const [label, first, size, source, filter, below, other] = item;
   const mark = () => markBytes(first, size, source);
   if (!below.length) {
     const leaf = element("button", { type: "button", textContent: label, title: filter });
     leaf.addEventListener("click", mark);
     leaf.addEventListener("focus", mark);
+    if (other) leadTo(leaf, other);
     leaf.item = item;
     return leaf;
   }
@@ -82,6 +88,17 @@ function branch(item, layers) {
     ...below.map((one) => branch(one, 0)));
   folded.addEventListener("toggle", () => (folded.open ? opened.add(name) : opened.delete(name)));
   return folded;
+}
+
+// As in Wireshark, a double click on the number of a packet goes there.
+function leadTo(leaf, number) {
+  leaf.title += ` (double click or Enter: go to packet ${number})`;
+  leaf.addEventListener("dblclick", () => goToPacket(number, true));
+  leaf.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter") return;
+    event.preventDefault();
+    goToPacket(number, true);
+  });
 }
 
 function showBytes(packet) {
@@ -183,7 +200,7 @@ function linkText() {
   for (const link of document.querySelectorAll("a.packet")) {
     link.addEventListener("click", (event) => {
       event.preventDefault();
-      select(Number(link.textContent));
+      goToPacket(Number(link.textContent));
       look();
     });
   }
@@ -200,7 +217,7 @@ function linkText() {
     const [number, code] = [Number(row.cells[0].textContent), row.cells[1].querySelector("code")];
     const button = element("button", { type: "button", className: "try", title: `Show it in packet ${number}` }, code);
     button.addEventListener("click", () => {
-      select(number);
+      goToPacket(number);
       look();
       showField(code.textContent);
     });
