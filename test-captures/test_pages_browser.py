@@ -235,6 +235,9 @@ def test_workbench_reads_routes_and_numbers(chromium: Chromium, folder: Path) ->
 def test_packets_are_shown_with_their_bytes(chromium: Chromium, folder: Path) -> None:
     chromium.open(address(folder, "01-first-telegram") + "#packet-4")
     assert chromium.run("selected.number") == 4
+    words = chromium.run("[...rows.get(4).cells].slice(2).map((cell) => cell.textContent)")
+    assert words[:2] == ["3", "16"]
+    assert words[2].startswith("Reaction  ")  # From and To say who speaks
     chromium.run("showField('sis.data')")
     marked = "[...document.querySelectorAll('#packet-bytes b.marked')].map((one) => one.textContent).join(' ')"
     assert chromium.run(marked) == "46 32 32 38 20 45 78 63 65 73 73 20 64 65 76 2E"

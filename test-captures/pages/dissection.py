@@ -140,10 +140,11 @@ def _packet(sharkd: Sharkd, path: Path, row: dict[str, Any], styles: dict[int, i
     whole = b64decode(said["bytes"])
     layers = [layer for layer in said["tree"] if _field(layer) not in _OUTER]
     first, count = _on_the_line(layers, whole)
+    time, sender, receiver, words = (row["c"][column] for column in _COLUMNS)
     tree = [*_interface(said["tree"]), *(_tree(layer, first, count) for layer in layers)]
     return {
         "number": number,
-        "columns": [row["c"][column] for column in _COLUMNS],
+        "columns": [time, sender, receiver, words.removeprefix(f"{sender} -> {receiver} ").lstrip()],
         "style": styles.get(number, -1),
         "bytes": whole[first : first + count].hex(),
         "kinds": _kinds(tree, count),
