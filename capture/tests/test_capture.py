@@ -213,7 +213,7 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pyte
     characters = sum(len(read.data) for read in what)
     counted = f"19 telegrams, 1 of them damaged, {characters} characters, 4 faulty characters"
     assert capfd.readouterr().err.endswith(
-        f"sistap: 20 records ({counted}) written to {path}; open it with: wireshark {path}\n"
+        f"sistap: 20 records ({counted}) written to {path}; open it with: wireshark -C SIS {path}\n"
     )
 
 
@@ -255,7 +255,7 @@ def test_what_a_full_disk_leaves_is_what_the_summary_counts(
     assert numbers == [len(taken), good + wrong, wrong, sum(len(record.data) for record in taken), faults]
     assert all(number > len(taken) for number in of_received)
     names = [str(path) for path in there]
-    one = f"{names[0]}; open it with: wireshark {names[0]}"
+    one = f"{names[0]}; open it with: wireshark -C SIS {names[0]}"
     written_to = one if len(names) == 1 else f"{len(names)} files: {names[0]} to {names[-1]}"
     assert said.endswith(f" written to {written_to}")
 
@@ -429,7 +429,7 @@ def test_if_the_next_file_cannot_be_opened_all_is_in_the_one_before(
     assert isinstance(blocks(path)[-1], InterfaceStatistics)
     err = capfd.readouterr().err
     assert "/missing/x cannot be written: No such file or directory" in err
-    assert err.endswith(f"written to {path}; open it with: wireshark {path}\n")
+    assert err.endswith(f"written to {path}; open it with: wireshark -C SIS {path}\n")
 
 
 def test_what_had_arrived_before_a_stop_is_saved(run: Run, tmp_path: Path) -> None:
@@ -773,7 +773,7 @@ def test_the_telegrams_of_the_specification(tap: Tap, tmp_path: Path) -> None:
     code, _, err = tap.end()
     after = time.time()
     assert code == 0
-    assert err.endswith(f" characters) written to {path}; open it with: wireshark {path}\n")
+    assert err.endswith(f" characters) written to {path}; open it with: wireshark -C SIS {path}\n")
     assert f"{len(ALL)} records ({len(ALL)} telegrams, " in err
     out = subprocess.run(
         ["tshark", "-r", str(path), "-T", "fields", "-e", "frame.time_epoch", "-e", "frame.packet_flags"],

@@ -101,5 +101,5 @@ def _summary(written: Counters, received: int, output: Output) -> str:
     """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
     records = written.received.total()
     of_received = f" of {received}" if records != received else ""
-    opened = f"; open it with: wireshark {shell_word(output.only_file)}" if output.only_file else ""
+    opened = f"; open it with: wireshark -C SIS {shell_word(output.only_file)}" if output.only_file else ""
     return f"{records}{of_received} records ({written.text}) written to {output.summary}{opened}"
