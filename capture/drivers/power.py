@@ -24,7 +24,7 @@ FIRST_S, STEP_S = 4.5, 0.13  # time until the power cut, and its increase each t
 PROMISED_S = 1.0  # the README: at most the characters of the last second
 OF_SYNC_S = 2.0  # and those that came during the slow write of the emulated computer
 _SLACK = (
-    f"At most the last {PROMISED_S + OF_SYNC_S:g} s are missing: the second that `sistap` promises, "
+    f"At most the last {PROMISED_S + OF_SYNC_S:g} s were missing: the second that `sistap` promises, "
     f"and {OF_SYNC_S:g} s because the emulated disk writes slowly."
 )
 CHARACTERS_S = 870  # at 9600 Bd
@@ -58,7 +58,7 @@ def pulled(folder: Path, runs_on: str) -> str:
     except (AssertionError, OSError) as error:
         print(f"drivers: FAILED plug: {error}", flush=True)
         return f"{table.FAILED}."
-    return f"{table.GOOD}. The file is the beginning of what came. {_SLACK}"
+    return f"{table.GOOD}. Each file held the characters in their order, from the first on. {_SLACK}"
 
 
 def _pull_all(folder: Path, runs_on: str) -> None:

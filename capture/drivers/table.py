@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 GOOD, NOT_JUDGED, FAILED = "good", "-", "FAILED"
@@ -16,7 +17,8 @@ def write(file: Path, results: dict[str, dict[str, str]], pulled: str) -> None:
     _, end, after = rest.partition(END)
     if not begin or not end:
         raise ValueError(f"{file} lacks {BEGIN} or {END}")
-    new = "\n".join([before + BEGIN, *rows(results), "", f"The plug pulled ten times: {pulled}", END]) + after
+    power = textwrap.fill(f"The plug was pulled ten times: {pulled}", 100)
+    new = "\n".join([before + BEGIN, *rows(results), "", power, END]) + after
     if new != text:
         file.write_text(new)
 
