@@ -57,9 +57,12 @@ def share(wine: Wine, number: int, files: list[Path]) -> Counter[str]:
     said = wine.run(wine.python, *SUITE.split(), *own, code=None, timeout_s=SUITE_S)
     log = wine.folder / f"suite-{wine.version}-{number}.txt"
     log.write_text(said)
-    last = said.strip().splitlines()[-1]
-    counted = Counter({word: int(count) for count, word in re.findall(r"(\d+) ([a-z]+)", last.partition(" in ")[0])})
-    assert counted["passed"] and not counted["failed"] + counted["error"] + counted["errors"], f"{last}: see {log}"
+    # Not always the last line: wine's server may complain when it ends.
+    summaries = re.findall(r"^(\d+ [a-z]+, .*|\d+ [a-z]+) in [\d.]+s", said, re.MULTILINE)
+    assert summaries, f"no summary of pytest: see {log}"
+    (*_, summary) = summaries
+    counted = Counter({word: int(count) for count, word in re.findall(r"(\d+) ([a-z]+)", summary)})
+    assert counted["passed"] and not counted["failed"] + counted["error"] + counted["errors"], f"{summary}: see {log}"
     return counted
 
 
