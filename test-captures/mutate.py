@@ -224,7 +224,7 @@ def run_round(tshark: Tshark, seed: int, by_link: dict[int, list[bytes]]) -> boo
 def main() -> int:
     """Run rounds until the time or the count is used up."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seconds", type=float, default=0, help="start new rounds for so long")
+    parser.add_argument("--seconds", type=float, default=0, help="start new rounds for this time")
     parser.add_argument("--rounds", type=int, default=1, help="rounds at least (default 1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the first round (default 1)")
     arguments = parser.parse_args()

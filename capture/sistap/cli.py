@@ -50,9 +50,9 @@ EPILOG = """\
 `sistap COMMAND --help` describes a command.
 
 examples:
-  sistap ports                                             list the ports
-  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -  watch a bus live in Wireshark
-  sistap bus                                               start a simulated bus; then listen to the port it prints
+  sistap ports                                                     list the ports
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -C SIS -k -i -   watch a bus live in Wireshark
+  sistap bus                                                       start a simulated bus; it prints its port
 
 exit status:
   0  done; also when stopped by Ctrl-C or SIGTERM

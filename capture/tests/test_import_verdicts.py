@@ -84,7 +84,7 @@ def test_intervals_over_usb(tshark: Tshark, exchange: Path, limit_ms: int, comma
 
 
 def table(folder: Path, pause_ms: float) -> Path:
-    """A command as Saleae Logic 2 exports it; from the 4th character to the 5th it takes so long."""
+    """A command as Saleae Logic 2 exports it; with this time from the 4th character to the 5th."""
     lines = ["name,type,start_time,duration,data,error"]
     start_ms = 1.0
     for number, value in enumerate(COMMAND):

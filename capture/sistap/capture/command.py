@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The command `sistap capture`: what it takes."""
+"""The command `sistap capture`: its options."""
 
 from __future__ import annotations
 
@@ -69,14 +69,15 @@ with Wireshark's dissector. Without tshark, there is one line of text for each t
 unless NO_COLOR is set.
 
 With --keep, a recorder runs for months. It tests each packet with the display filter FILTER. Around each match it
-writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. A file ends --after
-seconds after its last match. It stays open for --before seconds more, because the time before a later match can begin
-in it. Then it is complete, and COMMAND starts. FILTER is tested live: a command without a reaction is found at the next
+writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. The records
+in a file end --after seconds after its last match. The file is closed --before seconds later, because another match
+until then extends it. Then COMMAND starts. FILTER is tested live: a command without a reaction is found at the next
 command (sis.unanswered_before).
 
 examples:
   sistap capture -i /dev/ttyUSB0                               each telegram with its meaning
-  sistap capture -i /dev/ttyUSB0 -w - | wireshark -k -i -      live in Wireshark
+  sistap capture -i /dev/ttyUSB0 -w - | wireshark -C SIS -k -i -
+                                                               live in Wireshark
   sistap capture -i bus://pi:5000 -w x.pcapng                  the bus at another computer
   sistap capture -i /dev/ttyUSB0 --baud auto                   find the rate
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of RS422
@@ -99,7 +100,7 @@ exit status:
 
 
 class _Once(argparse.Action):
-    """An option that, given twice, would silently lose one of its values."""
+    """An option that may be given only once: argparse would silently drop the first value."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, option: str | None = None
@@ -167,7 +168,7 @@ def _condition(text: str) -> tuple[str, float]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say what the command takes."""
+    """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
@@ -287,7 +288,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Capture as told; return the exit code. May raise PortError."""
+    """Capture; return the exit code. May raise PortError."""
     stop = Stop.current()
     console = Console()
     try:
@@ -315,7 +316,7 @@ def _make_folder(path: str | None) -> None:
 
 
 def _only_port() -> list[str]:
-    """Return the only port there is. UsageError where somebody has to choose."""
+    """Return the port if there is exactly one. Otherwise raise UsageError."""
     found = [port for port, _ in ports.found()]
     if len(found) == 1:
         return found

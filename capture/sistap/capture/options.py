@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a capture is told, and whether it goes together, whoever says it: the command line or a dialog of Wireshark."""
+"""The options of a capture, from the command line or a dialog of Wireshark, and which of them exclude each other."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class CaptureOptions:
 
     ports: Sequence[str]
     file: str | None = None  # None: print text
-    baud: int | None = RATES[0]  # None: look for it
-    format: str | None = None  # None: that of the specification, or looked for with the rate
+    baud: int | None = RATES[0]  # None: search for it
+    format: str | None = None  # None: that of the specification, or searched for with the rate
     follow_baud: bool = False
     framing: Cut = SIS
     link_type: str = UPPER_PDU
@@ -47,7 +47,7 @@ class CaptureOptions:
     autostop: Mapping[str, float] = field(default_factory=dict)  # -a: duration, filesize, files
     ring: Mapping[str, float] = field(default_factory=dict)  # -b: the same
     filter: str | None = None
-    tza_ms: int | None = None  # of a bus that has not been heard telling it
+    tza_ms: int | None = None  # limit of a bus that set it before the capture began
     trs_ms: int | None = None
     keep: Sequence[str] = ()  # display filters and presets: then `file` is a folder
     before_s: float | None = None
@@ -59,31 +59,31 @@ class CaptureOptions:
 
     @property
     def lines(self) -> Sequence[int]:
-        """The number of the line of each port."""
+        """Return the number of the line of each port."""
         return BOTH_LINES if len(self.ports) > 1 else ONE_LINE
 
     @property
     def formats(self) -> Sequence[str]:
-        """Those among which the format is looked for with the rate; none if the rate is known."""
+        """Return the formats to search with the rate; none if the rate is known."""
         if self.baud:
             return ()
         return (self.format,) if self.format else FORMATS
 
     @property
     def limits_told(self) -> str:
-        """TzA and TrS as the dissector reads them in the capture; empty where the user told none."""
+        """Return the limits of the user as the dissector reads them in the capture; empty if there are none."""
         return limits.told({"tza": self.tza_ms, "trs": self.trs_ms})
 
     @property
     def output(self) -> str:
-        """What all records are written to."""
+        """Return the file that gets all records."""
         if not self.keep or self.file is None:
             return self.file or STANDARD_OUTPUT
         return str(Path(self.file) / shelf.RING) if self.ring else os.devnull
 
     @property
     def wanted(self) -> Wanted:
-        """What the recorder is told. May raise UsageError."""
+        """Return what the recorder keeps. May raise UsageError."""
         before_s, after_s = (AROUND_S if seconds is None else seconds for seconds in (self.before_s, self.after_s))
         around = Around(int(before_s * 1e9), int(after_s * 1e9))
         at_most = AT_MOST if self.at_most is None else self.at_most
@@ -92,7 +92,7 @@ class CaptureOptions:
 
     @property
     def limits(self) -> Limits:
-        """Return what -w, -a and -b say together; they mean what they mean in dumpcap. May raise UsageError."""
+        """Return the limits of the files: -w, -a and -b mean what they mean in dumpcap. May raise UsageError."""
         _check_limits(self)
         size = _size(self)
         return Limits(
@@ -107,14 +107,14 @@ class CaptureOptions:
 
 
 class Plan(NamedTuple):
-    """What options come to."""
+    """The result of checked options."""
 
     settings: LineSettings  # to begin with
     only: Filter | None
 
 
 def rate(text: str) -> int | None:
-    """Read a rate; None is auto. ValueError says what it has to be."""
+    """Parse a rate; None is auto. ValueError says what it must be."""
     if text == AUTO:
         return None
     try:
@@ -196,7 +196,7 @@ def _check_limits(options: CaptureOptions) -> None:
 
 
 def _check_ports(options: CaptureOptions) -> None:
-    """Refuse a port that something would be written to, and one port for both lines."""
+    """Refuse a port that something would be written to, and the same port for both lines."""
     for port in options.ports:
         if options.file and ports.is_same_file(options.file, port):
             raise UsageError(f"{options.file} is the port itself, which is never written to: choose a file with -w")
@@ -212,7 +212,7 @@ def _check_ports(options: CaptureOptions) -> None:
 
 
 def _host(port: str) -> str:
-    """Return the host whose clock gives a port its times; of ports of this computer nothing."""
+    """Return the host whose clock gives a port its times; empty for ports of this computer."""
     try:
         return urlsplit(port).hostname or "" if port.startswith("bus://") else ""
     except ValueError:  # opening it will say so

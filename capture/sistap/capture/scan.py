@@ -26,7 +26,7 @@ ENOUGH_ERRORS = 8
 ACCIDENT = 16
 ENOUGH_CHARACTERS = 2 * MAX_LENGTH  # the rest of the telegram under way, and a whole one
 PAUSE_NS = 1_000_000_000  # a telegram does not continue after such a pause
-# A silent line is left for the next settings, in each round after twice the time. Otherwise a bus that speaks rarely
+# On a silent line the search moves on after a time, which doubles in each round. Otherwise a bus that rarely sends
 # would always meet the same few settings.
 SILENCE_NS = 3_000_000_000
 LONGEST_SILENCE_NS = 60_000_000_000
@@ -37,7 +37,7 @@ ALIKE = 0.05  # largest deviation of a measured rate, as a share
 
 @dataclass
 class _Try:
-    """What a setting has brought."""
+    """What was received with a setting."""
 
     settings: LineSettings
     since_ns: int | None  # None: the time on the line is not known yet
@@ -68,10 +68,10 @@ class Scan:
         self._all = [LineSettings.parse(baud, text) for baud in RATES for text in formats]
         self._tries = 1
         self._silence_ns = SILENCE_NS
-        self._brought = 0  # consecutive settings with characters
+        self._brought = 0  # consecutive settings that received characters
         self._try = _Try(self._all[0], None)
         self.found = False
-        self.in_vain = False  # all settings had characters, and none a telegram
+        self.in_vain = False  # all settings received characters, but no telegram
 
     @property
     def settings(self) -> LineSettings:

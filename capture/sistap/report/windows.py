@@ -15,7 +15,7 @@ from sistap.wireshark.rows import FRAME, OTHER
 WORST_SHOWN = 3  # windows around the worst moments
 PACKETS_KEPT = 1000  # in a window: more would be a grey bar and a page of many megabytes
 _LEAST_MARGIN_S = 0.03  # so that what came before and after is seen, also at 9600 Bd
-_LONGEST_PACKET_S = 5.0  # so long before its window can a packet begin that reaches into it
+_LONGEST_PACKET_S = 5.0  # a packet that reaches into a window can begin this much earlier
 
 
 @dataclass

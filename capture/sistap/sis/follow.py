@@ -33,7 +33,7 @@ class Follow:
 
     def __init__(self, baud: int) -> None:
         self._valid = baud  # without a test
-        self._set: dict[int, int] = {}  # keyed by the station that was told, or BROADCAST: rates not accepted yet
+        self._set: dict[int, int] = {}  # rates not accepted yet, by the station that got them, or BROADCAST
         self._command: Header | None = None  # a command of this service to one station, not answered yet
         self._test_end_ns: int | None = None
 

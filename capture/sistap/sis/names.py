@@ -31,7 +31,7 @@ SERVICES = {
     0x9F: "Write parameter (SYNAX)",
 }
 
-# First and last service, and the name of what has no name of its own.
+# First and last service of a range, and the name of the range, for services without a name of their own.
 RANGES = (
     (0x00, 0x0F, "General service"),
     (0x10, 0x7F, "Reserved service"),

@@ -27,8 +27,8 @@ class Advice(NamedTuple):
     started: str  # how to start Wireshark with the profile
     path: str  # {folder} is not in PATH
     latency_timer: str  # of an FTDI adapter: {name} is its name in Windows
-    ports_group: str = ""  # to which a user of serial ports has to belong
-    package: str = ""  # how the package of the system is removed
+    ports_group: str = ""  # users of serial ports must belong to it
+    package: str = ""  # how to remove the package of the system
 
 
 _LINUX = Advice(
@@ -91,12 +91,12 @@ _OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '
 
 
 def advice(system: str = "") -> Advice:
-    """Return the column of a system as Python names it; by default that of this one."""
+    """Return the column of a system, named as in sys.platform; by default of this system."""
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
 
 
 def no_matplotlib() -> str:
-    """Return what to do where it is missing."""
+    """Return what to do if matplotlib is missing."""
     return f"matplotlib is missing for {sys.executable}: {advice().matplotlib.format(python=sys.executable)}"
 
 
@@ -110,7 +110,7 @@ _PACKED = {
 
 
 def unpack(path: Path) -> str:
-    """Return what to do first with a file that is packed; nothing if it is not, or cannot be read."""
+    """Return how to unpack a packed file; empty if it is not packed, or cannot be read."""
     try:
         if not path.is_file():  # opening a pipe would wait for a writer
             return ""

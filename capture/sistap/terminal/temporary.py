@@ -18,15 +18,15 @@ from sistap.terminal.writing import Incomplete
 if sys.platform != "win32":
     import fcntl
 
-PREFIX = "sistap-temporary-"  # of nothing that a person would make
-_NEW_S = 60.0  # so long, a folder may not be claimed yet
+PREFIX = "sistap-temporary-"  # no person would choose this name
+_NEW_S = 60.0  # a younger folder may not be claimed yet
 
 
 class Folder:
-    """A folder that the next one that is made removes, if this process is killed."""
+    """A temporary folder. If this process is killed, the next Folder of this user removes it."""
 
     def __init__(self, *others: int) -> None:
-        """Make it. Remove those that are left, of this user or these others."""
+        """Make it. Remove the folders that killed processes of this user, or of these others, have left."""
         sweep(*others)
         # If a signal comes just before its end, Python removes it with the object.
         self._made = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
@@ -81,7 +81,7 @@ def folder() -> Iterator[Path]:
 
 
 class Blobs:
-    """Blobs to be read again by their number. Use it in a `with`; nothing is left behind."""
+    """Blobs in a file, read by their number. Use it in a `with`; nothing is left behind."""
 
     def __init__(self, what: str) -> None:
         """Make the file in TMPDIR; `what` describes its contents in the message about a lack of room."""
