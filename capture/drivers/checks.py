@@ -353,7 +353,7 @@ def modem_lines(bench: Bench) -> None:
 
 CHECKS: dict[str, Callable[[Bench], None]] = {
     "`ports`": ports,
-    "`doctor`, for who may open it and who may not": doctor,
+    "`doctor`, by a user who may open the port, and by one who may not": doctor,
     "every character captured": capture,
     "DTR and RTS: down in one step": modem_lines,
     "tuned, and set back": restored,

@@ -24,7 +24,7 @@ FIRST_S, STEP_S = 4.5, 0.13  # time until the power cut, and its increase each t
 PROMISED_S = 1.0  # the README: at most the characters of the last second
 OF_SYNC_S = 2.0  # and those that came during the slow write of the emulated computer
 _SLACK = (
-    f"At most the last {PROMISED_S + OF_SYNC_S:g} s were missing: the second that `sistap` promises, "
+    f"At most the last {PROMISED_S + OF_SYNC_S:g} s were missing: 1 s, the most that `sistap` may lose, "
     f"and {OF_SYNC_S:g} s because the emulated disk writes slowly."
 )
 CHARACTERS_S = 870  # at 9600 Bd
