@@ -62,14 +62,14 @@ def show(tshark: Tshark) -> None:
 
 
 def doubts(uncertainties_s: list[str]) -> str:
-    """Say why verdicts are unresolved: how far the times of those telegrams are known, in s. Empty: none is."""
+    """Say why verdicts are unresolved, given the uncertainties of those telegrams in s. Empty if there are none."""
     if not uncertainties_s:
         return ""
     known = [float(text) for text in uncertainties_s if text]
-    far = f"known to {max(known) * 1e3:.3f} ms only" if known else "not known"
+    exact = f"exact only to {max(known) * 1e3:.3f} ms" if known else "of unknown exactness"
     return (
-        f"{len(uncertainties_s)} verdicts are unresolved: this machine was busy, so the times are {far},\n"
-        "and the limit lies within that. For exact times play into a file: sistap bus --cycles 5 -w exact.pcapng"
+        f"Unresolved verdicts: {len(uncertainties_s)}. This computer was busy, so the times are {exact}.\n"
+        "For exact times, play into a file: sistap bus --cycles 5 -w exact.pcapng"
     )
 
 
