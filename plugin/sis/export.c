@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* File > Export Objects > SIS. Long parameters are a file each. Memory that Read flash and Program flash
- * carry piece by piece is put together where a piece follows another or lies in it; what lies apart is a file
- * of its own, so that holes are seen. Programmed memory is what was sent, whether the station took it or not.
- */
+/* File > Export Objects > SIS. Each long parameter is a file. The pieces of memory that Read flash and
+ * Program flash carry are joined if one follows or overlaps another. What lies apart is a file of its own, so
+ * that gaps stay visible. Programmed memory is what was sent, whether or not the station accepted it. */
 
 #include "sis/export.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Memory that Export Objects puts together piece by piece: which entry of a list a piece belongs to.
+/* Memory that Export Objects puts together piece by piece: to which entry of its list a piece belongs.
  *
- * The list itself is what counts, and its owner may empty it without a word. To look through it for every
- * piece takes too long: tshark's list is a chain. So for each address it is known which memory is the first
- * of the list that a piece at this address extends. A piece has at most 255 bytes: what it costs does not
- * grow with the list. */
+ * Wireshark owns the list and may empty it at any time. A search of the list for every piece would take too
+ * long, because tshark's list is a chain. So this index holds, for each address, the first memory of the list
+ * that a piece at this address extends. A piece has at most 255 bytes, so its cost does not grow with the
+ * list. */
 
 #include "sis/memories.h"
 

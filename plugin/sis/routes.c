@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Commands through routers: which command on one level became which on the next (chapter 2.2).
  *
- * A router drops the first address and sends the rest on. So a command that waits is kept by what the next
- * router would send: as many as there are, one look finds the one of which a router made another. */
+ * A router drops the first address and sends the rest on. So a waiting command is kept under the bytes that
+ * the next router would send. However many wait, one look then finds the command that a router has passed
+ * on. */
 
 #include "sis/routes.h"
 

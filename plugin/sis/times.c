@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* When characters came, and how exactly that is known.
  *
- * A character has the time of the read that delivered it, the latest at which it can have come; it came no
- * earlier than the record's uncertainty before that. Characters of one read follow one another by at least a
- * character time, so the i-th of k came at least (k - i) character times before the read, and if the read is
- * longer than its uncertainty, the uncertainty was too small.
- */
+ * The time of a character is that of the read that delivered it. The character came no later, and earlier by
+ * at most the uncertainty of the record. Characters of one read follow one another by at least a character
+ * time. So the i-th of k came at least (k - i) character times before the read. If a read is longer than its
+ * uncertainty, the uncertainty was too small. */
 
 #include "sis/times.h"
 

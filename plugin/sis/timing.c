@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
- * A limit comes from a preference, else from what the bus has told (bus.c), else from what the user told when
- * capturing, else there is none, and no verdict; nor is there one where only packets have times. Which
- * verdict: times.c. */
+ * A limit comes from a preference, else from the bus (bus.c), else from the user who captured. Without a
+ * limit there is no verdict, nor if only packets have times. times.c computes the verdicts. */
 
 #include "sis/timing.h"
 
