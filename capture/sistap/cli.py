@@ -13,7 +13,7 @@ from typing import NoReturn
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.advice import advice, examples
+from sistap.terminal.advice import examples, no_pyserial
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
@@ -87,10 +87,7 @@ def _failed(error: Exception) -> int:
             Console().say(str(error))
         return FAILED
     if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] == "serial":
-        Console().say(
-            f"pyserial is missing for {sys.executable}: `{sys.executable} -m pip install pyserial`, "
-            f"{advice().pyserial}"
-        )
+        Console().say(f"pyserial is {no_pyserial()}")
         return FAILED
     raise error
 

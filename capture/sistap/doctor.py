@@ -16,7 +16,7 @@ from sistap.capture.filter import Filter, FilterError
 from sistap.line import analyser, measurement, ports, priority
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import advice, no_pyserial
 from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.state import is_root
 from sistap.terminal.visible import visible
@@ -165,8 +165,7 @@ def _has_pyserial() -> bool:
 
 def _pyserial() -> Iterator[Point]:
     if not _has_pyserial():
-        cure = f"`{sys.executable} -m pip install pyserial`, {advice().pyserial}"
-        yield Point("bad", "pyserial", f"missing for {sys.executable}: {cure}")
+        yield Point("bad", "pyserial", no_pyserial())
         return
     import serial
 

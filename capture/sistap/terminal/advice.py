@@ -20,7 +20,7 @@ class Advice(NamedTuple):
     wireshark: str  # tshark is installed, Wireshark is not
     libpcap: str
     matplotlib: str  # {python} runs sistap
-    pyserial: str  # besides `python -m pip install pyserial`
+    pyserial: str  # {python} runs sistap
     no_pseudo_terminal: str
     in_use: str  # another program has the port {port}: what follows "by another program"
     held: str  # a file cannot be replaced or removed
@@ -39,7 +39,8 @@ _LINUX = Advice(
     libpcap="install the package libpcap0.8 (or libpcap)",
     matplotlib="`sudo apt-get install python3-matplotlib`, or in a virtual environment "
     "`{python} -m pip install matplotlib`",
-    pyserial="or install the package python3-serial and run sistap with the system's own python3",
+    pyserial="`sudo apt-get install python3-serial` for the system's own python3, or in a virtual environment "
+    "`{python} -m pip install pyserial`",
     no_pseudo_terminal="close some terminals",
     in_use="(often ModemManager): `sudo fuser -v {port}` names it",
     held="see who may write to its folder",
@@ -58,7 +59,7 @@ _MACOS = _LINUX._replace(
     libpcap="macOS includes it: start sistap with the Python of this system",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
     matplotlib="`{python} -m pip install matplotlib`",
-    pyserial="with the Python that runs sistap",
+    pyserial="`{python} -m pip install pyserial`",
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
     latency_timer="the driver of macOS has no such setting: capture with `sistap serve` on a Linux computer",
     ports_group="",
@@ -72,7 +73,7 @@ _WINDOWS = Advice(
     wireshark="run Wireshark's installer again and tick Wireshark",
     libpcap="install Npcap, which Wireshark's installer includes",
     matplotlib="type {python} -m pip install matplotlib",
-    pyserial="with the Python that runs sistap",
+    pyserial="`{python} -m pip install pyserial`",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
     in_use=": close that program first",
     held="a program has it open: close Wireshark, then try again",
@@ -93,6 +94,11 @@ _OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '
 def advice(system: str = "") -> Advice:
     """Return the column of a system, named as in sys.platform; by default of this system."""
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
+
+
+def no_pyserial() -> str:
+    """Say in a clause for whom pyserial is missing, and what to do."""
+    return f"missing for {sys.executable}: {advice().pyserial.format(python=sys.executable)}"
 
 
 def no_matplotlib() -> str:
