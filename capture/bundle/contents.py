@@ -24,8 +24,8 @@ NAME = f"sistap-{__version__}"
 TIME = (1980, 1, 1, 0, 0, 0)  # of every file: the earliest time in a zip
 
 # Wireshark imports only those files of a profile whose names it knew when it started. It learns plots when their window
-# opens. 4.0 does not know dmacros; later versions make it from dfilter_macros.
-NOT_IMPORTED = ("dmacros", "plots")
+# opens. 4.0 knows neither dmacros nor profile_settings; later versions make dmacros from dfilter_macros.
+NOT_IMPORTED = ("dmacros", "plots", "profile_settings")
 
 # The source of each file, and its place in the bundle.
 FILES = {

@@ -36,11 +36,13 @@ def rows(name: str) -> list[list[str]]:
 
 RULES = [line.split("@")[1:] for line in lines("colorfilters")]
 MACROS = dict(rows("dfilter_macros"))
+(SWITCH,) = (line.removeprefix("auto_switch_filter: ") for line in lines("profile_settings"))
 FILTERS = sorted(
     {rule[1] for rule in RULES}
     | {button[2] for button in rows("dfilter_buttons")}
     | {row[2] for row in rows("io_graphs")}
     | {row[3] for row in rows("plots")}
+    | {SWITCH}
 )
 
 
@@ -87,6 +89,11 @@ def test_macros(tshark: Run, text: str, frames: str) -> None:
         tshark("statistics", "-Y", f"{text} && frame.number <= 12", "-T", "fields", "-e", "frame.number").split()
         == frames.split()
     )
+
+
+@pytest.mark.parametrize(("capture", "switches"), [("damaged", True), ("records", True), ("tcp-foreign", False)])
+def test_wireshark_switches_to_the_profile_for_captures_with_sis(tshark: Run, capture: str, switches: bool) -> None:
+    assert bool(tshark(capture, "-Y", SWITCH)) == switches
 
 
 def test_macros_are_the_same_for_later_wiresharks() -> None:
