@@ -171,6 +171,16 @@ def test_windows_gets_the_program_where_it_was_built(root: Path, run: Run, monke
 
 
 @compiled
+def test_windows_takes_no_build_of_linux(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command, "WINDOWS", True)
+    build(builds() / "plugin/plugin", 0)
+    code, out, _ = run("install")
+    assert code == 0
+    assert "Wireshark loads sis.lua" in out
+    assert not (root / "Personal/plugins/4.0").exists()
+
+
+@compiled
 def test_the_newest_build_that_fits(root: Path, run: Run) -> None:
     old, new = build(builds() / "one/plugin", 0), build(builds() / "two/plugin", 0)
     with new.open("ab") as file:

@@ -109,7 +109,8 @@ def _install(args: argparse.Namespace, console: Console) -> int:
     files = list(_others(places))
     if not for_all:
         files = list(_not_there_for_all(files, list(_others(folders.parse(named, for_all=True)))))
-    chosen = sources.Dissector(sources.lua(), False, []) if args.lua else sources.dissector(args.plugin, wireshark)
+    script = args.lua or (WINDOWS and not args.plugin)  # a build here would be one of Linux, in a copied checkout
+    chosen = sources.Dissector(sources.lua(), False, []) if script else sources.dissector(args.plugin, wireshark)
     foreign = _foreign(there, ledger)
     if foreign:
         _tell(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there")
