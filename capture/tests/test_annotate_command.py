@@ -44,6 +44,9 @@ def run(
     return run_with(folder, stdin, "annotate", *arguments, **environment)
 
 
+WRITTEN = b"sistap: written to x.pcapng; open it with: wireshark -C SIS x.pcapng\n"
+
+
 def refused(done: subprocess.CompletedProcess[bytes], code: int, *words: str) -> None:
     said = done.stderr.decode()
     assert done.returncode == code
@@ -191,7 +194,7 @@ def test_a_named_pipe_is_read_once(tmp_path: Path, log: Path) -> None:
 
 def test_a_capture(log: Path) -> None:
     done = run(log.parent, log, "-w", "x.pcapng")
-    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", WRITTEN)
     found = records(log.parent / "x.pcapng")
     expected = LOGS["docklight"][1]
     assert [(number, record.line, record.data) for number, record in found] == [
@@ -257,7 +260,7 @@ def test_a_log_of_another_protocol(tmp_path: Path) -> None:
     """Two frames of Modbus RTU, a second apart."""
     (tmp_path / "x").write_text("10:00:00.0 01 03 00 00 00 0A C5 CD\n10:00:01.0 01 03 00 00 00 0A C5 CD\n")
     done = run(tmp_path, "x", "--framing", "silence:10", "-w", "x.pcapng")
-    assert (done.returncode, done.stderr) == (0, b"")
+    assert (done.returncode, done.stderr) == (0, WRITTEN)
     assert [record.data.hex() for _, record in records(tmp_path / "x.pcapng")] == ["01030000000ac5cd"] * 2
 
 
@@ -309,6 +312,7 @@ def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     text = f"RX {telegram * (LONGEST_LINE // len(telegram) + 100)}\nRX {telegram}\n"
     (tmp_path / "x").write_text(text)
     done = run(tmp_path, "x", "-w", "x.pcapng")
+    done.stderr = done.stderr.removesuffix(WRITTEN)
     refused(done, 0, "line 1: longer than 1,000,000 characters")
     telegrams = [record for _, record in records(tmp_path / "x.pcapng") if record.type == Type.FRAME]
     assert len(telegrams) == (LONGEST_LINE - 3) // len(telegram) + 1

@@ -67,7 +67,9 @@ def play(text: str, folder: Path) -> list[Played]:
 
 def record(name: str, file: Path, *options: str) -> None:
     result = subprocess.run([*BUS, name, "-w", str(file), *options], capture_output=True, text=True, check=False)
-    assert (result.returncode, result.stderr) == (0, "")
+    assert result.returncode == 0
+    assert result.stderr.startswith("sistap bus: ")
+    assert result.stderr.endswith(f"written to {file}; open it with: wireshark -C SIS {file}\n")
 
 
 def commands(all_played: list[Played], service: int = 0x10) -> list[Played]:
@@ -603,7 +605,9 @@ def test_signals_end_a_recording_after_a_whole_block() -> None:
         while process.poll() is None or select.select([ours], [], [], 0)[0]:
             if select.select([ours], [], [], 0.1)[0]:
                 data += os.read(ours, 65536)
-        assert finish(process) == (0, "")
+        code, said = finish(process)
+        assert code == 0
+        assert said.endswith("written to standard output\n")
     while data:
         length = int.from_bytes(data[4:8], "little")
         assert data[length - 4 : length] == data[4:8]

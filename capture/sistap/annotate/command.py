@@ -163,6 +163,8 @@ def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> No
     try:
         output.begin()
         annotating.record(batches, passage, _name(args), output.write)
+        if passage.bytes:
+            console.say(output.written)
     finally:
         output.close()
 

@@ -19,7 +19,8 @@ from sistap.bus.table import RATE
 from sistap.bus.wires import choice
 from sistap.bus.wires.log import Log
 from sistap.bus.wires.pace import Pace
-from sistap.bus.wires.serve import Wire, play
+from sistap.bus.wires.recording import START_NS, Recording
+from sistap.bus.wires.serve import play
 from sistap.files.output import FORCE, Output, OutputError, OutputRefused
 from sistap.line.clock import CLOCK
 from sistap.line.settings import LineSettings
@@ -214,12 +215,12 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
         _answer(args, settings, played, log)
     else:
         pace = Pace(args.fast or bool(args.file), played.begin_ns)
-        if args.file:
-            wire = _recording(args, settings, played, stop)
-        else:
-            wire = choice.opened(args, settings, pace, args.seed, args.reads)
+        recording = _recording(args, settings, played, stop) if args.file else None
+        wire = recording or choice.opened(args, settings, pace, args.seed, args.reads)
         telegrams = itertools.takewhile(lambda _: not stop.asked, played.play(settings, how))
         play(wire, pace, telegrams, log, f"{settings.baud} {settings.format}, seed {args.seed}")
+        if recording:
+            print(f"sistap bus: {visible(recording.written)}", file=sys.stderr)
 
 
 def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, log: Log | None) -> None:
@@ -244,9 +245,7 @@ def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, 
         port.close()
 
 
-def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Wire:
-    from sistap.bus.wires.recording import START_NS, Recording
-
+def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Recording:
     try:
         text = f"scenario {args.scenario}, seed {args.seed}"
         output = Output(args.file, stopped=lambda: stop.asked, force=args.force)

@@ -20,7 +20,6 @@ from sistap.line.reader import Reader
 from sistap.recorder.recorder import Recorder
 from sistap.records.counters import Counters
 from sistap.records.record import Record, Type
-from sistap.terminal.advice import shell_word
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
 
@@ -101,5 +100,4 @@ def _summary(written: Counters, received: int, output: Output) -> str:
     """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
     records = written.received.total()
     of_received = f" of {received}" if records != received else ""
-    opened = f"; open it with: wireshark -C SIS {shell_word(output.only_file)}" if output.only_file else ""
-    return f"{records}{of_received} records ({written.text}) written to {output.summary}{opened}"
+    return f"{records}{of_received} records ({written.text}) {output.written}"

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.files.lasting import PROMISED_S, Lasting
+from sistap.terminal.advice import shell_word
 from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
 
 if sys.platform == "win32":
@@ -216,10 +217,12 @@ class Output:
         return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
     @property
-    def only_file(self) -> str | None:
-        """The file that all was written to; None where it is none, or several."""
+    def written(self) -> str:
+        """Say where everything was written, and how to open it if that is one file."""
         is_one = self._number == 1 and self._file.regular and self._file.path != STANDARD_OUTPUT
-        return self._file.path if is_one and not self._file.is_new_and_empty else None
+        is_there = is_one and not self._file.is_new_and_empty
+        opened = f"; open it with: wireshark -C SIS {shell_word(self._file.path)}" if is_there else ""
+        return f"written to {self.summary}{opened}"
 
     def _tell_trouble(self) -> None:
         """Report once that the disk does not take the data."""

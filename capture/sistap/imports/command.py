@@ -142,7 +142,7 @@ def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Co
     found = messages.read(args.file)
     with closing(Output(args.output, stopped=lambda: stop.asked, force=args.force)) as output:
         messages.write(output, args.dissector, args.file.name, found)
-        console.say(f"{len(found)} messages for {args.dissector} written to {output.summary}")
+        console.say(f"{len(found)} messages for {args.dissector} {output.written}")
     return DONE
 
 
@@ -161,7 +161,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
             raise
     if source.warning:
         console.say(_one_line(f"{args.file}: {source.warning}"))
-    console.say(f"{counters} written to {output.summary}")
+    console.say(f"{counters} {output.written}")
     console.say(f"{settings}, {source.settings_from}; {timing}: {_precision(conversion.uncertainties)}")
     return DONE
 

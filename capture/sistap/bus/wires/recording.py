@@ -56,6 +56,11 @@ class Recording:
         said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {TIMING}{cut.said}"
         self._writer.begin(*(event(start_ns, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
 
+    @property
+    def written(self) -> str:
+        """Say what was written, where, and how to open it."""
+        return f"{self.counters} {self._output.written}"
+
     def wait_for_listener(self) -> None:
         """Do nothing: the file listens already."""
 
