@@ -184,7 +184,7 @@ def _check_place(args: argparse.Namespace, played: Scenario, faults: Faults) -> 
     if args.rates and name != DEFAULT:
         raise ValueError(f"--rates is for the scenario {DEFAULT}: leave it out")
     if args.file == STANDARD_OUTPUT and os.isatty(1):
-        raise ValueError("a terminal cannot show a pcapng file: add | wireshark -k -i - or name a file with -w")
+        raise ValueError("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i - or name a file with -w")
 
 
 def _rates(args: argparse.Namespace) -> list[int]:

@@ -188,7 +188,7 @@ def _check_limits(options: CaptureOptions) -> None:
     if options.file == STANDARD_OUTPUT and ring:
         raise UsageError("-b needs files: standard output is only one")
     if options.file == STANDARD_OUTPUT and os.isatty(1):
-        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -k -i - or leave out -w")
+        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i - or leave out -w")
     if ring and not size and "duration" not in ring:
         raise UsageError("-b files: does not say when a file is full: add -b duration:SECONDS or -b filesize:KB")
     if "files" in options.autostop and not ring:

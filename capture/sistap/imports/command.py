@@ -47,7 +47,7 @@ examples:
   sistap import usb.pcapng -w bus.pcapng --device 1.5                  one of several adapters
   sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
   sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
-  sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -k -i -
+  sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -C SIS -k -i -
   sistap import messages.csv -w pcp.pcapng --dissector synaxpcp        lines such as 0.125,M,0082 000C 0002
 
 exit status:
@@ -130,7 +130,7 @@ def _told(args: argparse.Namespace) -> Told:
 
 def _check_output(args: argparse.Namespace) -> None:
     if args.output == STANDARD_OUTPUT and os.isatty(1):
-        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -k -i -, or name a file with -w")
+        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i -, or name a file with -w")
     if args.file.exists() and Path(args.output).exists() and args.file.samefile(args.output):
         raise UsageError(f"{args.output} is FILE itself: name another file with -w")
 
