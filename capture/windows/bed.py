@@ -60,7 +60,7 @@ def share(wine: Wine, number: int, files: list[Path]) -> Counter[str]:
     # Not always the last line: wine's server may complain when it ends.
     summaries = re.findall(r"^(\d+ [a-z]+, .*|\d+ [a-z]+) in [\d.]+s", said, re.MULTILINE)
     assert summaries, f"no summary of pytest: see {log}"
-    (*_, summary) = summaries
+    summary = summaries[-1]
     counted = Counter({word: int(count) for count, word in re.findall(r"(\d+) ([a-z]+)", summary)})
     assert counted["passed"] and not counted["failed"] + counted["error"] + counted["errors"], f"{summary}: see {log}"
     return counted

@@ -69,9 +69,9 @@ with Wireshark's dissector. Without tshark, there is one line of text for each t
 unless NO_COLOR is set.
 
 With --keep, a recorder runs for months. It tests each packet with the display filter FILTER. Around each match it
-writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. The records
-in a file end --after seconds after its last match. The file is closed --before seconds later, because another match
-until then extends it. Then COMMAND starts. FILTER is tested live: a command without a reaction is found at the next
+writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. A file ends --after
+seconds after its last match. The recorder waits --before seconds more before it closes the file and starts COMMAND: a
+match in that time goes into the same file. FILTER is tested live: a command without a reaction is found at the next
 command (sis.unanswered_before).
 
 examples:
