@@ -26,29 +26,70 @@ local match, gsub = string.match, string.gsub
 local concat, unpack = table.concat, table.unpack
 local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift -- signed: up to 31 bits only
 
+--- protocols: made by plugin/protocol/generate.py from protocols.toml; edit there
+
 local sertap = Proto("sertap", "Serial tap")
 local sis = Proto("sis", "Rexroth SIS serial protocol")
+sis.prefs.edition = Pref.enum("Edition of the telegram header", 0,
+  "Address ranges, and bits 5 to 7 of the telegram control, differ between editions",
+  {{"IF02", "IF02 (SIS definition of 2004, IndraDrive)", 0}, {"ECODRIVE03", "ECODRIVE03 (FGP-01VRS)", 1}}, false)
+sis.prefs.clc_as_sercos = Pref.bool("Decode services 0xC0 to 0xCF like 0x10 to 0x1F", false,
+  "The CLC's services are said to be close to the SERCOS services; their layout is not documented")
+sis.prefs.ecodrive_phases = Pref.bool("Decode services 0x82 and 0x8D like 0x12 and 0x1D", false,
+  "Reading and switching the phase of an ECODRIVE this way is not confirmed")
+sis.prefs.tza_ms = Pref.uint("TzA in ms", 0,
+  "Longest interval allowed between two characters of a telegram; 0: as the bus was told")
+sis.prefs.trs_ms = Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told")
+sis.prefs.dlt_user = Pref.enum("Decode a user link type as SIS", -1,
+  "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set",
+  {{"off", "Off", -1}, {"user0", "USER0 (147)", 0}, {"user1", "USER1 (148)", 1}, {"user2", "USER2 (149)", 2},
+  {"user3", "USER3 (150)", 3}, {"user4", "USER4 (151)", 4}, {"user5", "USER5 (152)", 5}, {"user6", "USER6 (153)", 6},
+  {"user7", "USER7 (154)", 7}, {"user8", "USER8 (155)", 8}, {"user9", "USER9 (156)", 9},
+  {"user10", "USER10 (157)", 10}, {"user11", "USER11 (158)", 11}, {"user12", "USER12 (159)", 12},
+  {"user13", "USER13 (160)", 13}, {"user14", "USER14 (161)", 14}, {"user15", "USER15 (162)", 15}}, false)
+sis.prefs.tcp_heuristic = Pref.bool("Recognize SIS on any TCP port", true,
+  "Where a segment starts with a whole telegram: equal lengths, right checksum")
+local p3964r = Proto("3964r", "3964R procedure")
+p3964r.prefs.zvz_ms = Pref.uint("ZVZ in ms", 220, "Longest interval between two characters of a block; 0: no verdict")
+p3964r.prefs.qvz_ms = Pref.uint("QVZ in ms", 2000, "Longest time to the partner's answer; 0: no verdict")
+local rk512i = Proto("rk512i", "RK512 with the Indramat extension")
+local arcnet7f = Proto("arcnet7f", "Rexroth SYNAX200 on ARCNET")
+local synax = Proto("synax", "Rexroth SYNAX200 transports")
+local synaxpk = Proto("synaxpk", "Rexroth SYNAX200 parameter channel")
+synaxpk.prefs.layout = Pref.enum("Layout of the control and status word", 0,
+  "IndraDrive has a parameter channel of its own", {{"synax", "SYNAX200", 0}, {"indradrive", "IndraDrive", 1}}, false)
+synaxpk.prefs.direction = Pref.enum("Sender", 0,
+  "Who has sent the packets: in a capture made at the master, what it sent comes from the master, and "
+    .. "what it received from the slave", {{"guess", "As the packet says: sent, received", 0}, {"master", "Master", 1},
+  {"slave", "Slave", 2}}, false)
 local synaxobj = Proto("synaxobj", "Rexroth SYNAX200 object")
 local synaxpcp = Proto("synaxpcp", "Interbus PCP")
 local synaxpd = Proto("synaxpd", "Rexroth SYNAX200 process data")
-local synax = Proto("synax", "Rexroth SYNAX200 transports")
-local procedure = Proto("3964r", "3964R procedure")
-local rk512i = Proto("rk512i", "RK512 with the Indramat extension")
-local arcnet7f = Proto("arcnet7f", "Rexroth SYNAX200 on ARCNET")
-local synaxpk = Proto("synaxpk", "Rexroth SYNAX200 parameter channel")
-local protos = {sertap = sertap, sis = sis, synax = synax} -- by filter name
+synaxpd.prefs.ports = Pref.range("UDP ports of the PPC", "", "Those of parameter C-0-0194; none is known by itself",
+  65535)
+synaxpd.prefs.swap_bytes = Pref.bool("Bytes of a word are swapped", false, "As bits of C-0-0129 say")
+synaxpd.prefs.swap_words = Pref.bool("Words of a double word are swapped", false, "As bits of C-0-0129 say")
+local sisascii = Proto("sisascii", "Rexroth ASCII protocol")
+
+local protos = {["sertap"] = sertap, ["sis"] = sis, ["3964r"] = p3964r, ["rk512i"] = rk512i, ["arcnet7f"] = arcnet7f,
+  ["synax"] = synax, ["synaxpk"] = synaxpk, ["synaxobj"] = synaxobj, ["synaxpcp"] = synaxpcp, ["synaxpd"] = synaxpd,
+  ["sisascii"] = sisascii} -- by filter name
+
+local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, trs_ms = 0, dlt_user = -1,
+  tcp_heuristic = true} -- values of the preferences of sis
+-- end of protocols
 
 -- Functions shared by blocks, with their names in the C headers: S.take for sis_take(), T.load for sertap_load().
 local S, T = {}, {}
--- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.body_missing for ei_sis_missing. Those
--- of other protocols have their whole names: FX.rk512i_command.
+-- Fields and expert items of sis, and of sertap: F.service for hf_sis_service, E.body_missing for
+-- ei_sis_body_missing. Those of other protocols have their whole names: FX.rk512i_command.
 local F, FT, FX, E, ET, EX = {}, {}, {}, {}, {}, {}
--- Constants; texts of codes; values of the preferences of sis.
-local K, N, P = {}, {}, {}
+-- Constants; texts of codes.
+local K, N = {}, {}
 
 K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
 
-local label = {} -- of a field
+local label, kind_of, base_of = {}, {}, {} -- of a field
 
 local registered = {} -- by protocol: {fields, experts}
 
@@ -71,7 +112,7 @@ end
 local function field(abbreviation, text, kind, display, strings, mask, description)
   local made = ProtoField.new(text, abbreviation, kind, strings, display, mask, description)
 
-  label[made] = text
+  label[made], kind_of[made], base_of[made] = text, kind, display
   declare(abbreviation, "fields", made, F, FT, FX)
 end
 
@@ -80,12 +121,6 @@ local function expert_field(abbreviation, group, severity, text)
   local made = ProtoExpert.new(abbreviation, text, expert.group[group], expert.severity[severity])
 
   declare(abbreviation, "experts", made, E, ET, EX)
-end
-
--- Declares a preference of sis: P[name] is its value.
-local function preference(name, made)
-  sis.prefs[name] = made
-  P[name] = sis.prefs[name]
 end
 
 local function read_preferences()
@@ -307,18 +342,7 @@ end
 
 -- Each block stands in do ... end: Lua allows 200 locals at a time.
 
---- names: made by names.py from plugin/sis/names.c; edit there
-
--- What kinds of addresses there are; this order counts.
-K.STATION = 0
-K.SERVICE_MASTER = 1
-K.POINT_TO_POINT = 2
-K.NOT_ASSIGNED = 3
-K.RESERVED = 4
-K.NO_SENDER = 5
-K.GROUP = 6
-K.LEVEL_BROADCAST = 7
-K.GLOBAL_BROADCAST = 8
+--- codes: made by plugin/protocol/generate.py from codes.toml; edit there
 
 -- Fig. 2-9 and chapters 3 to 9. The first entry that fits names a service: single ones before their ranges.
 N.services = {
@@ -357,6 +381,15 @@ N.services = {
 }
 
 -- Kinds of addresses, fig. 2-9; the editions assign them to different addresses (address.c).
+K.STATION = 0
+K.SERVICE_MASTER = 1
+K.POINT_TO_POINT = 2
+K.NOT_ASSIGNED = 3
+K.RESERVED = 4
+K.NO_SENDER = 5
+K.GROUP = 6
+K.LEVEL_BROADCAST = 7
+K.GLOBAL_BROADCAST = 8
 N.address_kinds = {
   [K.STATION] = "station",
   [K.SERVICE_MASTER] = "service or emergency master",
@@ -401,10 +434,10 @@ N.status = {
   {0xFD, 0xFF, "Telegram error, not specified"},
 }
 
--- The same byte in reactions of phase services (chapters 8.4 and 8.5): 2 has another meaning there, and 1 * has none.
+-- The same byte in reactions of phase services (chapters 8.4 and 8.5): 2 has another meaning there, and 1 has none.
 N.status_phase = {
-  {0x01, 0x01, "Execution error, not specified for this service"},
-  {0x02, 0x02, "Phase switching error"},
+  [0x01] = "Execution error, not specified for this service",
+  [0x02] = "Phase switching error",
 }
 
 -- The error code after status 2, unless a service has another meaning for it, fig. 2-19.
@@ -458,28 +491,34 @@ N.errors_flash = {
 
 -- Destination of Shutdown, chapter 5.1.
 N.shutdown_targets = {
-  [0] = "Firmware",
-  [1] = "Loader",
+  [0x00] = "Firmware",
+  [0x01] = "Loader",
 }
 
 -- Device types of Program flash, chapter 5.1.
 N.device_types = {
-  [0] = "None (not supported)",
-  [1] = "ROM (not supported)",
-  [2] = "RAM",
-  [3] = "Dual-port RAM",
-  [4] = "Flash",
+  [0x00] = "None (not supported)",
+  [0x01] = "ROM (not supported)",
+  [0x02] = "RAM",
+  [0x03] = "Dual-port RAM",
+  [0x04] = "Flash",
 }
 
 -- Subservices of 0x03, chapter 6.
+K.SET_TRS = 0x01
+K.SET_TZA = 0x02
+K.SET_TMAS = 0x03
+K.SET_BAUD_RATE = 0x07
+K.TEST_BAUD = 0x08
+K.ACCEPT = 0xFF
 N.subservices_initialization = {
-  [0x01] = "Set TrS (slave reaction time)",
-  [0x02] = "Set TzA (character interval)",
-  [0x03] = "Set Tmas (master control word cycle)",
+  [K.SET_TRS] = "Set TrS (slave reaction time)",
+  [K.SET_TZA] = "Set TzA (character interval)",
+  [K.SET_TMAS] = "Set Tmas (master control word cycle)",
   [0x06] = "Assign multicast group",
-  [0x07] = "Set baud rate",
-  [0x08] = "Timed baud rate test",
-  [0xFF] = "Accept the set values",
+  [K.SET_BAUD_RATE] = "Set baud rate",
+  [K.TEST_BAUD] = "Timed baud rate test",
+  [K.ACCEPT] = "Accept the set values",
 }
 
 -- Subservice and error byte of 0x03, chapter 6.3.
@@ -510,7 +549,7 @@ N.elements = {
   [7] = "Operating data",
 }
 
--- Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x8002, 0x800B and * 0x800C from
+-- Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x8002, 0x800B and 0x800C from
 -- IndraDrive, whose manual has two meanings for the last.
 N.errors_parameter = {
   [0x0000] = "No error",
@@ -577,42 +616,22 @@ N.phases = {
 
 -- Data status of a command, bits 0 to 3, fig. 8-44.
 N.data_states = {
-  [0x0] = "not set",
-  [0x3] = "done",
-  [0x5] = "interrupted",
-  [0x7] = "in process",
-  [0xF] = "execution not possible",
+  [0x00] = "not set",
+  [0x03] = "done",
+  [0x05] = "interrupted",
+  [0x07] = "in process",
+  [0x0F] = "execution not possible",
 }
 
--- end of what names.py has made
-
---- fields: made by fields.py from the registrations in plugin/; edit there
-
--- parameters/fields.c
-field("sis.data", "Data", ftypes.BYTES)
-field("sis.raw", "Not decoded", ftypes.BYTES)
-field("sis.value.number", "Number", ftypes.DOUBLE, base.NONE, nil, 0,
-  "The value without its unit, for filters, columns and graphs")
-
--- parameters/ident.c
+-- Types of a parameter, fig. 8-3.
 N.parameter_types = {
   [0] = "Parameter of a drive",
   [1] = "Control parameter, first kind (A)",
   [2] = "Control parameter, second kind (C)",
 }
-N.product_standard = {"P, product-specific", "S, standard"}
-field("sis.parameter", "Parameter", ftypes.STRING)
-field("sis.parameter.name", "Name", ftypes.STRING)
-field("sis.parameter.unit", "Unit", ftypes.STRING)
-field("sis.parameter.minimum", "Minimum", ftypes.STRING)
-field("sis.parameter.maximum", "Maximum", ftypes.STRING)
-field("sis.parameter.type", "Type", ftypes.UINT8, base.DEC, N.parameter_types)
-field("sis.parameter.product_specific", "Kind", ftypes.BOOLEAN, 16, N.product_standard, 0x8000)
-field("sis.parameter.set", "Parameter set", ftypes.UINT16, base.DEC, nil, 0x7000)
-field("sis.parameter.number", "Number", ftypes.UINT16, base.DEC, nil, 0xfff)
 
--- parameters/values.c
-N.lengths = {
+-- Length of a value, bits 16 to 18 of the attribute (IEC 61491).
+N.attribute_lengths = {
   [0] = "Not defined",
   [1] = "2 bytes",
   [2] = "4 bytes",
@@ -622,98 +641,946 @@ N.lengths = {
   [6] = "List of 4-byte elements",
   [7] = "List of 8-byte elements",
 }
-N.formats = {
-  [0] = "Binary",
-  [1] = "Unsigned decimal",
-  [2] = "Signed decimal",
-  [3] = "Hexadecimal",
-  [4] = "Text",
-  [5] = "Ident number",
-  [6] = "Floating point",
-  [7] = "Not defined",
-}
-field("sis.value", "Value", ftypes.STRING, base.NONE, nil, 0, "Scaled, with its unit where that is known")
-field("sis.element.name", "Name", ftypes.STRING)
-field("sis.element.unit", "Unit", ftypes.STRING)
-field("sis.attribute", "Attribute", ftypes.UINT32, base.HEX)
-field("sis.attribute.factor", "Conversion factor", ftypes.UINT32, base.DEC, nil, 0xffff)
-field("sis.attribute.length", "Length", ftypes.UINT32, base.DEC, N.lengths, 0x70000)
-field("sis.attribute.command", "Procedure command", ftypes.BOOLEAN, 32, nil, 0x80000)
-field("sis.attribute.format", "Format", ftypes.UINT32, base.DEC, N.formats, 0x700000)
-field("sis.attribute.decimals", "Decimal places", ftypes.UINT32, base.DEC, nil, 0xf000000)
-field("sis.attribute.protected_2", "Write-protected in phase 2", ftypes.BOOLEAN, 32, nil, 0x10000000)
-field("sis.attribute.protected_3", "Write-protected in phase 3", ftypes.BOOLEAN, 32, nil, 0x20000000)
-field("sis.attribute.protected_4", "Write-protected in phase 4", ftypes.BOOLEAN, 32, nil, 0x40000000)
-field("sis.list.actual", "Actual length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
-field("sis.list.maximum", "Maximum length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
-  {" byte", " bytes"})
 
--- sertap/packet-sertap.c
-N.types = {
-  [0] = "Frame",
-  [1] = "Other characters",
-  [2] = "Event",
+-- Format of a value, bits 20 to 22 of the attribute (IEC 61491).
+K.FORMAT_BINARY = 0
+K.FORMAT_UNSIGNED = 1
+K.FORMAT_SIGNED = 2
+K.FORMAT_HEXADECIMAL = 3
+K.FORMAT_TEXT = 4
+K.FORMAT_IDENT = 5
+K.FORMAT_FLOATING = 6
+K.FORMAT_TIME = 7
+N.attribute_formats = {
+  [K.FORMAT_BINARY] = "Binary",
+  [K.FORMAT_UNSIGNED] = "Unsigned decimal",
+  [K.FORMAT_SIGNED] = "Signed decimal",
+  [K.FORMAT_HEXADECIMAL] = "Hexadecimal",
+  [K.FORMAT_TEXT] = "Text",
+  [K.FORMAT_IDENT] = "Ident number",
+  [K.FORMAT_FLOATING] = "Floating point",
+  [K.FORMAT_TIME] = "Time",
 }
-N.lines = {
+
+-- Types of a record of the tap.
+K.SERTAP_FRAME = 0
+K.SERTAP_OTHER = 1
+K.SERTAP_EVENT = 2
+N.sertap_types = {
+  [K.SERTAP_FRAME] = "Frame",
+  [K.SERTAP_OTHER] = "Other characters",
+  [K.SERTAP_EVENT] = "Event",
+}
+
+-- Lines of a tap.
+N.sertap_lines = {
   [0] = "Shared bus",
   [1] = "First direction",
   [2] = "Second direction",
 }
-N.parities = {
+
+-- Parity of a character.
+N.sertap_parities = {
   [0] = "None",
   [1] = "Even",
   [2] = "Odd",
   [3] = "Mark",
   [4] = "Space",
 }
-N.stop_bits = {
+
+-- Stop bits of a character, in half bits.
+N.sertap_stop_bits = {
   [2] = "1",
   [3] = "1.5",
   [4] = "2",
 }
-N.framings = {
-  [0] = "SIS",
-  [1] = "3964R",
-  [255] = "Silence",
+
+-- How characters were cut into frames.
+N.sertap_framings = {
+  [0x00] = "SIS",
+  [0x01] = "3964R",
+  [0x02] = "ASCII",
+  [0xFF] = "Silence",
 }
-N.events = {
+
+-- Events of the tap.
+K.SERTAP_CHARACTERS_LOST = 3
+K.SERTAP_ADAPTER_LOST = 4
+K.SERTAP_LIMITS_TOLD = 6
+K.SERTAP_TOLD_BEFORE = 7
+N.sertap_events = {
   [0] = "None",
   [1] = "Capture started",
   [2] = "Line settings changed",
-  [3] = "Characters lost",
-  [4] = "Adapter lost",
+  [K.SERTAP_CHARACTERS_LOST] = "Characters lost",
+  [K.SERTAP_ADAPTER_LOST] = "Adapter lost",
   [5] = "Marker",
-  [6] = "Limits told by the user",
+  [K.SERTAP_LIMITS_TOLD] = "Limits told by the user",
+  [K.SERTAP_TOLD_BEFORE] = "Told before",
 }
-field("sertap.version", "Version", ftypes.UINT8, base.DEC)
-field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC)
-field("sertap.type", "Type", ftypes.UINT8, base.DEC, N.types)
-field("sertap.line", "Line", ftypes.UINT8, base.DEC, N.lines)
-field("sertap.baud", "Baud rate", ftypes.UINT32, base.DEC)
-field("sertap.format", "Character format", ftypes.STRING)
-field("sertap.format.data_bits", "Data bits", ftypes.UINT8, base.DEC)
-field("sertap.format.parity", "Parity", ftypes.UINT8, base.DEC, N.parities)
-field("sertap.format.stop", "Stop bits", ftypes.UINT8, base.DEC, N.stop_bits, 0, "In half bits")
-field("sertap.framing", "Framing", ftypes.UINT8, base.DEC, N.framings, 0, "By which rule frames are cut")
+
+-- Wireshark's states of a checksum.
+N.checksum_states = {
+  [0] = "Bad",
+  [1] = "Good",
+  [2] = "Unverified",
+}
+
+-- Verdicts on a time with its uncertainty (chapter 10).
+K.TIME_OK = 0
+K.TIME_EXCEEDED = 1
+K.TIME_UNRESOLVED = 2
+N.verdicts = {
+  [K.TIME_OK] = "ok",
+  [K.TIME_EXCEEDED] = "exceeded",
+  [K.TIME_UNRESOLVED] = "unresolved: the times are not exact enough",
+}
+
+-- What a character or block of 3964R means, judged by what came before.
+K.P3964R_ASKS = 0
+K.P3964R_BOTH_ASK = 1
+K.P3964R_GRANTS = 2
+K.P3964R_REFUSES_REQUEST = 3
+K.P3964R_BLOCK = 4
+K.P3964R_ACKNOWLEDGES = 5
+K.P3964R_REFUSES_BLOCK = 6
+K.P3964R_OUT_OF_PLACE = 7
+N.procedure_meanings = {
+  [K.P3964R_ASKS] = "asks to send",
+  [K.P3964R_BOTH_ASK] = "asks to send, as the partner does: the one with low priority gives way",
+  [K.P3964R_GRANTS] = "ready to receive",
+  [K.P3964R_REFUSES_REQUEST] = "not ready to receive",
+  [K.P3964R_BLOCK] = "block",
+  [K.P3964R_ACKNOWLEDGES] = "block received",
+  [K.P3964R_REFUSES_BLOCK] = "block refused: it comes again",
+  [K.P3964R_OUT_OF_PLACE] = "nothing to answer",
+}
+
+-- Characters of 3964R.
+K.P3964R_STX = 0x02
+K.P3964R_DLE = 0x10
+K.P3964R_NAK = 0x15
+N.procedure_characters = {
+  [K.P3964R_STX] = "STX",
+  [K.P3964R_DLE] = "DLE",
+  [K.P3964R_NAK] = "NAK",
+}
+
+-- Verdicts on a time of 3964R.
+N.procedure_verdicts = {
+  [0] = "OK",
+  [1] = "Exceeded",
+  [2] = "Unresolved",
+}
+
+-- Commands on ARCNET (SYNAX chapter 7); an answer is a TO.
+K.ARCNET7F_TO = 0
+K.ARCNET7F_FETCH = 1
+N.arcnet7f_commands = {
+  [K.ARCNET7F_TO] = "TO",
+  [K.ARCNET7F_FETCH] = "FETCH",
+}
+
+-- Data types on ARCNET (SYNAX p. 7-12).
+K.ARCNET7F_WORD_ARRAY = 5
+N.arcnet7f_types = {
+  [K.ARCNET7F_WORD_ARRAY] = "Word array",
+}
+
+-- Commands of RK512; Siemens alone has the last one.
+K.RK512_SEND = 0x41
+K.RK512_FETCH = 0x45
+N.rk512_commands = {
+  [K.RK512_SEND] = "SEND",
+  [K.RK512_FETCH] = "FETCH",
+  [0x4F] = "SEND to an extended data block",
+}
+
+-- Kinds of data of RK512; SYNAX has data blocks only.
+N.rk512_kinds = {
+  [0x44] = "Data block",
+  [0x58] = "Extended data block",
+  [0x45] = "Inputs",
+  [0x41] = "Outputs",
+  [0x4D] = "Flags",
+  [0x54] = "Timers",
+  [0x5A] = "Counters",
+}
+
+-- Siemens' numbers; SYNAX' table is lost.
+N.rk512_errors = {
+  [0x00] = "No error",
+  [0x0A] = "Access to the area not possible",
+  [0x0C] = "Wrong data type",
+  [0x10] = "Telegram not supported",
+  [0x12] = "Object type not supported",
+  [0x14] = "Block not found, or its number not allowed",
+  [0x16] = "Unknown command",
+  [0x2A] = "PLC stopped",
+  [0x32] = "Block locked by its coordination flag",
+  [0x34] = "Wrong length",
+  [0x36] = "Follow-up without a command",
+}
+
+-- First byte of a telegram of RK512.
+N.rk512_telegrams = {
+  [0x00] = "First telegram",
+  [0xFF] = "Follow-up",
+}
+
+-- What is done with an object.
+K.SYNAXOBJ_READ_ANSWER = 0
+K.SYNAXOBJ_WRITE_REQUEST = 1
+K.SYNAXOBJ_READ_REQUEST = 2
+K.SYNAXOBJ_WRITE_ANSWER = 3
+N.synaxobj_operations = {
+  [K.SYNAXOBJ_READ_ANSWER] = "read answer",
+  [K.SYNAXOBJ_WRITE_REQUEST] = "write request",
+  [K.SYNAXOBJ_READ_REQUEST] = "read request",
+  [K.SYNAXOBJ_WRITE_ANSWER] = "write answer",
+}
+
+-- Objects (SYNAX chapter 2).
+K.SYNAXOBJ_DIAGNOSIS_FIELDBUS = 0x5FF0
+K.SYNAXOBJ_STATUS_FIELDBUS = 0x5FF2
+K.SYNAXOBJ_FAULT_CODE_PPC = 0x5FF6
+N.synaxobj_names = {
+  [0x5E70] = "Data exchange, 16 bytes",
+  [0x5E71] = "Data exchange, 32 bytes",
+  [0x5E72] = "Data exchange, 64 bytes",
+  [0x5E73] = "Data exchange, 128 bytes",
+  [K.SYNAXOBJ_DIAGNOSIS_FIELDBUS] = "Diagnosis fieldbus",
+  [K.SYNAXOBJ_STATUS_FIELDBUS] = "Status fieldbus",
+  [0x5FF5] = "Written by the PPC, name not known",
+  [K.SYNAXOBJ_FAULT_CODE_PPC] = "Fault code PPC",
+  [0x5FFC] = "Name not known, perhaps of the multiplex channel",
+  [0x5FFD] = "Name not known, perhaps of the multiplex channel",
+  [0x5FFE] = "Name not known, perhaps of the multiplex channel",
+}
+
+-- Services of Interbus PCP, as NIBA-01 prints them.
+N.synaxpcp_services = {
+  [0x0081] = "Read request",
+  [0x0082] = "Write request",
+  [0x0086] = "Status request",
+  [0x0087] = "Identify request",
+  [0x0088] = "Get OV request",
+  [0x008B] = "Initiate request",
+  [0x008D] = "Abort request",
+  [0x00A1] = "Read response",
+  [0x00A2] = "Write response",
+  [0x00AB] = "Initiate response",
+  [0x00AC] = "Initiate error response",
+  [0x0181] = "Read confirmation",
+  [0x0182] = "Write confirmation",
+  [0x0186] = "Status confirmation",
+  [0x0187] = "Identify confirmation",
+  [0x0188] = "Get OV confirmation",
+  [0x018B] = "Initiate confirmation",
+  [0x018C] = "Initiate error confirmation",
+  [0x01A1] = "Read indication",
+  [0x01A2] = "Write indication",
+  [0x01AB] = "Initiate indication",
+  [0x01AD] = "Abort indication",
+}
+
+-- Directions of process data.
+K.SYNAXPD_TO_PPC = 1
+K.SYNAXPD_FROM_PPC = 2
+N.synaxpd_directions = {
+  [K.SYNAXPD_TO_PPC] = "to the PPC",
+  [K.SYNAXPD_FROM_PPC] = "from the PPC",
+}
+
+-- Formats of the parameter channel (SYNAX chapter 3).
+K.SYNAXPK_DRIVE_SHORT_1 = 0x00
+K.SYNAXPK_A_SHORT_1 = 0x01
+K.SYNAXPK_SIS_FORMAT = 0x0B
+N.channel_formats = {
+  [K.SYNAXPK_DRIVE_SHORT_1] = "S/P parameter, short format 1",
+  [K.SYNAXPK_A_SHORT_1] = "A parameter, short format 1",
+  [K.SYNAXPK_SIS_FORMAT] = "Indramat SIS",
+  [0x0F] = "Basic state",
+}
+
+-- Who has sent a word of the parameter channel.
+K.SYNAXPK_MASTER = 1
+K.SYNAXPK_SLAVE = 2
+N.channel_senders = {
+  [K.SYNAXPK_MASTER] = "Master",
+  [K.SYNAXPK_SLAVE] = "Slave",
+}
+
+-- Errors of the parameter channel itself (FLP p. 11-15).
+N.channel_codes = {
+  [0x0085] = "Sum of the fragments too large",
+  [0x0088] = "Internal error between card and drive",
+  [0x008A] = "Index not present",
+  [0x008B] = "Format unknown",
+  [0x008C] = "Length longer than the channel",
+  [0x008D] = "The channel has only one word",
+  [0x0090] = "Format changed between fragments",
+  [0x0095] = "Read request with more than index and subindex",
+  [0x0096] = "Internal SIS communication error",
+  [0x009A] = "Not implemented",
+  [0x009B] = "Change between old and new channel",
+  [0x009C] = "Subindex does not exist",
+  [0x009D] = "Subindex write-protected",
+  [0x00F0] = "Timeout between card and drive",
+  [0x01FF] = "Length wrong: more than 128 bytes",
+}
+
+-- Lines of the ASCII protocol of ECODRIVE and IndraDrive, as MPH-02 (p. 10-86 to 10-91) and public clients have them.
+K.SISASCII_TEXT = 0
+K.SISASCII_OPEN = 1
+K.SISASCII_PROMPT = 2
+K.SISASCII_READ = 3
+K.SISASCII_WRITE = 4
+K.SISASCII_ELEMENT = 5
+K.SISASCII_ASKS = 6
+K.SISASCII_ERROR = 7
+K.SISASCII_ECHO = 8
+K.SISASCII_ANSWER = 9
+K.SISASCII_END = 10
+N.ascii_kinds = {
+  [K.SISASCII_TEXT] = "Text",
+  [K.SISASCII_OPEN] = "Open drive",
+  [K.SISASCII_PROMPT] = "Prompt of drive",
+  [K.SISASCII_READ] = "Read parameter",
+  [K.SISASCII_WRITE] = "Write parameter",
+  [K.SISASCII_ELEMENT] = "List element",
+  [K.SISASCII_ASKS] = "Asks for a list element",
+  [K.SISASCII_ERROR] = "Error",
+  [K.SISASCII_ECHO] = "Echo",
+  [K.SISASCII_ANSWER] = "Answer",
+  [K.SISASCII_END] = "End of list",
+}
+
+-- Errors that only the ASCII protocol has (MPH-02, fig. 10-51); the others are those of parameter services.
+N.errors_ascii = {
+  [0x9001] = "Characters not recognized",
+  [0x9002] = "Wrong type of parameter",
+  [0x9003] = "Wrong number of the parameter set",
+  [0x9004] = "Input not recognized",
+  [0x9005] = "Element not defined",
+  [0x9006] = "Neither r nor w",
+  [0x9007] = "Wrong character in the data",
+}
+-- end of codes
+
+--- services: made by plugin/protocol/generate.py from services.toml; edit there
+
+-- Reactions of these ranges begin with a status byte.
+K.WITH_STATUS = {{0x00, 0x1F}, {0x80, 0x9F}}
+-- The useful data of these ranges begin with control byte and device address.
+K.WITH_CONTROL = {{0x10, 0x11}, {0x1E, 0x1F}}
+-- Services of product groups with the layout of a general one; K.LIKE_IF_SET: if a preference is set.
+K.LIKE = {
+  [0x80] = 0x10,
+  [0x81] = 0x11,
+  [0x8E] = 0x1E,
+  [0x8F] = 0x1F,
+  [0x90] = 0x10,
+  [0x91] = 0x11,
+  [0x92] = 0x12,
+  [0x9D] = 0x1D,
+  [0x9E] = 0x1E,
+  [0x9F] = 0x1F,
+}
+K.LIKE_IF_SET = {
+  ecodrive_phases = {[0x82] = 0x12, [0x8D] = 0x1D},
+  clc_as_sercos = {[0xC0] = 0x10, [0xC1] = 0x11, [0xC2] = 0x12, [0xCD] = 0x1D, [0xCE] = 0x1E, [0xCF] = 0x1F},
+}
+-- What follows a subservice: field, bytes (0: the rest), may be missing, codes.
+K.LAYOUTS = {
+  [0x00] = { -- identification
+    subservices = N.subservices_identification,
+    [0x01] = {
+      command = {},
+      reaction = {{"version", 0}},
+    },
+    [0x02] = {
+      command = {},
+      reaction = {{"firmware", 0}},
+    },
+    [0x03] = {
+      command = {},
+      reaction = {{"type_key", 0}},
+    },
+    [0x04] = {
+      command = {},
+      reaction = {{"init_baud_mask", 1}},
+    },
+  },
+  [0x02] = { -- flash
+    subservices = N.subservices_flash,
+    errors = N.errors_flash,
+    [0x90] = {
+      command = {{"flash_target", 1, false, N.shutdown_targets}, {"flash_address", 4}},
+      reaction = {},
+    },
+    [0x91] = {
+      command = {{"flash_address", 4}},
+      reaction = {},
+    },
+    [0x92] = {
+      command = {{"flash_address", 4}, {"flash_length", 1}},
+      reaction = {{"data", 0}},
+    },
+    [0x93] = {
+      command = {},
+      reaction = {{"flash_address", 4}},
+    },
+    [0x94] = {
+      command = {{"flash_address", 4}, {"flash_length", 4}},
+      reaction = {},
+    },
+    [0x96] = {
+      command = {{"flash_address", 4}, {"flash_device_type", 1, false, N.device_types}, {"data", 0}},
+      reaction = {},
+    },
+    [0x97] = {
+      command = {{"flash_address", 4}, {"flash_length", 4}},
+      reaction = {{"flash_crc32", 4, true}},
+    },
+    [0x9F] = {
+      command = {},
+      reaction = {},
+    },
+  },
+  [0x03] = { -- initialization
+    subservices = N.subservices_initialization,
+    errors = N.errors_initialization,
+    [0x01] = {
+      command = {{"init_time", 2}},
+      reaction = {},
+    },
+    [0x02] = {
+      command = {{"init_time", 2}},
+      reaction = {},
+    },
+    [0x03] = {
+      command = {{"init_time", 2}},
+      reaction = {},
+    },
+    [0x07] = {
+      command = {{"init_baud_mask", 1}},
+      reaction = {},
+    },
+    [0x08] = {
+      command = {{"init_test_time", 2}, {"init_baud_mask", 1}},
+      reaction = {},
+    },
+    [0xFF] = {
+      command = {},
+      reaction = {},
+    },
+  },
+}
+-- end of services
+
+--- names: made by plugin/protocol/generate.py from names.toml; edit there
+
+N.s_names = {
+  [1] = "Control unit cycle time (tNcyc)",
+  [2] = "Communication cycle time (tScyc)",
+  [11] = "Class 1 diagnostic",
+  [12] = "Class 2 diagnostic",
+  [14] = "Interface status",
+  [15] = "Telegram Type",
+  [16] = "Configuration list of AT",
+  [17] = "IDN-list of all operation data",
+  [18] = "IDN-list of operation data for CP2",
+  [19] = "IDN-list of operation data for CP3",
+  [21] = "IDN-list of invalid operation data for CP2",
+  [22] = "IDN-list of invalid operation data for CP3",
+  [24] = "Configuration list of MDT",
+  [25] = "IDN-list of all procedure commands",
+  [26] = "Configuration list for signal status word",
+  [27] = "Configuration list for signal control word",
+  [28] = "MST error counter",
+  [29] = "MDT error counter",
+  [32] = "Primary operation mode",
+  [36] = "Velocity command value",
+  [37] = "Additive velocity command value",
+  [38] = "Positive velocity limit value",
+  [39] = "Negative velocity limit value",
+  [40] = "Velocity feedback value 1",
+  [41] = "Homing velocity",
+  [42] = "Homing acceleration",
+  [43] = "Velocity polarity parameter",
+  [44] = "Velocity data scaling type",
+  [45] = "Velocity data scaling factor",
+  [46] = "Velocity data scaling exponent",
+  [47] = "Position command value",
+  [48] = "Additive position command value",
+  [49] = "Positive position limit value",
+  [50] = "Negative position limit value",
+  [51] = "Position feedback value 1 (motor feedback)",
+  [52] = "Reference distance 1",
+  [53] = "Position feedback value 2 (external feedback)",
+  [54] = "Reference distance 2",
+  [55] = "Position polarity parameter",
+  [57] = "Position window",
+  [58] = "Reversal clearance",
+  [59] = "Position switch flag parameter",
+  [60] = "Position switches (position switch points on 1-16)",
+  [76] = "Position data scaling type",
+  [77] = "Linear position data scaling factor",
+  [78] = "Linear position data scaling exponent",
+  [79] = "Rotational position resolution",
+  [80] = "Torque command value",
+  [81] = "Additive torque command value",
+  [82] = "Positive torque limit value",
+  [83] = "Negative torque limit value",
+  [84] = "Torque feedback value",
+  [85] = "Torque polarity parameter",
+  [86] = "Torque/force data scaling type",
+  [91] = "Bipolar velocity limit value",
+  [92] = "Bipolar torque limit value",
+  [93] = "Torque/force scaling data factor",
+  [94] = "Torque/force scaling data exponent",
+  [95] = "Diagnostic message",
+  [96] = "Slave arrangement (SLKN)",
+  [97] = "Mask class 2 diagnostic",
+  [98] = "Mask class 3 diagnostic",
+  [99] = "Reset class 1 diagnostic",
+  [100] = "Velocity loop proportional gain",
+  [101] = "Velocity loop integral action time",
+  [102] = "Velocity loop differential time",
+  [103] = "Modulo value",
+  [104] = "Position loop KV-factor",
+  [105] = "Position loop integral action time",
+  [106] = "Current loop proportional gain 1",
+  [107] = "Current loop integral action time 1",
+  [108] = "Feedrate override",
+  [109] = "Motor peak current",
+  [110] = "Amplifier peak current",
+  [111] = "Motor continuous stall current",
+  [112] = "Amplifier rated current",
+  [113] = "Maximum motor speed",
+  [114] = "Load limit of the motor",
+  [115] = "Position feedback 2 type",
+  [116] = "Resolution of feedback 1",
+  [117] = "Resolution of feedback 2",
+  [118] = "Resolution of linear feedback",
+  [119] = "Current loop proportional gain 2",
+  [120] = "Current loop integral action time 2",
+  [121] = "Input revolutions of load gear",
+  [122] = "Output revolutions of load gear",
+  [123] = "Feed constant",
+  [124] = "Standstill window",
+  [125] = "Velocity threshold (nx)",
+  [126] = "Torque threshold (Tx)",
+  [127] = "CP3 transition check",
+  [128] = "CP4 transition check",
+  [129] = "Manufacturer class 1 diagnostic",
+  [130] = "Probe value 1 positive edge",
+  [131] = "Probe value 1 negative edge",
+  [132] = "Probe value 2 positive edge",
+  [133] = "Probe value 2 negative edge",
+  [134] = "Drive control",
+  [135] = "Drive status",
+  [136] = "Positive acceleration limit value",
+  [137] = "Negative acceleration limit value",
+  [138] = "Bipolar acceleration limit value",
+  [139] = "Park axis procedure command",
+  [143] = "SERCOS Interface version",
+  [144] = "Signal status word",
+  [145] = "Signal control word",
+  [146] = "Control unit controlled homing procedure command",
+  [147] = "Homing parameter",
+  [148] = "Drive controlled homing procedure command",
+  [149] = "Position drive stop procedure command",
+  [150] = "Reference offset 1",
+  [151] = "Reference offset 2",
+  [152] = "Position spindle procedure command",
+  [153] = "Spindle angle position",
+  [154] = "Spindle positioning parameter",
+  [155] = "Friction torque compensation",
+  [156] = "Velocity feedback value 2",
+  [157] = "Velocity window",
+  [158] = "Power threshold (Px)",
+  [159] = "Monitoring window",
+  [161] = "Acceleration data scaling factor",
+  [162] = "Acceleration data scaling exponent",
+  [163] = "Weight counterbalance",
+  [164] = "Acceleration feedback value 1",
+  [165] = "Distance-coded reference marks A",
+  [166] = "Distance-coded reference marks B",
+  [167] = "Frequency limit of feedback 1",
+  [169] = "Probe control",
+  [170] = "Probing cycle procedure command",
+  [171] = "Calculate displacement procedure command",
+  [172] = "Displacement to the referenced system procedure command",
+  [173] = "Marker position A",
+  [174] = "Marker position B",
+  [175] = "Displacement parameter 1",
+  [176] = "Displacement parameter 2",
+  [177] = "Absolute distance 1",
+  [178] = "Absolute distance 2",
+  [179] = "Probe status",
+  [180] = "Spindle relative offset",
+  [181] = "Manufacturer class 2 diagnostic",
+  [183] = "Synchronization velocity window",
+  [184] = "Synchronization velocity error limit",
+  [185] = "Length of the configurable data record in the AT",
+  [186] = "Length of the configurable data record in the MDT",
+  [187] = "IDN list of configurable data in the AT",
+  [188] = "IDN list of configurable data in the MDT",
+  [189] = "Following distance",
+  [190] = "Drive controlled gear engaging procedure command",
+  [191] = "Cancel reference point procedure command",
+  [192] = "IDN-list of all backup operation data",
+  [193] = "Positioning jerk",
+  [194] = "Acceleration command time",
+  [195] = "Acceleration feedback value 2",
+  [196] = "Motor rated current",
+  [197] = "Set coordinate system procedure command",
+  [198] = "Initial coordinate value",
+  [199] = "Shift coordinate system procedure command",
+  [200] = "Amplifier warning temperature",
+  [201] = "Motor warning temperature",
+  [202] = "Cooling error warning temperature",
+  [203] = "Amplifier shut-down temperature",
+  [204] = "Motor shut-down temperature",
+  [205] = "Cooling error shut-down temperature",
+  [206] = "Drive on delay time",
+  [207] = "Drive off delay time",
+  [208] = "Temperature data scaling type",
+  [209] = "Lower adaptation limit",
+  [210] = "Upper adaptation limit",
+  [211] = "Adaptation proportional gain",
+  [212] = "Adaptation integral action time",
+  [213] = "Engaging dither amplitude",
+  [214] = "Average engaging speed",
+  [215] = "Engaging dither period",
+  [216] = "Switch parameter set procedure command",
+  [217] = "Parameter set preselection",
+  [218] = "Gear-ration preselection",
+  [219] = "IDN-list of parameter set",
+  [220] = "Minimum spindle speed",
+  [221] = "Maximum spindle speed",
+  [222] = "Spindle positioning speed",
+  [223] = "Drive controlled synchronous operation procedure command",
+  [224] = "Lead Spindle Address",
+  [225] = "Synchronous spindle revolutions",
+  [226] = "Lead spindle revolutions",
+  [227] = "Synchronous spindle revolutions",
+  [228] = "Synchronization position window",
+  [229] = "Synchronization position error limit",
+  [230] = "Synchronization position offset",
+  [254] = "Actual parameter set",
+  [255] = "Actual gear ration",
+  [256] = "Multiplication factor 1",
+  [257] = "Multiplication factor 2",
+  [258] = "Target position",
+  [259] = "Positioning velocity",
+  [260] = "Positioning acceleration",
+  [261] = "Coarse position window",
+  [262] = "Load defaults procedure command",
+  [263] = "Load working memory procedure command",
+  [264] = "Backup working memory procedure command",
+  [265] = "Language selection",
+  [266] = "List of available languages",
+  [267] = "Password",
+  [268] = "Angular setting",
+  [269] = "Storage mode",
+  [270] = "IDN-list of selected backup operation data",
+  [272] = "Velocity window percentage",
+  [273] = "Maximum drive off delay time",
+  [275] = "Coordinate offset value",
+  [276] = "Return to Modulo range procedure command",
+  [277] = "Position feedback 1 type",
+  [278] = "Maximum travel range",
+  [279] = "IDN list of password protected data",
+  [280] = "Underflow threshold",
+  [282] = "Positioning command value",
+  [283] = "Current coordinate offset",
+  [292] = "List of supported operation modes",
+  [293] = "Selectively backup working memory procedure command",
+  [294] = "Divider modulo value",
+  [295] = "Drive enable delay time",
+  [296] = "Velocity feed forward gain",
+  [297] = "Homing distance",
+  [298] = "Suggest home switch distance",
+  [299] = "Home switch offset 1",
+  [300] = "Real-time control bit 1",
+  [301] = "Allocation of real-time control bit 1",
+  [302] = "Real-time control bit 2",
+  [303] = "Allocation of real-time control bit 2",
+  [304] = "Real-time status bit 1",
+  [305] = "Allocation of real-time status bit 1",
+  [306] = "Real-time status-bit 2",
+  [307] = "Allocation of real-time status bit 2",
+  [308] = "Synchronization operation status",
+  [309] = "Synchronization error status",
+  [310] = "Overload warning",
+  [311] = "Amplifier overtemperature warning",
+  [312] = "Motor overtemperature warning",
+  [313] = "Cooling error warning",
+  [315] = "Positioning velocity higher than n Limit",
+  [323] = "Target position outside of travel range",
+  [326] = "Parameter checksum",
+  [327] = "IDN list of checksum parameter",
+  [328] = "Bit number allocation list for signal status word",
+  [329] = "Bit number allocation list for signal control word",
+  [330] = "Status 'nfeedback = ncommand'",
+  [331] = "Status 'nfeedback = 0'",
+  [332] = "Status 'nfeedback less then nx'",
+  [333] = "Status 'T higher than Tx'",
+  [334] = "Status 'T greater than Tlimit '",
+  [335] = "Status 'ncommand greater than nlimit'",
+  [336] = "Status 'In position'",
+  [337] = "Status 'P greater Px'",
+  [338] = "Status 'Position feedback = active target position'",
+  [339] = "Status 'nfeedback less than minimum spindle speed'",
+  [340] = "Status 'nfeedback exceeds maximum spindle speed'",
+  [341] = "Status 'In Coarse position'",
+  [342] = "Status 'Target position attained'",
+  [343] = "Status 'Interpolator halted'",
+  [346] = "Positioning control",
+  [347] = "Velocity error",
+  [348] = "Acceleration feed forward gain",
+  [349] = "Bipolar jerk limit",
+  [356] = "Distance home switch - marker puls",
+  [357] = "Marker pulse distance",
+  [358] = "Home switch offset 2",
+  [359] = "Positioning deceleration",
+  [360] = "MDT data container",
+  [362] = "MDT data container A list index",
+  [364] = "AT data container A1",
+  [366] = "AT data container A list index",
+  [368] = "Data container A pointer",
+  [370] = "MDT data container A/B configuration list",
+  [371] = "AT data container A/B configuration list",
+  [372] = "Drive Halt acceleration bipolar",
+  [377] = "Velocity feedback monitoring window",
+  [378] = "Absolute encoder range 1",
+  [379] = "Absolute encoder range 2",
+  [380] = "DC bus voltage",
+  [381] = "DC bus current",
+  [382] = "DC bus power",
+  [383] = "Motor temperature",
+  [384] = "Amplifier temperature",
+  [385] = "Active power",
+  [386] = "Active position feedback value",
+  [387] = "Power overload",
+  [388] = "Braking current limit",
+  [389] = "Effective current",
+  [390] = "DiagnosticNumber",
+  [391] = "Position feedback monitoring window",
+  [392] = "Velocity feedback filter",
+  [393] = "Command value mode",
+  [398] = "IDN list of configurable real-time/status bits",
+  [399] = "IDN list of configurable real-time/control bits",
+  [400] = "Home switch",
+  [401] = "Probe 1",
+  [402] = "Probe 2",
+  [403] = "Position feedback value status",
+  [404] = "Position command value status",
+  [405] = "Probe 1 enable",
+  [406] = "Probe 2 enable",
+  [407] = "Homing enable",
+  [408] = "Reference marker pulse registered",
+  [409] = "Probe 1 positive latched",
+  [410] = "Probe 1 negative latched",
+  [411] = "Probe 2 positive latched",
+  [412] = "Probe 2 negative latched",
+  [413] = "Bit number allocation of real-time control bit 1",
+  [414] = "Bit number allocation of real-time control bit 2",
+  [415] = "Bit number allocation of real-time status bit 1",
+  [416] = "Bit number allocation of real-time status bit 2",
+  [417] = "Positioning velocity threshold in modulo mode",
+  [418] = "Target position window in modulo mode",
+  [419] = "Positioning acknowledge",
+  [420] = "Activate parameterization level procedure command (PL)",
+  [422] = "Exit parameterization level procedure command",
+  [423] = "IDN-list of invalid data for parameterization level",
+  [426] = "Measuring data allocation 1",
+  [427] = "Measuring data allocation 2",
+  [428] = "IDN list of configurable measuring data",
+  [429] = "Emergency stop deceleration",
+  [430] = "Active target position",
+  [431] = "Spindle positioning acceleration bipolar",
+  [437] = "Positioning status",
+  [446] = "Ramp reference velocity",
+  [447] = "Set absolute position procedure command",
+  [448] = "Set absolute position control word",
+  [460] = "Position switches (position switch points off 1-16)",
+  [476] = "Position switch control",
+  [477] = "Position switch hysteresis",
+  [478] = "Limit switch status",
+  [509] = "Extended probe control",
+  [510] = "Difference value probe 1",
+  [511] = "Difference value probe 2",
+  [512] = "Start position probing window 1",
+  [513] = "End position probing window 1",
+  [514] = "Start position probing window 2",
+  [515] = "End position probing window 2",
+  [516] = "Marker losses probe 1",
+  [517] = "Marker losses probe 2",
+  [518] = "Maximum marker losses probe 1",
+  [519] = "Maximum marker losses probe 2",
+  [520] = "Axis control word",
+  [521] = "Axis status word",
+  [522] = "Difference value 1 latched",
+  [523] = "Difference value 2 latched",
+  [524] = "Probe 1 delay positive",
+  [525] = "Delay Negative Edge, Probe 1",
+  [526] = "Delay positive Edge, Probe 2",
+  [527] = "Delay Negative Edge, Probe 2",
+  [530] = "Clamping torque",
+  [531] = "Checksum for backup operation data",
+  [532] = "Limit switch control",
+  [533] = "Motor continuous stall torque/force",
+  [1000] = "SCP Type & Version",
+  [1001] = "SERCOS III: Control unit cycle time (tNcyc)",
+  [1002] = "SERCOS III: Communication cycle time (tScyc)",
+  [1003] = "SERCOS III: Number of successive MDT errors",
+  [1005] = "SERCOS III: Feedback value computation time (t5)",
+  [1006] = "SERCOS III: AT transmission starting time (t1)",
+  [1007] = "SERCOS III: Synchronization time (t8)",
+  [1008] = "SERCOS III: Command value valid time (t3)",
+  [1009] = "SERCOS III: Device Control offset in MDT",
+  [1010] = "SERCOS III: Length of MDT",
+  [1011] = "SERCOS III: Device Status offset in AT",
+  [1012] = "SERCOS III: Length of AT",
+  [1013] = "SERCOS III: SVC offset in MDT",
+  [1014] = "SERCOS III: SVC offset in AT",
+  [1015] = "SERCOS III: Ring delay",
+  [1016] = "SERCOS III: Slave delay",
+  [1017] = "SERCOS III: Transmission starting time IP channel",
+  [1018] = "SERCOS III: SYNC delay",
+  [1019] = "SERCOS III: MAC address",
+  [1020] = "SERCOS III: IP address",
+  [1021] = "SERCOS III: Network mask",
+  [1022] = "SERCOS III: Gateway address",
+  [1023] = "SERCOS III: Sync jitter",
+  [1024] = "SERCOS III: Ring control - node control",
+  [1025] = "SERCOS III: Ring status - node status",
+  [1026] = "SERCOS III: Hardware identification",
+  [1028] = "SERCOS III: Error counter MDT0 MST",
+  [1029] = "SERCOS III: Error counter MDT0-3",
+  [1030] = "SERCOS III: Error counter AT0-3",
+  [1031] = "Signal assignment Port 1 & Port 2",
+  [1035] = "Error counter Port1 and Port2",
+  [1040] = "SERCOSAddress",
+  [1041] = "AT Command value valid time (t9)",
+  [1044] = "Device Control",
+  [1045] = "Device Status",
+  [1046] = "IDN-list of SERCOS addresses in device",
+  [1134] = "SERCOS III: Device control",
+  [1135] = "SERCOS III: Device status",
+}
+-- end of names
+
+--- fields: made by plugin/protocol/generate.py from fields.toml and experts.toml; edit there
+
+-- The masks of fields that are bits of another.
+K.SERTAP_SAME_READ = 0x01
+K.SERTAP_ERROR_CHARACTER = 0x02
+K.SERTAP_ERROR_BREAK = 0x04
+K.SERTAP_ERROR_LOST = 0x08
+K.SERTAP_ERROR_UNLOCATED = 0x10
+K.SERTAP_INTERVAL_UNKNOWN = 0x20
+K.SERTAP_INTERVAL_SATURATED = 0x40
+K.PARAMETER_PRODUCT_SPECIFIC = 0x8000
+K.PARAMETER_SET = 0x7000
+K.PARAMETER_NUMBER = 0xFFF
+K.ATTRIBUTE_FACTOR = 0xFFFF
+K.ATTRIBUTE_LENGTH = 0x70000
+K.ATTRIBUTE_COMMAND = 0x80000
+K.ATTRIBUTE_FORMAT = 0x700000
+K.ATTRIBUTE_DECIMALS = 0xF000000
+K.ATTRIBUTE_PROTECTED_2 = 0x10000000
+K.ATTRIBUTE_PROTECTED_3 = 0x20000000
+K.ATTRIBUTE_PROTECTED_4 = 0x40000000
+K.CONTROL_SUBADDRESSES = 0x07
+K.CONTROL_NUMBER = 0x08
+K.CONTROL_REACTION = 0x10
+K.CONTROL_RESERVED = 0x20
+K.CONTROL_WARNING = 0x40
+K.CONTROL_ERROR = 0x80
+K.CONTROL_RESERVED_BITS = 0xE0
+K.CONTROL_STATUS = 0xE0
+K.PARAMETER_CONTROL_RESERVED = 0xC3
+K.ELEMENT = 0x38
+K.TRANSMISSION = 0x04
+K.DATA_STATUS_SET = 0x01
+K.DATA_STATUS_ENABLED = 0x02
+K.DATA_STATUS_NOT_EXECUTED = 0x04
+K.DATA_STATUS_IMPOSSIBLE = 0x08
+K.DATA_STATUS_INVALID = 0x100
+K.SYNAX_INFO_OPEN = 0xFFFC
+K.SYNAX_INFO_LAST = 0x02
+K.SYNAX_INFO_WRITE = 0x01
+K.SYNAXPK_WORD_OPEN = 0xC000
+K.SYNAXPK_WORD_ERROR = 0x2000
+K.SYNAXPK_WORD_READ = 0x1000
+K.SYNAXPK_WORD_BUSY = 0x800
+K.SYNAXPK_WORD_LAST = 0x400
+K.SYNAXPK_WORD_BIT9 = 0x200
+K.SYNAXPK_WORD_TOGGLE = 0x100
+K.SYNAXPK_WORD_COUNT = 0xF0
+K.SYNAXPK_WORD_FORMAT = 0x0F
+K.SYNAXPK_DRIVE_PF = 0x8000
+K.SYNAXPK_DRIVE_ERROR = 0x4000
+K.SYNAXPK_DRIVE_LAST = 0x2000
+K.SYNAXPK_DRIVE_TOGGLE = 0x1000
+K.SYNAXPK_DRIVE_FRAGMENT = 0xF00
+K.SYNAXPK_DRIVE_LENGTH = 0xFF
+K.SYNAXOBJ_DIAGNOSIS_INTERFACE = 0xF000
+K.SYNAXOBJ_DIAGNOSIS_FAULT = 0xFF
+K.SYNAXOBJ_STATUS_BUS = 0x08
+K.SYNAXOBJ_STATUS_MEMORY = 0x03
+K.SYNAXOBJ_FAULT_COMMUNICATION = 0xFF00
+K.SYNAXOBJ_FAULT_PROCESS_DATA = 0xFF
+
+-- sertap
+field("sertap.version", "Version", ftypes.UINT8, base.DEC, nil, 0, "Version of the record's layout")
+field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC, nil, 0,
+  "Bytes of the record before the characters")
+field("sertap.type", "Type", ftypes.UINT8, base.DEC, N.sertap_types, 0,
+  "A frame, characters that belong to no frame, or an event of the tap")
+field("sertap.line", "Line", ftypes.UINT8, base.DEC, N.sertap_lines, 0,
+  "The shared bus, or one direction of a full-duplex line")
+field("sertap.baud", "Baud rate", ftypes.UINT32, base.DEC, nil, 0,
+  "The rate at which the tap listened, in bits per second; 0: not known")
+field("sertap.format", "Character format", ftypes.STRING, base.NONE, nil, 0,
+  "Data bits, parity and stop bits that the tap listened with")
+field("sertap.format.data_bits", "Data bits", ftypes.UINT8, base.DEC, nil, 0, "Data bits of a character")
+field("sertap.format.parity", "Parity", ftypes.UINT8, base.DEC, N.sertap_parities, 0, "Parity bit of a character")
+field("sertap.format.stop", "Stop bits", ftypes.UINT8, base.DEC, N.sertap_stop_bits, 0, "In half bits")
+field("sertap.framing", "Framing", ftypes.UINT8, base.DEC, N.sertap_framings, 0, "By which rule frames are cut")
 field("sertap.uncertainty", "Uncertainty of the times", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "How much earlier than recorded a character can have arrived")
 field("sertap.count", "Count", ftypes.UINT16, base.DEC, nil, 0, "Characters, or bytes of an event's text")
-field("sertap.event", "Event", ftypes.UINT16, base.DEC, N.events)
-field("sertap.text", "Text", ftypes.STRING)
-field("sertap.data", "Characters", ftypes.BYTES)
-field("sertap.character", "Character", ftypes.UINT8, base.HEX)
+field("sertap.event", "Event", ftypes.UINT16, base.DEC, N.sertap_events, 0,
+  "What happened to the tap, not on the line")
+field("sertap.text", "Text", ftypes.STRING, base.NONE, nil, 0,
+  "The event in words, such as the adapter and its tuning")
+field("sertap.data", "Characters", ftypes.BYTES, base.NONE, nil, 0,
+  "All characters of the record, as they were received")
+field("sertap.character", "Character", ftypes.UINT8, base.HEX, nil, 0, "One character with its time and its flags")
 field("sertap.interval", "Interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "Since the character before it on this line, arrival to arrival")
 field("sertap.interval.max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "Between two characters of this record")
-field("sertap.flags", "Flags", ftypes.UINT8, base.HEX)
-field("sertap.same_read", "Came in the same read as the one before", ftypes.BOOLEAN, 8, nil, 0x01)
-field("sertap.error.character", "Parity or framing error", ftypes.BOOLEAN, 8, nil, 0x02)
-field("sertap.error.break", "Break", ftypes.BOOLEAN, 8, nil, 0x04)
-field("sertap.error.lost", "Characters lost before it", ftypes.BOOLEAN, 8, nil, 0x08)
-field("sertap.error.unlocated", "Error somewhere in its read", ftypes.BOOLEAN, 8, nil, 0x10)
-field("sertap.interval.unknown", "Interval unknown (first on the line)", ftypes.BOOLEAN, 8, nil, 0x20)
-field("sertap.interval.saturated", "Interval longer than it can be stored", ftypes.BOOLEAN, 8, nil, 0x40)
+field("sertap.flags", "Flags", ftypes.UINT8, base.HEX, nil, 0, "How the character arrived, and line errors")
+field("sertap.same_read", "Came in the same read as the one before", ftypes.BOOLEAN, 8, nil, 0x01,
+  "Both came in one read, so the time between them is not exact")
+field("sertap.error.character", "Parity or framing error", ftypes.BOOLEAN, 8, nil, 0x02,
+  "The adapter reports a parity or framing error at this character")
+field("sertap.error.break", "Break", ftypes.BOOLEAN, 8, nil, 0x04, "The line was held low for longer than a character")
+field("sertap.error.lost", "Characters lost before it", ftypes.BOOLEAN, 8, nil, 0x08,
+  "The computer or the adapter lost characters before this one")
+field("sertap.error.unlocated", "Error somewhere in its read", ftypes.BOOLEAN, 8, nil, 0x10,
+  "A line error among the characters that came in this read; the adapter does not say at which one")
+field("sertap.interval.unknown", "Interval unknown (first on the line)", ftypes.BOOLEAN, 8, nil, 0x20,
+  "This is the first character on the line, so there is none before it")
+field("sertap.interval.saturated", "Interval longer than it can be stored", ftypes.BOOLEAN, 8, nil, 0x40,
+  "More than 4.29 s passed; the time between the packets is exact")
 expert_field("sertap.version.unknown", "MALFORMED", "ERROR", "Unknown version of the record")
 expert_field("sertap.header_length.short", "MALFORMED", "ERROR", "The header is shorter than version 1 has it")
 expert_field("sertap.count.wrong", "MALFORMED", "ERROR", "The count does not fit")
@@ -725,80 +1592,235 @@ expert_field("sertap.error.unlocated.expert", "CHECKSUM", "WARN",
   "A line error, the adapter does not say at which character")
 expert_field("sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
 
--- sis/access.c
+-- sis
+field("sis.data", "Data", ftypes.BYTES, base.NONE, nil, 0, "The operating data, and nothing else")
+field("sis.raw", "Not decoded", ftypes.BYTES, base.NONE, nil, 0, "Bytes that no document explains")
+field("sis.value.number", "Number", ftypes.DOUBLE, base.NONE, nil, 0,
+  "The value without its unit, for filters, columns and graphs")
+field("sis.value.bit", "Bit set", ftypes.STRING, base.NONE, nil, 0,
+  "The name of a bit that is set, from the user's table")
+field("sis.parameter", "Parameter", ftypes.STRING, base.NONE, nil, 0,
+  "Kind, set and number; in a reaction taken from its command")
+field("sis.parameter.name", "Name", ftypes.STRING, base.NONE, nil, 0,
+  "Read on the bus, from the user's table, or built in; the text says which")
+field("sis.parameter.unit", "Unit", ftypes.STRING, base.NONE, nil, 0, "Read on the bus or from the user's table")
+field("sis.parameter.minimum", "Minimum", ftypes.STRING, base.NONE, nil, 0,
+  "The smallest value allowed, as it was read on the bus")
+field("sis.parameter.maximum", "Maximum", ftypes.STRING, base.NONE, nil, 0,
+  "The largest value allowed, as it was read on the bus")
+field("sis.parameter.type", "Type", ftypes.UINT8, base.DEC, N.parameter_types, 0,
+  "A parameter of a drive or one of the control")
+field("sis.parameter.product_specific", "Kind", ftypes.BOOLEAN, 16, {"P, product-specific", "S, standard"}, 0x8000,
+  "S: standard of SERCOS. P: of this product only")
+field("sis.parameter.set", "Parameter set", ftypes.UINT16, base.DEC, nil, 0x7000,
+  "One of eight sets that a parameter can have")
+field("sis.parameter.number", "Number", ftypes.UINT16, base.DEC, nil, 0xfff, "The number in the set, 0 to 4095")
+field("sis.value", "Value", ftypes.STRING, base.NONE, nil, 0, "Scaled, with its unit where that is known")
+field("sis.element.name", "Name", ftypes.STRING, base.NONE, nil, 0,
+  "The name of the parameter, as the device tells it")
+field("sis.element.unit", "Unit", ftypes.STRING, base.NONE, nil, 0,
+  "The unit of the parameter, as the device tells it")
+field("sis.attribute", "Attribute", ftypes.UINT32, base.HEX, nil, 0,
+  "How to read the value: length, format, decimal places, write protection")
+field("sis.attribute.factor", "Conversion factor", ftypes.UINT32, base.DEC, nil, 0xffff, "Multiply the value by it")
+field("sis.attribute.length", "Length", ftypes.UINT32, base.DEC, N.attribute_lengths, 0x70000,
+  "Bytes of the value, or of each element of a list")
+field("sis.attribute.command", "Procedure command", ftypes.BOOLEAN, 32, nil, 0x80000,
+  "Writing the parameter starts a procedure command")
+field("sis.attribute.format", "Format", ftypes.UINT32, base.DEC, N.attribute_formats, 0x700000,
+  "How to show the value")
+field("sis.attribute.decimals", "Decimal places", ftypes.UINT32, base.DEC, nil, 0xf000000,
+  "Digits after the decimal point")
+field("sis.attribute.protected_2", "Write-protected in phase 2", ftypes.BOOLEAN, 32, nil, 0x10000000,
+  "Cannot be written in phase 2")
+field("sis.attribute.protected_3", "Write-protected in phase 3", ftypes.BOOLEAN, 32, nil, 0x20000000,
+  "Cannot be written in phase 3")
+field("sis.attribute.protected_4", "Write-protected in phase 4", ftypes.BOOLEAN, 32, nil, 0x40000000,
+  "Cannot be written in phase 4")
+field("sis.list.actual", "Actual length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING, {" byte", " bytes"},
+  0, "Bytes that the list has now; the first word of a list")
+field("sis.list.maximum", "Maximum length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
+  {" byte", " bytes"}, 0, "Bytes that the list can have; the second word of a list")
 field("sis.access", "Access", ftypes.STRING, base.NONE, nil, 0,
   "What was read or written of a parameter, as JSON: for programs")
-
--- sis/dispatch.c
+field("sis.told_before", "Told before", ftypes.STRING, base.NONE, nil, 0, "Heard on the bus before this file began")
 field("sis.text", "Text", ftypes.STRING, base.NONE, nil, 0, "Useful data of a product group that are plain ASCII")
 field("sis.element_length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Service and body of this element")
-expert_field("sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not be in its own list")
-
--- sis/exchange.c
 field("sis.stream", "Stream", ftypes.UINT32, base.DEC, nil, 0, "One number for each pair of stations")
-field("sis.reaction_in", "Reaction in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
-field("sis.command_in", "Command in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
+field("sis.reaction_in", "Reaction in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE, 0,
+  "The packet that answers this command")
+field("sis.command_in", "Command in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST, 0,
+  "The packet that this reaction answers")
 field("sis.reaction_time", "Reaction time", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From the last character of the command to the first of the reaction; from packet to packet where "
-    .. "the times of the characters are not known")
+    .. "the times of the characters are not known; not there if both came in one read of the tap")
 field("sis.reaction_time.ms", "Reaction time in ms", ftypes.DOUBLE, base.NONE, nil, 0,
   "For a column of the packet list")
-field("sis.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
+field("sis.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV, 0,
+  "The packet that this command repeats, byte for byte")
 field("sis.unanswered_before", "Command before, not answered", ftypes.FRAMENUM, base.NONE, nil, 0,
   "The master's command before this one, where it went on without a reaction")
+field("sis.next_command_in", "Next command in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The master's next command, where it went on without a reaction")
+field("sis.answered_in", "Answered before in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "An earlier reaction to the same command")
 field("sis.routed_from", "Routed from", ftypes.FRAMENUM, base.NONE, nil, 0,
   "The same telegram on the level it came from")
+field("sis.service", "Service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services, 0,
+  "What the telegram asks for; a reaction repeats it")
+field("sis.status", "Status", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.status, 0,
+  "Whether the command was executed: the first byte of a reaction's useful data")
+field("sis.device", "Device address", ftypes.UINT8, base.DEC, nil, 0,
+  "Of the device behind the station; its own address, or 0 for the control itself")
+field("sis.subservice", "Subservice", ftypes.UINT8, base.HEX, nil, 0, "What exactly the service shall do")
+field("sis.error", "Error code", ftypes.UINT16, base.HEX, nil, 0,
+  "The full code, where a byte is sent together with its subservice")
+field("sis.phase", "Phase", ftypes.UINT8, base.DEC, nil, 0,
+  "Communication phase of SERCOS: 2 parameter mode, 4 operating mode")
+field("sis.init.baud_mask", "Baud rate mask", ftypes.UINT8, base.HEX, nil, 0, "One bit for each baud rate; 0: 9600")
+field("sis.start", "Start character", ftypes.UINT8, base.HEX, nil, 0, "Every telegram begins with 0x02")
+field("sis.checksum", "Checksum", ftypes.UINT8, base.HEX, nil, 0, "Makes the sum of all bytes 0 modulo 256")
+field("sis.checksum.status", "Checksum Status", ftypes.UINT8, base.NONE, N.checksum_states, 0,
+  "Whether the sum of all bytes is 0; unverified if bytes are missing")
+field("sis.length", "Data length", ftypes.UINT8, base.DEC, nil, 0, "Bytes after the static header of 8")
+field("sis.length_repeat", "Data length repetition", ftypes.UINT8, base.DEC, nil, 0, "Must equal the data length")
+field("sis.control", "Telegram control", ftypes.UINT8, base.HEX, nil, 0,
+  "Subaddresses, telegram number, direction; bits 5 to 7 differ between the editions")
+field("sis.control.subaddresses", "Subaddresses", ftypes.UINT8, base.DEC, nil, 0x07,
+  "How many subaddresses follow the receiver address")
+field("sis.control.number", "Telegram number", ftypes.BOOLEAN, 8, {"Present", "Not present"}, 0x08,
+  "Whether a telegram number follows the addresses")
+field("sis.control.reaction", "Kind", ftypes.BOOLEAN, 8, {"Reaction telegram", "Command telegram"}, 0x10,
+  "Command of a master, or reaction of a station")
+field("sis.control.reserved", "Reserved", ftypes.BOOLEAN, 8, nil, 0x20, "Not used in the edition IF02")
+field("sis.control.warning", "System warning of the sender", ftypes.BOOLEAN, 8, nil, 0x40,
+  "The sender has a system warning (IF02)")
+field("sis.control.error", "System error of the sender", ftypes.BOOLEAN, 8, nil, 0x80,
+  "The sender has a system error (IF02)")
+field("sis.control.reserved_bits", "Reserved", ftypes.UINT8, base.HEX, nil, 0xe0, "Not used in a command (ECODRIVE03)")
+field("sis.control.status", "Status", ftypes.UINT8, base.DEC, N.control_status_ecodrive03, 0xe0,
+  "How far the command is (ECODRIVE03)")
+field("sis.sender", "Sender address", ftypes.UINT8, base.DEC, nil, 0,
+  "The byte in the header; a reaction keeps the master's")
+field("sis.receiver", "Receiver address", ftypes.UINT8, base.DEC, nil, 0,
+  "The byte in the header; a reaction keeps the slave's")
+field("sis.subaddress", "Subaddress", ftypes.UINT8, base.DEC, nil, 0, "The next station of a route through routers")
+field("sis.number", "Telegram number", ftypes.UINT8, base.DEC, nil, 0,
+  "Tells a repeated command from a new one; 0: no check")
+field("sis.talker", "Talker", ftypes.UINT8, base.DEC, nil, 0,
+  "Who really sends: a reaction keeps the command's addresses")
+field("sis.listener", "Listener", ftypes.UINT8, base.DEC, nil, 0, "For whom it really is")
+field("sis.station", "Station", ftypes.UINT8, base.DEC, nil, 0, "Talker or listener")
+field("sis.sequence", "Pieces", ftypes.NONE, base.NONE, nil, 0, "The telegrams that carry the pieces of these data")
+field("sis.sequence.piece", "Piece", ftypes.FRAMENUM, base.NONE, nil, 0, "The packet with this piece")
+field("sis.sequence.overlap", "Overlap", ftypes.BOOLEAN, base.NONE, nil, 0, "This piece repeats bytes of another")
+field("sis.sequence.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN, base.NONE, nil, 0,
+  "This piece repeats bytes of another with other contents")
+field("sis.sequence.multiple_tails", "Several last pieces", ftypes.BOOLEAN, base.NONE, nil, 0,
+  "More than one piece says that it is the last")
+field("sis.sequence.too_long", "Piece too long", ftypes.BOOLEAN, base.NONE, nil, 0,
+  "This piece goes beyond the end of the data")
+field("sis.sequence.error", "Error while putting together", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet in which the pieces did not fit")
+field("sis.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC, nil, 0, "How many telegrams carry these data")
+field("sis.sequence.whole_in", "The whole is in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet that shows the joined data")
+field("sis.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"}, 0,
+  "Bytes of the joined data")
+field("sis.sequence.begun_in", "Unfinished transfer begun in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet with the first piece of the transfer that ended unfinished")
+field("sis.canceled_service", "Cancelled service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services, 0,
+  "The transfer of this service shall end")
+field("sis.flash.address", "Memory address", ftypes.UINT32, base.HEX, nil, 0,
+  "Where in the memory of the drive the operation begins")
+field("sis.flash.length", "Length", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"}, 0,
+  "How many bytes of memory the operation covers")
+field("sis.flash.target", "Target", ftypes.UINT8, base.HEX, N.shutdown_targets, 0,
+  "The program that runs after the shutdown")
+field("sis.flash.device_type", "Device type", ftypes.UINT8, base.HEX, N.device_types, 0,
+  "The kind of memory that is programmed")
+field("sis.flash.crc32", "CRC32", ftypes.UINT32, base.HEX, nil, 0, "Checksum of the module, as IndraDrive returns it")
+field("sis.version", "SIS version", ftypes.STRING, base.NONE, nil, 0,
+  "Version of SIS that the station speaks, such as 01V01")
+field("sis.firmware", "Firmware (FWA) number", ftypes.STRING, base.NONE, nil, 0, "Which firmware the station runs")
+field("sis.type_key", "Device type key", ftypes.STRING, base.NONE, nil, 0, "Which device the station is")
+field("sis.init.time", "Time", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "The limit that this telegram sets: TrS, TzA or Tmas")
+field("sis.init.test_time", "Duration of the test", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "How long the station stays at the tested baud rate")
+field("sis.parameter_control", "Parameter control", ftypes.UINT8, base.HEX, nil, 0,
+  "Which element of the parameter, and whether more telegrams follow")
+field("sis.parameter_control.reserved", "Reserved", ftypes.UINT8, base.HEX, nil, 0xc3, "Bits that must be 0")
+field("sis.element", "Element", ftypes.UINT8, base.DEC, N.elements, 0x38,
+  "What is accessed: the value (operating data), its name, unit, attribute or limits")
+field("sis.transmission", "Transmission", ftypes.BOOLEAN, 8, {"last", "current, more follows"}, 0x04,
+  "Whether this is the last telegram of the transfer")
+field("sis.list_offset", "List offset", ftypes.UINT16, base.DEC, nil, 0,
+  "Where the segment begins; in words for 0x81 and 0x8E, else in bytes")
+field("sis.list_length", "List length", ftypes.UINT16, base.DEC, nil, 0,
+  "How long the segment is; in words for 0x81 and 0x8E, else in bytes")
+field("sis.data_status", "Data status", ftypes.UINT16, base.HEX, nil, 0, "How far a procedure command is")
+field("sis.data_status.set", "Command set", ftypes.BOOLEAN, 16, nil, 0x01, "Somebody has set the command")
+field("sis.data_status.enabled", "Command enabled", ftypes.BOOLEAN, 16, nil, 0x02,
+  "The command runs; if not set, it is interrupted")
+field("sis.data_status.not_executed", "Not yet executed", ftypes.BOOLEAN, 16, nil, 0x04,
+  "The command has not ended yet")
+field("sis.data_status.impossible", "Execution not possible", ftypes.BOOLEAN, 16, nil, 0x08,
+  "The command ended with an error")
+field("sis.data_status.invalid", "Operating data invalid", ftypes.BOOLEAN, 16, nil, 0x100,
+  "The value cannot be trusted now")
+field("sis.phase.switch_in", "Phase switch in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet that asked for the phase switch which this poll observes")
+field("sis.phase.switch_time", "Time of the phase switch", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "From its command to the poll that ended it")
+field("sis.silence_before", "Silence before", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Since the character before it on this line, arrival to arrival")
+field("sis.silence_before.ms", "Silence before in ms", ftypes.DOUBLE, base.NONE, nil, 0,
+  "For a column of the packet list")
+field("sis.tza.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Between two characters of the telegram, arrival to arrival; where they came in one read, the most "
+    .. "it can have been")
+field("sis.tza.interval_max.ms", "Longest interval in ms", ftypes.DOUBLE, base.NONE, nil, 0,
+  "For a column of the packet list")
+field("sis.tza.position", "Longest interval before character", ftypes.UINT16, base.DEC, nil, 0,
+  "Its number in the telegram, from 1")
+field("sis.tza.limit", "TzA (longest interval allowed)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "As the bus was told, or from the preference sis.tza_ms")
+field("sis.tza.set_in", "TzA set in", ftypes.FRAMENUM, base.NONE, nil, 0, "The packet that made this limit valid")
+field("sis.tza.verdict", "Verdict on TzA", ftypes.UINT8, base.DEC, N.verdicts, 0,
+  "Whether the intervals in this telegram keep TzA, with the uncertainty of their times")
+field("sis.trs.limit", "TrS (longest reaction time allowed)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "As the bus was told, or from the preference sis.trs_ms")
+field("sis.trs.set_in", "TrS set in", ftypes.FRAMENUM, base.NONE, nil, 0, "The packet that made this limit valid")
+field("sis.trs.verdict", "Verdict on TrS", ftypes.UINT8, base.DEC, N.verdicts, 0,
+  "Whether this reaction keeps TrS, with the uncertainty of its time")
+field("sis.twm.wait", "Wait of the master (TwM)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Since the end of its command before: of the one that is repeated, or of a broadcast")
+field("sis.tmas.before_in", "Master control word before in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet with the master control word before this one")
+field("sis.tmas.cycle", "Master control word cycle", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Between two writings of S-0-0134 to the same device, begin to begin")
+field("sis.tmas.limit", "Tmas (longest cycle allowed)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "While the machine moves")
+field("sis.tmas.set_in", "Tmas set in", ftypes.FRAMENUM, base.NONE, nil, 0, "The packet that made this limit valid")
+field("sis.tmas.verdict", "Verdict on Tmas", ftypes.UINT8, base.DEC, N.verdicts, 0,
+  "Whether this master control word keeps Tmas, with the uncertainty of its time")
+field("sis.bus.baud", "Baud rate of the bus", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" Bd"}, 0,
+  "As the bus was told")
+field("sis.bus.baud.set_in", "Baud rate set in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet that made this rate valid")
+field("sis.bus.load", "Bus load", ftypes.DOUBLE, base.NONE, nil, 0,
+  "Percent of the last second in which there were characters on the line")
+expert_field("sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not be in its own list")
 expert_field("sis.command.unanswered", "SEQUENCE", "NOTE", "No reaction before the next command")
 expert_field("sis.reaction.unasked", "SEQUENCE", "NOTE", "The command of this reaction is not known")
 expert_field("sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
 expert_field("sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
-
--- sis/fields.c
-field("sis.service", "Service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
-field("sis.status", "Status", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.status)
-field("sis.device", "Device address", ftypes.UINT8, base.DEC, nil, 0,
-  "Of the device behind the station; its own address, or 0 for the control itself")
-field("sis.subservice", "Subservice", ftypes.UINT8, base.HEX)
-field("sis.error", "Error code", ftypes.UINT16, base.HEX, nil, 0,
-  "The full code, where a byte is sent together with its subservice")
-field("sis.phase", "Phase", ftypes.UINT8, base.DEC)
-field("sis.init.baud_mask", "Baud rate mask", ftypes.UINT8, base.HEX)
 expert_field("sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
 expert_field("sis.body.unexpected", "PROTOCOL", "WARN", "More useful data than the service has")
 expert_field("sis.body.note", "PROTOCOL", "NOTE", "Useful data that the documents do not define")
 expert_field("sis.status.execution_error", "RESPONSE_CODE", "NOTE", "The status is an execution error")
 expert_field("sis.status.telegram_error", "RESPONSE_CODE", "WARN", "The status is a telegram error")
-
--- sis/packet-sis.c
-N.checksum_states = {
-  [0] = "Bad",
-  [1] = "Good",
-  [2] = "Unverified",
-}
-N.command_reaction = {"Reaction telegram", "Command telegram"}
-N.present_absent = {"Present", "Not present"}
-field("sis.start", "Start character", ftypes.UINT8, base.HEX)
-field("sis.checksum", "Checksum", ftypes.UINT8, base.HEX, nil, 0, "Makes the sum of all bytes 0 modulo 256")
-field("sis.checksum.status", "Checksum Status", ftypes.UINT8, base.NONE, N.checksum_states)
-field("sis.length", "Data length", ftypes.UINT8, base.DEC, nil, 0, "Bytes after the static header of 8")
-field("sis.length_repeat", "Data length repetition", ftypes.UINT8, base.DEC)
-field("sis.control", "Telegram control", ftypes.UINT8, base.HEX)
-field("sis.control.subaddresses", "Subaddresses", ftypes.UINT8, base.DEC, nil, 0x07)
-field("sis.control.number", "Telegram number", ftypes.BOOLEAN, 8, N.present_absent, 0x08)
-field("sis.control.reaction", "Kind", ftypes.BOOLEAN, 8, N.command_reaction, 0x10)
-field("sis.control.reserved", "Reserved", ftypes.BOOLEAN, 8, nil, 0x20)
-field("sis.control.warning", "System warning of the sender", ftypes.BOOLEAN, 8, nil, 0x40)
-field("sis.control.error", "System error of the sender", ftypes.BOOLEAN, 8, nil, 0x80)
-field("sis.control.reserved_bits", "Reserved", ftypes.UINT8, base.HEX, nil, 0xe0)
-field("sis.control.status", "Status", ftypes.UINT8, base.DEC, N.control_status_ecodrive03, 0xe0)
-field("sis.sender", "Sender address", ftypes.UINT8, base.DEC)
-field("sis.receiver", "Receiver address", ftypes.UINT8, base.DEC)
-field("sis.subaddress", "Subaddress", ftypes.UINT8, base.DEC)
-field("sis.number", "Telegram number", ftypes.UINT8, base.DEC)
-field("sis.talker", "Talker", ftypes.UINT8, base.DEC, nil, 0,
-  "Who really sends: a reaction keeps the command's addresses")
-field("sis.listener", "Listener", ftypes.UINT8, base.DEC, nil, 0, "For whom it really is")
-field("sis.station", "Station", ftypes.UINT8, base.DEC, nil, 0, "Talker or listener")
 expert_field("sis.start.missing", "MALFORMED", "ERROR", "No start character 0x02")
 expert_field("sis.checksum.bad", "CHECKSUM", "ERROR", "Wrong checksum")
 expert_field("sis.length.differ", "MALFORMED", "ERROR",
@@ -823,97 +1845,9 @@ expert_field("sis.receiver.reserved", "PROTOCOL", "WARN",
   "Receiver address that is not assigned or reserved (another edition? preference sis.edition)")
 expert_field("sis.receiver.level_broadcast", "PROTOCOL", "WARN", "254 may only be the last address of the list")
 expert_field("sis.reaction.unexpected", "PROTOCOL", "WARN", "A group or broadcast is not answered")
-
--- sis/sequence.c
-field("sis.sequence", "Pieces", ftypes.NONE)
-field("sis.sequence.piece", "Piece", ftypes.FRAMENUM)
-field("sis.sequence.overlap", "Overlap", ftypes.BOOLEAN)
-field("sis.sequence.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN)
-field("sis.sequence.multiple_tails", "Several last pieces", ftypes.BOOLEAN)
-field("sis.sequence.too_long", "Piece too long", ftypes.BOOLEAN)
-field("sis.sequence.error", "Error while putting together", ftypes.FRAMENUM)
-field("sis.sequence.count", "Number of pieces", ftypes.UINT32, base.DEC)
-field("sis.sequence.whole_in", "The whole is in", ftypes.FRAMENUM)
-field("sis.sequence.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
 expert_field("sis.sequence.ended", "SEQUENCE", "NOTE", "A transfer of sequential telegrams ended unfinished")
 expert_field("sis.sequence.piece_missing", "SEQUENCE", "NOTE",
   "A piece of this transfer may be missing: something that came between was damaged, lost or refused")
-
--- sis/services/cancel.c
-field("sis.canceled_service", "Cancelled service", ftypes.UINT8, base.HEX + base.RANGE_STRING, N.services)
-
--- sis/services/flash.c
-field("sis.flash.address", "Memory address", ftypes.UINT32, base.HEX)
-field("sis.flash.length", "Length", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
-field("sis.flash.target", "Target", ftypes.UINT8, base.HEX, N.shutdown_targets)
-field("sis.flash.device_type", "Device type", ftypes.UINT8, base.HEX, N.device_types)
-field("sis.flash.crc32", "CRC32", ftypes.UINT32, base.HEX)
-
--- sis/services/identification.c
-field("sis.version", "SIS version", ftypes.STRING)
-field("sis.firmware", "Firmware (FWA) number", ftypes.STRING)
-field("sis.type_key", "Device type key", ftypes.STRING)
-
--- sis/services/initialization.c
-field("sis.init.time", "Time", ftypes.RELATIVE_TIME)
-field("sis.init.test_time", "Duration of the test", ftypes.RELATIVE_TIME)
-
--- sis/services/parameter.c
-N.last_current = {"last", "current, more follows"}
-field("sis.parameter_control", "Parameter control", ftypes.UINT8, base.HEX)
-field("sis.parameter_control.reserved", "Reserved", ftypes.UINT8, base.HEX, nil, 0xc3)
-field("sis.element", "Element", ftypes.UINT8, base.DEC, N.elements, 0x38)
-field("sis.transmission", "Transmission", ftypes.BOOLEAN, 8, N.last_current, 0x04)
-field("sis.list_offset", "List offset", ftypes.UINT16, base.DEC)
-field("sis.list_length", "List length", ftypes.UINT16, base.DEC)
-field("sis.data_status", "Data status", ftypes.UINT16, base.HEX)
-field("sis.data_status.set", "Command set", ftypes.BOOLEAN, 16, nil, 0x01)
-field("sis.data_status.enabled", "Command enabled", ftypes.BOOLEAN, 16, nil, 0x02)
-field("sis.data_status.not_executed", "Not yet executed", ftypes.BOOLEAN, 16, nil, 0x04)
-field("sis.data_status.impossible", "Execution not possible", ftypes.BOOLEAN, 16, nil, 0x08)
-field("sis.data_status.invalid", "Operating data invalid", ftypes.BOOLEAN, 16, nil, 0x100)
-
--- sis/services/phase.c
-field("sis.phase.switch_in", "Phase switch in", ftypes.FRAMENUM)
-field("sis.phase.switch_time", "Time of the phase switch", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "From its command to the poll that ended it")
-
--- sis/timing.c
-N.verdicts = {
-  [0] = "ok",
-  [1] = "exceeded",
-  [2] = "unresolved: the times are not exact enough",
-}
-field("sis.silence_before", "Silence before", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "Since the character before it on this line, arrival to arrival")
-field("sis.silence_before.ms", "Silence before in ms", ftypes.DOUBLE, base.NONE, nil, 0,
-  "For a column of the packet list")
-field("sis.tza.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "Between two characters of the telegram, arrival to arrival; where they came in one read, the most "
-    .. "it can have been")
-field("sis.tza.interval_max.ms", "Longest interval in ms", ftypes.DOUBLE, base.NONE, nil, 0,
-  "For a column of the packet list")
-field("sis.tza.position", "Longest interval before character", ftypes.UINT16, base.DEC, nil, 0,
-  "Its number in the telegram, from 1")
-field("sis.tza.limit", "TzA (longest interval allowed)", ftypes.RELATIVE_TIME)
-field("sis.tza.set_in", "TzA set in", ftypes.FRAMENUM)
-field("sis.tza.verdict", "Verdict on TzA", ftypes.UINT8, base.DEC, N.verdicts)
-field("sis.trs.limit", "TrS (longest reaction time allowed)", ftypes.RELATIVE_TIME)
-field("sis.trs.set_in", "TrS set in", ftypes.FRAMENUM)
-field("sis.trs.verdict", "Verdict on TrS", ftypes.UINT8, base.DEC, N.verdicts)
-field("sis.twm.wait", "Wait of the master (TwM)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "Since the end of its command before: of the one that is repeated, or of a broadcast")
-field("sis.tmas.cycle", "Master control word cycle", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "Between two writings of S-0-0134 to the same device, begin to begin")
-field("sis.tmas.limit", "Tmas (longest cycle allowed)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "While the machine moves")
-field("sis.tmas.set_in", "Tmas set in", ftypes.FRAMENUM)
-field("sis.tmas.verdict", "Verdict on Tmas", ftypes.UINT8, base.DEC, N.verdicts)
-field("sis.bus.baud", "Baud rate of the bus", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" Bd"}, 0,
-  "As the bus was told")
-field("sis.bus.baud.set_in", "Baud rate set in", ftypes.FRAMENUM)
-field("sis.bus.load", "Bus load", ftypes.DOUBLE, base.NONE, nil, 0,
-  "Percent of the last second in which there were characters on the line")
 expert_field("sis.tza.exceeded", "PROTOCOL", "WARN", "TzA exceeded")
 expert_field("sis.tza.unresolved", "PROTOCOL", "NOTE", "TzA perhaps exceeded")
 expert_field("sis.trs.exceeded", "PROTOCOL", "WARN", "TrS exceeded")
@@ -923,57 +1857,45 @@ expert_field("sis.tmas.exceeded", "PROTOCOL", "WARN", "Tmas exceeded")
 expert_field("sis.tmas.unresolved", "PROTOCOL", "NOTE", "Tmas perhaps exceeded")
 expert_field("sis.bus.baud.differs", "PROTOCOL", "NOTE", "The tap listens at another baud rate than the bus was told")
 
--- synax/3964r.c
-N.procedure_meanings = {
-  [0] = "asks to send",
-  [1] = "asks to send, as the partner does: the one with low priority gives way",
-  [2] = "ready to receive",
-  [3] = "not ready to receive",
-  [4] = "block",
-  [5] = "block received",
-  [6] = "block refused: it comes again",
-  [7] = "nothing to answer",
-}
-N.procedure_characters = {
-  [2] = "STX",
-  [16] = "DLE",
-  [21] = "NAK",
-}
-N.procedure_bcc_states = {
-  [0] = "Bad",
-  [1] = "Good",
-  [2] = "Unverified",
-}
-N.procedure_verdicts = {
-  [0] = "OK",
-  [1] = "Exceeded",
-  [2] = "Unresolved",
-}
-field("3964r.character", "Character", ftypes.UINT8, base.HEX, N.procedure_characters)
+-- 3964r
+field("3964r.character", "Character", ftypes.UINT8, base.HEX, N.procedure_characters, 0,
+  "A single character of the procedure")
 field("3964r.meaning", "Meaning", ftypes.UINT8, base.DEC, N.procedure_meanings, 0, "From what came before")
 field("3964r.length", "Length of the data", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"}, 0,
   "Without doubled DLEs")
-field("3964r.doubled", "Doubled DLEs", ftypes.UINT32, base.DEC)
-field("3964r.end", "End (DLE ETX)", ftypes.UINT16, base.HEX)
+field("3964r.doubled", "Doubled DLEs", ftypes.UINT32, base.DEC, nil, 0,
+  "DLEs in the data that were sent twice, so that no data look like an end")
+field("3964r.end", "End (DLE ETX)", ftypes.UINT16, base.HEX, nil, 0,
+  "Marks the end of the block; the block check character follows")
 field("3964r.bcc", "Block check character", ftypes.UINT8, base.HEX, nil, 0,
   "XOR of all bytes after STX, with doubled DLEs, DLE and ETX")
-field("3964r.bcc.status", "Status of the block check character", ftypes.UINT8, base.NONE, N.procedure_bcc_states)
-field("3964r.data", "Data", ftypes.BYTES)
-field("3964r.raw", "Not decoded", ftypes.BYTES)
-field("3964r.answers", "Answer to", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
-field("3964r.answer_in", "Answered in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+field("3964r.bcc.status", "Status of the block check character", ftypes.UINT8, base.NONE, N.checksum_states, 0,
+  "Whether the block check character fits; unverified if bytes are missing")
+field("3964r.data", "Data", ftypes.BYTES, base.NONE, nil, 0, "The data of the block, without doubled DLEs")
+field("3964r.raw", "Not decoded", ftypes.BYTES, base.NONE, nil, 0, "Bytes that do not fit the procedure")
+field("3964r.answers", "Answer to", ftypes.FRAMENUM, base.NONE, frametype.REQUEST, 0,
+  "The packet that this character or block answers")
+field("3964r.answer_in", "Answered in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE, 0,
+  "The packet that answers this one")
 field("3964r.answer_time", "Answered after", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From the last character of what it answers")
 field("3964r.try", "Try", ftypes.UINT32, base.DEC, nil, 0, "To connect, or to send this block")
-field("3964r.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV)
-field("3964r.unanswered_before", "Before, not answered", ftypes.FRAMENUM)
-field("3964r.qvz.limit", "QVZ (longest time to an answer)", ftypes.RELATIVE_TIME)
-field("3964r.qvz.verdict", "Verdict on QVZ", ftypes.UINT8, base.DEC, N.procedure_verdicts)
+field("3964r.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV, 0,
+  "The packet with the same block before")
+field("3964r.unanswered_before", "Before, not answered", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet that got no answer before this one came")
+field("3964r.qvz.limit", "QVZ (longest time to an answer)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Acknowledgment delay: after it the partner tries again")
+field("3964r.qvz.verdict", "Verdict on QVZ", ftypes.UINT8, base.DEC, N.procedure_verdicts, 0,
+  "Whether the answer came in time, with the uncertainty of its time")
 field("3964r.zvz.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "Between two characters of the block")
-field("3964r.zvz.position", "Longest interval before character", ftypes.UINT32, base.DEC)
-field("3964r.zvz.limit", "ZVZ (longest interval allowed)", ftypes.RELATIVE_TIME)
-field("3964r.zvz.verdict", "Verdict on ZVZ", ftypes.UINT8, base.DEC, N.procedure_verdicts)
+field("3964r.zvz.position", "Longest interval before character", ftypes.UINT32, base.DEC, nil, 0,
+  "Its number in the block, from 1")
+field("3964r.zvz.limit", "ZVZ (longest interval allowed)", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "Character delay: after it the receiver gives the block up")
+field("3964r.zvz.verdict", "Verdict on ZVZ", ftypes.UINT8, base.DEC, N.procedure_verdicts, 0,
+  "Whether the intervals in the block keep ZVZ, with the uncertainty of their times")
 expert_field("3964r.bcc.bad", "CHECKSUM", "ERROR", "Wrong block check character: the receiver answers NAK")
 expert_field("3964r.broken", "MALFORMED", "WARN",
   "The block does not end with DLE ETX BCC, or a DLE in it is not doubled")
@@ -986,32 +1908,75 @@ expert_field("3964r.tries", "SEQUENCE", "WARN", "More tries than 3964R has")
 expert_field("3964r.exceeded", "PROTOCOL", "WARN", "A time of the procedure is exceeded")
 expert_field("3964r.unresolved", "PROTOCOL", "NOTE", "A time of the procedure is perhaps exceeded")
 
--- synax/arcnet7f.c
-N.arcnet7f_commands = {
-  [0] = "TO",
-  [1] = "FETCH",
-}
-N.arcnet7f_types = {
-  [5] = "Word array",
-}
-field("arcnet7f.id", "Protocol", ftypes.UINT8, base.HEX)
+-- rk512i
+field("rk512i.follow_up", "Telegram", ftypes.UINT8, base.HEX, N.rk512_telegrams, 0,
+  "The first telegram of a transfer, or one that continues it")
+field("rk512i.zero", "Always 0", ftypes.UINT8, base.HEX, nil, 0, "The second byte of every telegram")
+field("rk512i.command", "Command", ftypes.UINT8, base.HEX, N.rk512_commands, 0,
+  "SEND writes to the partner, FETCH reads from it")
+field("rk512i.kind", "Kind of data", ftypes.UINT8, base.HEX, N.rk512_kinds, 0,
+  "What is accessed; SYNAX has data blocks only")
+field("rk512i.block", "Data block", ftypes.UINT8, base.DEC, nil, 0, "Number of the data block in the PLC")
+field("rk512i.block.word", "Word", ftypes.UINT16, base.HEX, nil, 0, "Of a data block")
+field("rk512i.word", "Data word", ftypes.UINT8, base.DEC, nil, 0, "First word in the data block")
+field("rk512i.count", "Count", ftypes.UINT16, base.DEC, nil, 0,
+  "Words of data blocks, timers and counters, else bytes")
+field("rk512i.flag_byte", "Byte of the coordination flag", ftypes.UINT8, base.HEX, nil, 0,
+  "Byte of the PLC's flag that locks the block; FF: none")
+field("rk512i.flag", "Bit and CPU of the coordination flag", ftypes.UINT8, base.HEX, nil, 0,
+  "Bits 0 to 3: bit of the flag, bits 4 to 7: CPU; FF: none")
+field("rk512i.error", "Error number", ftypes.UINT8, base.HEX, N.rk512_errors, 0,
+  "Siemens' numbers; the table that SYNAX has is lost")
+field("rk512i.data", "Data", ftypes.BYTES, base.NONE, nil, 0, "The data of this telegram")
+
+-- arcnet7f
+field("arcnet7f.id", "Protocol", ftypes.UINT8, base.HEX, nil, 0, "Always 0x7F")
 field("arcnet7f.message", "Message number", ftypes.UINT16, base.HEX, nil, 0, "0x8010, in follow-ups 0x1c20 to 0x1cff")
 field("arcnet7f.command", "Command", ftypes.UINT8, base.DEC, N.arcnet7f_commands, 0, "An answer is a TO")
-field("arcnet7f.type", "Data type", ftypes.UINT8, base.DEC, N.arcnet7f_types)
+field("arcnet7f.type", "Data type", ftypes.UINT8, base.DEC, N.arcnet7f_types, 0, "How the data are counted")
 field("arcnet7f.length", "Length in words", ftypes.UINT16, base.DEC, nil, 0, "Of what follows it")
-field("arcnet7f.block", "Data block", ftypes.UINT8, base.DEC)
+field("arcnet7f.block", "Data block", ftypes.UINT8, base.DEC, nil, 0, "Number of the data block")
 field("arcnet7f.word", "Word", ftypes.UINT16, base.HEX, nil, 0, "Of a data block")
 field("arcnet7f.list.actual", "Actual length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
-  {" byte", " bytes"})
+  {" byte", " bytes"}, 0, "Bytes that the list has now")
 field("arcnet7f.list.maximum", "Maximum length of the list", ftypes.UINT16, base.DEC + base.UNIT_STRING,
-  {" byte", " bytes"})
-field("arcnet7f.first_in", "Follows the telegram in", ftypes.FRAMENUM)
+  {" byte", " bytes"}, 0, "Bytes that the list can have")
+field("arcnet7f.first_in", "Follows the telegram in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet whose data this telegram continues")
 
--- synax/fields.c
-field("synax.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
-field("synax.answer_in", "Answer in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
+-- synax
+field("synax.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST, 0,
+  "The packet that this answer belongs to")
+field("synax.answer_in", "Answer in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE, 0,
+  "The packet that answers this request")
 field("synax.answer_time", "Time to the answer", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From the request to its answer")
+field("synax.next_request_in", "Next request in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "Where nobody read an answer before it")
+field("synax.unanswered_in", "Request before, not answered", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet with the request that got no answer")
+field("synax.info", "Info access", ftypes.UINT16, base.HEX, nil, 0,
+  "Read or write, and whether more follows; the other bits are not defined")
+field("synax.info.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xfffc, "Bits that no document explains")
+field("synax.info.last", "Last transmission", ftypes.BOOLEAN, 16, nil, 0x02, "Whether this is the last transmission")
+field("synax.info.write", "Write", ftypes.BOOLEAN, 16, nil, 0x01, "Set: write. Not set: read")
+field("synax.axis", "Axis", ftypes.UINT8, base.DEC, nil, 0, "Drive, 0: none; with a data block its number")
+field("synax.pieces", "Pieces", ftypes.NONE, base.NONE, nil, 0, "The telegrams that carry the pieces of these data")
+field("synax.pieces.piece", "Piece", ftypes.FRAMENUM, base.NONE, nil, 0, "The packet with this piece")
+field("synax.pieces.overlap", "Overlap", ftypes.BOOLEAN, base.NONE, nil, 0, "This piece repeats bytes of another")
+field("synax.pieces.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN, base.NONE, nil, 0,
+  "This piece repeats bytes of another with other contents")
+field("synax.pieces.multiple_tails", "Several last pieces", ftypes.BOOLEAN, base.NONE, nil, 0,
+  "More than one piece says that it is the last")
+field("synax.pieces.too_long", "Piece too long", ftypes.BOOLEAN, base.NONE, nil, 0,
+  "This piece goes beyond the end of the data")
+field("synax.pieces.error", "Error while putting together", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet in which the pieces did not fit")
+field("synax.pieces.count", "Number of pieces", ftypes.UINT32, base.DEC, nil, 0, "How many telegrams carry these data")
+field("synax.pieces.whole_in", "The whole is in", ftypes.FRAMENUM, base.NONE, nil, 0,
+  "The packet that shows the joined data")
+field("synax.pieces.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"}, 0,
+  "Bytes of the joined data")
 expert_field("synax.note", "PROTOCOL", "NOTE", "Content that the documents do not define")
 expert_field("synax.short", "PROTOCOL", "WARN", "Bytes are missing")
 expert_field("synax.unexpected", "PROTOCOL", "WARN", "More bytes than expected")
@@ -1020,231 +1985,125 @@ expert_field("synax.unanswered", "SEQUENCE", "NOTE", "No answer before the next 
 expert_field("synax.unanswered_before", "SEQUENCE", "NOTE", "A request before this one got no answer")
 expert_field("synax.pieces.too_many", "SEQUENCE", "NOTE", "More than 8192 pieces: they are not joined")
 
--- synax/head.c
-field("synax.info", "Info access", ftypes.UINT16, base.HEX)
-field("synax.info.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xfffc)
-field("synax.info.last", "Last transmission", ftypes.BOOLEAN, 16, nil, 0x02)
-field("synax.info.write", "Write", ftypes.BOOLEAN, 16, nil, 0x01)
-field("synax.axis", "Axis", ftypes.UINT8, base.DEC, nil, 0, "Drive, 0: none; with a data block its number")
+-- synaxpk
+field("synaxpk.word", "Control or status word", ftypes.UINT16, base.HEX, nil, 0,
+  "FBSteuer of the master, FBStatus of the slave")
+field("synaxpk.word.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xc000, "Bits that no document explains")
+field("synaxpk.word.error", "Error", ftypes.BOOLEAN, 16, nil, 0x2000, "Of the slave; of the master: clear the error")
+field("synaxpk.word.read", "Access to the channel", ftypes.BOOLEAN, 16, {"Read", "Write"}, 0x1000,
+  "An order is written and its answer read, that of writing a parameter, too")
+field("synaxpk.word.busy", "Bit 11 (busy)", ftypes.BOOLEAN, 16, nil, 0x800, "Not certain")
+field("synaxpk.word.last", "Last fragment", ftypes.BOOLEAN, 16, nil, 0x400,
+  "Whether this is the last fragment of the telegram")
+field("synaxpk.word.bit9", "Bit 9 (handshake)", ftypes.BOOLEAN, 16, nil, 0x200, "Not certain")
+field("synaxpk.word.toggle", "Toggle", ftypes.BOOLEAN, 16, nil, 0x100,
+  "The master changes it each cycle, and the slave copies it")
+field("synaxpk.word.count", "Valid data bytes", ftypes.UINT16, base.DEC, nil, 0xf0,
+  "How many bytes after the word count")
+field("synaxpk.word.format", "Format", ftypes.UINT16, base.HEX, N.channel_formats, 0x0f,
+  "The layout of the data after the word")
+field("synaxpk.sender", "Sender", ftypes.UINT8, base.DEC, N.channel_senders, 0, "Who has sent this word")
+field("synaxpk.payload", "Data of this packet", ftypes.BYTES, base.NONE, nil, 0, "The valid bytes after the word")
+field("synaxpk.beyond", "Not valid", ftypes.BYTES, base.NONE, nil, 0, "Bytes of the channel after the valid ones")
+field("synaxpk.byte", "Byte", ftypes.UINT8, base.HEX, nil, 0, "Not defined")
+field("synaxpk.class", "Error class", ftypes.UINT8, base.HEX, nil, 0, "High byte of the error code")
+field("synaxpk.class.code", "Error code in its class", ftypes.UINT8, base.HEX, nil, 0, "Low byte of the error code")
+field("synaxpk.code", "Error of the channel", ftypes.UINT16, base.HEX, N.channel_codes, 0,
+  "Why the channel refuses the request")
+field("synaxpk.sis.length", "Length (DatL)", ftypes.UINT8, base.DEC, nil, 0,
+  "Bytes of useful data of the SIS telegram")
+field("synaxpk.sis.length_repeated", "Length again (DatLW)", ftypes.UINT8, base.DEC, nil, 0, "Must equal the length")
+field("synaxpk.sis.control", "Telegram control (Cntrl)", ftypes.UINT8, base.HEX, nil, 0,
+  "Direction of the SIS telegram")
+field("synaxpk.sis.service", "Service", ftypes.UINT8, base.HEX, nil, 0, "SIS service in the channel")
+field("synaxpk.drive", "Control or status word", ftypes.UINT16, base.HEX, nil, 0, "Of IndraDrive")
+field("synaxpk.drive.pf", "Ident of 4 bytes (PF)", ftypes.BOOLEAN, 16, nil, 0x8000,
+  "Set: idents have 4 bytes. Not set: 2 bytes")
+field("synaxpk.drive.error", "G; in a status word F, error", ftypes.BOOLEAN, 16, nil, 0x4000,
+  "In a status word: the data are an error")
+field("synaxpk.drive.last", "Last fragment (L)", ftypes.BOOLEAN, 16, nil, 0x2000, "Whether this is the last fragment")
+field("synaxpk.drive.toggle", "Toggle (T)", ftypes.BOOLEAN, 16, nil, 0x1000, "Marks a new fragment")
+field("synaxpk.drive.fragment", "Bytes in this fragment (FL)", ftypes.UINT16, base.DEC, nil, 0xf00,
+  "How many bytes of data this packet carries")
+field("synaxpk.drive.length", "Bytes left, with this fragment (GL)", ftypes.UINT16, base.DEC, nil, 0xff,
+  "How many bytes are still to come, these included")
+field("synaxpk.index", "Index", ftypes.UINT16, base.HEX, nil, 0, "0x2000 and the ident number of a parameter")
+field("synaxpk.subindex", "Subindex", ftypes.UINT16, base.DEC, nil, 0, "Element of the parameter; 7: operating data")
 
--- synax/pieces.c
-field("synax.pieces", "Pieces", ftypes.NONE)
-field("synax.pieces.piece", "Piece", ftypes.FRAMENUM)
-field("synax.pieces.overlap", "Overlap", ftypes.BOOLEAN)
-field("synax.pieces.overlap.conflict", "Overlap with other data", ftypes.BOOLEAN)
-field("synax.pieces.multiple_tails", "Several last pieces", ftypes.BOOLEAN)
-field("synax.pieces.too_long", "Piece too long", ftypes.BOOLEAN)
-field("synax.pieces.error", "Error while putting together", ftypes.FRAMENUM)
-field("synax.pieces.count", "Number of pieces", ftypes.UINT32, base.DEC)
-field("synax.pieces.whole_in", "The whole is in", ftypes.FRAMENUM)
-field("synax.pieces.length", "Length of the whole", ftypes.UINT32, base.DEC + base.UNIT_STRING, {" byte", " bytes"})
-
--- synax/rk512i.c
-N.rk512_commands = {
-  [65] = "SEND",
-  [69] = "FETCH",
-  [79] = "SEND to an extended data block",
-}
-N.rk512_kinds = {
-  [68] = "Data block",
-  [88] = "Extended data block",
-  [69] = "Inputs",
-  [65] = "Outputs",
-  [77] = "Flags",
-  [84] = "Timers",
-  [90] = "Counters",
-}
-N.rk512_errors = {
-  [0] = "No error",
-  [10] = "Access to the area not possible",
-  [12] = "Wrong data type",
-  [16] = "Telegram not supported",
-  [18] = "Object type not supported",
-  [20] = "Block not found, or its number not allowed",
-  [22] = "Unknown command",
-  [42] = "PLC stopped",
-  [50] = "Block locked by its coordination flag",
-  [52] = "Wrong length",
-  [54] = "Follow-up without a command",
-}
-N.rk512_telegrams = {
-  [0] = "First telegram",
-  [255] = "Follow-up",
-}
-field("rk512i.follow_up", "Telegram", ftypes.UINT8, base.HEX, N.rk512_telegrams)
-field("rk512i.zero", "Always 0", ftypes.UINT8, base.HEX)
-field("rk512i.command", "Command", ftypes.UINT8, base.HEX, N.rk512_commands)
-field("rk512i.kind", "Kind of data", ftypes.UINT8, base.HEX, N.rk512_kinds)
-field("rk512i.block", "Data block", ftypes.UINT8, base.DEC)
-field("rk512i.word", "Data word", ftypes.UINT8, base.DEC)
-field("rk512i.count", "Count", ftypes.UINT16, base.DEC, nil, 0,
-  "Words of data blocks, timers and counters, else bytes")
-field("rk512i.flag_byte", "Byte of the coordination flag", ftypes.UINT8, base.HEX)
-field("rk512i.flag", "Bit and CPU of the coordination flag", ftypes.UINT8, base.HEX)
-field("rk512i.error", "Error number", ftypes.UINT8, base.HEX, N.rk512_errors, 0,
-  "Siemens' numbers; the table that SYNAX has is lost")
-field("rk512i.data", "Data", ftypes.BYTES)
-
--- synax/synaxobj.c
-N.synaxobj_operations = {
-  [0] = "read answer",
-  [1] = "write request",
-  [2] = "read request",
-  [3] = "write answer",
-}
-N.synaxobj_names = {
-  [24176] = "Data exchange, 16 bytes",
-  [24177] = "Data exchange, 32 bytes",
-  [24178] = "Data exchange, 64 bytes",
-  [24179] = "Data exchange, 128 bytes",
-  [24560] = "Diagnosis fieldbus",
-  [24562] = "Status fieldbus",
-  [24565] = "Written by the PPC, name not known",
-  [24566] = "Fault code PPC",
-  [24572] = "Name not known, perhaps of the multiplex channel",
-  [24573] = "Name not known, perhaps of the multiplex channel",
-  [24574] = "Name not known, perhaps of the multiplex channel",
-}
-N.no_bus_failure = {"No failure", "After a failure of the bus"}
-field("synaxobj.index", "Object", ftypes.UINT16, base.HEX, N.synaxobj_names)
-field("synaxobj.operation", "Operation", ftypes.UINT8, base.DEC, N.synaxobj_operations)
+-- synaxobj
+field("synaxobj.index", "Object", ftypes.UINT16, base.HEX, N.synaxobj_names, 0, "Which object is read or written")
+field("synaxobj.operation", "Operation", ftypes.UINT8, base.DEC, N.synaxobj_operations, 0,
+  "Read or write, request or answer")
 field("synaxobj.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are not decoded")
 field("synaxobj.padding", "Padding", ftypes.BYTES, base.NONE, nil, 0, "What fills the object up after its telegram")
-field("synaxobj.open_bit", "Bit that is set and not defined", ftypes.UINT8, base.DEC)
-field("synaxobj.diagnosis", "Diagnosis fieldbus", ftypes.UINT16, base.HEX)
+field("synaxobj.open_bit", "Bit that is set and not defined", ftypes.UINT8, base.DEC, nil, 0,
+  "Number of a bit that no document explains")
+field("synaxobj.diagnosis", "Diagnosis fieldbus", ftypes.UINT16, base.HEX, nil, 0,
+  "Fault code and interface of the fieldbus card")
 field("synaxobj.diagnosis.interface", "Interface", ftypes.UINT16, base.DEC, nil, 0xf000,
   "Which is which is not defined")
 field("synaxobj.diagnosis.fault", "Fault code", ftypes.UINT16, base.HEX, nil, 0xff,
   "Of the fieldbus, each has its own")
-field("synaxobj.status", "Status fieldbus", ftypes.UINT16, base.HEX)
-field("synaxobj.status.bus", "Bus", ftypes.BOOLEAN, 16, N.no_bus_failure, 0x08)
+field("synaxobj.status", "Status fieldbus", ftypes.UINT16, base.HEX, nil, 0, "State of the fieldbus card")
+field("synaxobj.status.bus", "Bus", ftypes.BOOLEAN, 16, {"No failure", "After a failure of the bus"}, 0x08,
+  "Whether the fieldbus has failed")
 field("synaxobj.status.memory", "State of the dual-port RAM", ftypes.UINT16, base.DEC, nil, 0x03,
   "Which is which is not defined")
-field("synaxobj.ppc", "Word of the PPC", ftypes.UINT16, base.HEX)
+field("synaxobj.ppc", "Word of the PPC", ftypes.UINT16, base.HEX, nil, 0,
+  "Written by the PPC; no document explains it")
 field("synaxobj.fault", "Fault code PPC", ftypes.UINT16, base.HEX, nil, 0, "The next valid access clears it")
-field("synaxobj.fault.communication", "Communication channel", ftypes.UINT16, base.HEX, nil, 0xff00)
-field("synaxobj.fault.process_data", "Process data channel", ftypes.UINT16, base.HEX, nil, 0xff)
+field("synaxobj.fault.communication", "Communication channel", ftypes.UINT16, base.HEX, nil, 0xff00,
+  "Fault code of the communication channel")
+field("synaxobj.fault.process_data", "Process data channel", ftypes.UINT16, base.HEX, nil, 0xff,
+  "Fault code of the process data channel")
 
--- synax/synaxpcp.c
-N.synaxpcp_services = {
-  [129] = "Read request",
-  [130] = "Write request",
-  [134] = "Status request",
-  [135] = "Identify request",
-  [136] = "Get OV request",
-  [139] = "Initiate request",
-  [141] = "Abort request",
-  [161] = "Read response",
-  [162] = "Write response",
-  [171] = "Initiate response",
-  [172] = "Initiate error response",
-  [385] = "Read confirmation",
-  [386] = "Write confirmation",
-  [390] = "Status confirmation",
-  [391] = "Identify confirmation",
-  [392] = "Get OV confirmation",
-  [395] = "Initiate confirmation",
-  [396] = "Initiate error confirmation",
-  [417] = "Read indication",
-  [418] = "Write indication",
-  [427] = "Initiate indication",
-  [429] = "Abort indication",
-}
-field("synaxpcp.service", "Service", ftypes.UINT16, base.HEX, N.synaxpcp_services)
+-- synaxpcp
+field("synaxpcp.service", "Service", ftypes.UINT16, base.HEX, N.synaxpcp_services, 0,
+  "What the telegram asks for or answers")
 field("synaxpcp.count", "Word count", ftypes.UINT16, base.DEC, nil, 0, "Words after this one")
-field("synaxpcp.invoke", "Invoke id", ftypes.UINT8, base.DEC)
+field("synaxpcp.invoke", "Invoke id", ftypes.UINT8, base.DEC, nil, 0,
+  "Tells requests apart that wait at the same time")
 field("synaxpcp.reference", "Communication reference", ftypes.UINT8, base.DEC, nil, 0, "Which device")
 field("synaxpcp.index", "Index", ftypes.UINT16, base.HEX, nil, 0, "Which object")
 field("synaxpcp.index_of_request", "Index of the request", ftypes.UINT16, base.HEX, nil, 0,
   "An answer does not name its object")
 field("synaxpcp.subindex", "Subindex", ftypes.UINT8, base.DEC, nil, 0, "Which element of it, 0: the whole")
 field("synaxpcp.length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Bytes of data")
-field("synaxpcp.data", "Data", ftypes.BYTES)
+field("synaxpcp.data", "Data", ftypes.BYTES, base.NONE, nil, 0, "What is read or written")
 field("synaxpcp.padding", "Padding", ftypes.BYTES, base.NONE, nil, 0, "What fills up a word")
 field("synaxpcp.result", "Result", ftypes.UINT16, base.HEX, nil, 0, "0: done")
-field("synaxpcp.error", "Error", ftypes.UINT32, base.HEX)
-field("synaxpcp.error.class", "Error class", ftypes.UINT8, base.DEC)
-field("synaxpcp.error.code", "Error code", ftypes.UINT8, base.DEC)
-field("synaxpcp.error.additional", "Additional code", ftypes.UINT16, base.HEX)
+field("synaxpcp.error", "Error", ftypes.UINT32, base.HEX, nil, 0,
+  "Error class, error code and additional code as one number")
+field("synaxpcp.error.class", "Error class", ftypes.UINT8, base.DEC, nil, 0, "Kind of the error")
+field("synaxpcp.error.code", "Error code", ftypes.UINT8, base.DEC, nil, 0, "The error in its class")
+field("synaxpcp.error.additional", "Additional code", ftypes.UINT16, base.HEX, nil, 0,
+  "More about the error; the device defines it")
 field("synaxpcp.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are not decoded")
-field("synaxpcp.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST)
-field("synaxpcp.response_in", "Response in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE)
-field("synaxpcp.response_time", "Time to the response", ftypes.RELATIVE_TIME)
+field("synaxpcp.request_in", "Request in", ftypes.FRAMENUM, base.NONE, frametype.REQUEST, 0,
+  "The packet that this response answers")
+field("synaxpcp.response_in", "Response in", ftypes.FRAMENUM, base.NONE, frametype.RESPONSE, 0,
+  "The packet that answers this request")
+field("synaxpcp.response_time", "Time to the response", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
+  "From the request to its response")
 
--- synax/synaxpd.c
-N.synaxpd_directions = {
-  [1] = "to the PPC",
-  [2] = "from the PPC",
-}
+-- synaxpd
 field("synaxpd.direction", "Direction", ftypes.UINT8, base.DEC, N.synaxpd_directions, 0,
   "Known where one port is among those of preference synaxpd.ports")
-field("synaxpd.word", "Word", ftypes.UINT16, base.HEX)
+field("synaxpd.word", "Word", ftypes.UINT16, base.HEX, nil, 0,
+  "A word of process data; parameters of the PPC define what it means")
 field("synaxpd.value", "Value", ftypes.STRING, base.NONE, nil, 0, "As the table of process data names it")
 field("synaxpd.raw", "Raw", ftypes.BYTES, base.NONE, nil, 0, "Bytes that are no word")
 
--- synax/synaxpk.c
-N.channel_formats = {
-  [0] = "S/P parameter, short format 1",
-  [1] = "A parameter, short format 1",
-  [11] = "Indramat SIS",
-  [15] = "Basic state",
-}
-N.channel_senders = {
-  [1] = "Master",
-  [2] = "Slave",
-}
-N.channel_codes = {
-  [133] = "Sum of the fragments too large",
-  [136] = "Internal error between card and drive",
-  [138] = "Index not present",
-  [139] = "Format unknown",
-  [140] = "Length longer than the channel",
-  [141] = "The channel has only one word",
-  [144] = "Format changed between fragments",
-  [149] = "Read request with more than index and subindex",
-  [150] = "Internal SIS communication error",
-  [154] = "Not implemented",
-  [155] = "Change between old and new channel",
-  [156] = "Subindex does not exist",
-  [157] = "Subindex write-protected",
-  [240] = "Timeout between card and drive",
-  [511] = "Length wrong: more than 128 bytes",
-}
-N.channel_access = {"Read", "Write"}
-field("synaxpk.word", "Control or status word", ftypes.UINT16, base.HEX, nil, 0,
-  "FBSteuer of the master, FBStatus of the slave")
-field("synaxpk.word.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xc000)
-field("synaxpk.word.error", "Error", ftypes.BOOLEAN, 16, nil, 0x2000, "Of the slave; of the master: clear the error")
-field("synaxpk.word.read", "Access to the channel", ftypes.BOOLEAN, 16, N.channel_access, 0x1000,
-  "An order is written and its answer read, that of writing a parameter, too")
-field("synaxpk.word.busy", "Bit 11 (busy)", ftypes.BOOLEAN, 16, nil, 0x800, "Not certain")
-field("synaxpk.word.last", "Last fragment", ftypes.BOOLEAN, 16, nil, 0x400)
-field("synaxpk.word.bit9", "Bit 9 (handshake)", ftypes.BOOLEAN, 16, nil, 0x200, "Not certain")
-field("synaxpk.word.toggle", "Toggle", ftypes.BOOLEAN, 16, nil, 0x100)
-field("synaxpk.word.count", "Valid data bytes", ftypes.UINT16, base.DEC, nil, 0xf0)
-field("synaxpk.word.format", "Format", ftypes.UINT16, base.HEX, N.channel_formats, 0x0f)
-field("synaxpk.sender", "Sender", ftypes.UINT8, base.DEC, N.channel_senders)
-field("synaxpk.payload", "Data of this packet", ftypes.BYTES)
-field("synaxpk.beyond", "Not valid", ftypes.BYTES, base.NONE, nil, 0, "Bytes of the channel after the valid ones")
-field("synaxpk.byte", "Byte", ftypes.UINT8, base.HEX, nil, 0, "Not defined")
-field("synaxpk.class", "Error class", ftypes.UINT8, base.HEX)
-field("synaxpk.class.code", "Error code in its class", ftypes.UINT8, base.HEX)
-field("synaxpk.code", "Error of the channel", ftypes.UINT16, base.HEX, N.channel_codes)
-field("synaxpk.sis.length", "Length (DatL)", ftypes.UINT8, base.DEC)
-field("synaxpk.sis.length_repeated", "Length again (DatLW)", ftypes.UINT8, base.DEC)
-field("synaxpk.sis.control", "Telegram control (Cntrl)", ftypes.UINT8, base.HEX)
-field("synaxpk.sis.service", "Service", ftypes.UINT8, base.HEX)
-field("synaxpk.drive", "Control or status word", ftypes.UINT16, base.HEX, nil, 0, "Of IndraDrive")
-field("synaxpk.drive.pf", "Ident of 4 bytes (PF)", ftypes.BOOLEAN, 16, nil, 0x8000)
-field("synaxpk.drive.error", "G; in a status word F, error", ftypes.BOOLEAN, 16, nil, 0x4000)
-field("synaxpk.drive.last", "Last fragment (L)", ftypes.BOOLEAN, 16, nil, 0x2000)
-field("synaxpk.drive.toggle", "Toggle (T)", ftypes.BOOLEAN, 16, nil, 0x1000)
-field("synaxpk.drive.fragment", "Bytes in this fragment (FL)", ftypes.UINT16, base.DEC, nil, 0xf00)
-field("synaxpk.drive.length", "Bytes left, with this fragment (GL)", ftypes.UINT16, base.DEC, nil, 0xff)
-field("synaxpk.index", "Index", ftypes.UINT16, base.HEX)
-field("synaxpk.subindex", "Subindex", ftypes.UINT16, base.DEC)
-
--- end of what fields.py has made
+-- sisascii
+field("sisascii.kind", "Line", ftypes.UINT8, base.DEC, N.ascii_kinds, 0, "What a line of the ASCII protocol is")
+field("sisascii.drive", "Drive", ftypes.UINT8, base.DEC, nil, 0,
+  "Address of the drive that is opened, or that shows its prompt; of other lines: of the drive that is open")
+field("sisascii.element", "Element", ftypes.UINT8, base.DEC, N.elements, 0,
+  "Which part of a parameter is read or written")
+field("sisascii.index", "Number in the list", ftypes.UINT32, base.DEC, nil, 0,
+  "Which element of a list this is, from 1")
+field("sisascii.text", "Text", ftypes.STRING, base.NONE, nil, 0, "The characters of a line that is no command")
+-- end of fields
 
 do
   K.IF02, K.ECODRIVE03 = 0, 1 -- preference sis.edition: addresses, names of services, bits of the telegram control
@@ -1318,17 +2177,19 @@ end
 
 do
   local WINDOW_NS = 1e9 -- the load is averaged over this time
+  local LONGEST_INTERVAL = 0xFFFFFFFF -- ns that a record can hold
   local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
 
   local lines -- by key
-  local line_of, spell_of -- by frame: its line, and the last spell of the line then
+  local window_of, spell_of -- by frame: of its line, and the last spell then
+  local silence_of -- by frame, ns: of records whose first interval is longer than it can be stored
 
-  at_init(function() lines, line_of, spell_of = {}, {}, {} end)
+  at_init(function() lines, window_of, spell_of, silence_of = {}, {}, {}, {} end)
 
   -- Spells have numbers from 1. Each has its beginning and end in ns, the busy time of the line up to its end, and
   -- the first spell in the window then.
-  local function new_line()
-    return {lost_in = 0, unframed_in = 0, last = 0, head = 1, begins = {}, ends = {}, totals = {[0] = 0}, heads = {}}
+  local function new_window(has_restarted)
+    return {last = 0, head = 1, begins = {}, ends = {}, totals = {[0] = 0}, heads = {}, has_restarted = has_restarted}
   end
 
   local function find_line()
@@ -1336,7 +2197,7 @@ do
     local line = lines[key]
 
     if not line then
-      line = new_line()
+      line = {lost_in = 0, unframed_in = 0, window = new_window(false)}
       lines[key] = line
     end
     return line
@@ -1354,11 +2215,11 @@ do
   end
 
   local function note_disturbance(line, record)
-    local is_gap = record.type == K.EVENT
-      and (record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST)
+    local is_gap = record.type == K.SERTAP_EVENT
+      and (record.event == K.SERTAP_CHARACTERS_LOST or record.event == K.SERTAP_ADAPTER_LOST)
 
-    if is_gap or band(record.flags, K.LOST_BEFORE) ~= 0 then line.lost_in = packet.number end
-    if record.type == K.OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = packet.number end
+    if is_gap or band(record.flags, K.SERTAP_ERROR_LOST) ~= 0 then line.lost_in = packet.number end
+    if record.type == K.SERTAP_OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = packet.number end
   end
 
   local function note_spell(line, record)
@@ -1366,47 +2227,82 @@ do
     local busy = character * record.count
     local duration = record.duration
     local finish = packet.time + duration
-    local spell, head, ends = line.last + 1, line.head, line.ends
 
     if busy == 0 then return end
+    -- If the clock went back, the times of earlier spells say nothing.
+    if finish < (line.window.ends[line.window.last] or finish) then line.window = new_window(true) end
+    local window = line.window
+    local spell, head, ends = window.last + 1, window.head, window.ends
+
     ends[spell] = finish
-    line.begins[spell] = finish - max(busy, duration + character)
-    line.totals[spell] = line.totals[spell - 1] + busy
+    window.begins[spell] = finish - max(busy, duration + character)
+    window.totals[spell] = window.totals[spell - 1] + busy
     while head < spell and ends[head] <= finish - WINDOW_NS do
       head = head + 1
     end
-    line.heads[spell] = head
-    line.last, line.head = spell, head
+    window.heads[spell] = head
+    window.last, window.head = spell, head
+  end
+
+  local function is_saturated(record, character)
+    return band(T.flags_of(record, character), K.SERTAP_INTERVAL_SATURATED) ~= 0
+  end
+
+  -- A longer time than can be stored, or the clock has changed.
+  local function note_silence(line, record)
+    if not is_saturated(record, 0) or not line.last_time or line.last_line ~= record.line then return end
+    local elapsed = T.elapsed(line.last_time, packet.time)
+
+    if elapsed > LONGEST_INTERVAL then silence_of[packet.number] = elapsed end
+  end
+
+  local function note_last(line, record)
+    local is_known = record.timed == record.count and not record.is_longer
+
+    line.last_time = is_known and packet.time + record.duration or nil
+    line.last_line = record.line
+  end
+
+  -- ns before the first character of a record, since the one before it on the line, and whether it was longer.
+  function T.silence(record)
+    if not is_saturated(record, 0) then return T.interval_of(record, 0), false end
+    local silence = silence_of[packet.number]
+
+    return silence or T.interval_of(record, 0), not silence
   end
 
   function T.line_note(record)
     local line, number = find_line(), packet.number
 
     record.known = line
-    if record.flags ~= 0 or record.type ~= K.FRAME then note_disturbance(line, record) end
-    if record.type ~= K.EVENT then note_spell(line, record) end
-    if record.type == K.EVENT and record.event == K.LIMITS_TOLD and record.values == record.declared then
+    if record.flags ~= 0 or record.type ~= K.SERTAP_FRAME then note_disturbance(line, record) end
+    if record.type ~= K.SERTAP_EVENT then note_spell(line, record) end
+    if record.type ~= K.SERTAP_EVENT and record.count > 0 then
+      if record.flags ~= 0 then note_silence(line, record) end
+      note_last(line, record)
+    end
+    if record.type == K.SERTAP_EVENT and record.event == K.SERTAP_LIMITS_TOLD and record.values == record.declared then
       -- Of a text that is cut, the beginning of a number is another number.
       local text = sub(record.bytes, record.data_offset + 1, record.data_offset + record.values)
 
       line.limits = {told_in = number, text = string.match(text, "^[^\0]*")}
     end
-    line_of[number], spell_of[number] = line, line.last
+    window_of[number], spell_of[number] = line.window, line.window.last
   end
 
   -- How long the line was busy until this packet, and during what time, both in ns; nothing if unknown. The window
   -- may cut the oldest spell.
   function T.load()
-    local line, spell = line_of[packet.number], spell_of[packet.number]
-    local head = line and line.heads[spell]
+    local window, spell = window_of[packet.number], spell_of[packet.number]
+    local head = window and window.heads[spell]
 
     if not head then return end
-    local totals, first, finish = line.totals, line.begins[head], line.ends[spell]
-    local busy, begin = totals[spell] - totals[head - 1], max(finish - WINDOW_NS, line.begins[1])
+    local totals, first, finish = window.totals, window.begins[head], window.ends[spell]
+    local busy, begin = totals[spell] - totals[head - 1], max(finish - WINDOW_NS, window.begins[1])
 
-    if finish <= begin then return end
+    if finish <= begin or (window.has_restarted and finish - begin < WINDOW_NS) then return end
     if first < begin then
-      busy = busy - floor((totals[head] - totals[head - 1]) * (begin - first) / (line.ends[head] - first))
+      busy = busy - floor((totals[head] - totals[head - 1]) * (begin - first) / (window.ends[head] - first))
     end
     return busy, finish - begin
   end
@@ -1431,30 +2327,29 @@ do
   local FRAMING_SIS, FRAMING_3964R = 0, 1
   local UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
-  K.FRAME, K.OTHER, K.EVENT = 0, 1, 2
-  K.CHARACTERS_LOST, K.ADAPTER_LOST, K.LIMITS_TOLD = 3, 4, 6
-  K.SAME_READ, K.CHARACTER_ERROR, K.BREAK, K.LOST_BEFORE = 0x01, 0x02, 0x04, 0x08
-  K.UNLOCATED_ERROR, K.INTERVAL_UNKNOWN, K.INTERVAL_SATURATED = 0x10, 0x20, 0x40
 
   local parity_letters = {[0] = "N", [1] = "E", [2] = "O", [3] = "M", [4] = "S"}
 
   -- The name of a flag at its character, and, for an error, the text about its record, with the number of the first
   -- such character.
   local flags = {
-    {flag = K.SAME_READ, field = FT.same_read, text = "same read"},
-    {flag = K.CHARACTER_ERROR, field = FT.error_character, text = "parity or framing error",
+    {flag = K.SERTAP_SAME_READ, field = FT.same_read, text = "same read"},
+    {flag = K.SERTAP_ERROR_CHARACTER, field = FT.error_character, text = "parity or framing error",
       expert = ET.error_character_expert, mark = "parity or framing error at character %d"},
-    {flag = K.BREAK, field = FT.error_break, text = "break", expert = ET.error_break_expert,
+    {flag = K.SERTAP_ERROR_BREAK, field = FT.error_break, text = "break", expert = ET.error_break_expert,
       mark = "break at character %d"},
-    {flag = K.LOST_BEFORE, field = FT.error_lost, text = "characters lost before it", expert = ET.error_lost_expert,
+    {flag = K.SERTAP_ERROR_LOST, field = FT.error_lost, text = "characters lost before it",
+      expert = ET.error_lost_expert,
       mark = "the tap lost characters before character %d"},
-    {flag = K.UNLOCATED_ERROR, field = FT.error_unlocated, text = "error somewhere in this read",
+    {flag = K.SERTAP_ERROR_UNLOCATED, field = FT.error_unlocated, text = "error somewhere in this read",
       expert = ET.error_unlocated_expert, mark = "line error, place unknown"},
-    {flag = K.INTERVAL_UNKNOWN, field = FT.interval_unknown, text = "interval unknown"},
-    {flag = K.INTERVAL_SATURATED, field = FT.interval_saturated, text = "interval longer than it can be stored"},
+    {flag = K.SERTAP_INTERVAL_UNKNOWN, field = FT.interval_unknown, text = "interval unknown"},
+    {flag = K.SERTAP_INTERVAL_SATURATED, field = FT.interval_saturated, text = "interval longer than it can be stored"},
   }
 
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
+  local told_table = DissectorTable.new("sertap.told", "What was told before, by framing", ftypes.UINT8, base.DEC,
+    sertap)
   local handle -- of this dissector, once there is one
 
   -- How long a packet is, or the payload of a record, with what the capture has cut. For Lua, a part of a packet ends
@@ -1468,7 +2363,7 @@ do
 
   -- The index, from 0, of the first character of the record in `part`, a subset of its payload.
   function T.index(record, part)
-    return part:offset() - record.tvb:offset() - record.data_offset
+    return part:offset() - (record.has_own_source and 0 or record.tvb:offset() + record.data_offset)
   end
 
   local interval_formats = {}
@@ -1510,6 +2405,16 @@ do
     return record.intervals[character + 1]
   end
 
+  -- ns from the first character to another. The requests for a packet come in order: each goes on from the last.
+  function T.since_first(record, character)
+    if character < record.reached then record.reached, record.reached_ns = 0, 0 end
+    for i = record.reached + 1, character do
+      record.reached_ns = record.reached_ns + T.interval_of(record, i)
+    end
+    record.reached = character
+    return record.reached_ns
+  end
+
   function T.flags_of(record, character)
     return record.flags == 0 and 0 or byte(record.bytes, record.flags_offset + character + 1)
   end
@@ -1523,7 +2428,7 @@ do
 
   -- "8E1" and its parts.
   local function add_format(tree, tvb, record)
-    local parity, stop = parity_letters[record.parity] or "?", N.stop_bits[record.stop_half_bits] or "?"
+    local parity, stop = parity_letters[record.parity] or "?", N.sertap_stop_bits[record.stop_half_bits] or "?"
     local subtree = add(tree, FT.format, tvb, 8, 3, strformat("%d%s%s", record.data_bits, parity, stop))
 
     add(subtree, FT.format_data_bits, tvb, 8, 1)
@@ -1561,8 +2466,7 @@ do
     end
     local item = add(tree, FT.version, tvb, 0, 1) or root
     if version ~= RECORD_VERSION then
-      add_expert(item, ET.version_unknown,
-        strformat("Record version %d is not known here, only %d", version, RECORD_VERSION))
+      add_expert(item, ET.version_unknown)
       return false
     end
     if there < RECORD_HEADER_SIZE then
@@ -1598,7 +2502,7 @@ do
     record.times_offset = size + declared -- of the intervals, 4 bytes each, ns
     record.flags_offset = size + declared * 5
     record.character_ns = character_ns(record)
-    record.expected = declared * (record.type == K.EVENT and 1 or 6) -- bytes after the header
+    record.expected = declared * (record.type == K.SERTAP_EVENT and 1 or 6) -- bytes after the header
     record.is_readable = version == RECORD_VERSION and size >= RECORD_HEADER_SIZE
     record.size = nil -- of the packet
     record.captured = nil -- how much of it the capture has: what follows belongs to this size and this much
@@ -1617,7 +2521,7 @@ do
     record.size, record.captured = size, captured
     record.count = min(size - record.data_offset, declared)
     record.values = min(rest, declared)
-    record.timed = record.type ~= K.EVENT and max(min(rest - declared * 5, declared), 0) or 0
+    record.timed = record.type ~= K.SERTAP_EVENT and max(min(rest - declared * 5, declared), 0) or 0
     record.no_flags = rep("\0", record.timed)
   end
 
@@ -1630,18 +2534,20 @@ do
     record.flags = 0 -- of all its characters, ORed
     record.first_at = nil -- by flag: the first character that has it
     record.intervals = nil -- ns, if requested
+    record.longest, record.longest_at = nil, nil -- of them, if requested
+    record.reached, record.reached_ns = 0, 0 -- the last character whose time was requested
     record.duration = 0 -- ns, from the first character to the last
+    record.is_longer = false -- it took more than that
   end
 
   -- Compares the count with the bytes of the record.
   local function check_count(item, record, there)
-    local declared, rest, expected = record.declared, there - record.data_offset, record.expected
+    local rest, expected = there - record.data_offset, record.expected
 
     if rest < expected then
-      add_expert(item, ET.truncated, strformat("The record is cut: %d bytes of %d after its header", rest, expected))
+      add_expert(item, ET.truncated)
     elseif rest > expected then
-      add_expert(item, ET.count_wrong,
-        strformat("The count does not fit: %d bytes after its %d characters", rest - expected, declared))
+      add_expert(item, ET.count_wrong)
     end
   end
 
@@ -1659,6 +2565,7 @@ do
 
         if band(flag, one) ~= 0 and not record.first_at[one] then record.first_at[one] = at - offset - 1 end
       end
+      if at > offset + 1 and band(flag, K.SERTAP_INTERVAL_SATURATED) ~= 0 then record.is_longer = true end
       record.flags = bit.bor(record.flags, flag)
       at = string.find(bytes, "[^\0]", at + 1)
     end
@@ -1675,33 +2582,36 @@ do
   -- The longest interval, and the character after it; 0 if there is none. The interval before the first character
   -- does not belong to this record. The interval before a character that follows lost ones is unknown.
   function T.longest(record)
-    local may_be_lost = band(record.flags, K.LOST_BEFORE) ~= 0
+    if record.longest then return record.longest, record.longest_at end
+    local may_be_lost = band(record.flags, K.SERTAP_ERROR_LOST) ~= 0
     local longest, longest_at = 0, 0
 
     for character = 1, record.timed - 1 do
       local interval = T.interval_of(record, character)
 
-      if interval > longest and not (may_be_lost and band(T.flags_of(record, character), K.LOST_BEFORE) ~= 0) then
+      if interval > longest and not (may_be_lost and band(T.flags_of(record, character), K.SERTAP_ERROR_LOST) ~= 0) then
         longest, longest_at = interval, character
       end
     end
+    record.longest, record.longest_at = longest, longest_at
     return longest, longest_at
   end
 
-  local function interval_text(interval, flag)
-    return (band(flag, K.INTERVAL_SATURATED) ~= 0 and "more than " or "") .. T.ms_text(interval)
+  local function interval_text(interval, is_longer)
+    return (is_longer and "more than " or "") .. T.ms_text(interval)
   end
 
   local function add_character(tree, tvb, record, index)
     local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
     local flags_at = record.flags_offset + index
     local value, flag = byte(record.bytes, data_at + 1), T.flags_of(record, index)
-    local interval = T.interval_of(record, index)
+    local interval, is_longer = T.interval_of(record, index), band(flag, K.SERTAP_INTERVAL_SATURATED) ~= 0
     local subtree = add(tree, FT.character, tvb, data_at, 1, value,
       strformat("Character %d: 0x%02x", index + 1, value))
 
-    if band(flag, K.INTERVAL_UNKNOWN) == 0 then
-      local text = interval_text(interval, flag)
+    if index == 0 then interval, is_longer = T.silence(record) end
+    if band(flag, K.SERTAP_INTERVAL_UNKNOWN) == 0 then
+      local text = interval_text(interval, is_longer)
 
       append_text(subtree, ", after " .. text)
       add_value(subtree, FT.interval, tvb, time_at, 4, nstime(interval), text)
@@ -1719,7 +2629,7 @@ do
     local longest, at = T.longest(record)
 
     if at == 0 then return end
-    local text = interval_text(longest, T.flags_of(record, at))
+    local text = interval_text(longest, band(T.flags_of(record, at), K.SERTAP_INTERVAL_SATURATED) ~= 0)
     local item = add_value(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, nstime(longest),
       strformat("%s, before character %d", text, at + 1))
 
@@ -1755,10 +2665,8 @@ do
   local function report_errors(pinfo, item, record)
     for _, known in ipairs(flags) do
       if known.expert and band(record.flags, known.flag) ~= 0 then
-        local text = strformat(known.mark, record.first_at[known.flag] + 1)
-
-        add_expert(item, known.expert, text)
-        pinfo.cols.info:append("  [" .. text .. "]")
+        add_expert(item, known.expert)
+        pinfo.cols.info:append("  [" .. strformat(known.mark, record.first_at[known.flag] + 1) .. "]")
       end
     end
   end
@@ -1831,17 +2739,31 @@ do
     return (string.gsub(text, "([\128-\255])([\128-\191]*)", format_beyond_ascii))
   end
 
+  -- The facts, a line each, for the dissector of what travels on the line. Half a fact would be another one.
+  local function hand_over_told(tvb, pinfo, root, record)
+    local offset, count = record.data_offset, record.values
+    local text = sub(record.bytes, offset + 1, offset + count)
+
+    if count < record.declared then text = match(text, "^.*\n") or "" end
+    if text ~= "" then
+      packet.record = record
+      told_table:try(record.framing, tvb(offset, #text):tvb(), pinfo, root)
+      packet.record = nil
+    end
+  end
+
   local function dissect_event(tvb, pinfo, tree, root, record)
-    local name = N.events[record.event] or "Event of a later version"
+    local name = N.sertap_events[record.event] or "Event of a later version"
     local offset, count = record.data_offset, record.values
     local text = name .. ": " .. format_text(sub(record.bytes, offset + 1, offset + count))
     local item = add(tree, FT.event, tvb, 18, 2) or root
 
     if tree then tree:add_packet_field(FT.text, tvb(offset, count), ENC_UTF_8) end
-    if record.event == K.CHARACTERS_LOST or record.event == K.ADAPTER_LOST then
-      add_expert(item, ET.event_expert, text)
+    if record.event == K.SERTAP_CHARACTERS_LOST or record.event == K.SERTAP_ADAPTER_LOST then
+      add_expert(item, ET.event_expert, name)
     end
     write_columns(pinfo, text)
+    if record.event == K.SERTAP_TOLD_BEFORE then hand_over_told(tvb, pinfo, root, record) end
   end
 
   -- Whether these characters are readable text.
@@ -1874,12 +2796,17 @@ do
     if record.framing ~= FRAMING_SIS or values == 0 then
       write_columns(pinfo, strformat("%d character%s", count, plural(count)))
     end
-    if values > 0 then framing_table:try(record.framing, tvb(record.data_offset, values):tvb(), pinfo, parent) end
+    if values == 0 then return end
+    local characters = tvb(record.data_offset, values)
+    -- If somebody looks at the bytes, they have a data source of their own, without the record around them.
+    characters = parent.visible and characters:bytes():tvb("Characters") or characters:tvb()
+    record.has_own_source = parent.visible
+    framing_table:try(record.framing, characters, pinfo, parent)
   end
 
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
     if tree and record.timed > 0 then add_characters(tree, tvb, record) end
-    if record.type == K.FRAME then
+    if record.type == K.SERTAP_FRAME then
       packet.record = record
       dissect_frame(tvb, pinfo, parent, record)
       packet.record = nil
@@ -1892,13 +2819,13 @@ do
   local function show_record(tvb, tree, root, record, there)
     if tree then show_header(tvb, tree, record) end
     check_count(add(tree, FT.count, tvb, 16, 2) or root, record, there)
-    append_text(tree, ", " .. (N.types[record.type] or "type of a later version"))
+    append_text(tree, ", " .. (N.sertap_types[record.type] or "type of a later version"))
   end
 
   local function dissect_record(tvb, pinfo, parent, tree, root, record)
-    if record.type ~= K.EVENT then survey_characters(record) end
+    if record.type ~= K.SERTAP_EVENT then survey_characters(record) end
     if not packet.visited then T.line_note(record) end
-    if record.type == K.EVENT then
+    if record.type == K.SERTAP_EVENT then
       dissect_event(tvb, pinfo, tree, root, record)
     else
       dissect_characters(tvb, pinfo, parent, tree, root, record)
@@ -1913,7 +2840,7 @@ do
 
   -- Whether its own dissector has already said that the capture has cut a frame.
   local function is_payload_cut(record)
-    return record.type == K.FRAME and record.values > 0 and record.values < record.count
+    return record.type == K.SERTAP_FRAME and record.values > 0 and record.values < record.count
       and (record.framing == FRAMING_SIS or record.framing == FRAMING_3964R)
   end
 
@@ -1981,12 +2908,6 @@ do
 
   local receiver_kinds, sender_kinds = spread(receivers), spread(senders)
 
-  preference("edition", Pref.enum("Edition of the telegram header", K.IF02,
-    "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", {
-      {"IF02", "IF02 (SIS definition of 2004, IndraDrive)", K.IF02},
-      {"ECODRIVE03", "ECODRIVE03 (FGP-01VRS)", K.ECODRIVE03},
-    }, false))
-
   function S.receiver_kind(receiver)
     return receiver_kinds[P.edition][receiver]
   end
@@ -2005,10 +2926,10 @@ do
   end
 
   local station_formats = {
-    [K.GROUP] = "group %d",
-    [K.LEVEL_BROADCAST] = "all on this level",
-    [K.GLOBAL_BROADCAST] = "all",
-    [K.POINT_TO_POINT] = "point-to-point",
+    [K.GROUP] = "%d (group)",
+    [K.LEVEL_BROADCAST] = "%d (all on this level)",
+    [K.GLOBAL_BROADCAST] = "%d (all)",
+    [K.POINT_TO_POINT] = "%d (point-to-point)",
   }
   local station_texts, numbers = {}, {} -- of every address: every telegram asks
 
@@ -2020,7 +2941,7 @@ do
     end
   end
 
-  -- "3", "group 201", "all": as in the info column.
+  -- "3", "201 (group)", "255 (all)": as in the info column.
   function S.station_text(station)
     return station_texts[P.edition][station]
   end
@@ -2041,9 +2962,8 @@ do
   K.TOKEN_PASSING = 0x0F -- what is in it is not specified
   K.STATIC_LENGTH = 8 -- of the header; DatLW counts the bytes after it
   -- Telegram control (chapter 2.1).
-  K.CONTROL_SUBADDRESSES, K.CONTROL_NUMBER, K.CONTROL_REACTION = 0x07, 0x08, 0x10
 
-  local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR = 0x20, 0x40, 0x80
+  local CONTROL_RESERVED, CONTROL_WARNING, CONTROL_ERROR = K.CONTROL_RESERVED, K.CONTROL_WARNING, K.CONTROL_ERROR
   local CHECKSUM_BAD, CHECKSUM_GOOD, CHECKSUM_UNVERIFIED = 0, 1, 2
 
   -- The receiver's behaviour (chapter 2.4) depends on the kind of address.
@@ -2109,11 +3029,8 @@ do
     end
     set_generated(add_value(body.tree, F.checksum_status, body.tvb, 1, 0, state, N.checksum_states[state]))
     if state == CHECKSUM_BAD then
-      local expected = strformat("should be 0x%02x", (checksum - telegram.sum) % 256)
-
-      append_text(item, " incorrect, " .. expected)
-      add_expert(item or body.root, E.checksum_bad,
-        (telegram.is_reaction and WRONG_REACTION or WRONG_COMMAND) .. " [" .. expected .. "]")
+      append_text(item, strformat(" incorrect, should be 0x%02x", (checksum - telegram.sum) % 256))
+      add_expert(item or body.root, E.checksum_bad, telegram.is_reaction and WRONG_REACTION or WRONG_COMMAND)
       body.marks = body.marks .. "  [wrong checksum]"
     else
       append_text(item, state == CHECKSUM_GOOD and " [correct]" or " [unverified]")
@@ -2127,12 +3044,10 @@ do
     if declared == 0 then
       mark(body, item, E.length_differ, "lengths differ")
     elseif there < declared then
-      add_expert(item or body.root, E.length_short, strformat("The telegram is cut: %d of %d bytes", there, declared))
+      add_expert(item or body.root, E.length_short)
       body.marks = body.marks .. strformat("  [cut: %d of %d bytes]", there, declared)
     elseif there > declared then
-      add_expert(item or body.root, E.length_long,
-        strformat("%d byte%s the end of the telegram", there - declared,
-          there - declared == 1 and " follows" or "s follow"))
+      add_expert(item or body.root, E.length_long)
       body.marks = body.marks .. strformat("  [%d byte%s too many]", there - declared, plural(there - declared))
     end
   end
@@ -2289,7 +3204,6 @@ do
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
     body.asked = exchange and exchange.request
     body.record = telegram.is_good and record or nil
-    body.accesses = S.is_counting and {} or nil
   end
 
   -- The result of a telegram without a tree: {words: for the packet list, request: of a command}. A bus repeats
@@ -2501,8 +3415,7 @@ do
     dissect_start(body)
     if #body.bytes == there then
       if there > 1 then add(body.tree, F.raw, body.tvb, 1, there - 1) end
-      add_expert(body.root, E.length_short,
-        strformat("The telegram is cut: %d byte%s, it has at least %d", there, plural(there), K.STATIC_LENGTH))
+      add_expert(body.root, E.length_short)
     end
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
   end
@@ -2594,6 +3507,7 @@ do
   -- TCP may split telegrams over segments and pack them into one: sis-transports.
   function sis.dissector(tvb, pinfo, tree)
     if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_tcp(tvb, pinfo, tree) end
+    if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
     dissect_telegrams(tvb, pinfo, tree)
   end
 
@@ -2603,13 +3517,6 @@ end
 --- sis/body, sis/dispatch: the useful data of one service, and what all of the services need (chapters 2.1 and 2.3)
 
 do
-  K.LAST_TRANSMISSION = 0x04 -- bit 2 of the parameter control, fig. 8-1
-
-  preference("clc_as_sercos", Pref.bool("Decode services 0xC0 to 0xCF like 0x10 to 0x1F", false,
-    "The CLC's services are said to be close to the SERCOS services; their layout is not documented"))
-  preference("ecodrive_phases", Pref.bool("Decode services 0x82 and 0x8D like 0x12 and 0x1D", false,
-    "Reading and switching the phase of an ECODRIVE this way is not confirmed"))
-
   -- For each general service, the function that decodes its body: the following blocks fill it.
   S.bodies = {}
 
@@ -2618,20 +3525,14 @@ do
   at_init(function() general_services = {} end)
 
   local function find_general_service(service)
-    local low, group = service % 0x10, service - service % 0x10
-    local is_phase, is_parameter = low == 0x2 or low == 0xD, low <= 0x1 or low >= 0xE
-
-    if (group == 0x80 and (is_parameter or (is_phase and P.ecodrive_phases)))
-      or (group == 0x90 and (is_parameter or is_phase))
-      or (group == 0xC0 and (is_parameter or is_phase) and P.clc_as_sercos) then
-      return 0x10 + low
+    for name, like in pairs(K.LIKE_IF_SET) do
+      if P[name] and like[service] then return like[service] end
     end
-    return service
+    return K.LIKE[service] or service
   end
 
   -- 0x10 for 0x10, 0x80, 0x90: the general service that corresponds to a product group's service, else the service
-  -- itself. Product groups have services of their own in the layout of 0x1x (chapter 8). Those of the CLC are
-  -- documented only as similar; the phase services of ECODRIVE were never seen.
+  -- itself.
   function S.general_service(service)
     local general = general_services[service]
 
@@ -2642,29 +3543,27 @@ do
     return general
   end
 
-  -- Whether a reaction of this service begins with a status byte. The other product groups need none (chapter 2.1),
-  -- and their bodies are not documented.
-  local function has_status(service)
-    return service <= 0x1F or (service >= 0x80 and service <= 0x9F) or S.general_service(service) ~= service
+  local function is_in(number, ranges)
+    for _, range in ipairs(ranges) do
+      if number >= range[1] and number <= range[2] then return true end
+    end
+    return false
+  end
+
+  -- Whether a reaction of this service begins with a status byte.
+  function S.has_status(service)
+    return is_in(service, K.WITH_STATUS) or S.general_service(service) ~= service
   end
 
   -- Whether a body begins with parameter control and device address.
   function S.has_control_byte(service)
-    local general = S.general_service(service)
-
-    return general == 0x10 or general == 0x11 or general == 0x1E or general == 0x1F
+    return is_in(S.general_service(service), K.WITH_CONTROL)
   end
-
-  local subservices = {
-    [0x00] = N.subservices_identification,
-    [0x02] = N.subservices_flash,
-    [0x03] = N.subservices_initialization,
-  }
 
   -- Whether a reaction with this subservice may answer a command with that one. A subservice that is not defined tells
   -- nothing: fig. 2-13 answers 0x01 with 0xF1.
   function S.may_answer_subservice(service, asked, answered)
-    local defined = subservices[service]
+    local defined = K.LAYOUTS[service] and K.LAYOUTS[service].subservices
 
     return not defined or asked == answered or not defined[answered]
   end
@@ -2749,9 +3648,9 @@ do
     end
   end
 
-  -- Device address and subservice, the first fields of the bodies of 0x00, 0x02 and 0x03. Returns the subservice.
-  function S.take_subservice(body, texts)
-    local device = S.take(body, F.device, 1)
+  -- Device address and subservice, the first fields of services that have subservices. Returns the subservice.
+  function S.take_subservice(body)
+    local texts, device = K.LAYOUTS[body.service].subservices, S.take(body, F.device, 1)
 
     if not device then return nil end
     S.request_device(body, device)
@@ -2866,6 +3765,70 @@ do
     return body.status >= 0x02
   end
 
+  -- As its field says: a code, text, bytes or a number.
+  local function take_item(body, which, size, codes)
+    local left = S.left(body)
+
+    if codes then
+      local value, text = S.take_code(body, which, size, codes)
+
+      if not value then return end
+      S.say(body, ", %s", text)
+      if not codes[value] then S.mark(body, E.body_note, "0x%0" .. size * 2 .. "x is not defined", value) end
+    elseif kind_of[which] == ftypes.STRING then
+      S.take_text(body, which)
+    elseif size == 0 then
+      S.needs(body, which, 1)
+      if S.take_rest(body, which) then S.say(body, ", %d byte%s", left, plural(left)) end
+    else
+      local value = S.take(body, which, size)
+
+      if value then S.say(body, base_of[which] == base.HEX and ", 0x%0" .. size * 2 .. "x" or ", %d", value) end
+    end
+  end
+
+  -- What follows a subservice: each item by the function of its name, or as its field says. Bytes that no document
+  -- defines are shown raw.
+  function S.take_layout(body, layout, functions)
+    if not layout then
+      S.take_rest(body, F.raw)
+      return
+    end
+    for _, item in ipairs(body.is_reaction and layout.reaction or layout.command) do
+      local name, size, may_be_missing, codes = unpack(item, 1, 4)
+
+      if not may_be_missing or S.left(body) >= size then
+        if functions[name] then functions[name](body, size) else take_item(body, F[name], size, codes) end
+      end
+    end
+  end
+
+  -- What follows a subservice in a command or a good reaction, or an error.
+  function S.take_layout_or_error(body, subservice, functions)
+    local service = K.LAYOUTS[body.service]
+
+    if not body.is_reaction or S.is_ok(body) then
+      S.take_layout(body, service[subservice], functions)
+    elseif S.take_channel_error(body) then
+      return
+    elseif service.errors then
+      S.take_error_byte(body, subservice, service.errors)
+    else
+      S.take_rest(body, F.raw) -- not documented
+    end
+  end
+
+  -- A service whose layouts say all.
+  local function dissect_by_layout(body)
+    local subservice = not K.LAYOUTS[body.service].subservices and 0 or S.take_subservice(body)
+
+    if subservice then S.take_layout_or_error(body, subservice, {}) end
+  end
+
+  for service, layouts in pairs(K.LAYOUTS) do
+    if layouts.is_by_layout then S.bodies[service] = dissect_by_layout end
+  end
+
   local function is_phase_service(service)
     local general = S.general_service(service)
 
@@ -2876,7 +3839,7 @@ do
     if not S.needs(body, F.status, 1) then return end
 
     local status = get_value(body, 1)
-    local text = is_phase_service(body.service) and range_text(status, N.status_phase) or range_text(status, N.status)
+    local text = is_phase_service(body.service) and N.status_phase[status] or range_text(status, N.status)
     body.status = status
     body.status_text = text
     add_code(body, F.status, 1, status, text, 2)
@@ -2896,9 +3859,15 @@ do
     return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[ -~][\t\n\f\r -~]*$") ~= nil
   end
 
+  local TOKEN_PASSING = 0x0F
+
   local function dissect_undocumented(body)
-    if body.is_reaction and has_status(body.service) and S.take_channel_error(body) then return end
-    if S.take_rest(body, F.raw) then S.mark(body, E.body_note, "no document says what is in it") end
+    if body.is_reaction and S.has_status(body.service) and S.take_channel_error(body) then return end
+    if S.take_rest(body, F.raw) then
+      S.mark(body, E.body_note, "no document says what is in it")
+    elseif body.service < TOKEN_PASSING and not body.is_cut then
+      S.mark(body, E.body_note, "no document defines this service")
+    end
   end
 
   -- Bytes that no field has used: an incomplete field, or more than the service has.
@@ -2908,7 +3877,7 @@ do
     if left == 0 then return end
     body.item = add(body.tree, F.raw, body.tvb, body.offset, left)
     if not body.is_short and not body.is_cut then
-      S.mark(body, E.body_unexpected, "%d byte%s more than this service has", left, plural(left))
+      S.mark(body, E.body_unexpected, "more bytes than this service has")
     end
     body.offset = body.end_
   end
@@ -2921,7 +3890,7 @@ do
       S.take_text(body, F.text) -- a record of a product group, without a status
       return
     end
-    if body.is_reaction and has_status(body.service) then take_status(body) end
+    if body.is_reaction and S.has_status(body.service) then take_status(body) end
     -- After a telegram error even the useful data header may be missing.
     if not body.is_short and (body.status < 0xF0 or body.end_ > body.offset) then
       (dissect or dissect_undocumented)(body)
@@ -2937,15 +3906,19 @@ end
 --- sis/services/identification: service 0x00, node identification (chapter 3)
 
 do
-  local VERSION_LENGTH = 5 -- "nnVmm"
+  local VERSION_LENGTH, VERSION = 5, "^[0-9][0-9]V[0-9][0-9]$" -- "nnVmm"
   local MOST_CHARACTERS = 40
 
-  local function take_version(body)
+  local items = {}
+
+  function items.version(body)
     local left = S.left(body)
 
     if left ~= VERSION_LENGTH and not body.is_cut then
       S.mark(body, left < VERSION_LENGTH and E.body_missing or E.body_unexpected, "a SIS version has %d characters",
         VERSION_LENGTH)
+    elseif left == VERSION_LENGTH and not string.find(sub(body.bytes, body.offset + 1, body.end_), VERSION) then
+      S.mark(body, E.body_note, "a SIS version has the form nnVmm")
     end
     S.take_text(body, F.version)
   end
@@ -2957,26 +3930,22 @@ do
     if is_too_long then S.mark(body, E.body_note, "more than %d characters", MOST_CHARACTERS) end
   end
 
-  local data = {
-    [0x01] = take_version,
-    [0x02] = function(body) take_long_text(body, F.firmware) end,
-    [0x03] = function(body) take_long_text(body, F.type_key) end,
-    [0x04] = function(body) S.take_baud_mask(body, true) end,
-  }
-
-  local function take_raw(body)
-    S.take_rest(body, F.raw)
+  function items.firmware(body)
+    S.identify(body, "firmware")
+    take_long_text(body, F.firmware)
   end
 
-  S.bodies[0x00] = function(body)
-    local subservice = S.take_subservice(body, N.subservices_identification)
+  function items.type_key(body)
+    S.identify(body, "type key")
+    take_long_text(body, F.type_key)
+  end
 
-    if not subservice or not body.is_reaction then return end
-    if S.is_ok(body) then
-      (data[subservice] or take_raw)(body)
-    elseif not S.take_channel_error(body) then
-      take_raw(body) -- chapter 3 has no error codes
-    end
+  function items.init_baud_mask(body) S.take_baud_mask(body, true) end
+
+  S.bodies[0x00] = function(body)
+    local subservice = S.take_subservice(body)
+
+    if subservice and body.is_reaction then S.take_layout_or_error(body, subservice, items) end
   end
 end
 
@@ -3004,6 +3973,9 @@ do
       body.request.subservice = service
     end
     S.say(body, ", %s, device %d", S.service_name(service), device)
+    if S.general_service(service) == 0x1D then -- chapter 8.5
+      S.mark(body, E.body_note, "a phase switch cannot be cancelled")
+    end
   end
 
   local function dissect_command(body)
@@ -3042,12 +4014,14 @@ end
 --- sis/services/flash: service 0x02, flash operation (chapter 5)
 
 do
-  local READ_FLASH, FIND_HEADER, ERASE_FLASH, BUILD_CHECKSUM = 0x92, 0x93, 0x94, 0x97
+  local ERASE_FLASH = 0x94
   -- Bytes of the memory that a telegram can carry (chapters 5.4 and 5.7).
   local MOST_READ, MOST_PROGRAMMED = 244, 240
+  local FIRST_SUPPORTED_TYPE = 2 -- of a device: RAM
+  local items = {}
 
-  local function take_address(body)
-    local address = S.take(body, F.flash_address, 4)
+  function items.flash_address(body, size)
+    local address = S.take(body, F.flash_address, size)
 
     if not address then return end
     S.say(body, ", 0x%08x", address)
@@ -3061,7 +4035,7 @@ do
     if length > most then S.mark(body, E.body_note, "more than %d bytes", most) end
   end
 
-  local function take_length(body, size)
+  function items.flash_length(body, size)
     local length = S.take(body, F.flash_length, size)
 
     if not length then return end
@@ -3072,15 +4046,7 @@ do
     end
   end
 
-  local function take_code(body, which, texts)
-    local value, text = S.take_code(body, which, 1, texts)
-
-    if not value then return end
-    S.say(body, ", %s", text)
-    if not texts[value] then S.mark(body, E.body_note, "0x%02x is not defined", value) end
-  end
-
-  local function take_data(body)
+  function items.data(body)
     local length = S.left(body)
 
     if not S.needs(body, F.data, 1) then return end
@@ -3091,26 +4057,23 @@ do
     if not body.is_reaction then
       check_most(body, length, MOST_PROGRAMMED)
     elseif length < asked and not body.is_cut then
-      S.mark(body, E.body_note, "%d byte%s asked for, %d sent", asked, plural(asked), length)
+      S.mark(body, E.body_note, "fewer bytes than asked for")
+    elseif asked > 0 and length > asked then
+      S.mark(body, E.body_note, "more bytes than asked for")
     end
   end
 
-  local function take_length_byte(body) take_length(body, 1) end
-  local function take_length_word(body) take_length(body, 4) end
-  local function take_target(body) take_code(body, F.flash_target, N.shutdown_targets) end
-  local function take_device_type(body) take_code(body, F.flash_device_type, N.device_types) end
+  function items.flash_device_type(body, size)
+    local kind, text = S.take_code(body, F.flash_device_type, size, N.device_types)
 
-  -- The fields after the subservice in a command.
-  local commands = {
-    [0x90] = {take_target, take_address},
-    [0x91] = {take_address},
-    [0x92] = {take_address, take_length_byte},
-    [0x93] = {},
-    [0x94] = {take_address, take_length_word},
-    [0x96] = {take_address, take_device_type, take_data},
-    [0x97] = {take_address, take_length_word},
-    [0x9F] = {},
-  }
+    if not kind then return end
+    S.say(body, ", %s", text)
+    if not N.device_types[kind] then
+      S.mark(body, E.body_note, "0x%02x is not defined", kind)
+    elseif kind < FIRST_SUPPORTED_TYPE then
+      S.mark(body, E.body_note, "device types 0 and 1 are not supported")
+    end
+  end
 
   -- Both numbers 0xFFFFFFFF: everything but loader and kernel.
   local function take_erase_everything(body)
@@ -3121,51 +4084,18 @@ do
     return true
   end
 
-  local function dissect_command(body, subservice)
-    local parts = commands[subservice]
-
-    if subservice == ERASE_FLASH and take_erase_everything(body) then return end
-    if not parts then
-      S.take_rest(body, F.raw)
-      return
-    end
-    for _, take_part in ipairs(parts) do
-      take_part(body)
-    end
-  end
-
-  local function dissect_data(body, subservice)
-    if subservice == READ_FLASH then
-      take_data(body)
-    elseif subservice == FIND_HEADER then
-      take_address(body)
-    elseif subservice == BUILD_CHECKSUM and S.left(body) >= 4 then -- IndraDrive; IF02 has no data here
-      S.say(body, ", 0x%08x", S.take(body, F.flash_crc32, 4))
-    elseif not N.subservices_flash[subservice] then
-      S.take_rest(body, F.raw)
-    end
-  end
-
   S.bodies[0x02] = function(body)
-    local subservice = S.take_subservice(body, N.subservices_flash)
+    local subservice = S.take_subservice(body)
 
     if not subservice then return end
-    if not body.is_reaction then
-      dissect_command(body, subservice)
-    elseif S.is_ok(body) then
-      dissect_data(body, subservice)
-    elseif not S.take_channel_error(body) then
-      S.take_error_byte(body, subservice, N.errors_flash)
-    end
+    if not body.is_reaction and subservice == ERASE_FLASH and take_erase_everything(body) then return end
+    S.take_layout_or_error(body, subservice, items)
   end
 end
 
 --- sis/services/initialization: service 0x03, initialization of the SIS communication (chapter 6)
 
 do
-  -- Subservices (chapter 6.1).
-  K.SET_TRS, K.SET_TZA, K.SET_TMAS, K.SET_BAUD_RATE, K.TEST_BAUD, K.ACCEPT = 0x01, 0x02, 0x03, 0x07, 0x08, 0xFF
-
   -- "Set TzA" of "Set TzA (character interval)".
   local function short_text(text)
     return string.match(text, "^(.-) %(") or text
@@ -3182,69 +4112,64 @@ do
     return ms
   end
 
-  local function take_setting(body, request)
-    request.setting = take_time(body, F.init_time)
-    return request.setting ~= nil
+  local items, layouts = {}, K.LAYOUTS[0x03]
+
+  function items.init_time(body)
+    body.request.setting = take_time(body, F.init_time)
   end
 
-  local function take_baud_rate(body, request)
-    request.setting = S.take_baud_mask(body, false)
-    return request.setting ~= nil
+  function items.init_test_time(body)
+    body.request.test_ms = take_time(body, F.init_test_time)
   end
 
-  local function take_baud_test(body, request)
-    request.test_ms = take_time(body, F.init_test_time)
-    return request.test_ms ~= nil and take_baud_rate(body, request)
+  -- A mask without a rate sets nothing.
+  function items.init_baud_mask(body)
+    body.request.setting = S.take_baud_mask(body, false)
+    if not body.request.setting then body.request.has_setting = false end
   end
 
-  -- For each subservice, the function that reads its data and tells whether its request is complete.
-  local settings = {
-    [K.SET_TRS] = take_setting,
-    [K.SET_TZA] = take_setting,
-    [K.SET_TMAS] = take_setting,
-    [K.SET_BAUD_RATE] = take_baud_rate,
-    [K.TEST_BAUD] = take_baud_test,
-    [K.ACCEPT] = function() return true end,
-  }
+  -- The data of a subservice in a command; its request has a setting if they are complete.
+  local function take_setting(body, subservice, request)
+    local first, layout = body.request, layouts[subservice]
 
-  -- The data of a subservice, and whether its request is complete.
-  local function take_data(body, subservice, request)
-    local take = settings[subservice]
-
-    if take then
-      request.has_setting = take(body, request)
-    elseif S.take_rest(body, F.raw) and N.subservices_initialization[subservice] then
-      S.mark(body, E.body_note, "no document says what is in it") -- what is not defined has its note already
+    if not layout then
+      if S.take_rest(body, F.raw) and N.subservices_initialization[subservice] then
+        S.mark(body, E.body_note, "no document says what is in it") -- what is not defined has its note already
+      end
+      return
     end
+    body.request = request
+    request.has_setting = true
+    S.take_layout(body, layout, items)
+    if body.is_short then request.has_setting = false end
+    body.request = first
   end
 
-  -- The length of a subservice's data: it is fixed, so several may follow one another (chapter 6.1). A reaction has
-  -- none.
-  local sizes = {
-    [K.SET_TRS] = 2,
-    [K.SET_TZA] = 2,
-    [K.SET_TMAS] = 2,
-    [K.SET_BAUD_RATE] = 1,
-    [K.TEST_BAUD] = 3,
-    [K.ACCEPT] = 0,
-  }
+  -- The bytes of a subservice's data. A reaction has none.
+  local function size_of_setting(body, layout)
+    local size = 0
 
-  -- Whether the rest is entirely further subservices, each with the device address before it or without. A reaction
-  -- has those of its command.
+    if not body.is_reaction then
+      for _, item in ipairs(layout.command) do
+        size = size + item[2]
+      end
+    end
+    return size
+  end
+
+  -- Whether the rest is entirely further subservices of fixed length (chapter 6.1), each with the device address
+  -- before it or without. A reaction has those of its command.
   local function is_layout(body, device, has_device)
     local asked, at, head = body.asked and body.asked.list, body.offset, has_device and 2 or 1
 
     while at + head <= body.end_ do
       local subservice = byte(body.bytes, at + head)
-      local size = sizes[subservice]
+      local layout = layouts[subservice]
 
-      if not size or (has_device and byte(body.bytes, at + 1) ~= device) then return false end
-      if body.is_reaction then
-        if body.asked and (not asked or asked.subservice ~= subservice) then return false end
-        size = 0
-      end
+      if not layout or (has_device and byte(body.bytes, at + 1) ~= device) then return false end
+      if body.is_reaction and body.asked and (not asked or asked.subservice ~= subservice) then return false end
       asked = asked and asked.next
-      at = at + head + size
+      at = at + head + size_of_setting(body, layout)
     end
     return at == body.end_
   end
@@ -3264,7 +4189,7 @@ do
     local subservice, text = S.take_code(body, F.subservice, 1, N.subservices_initialization)
 
     S.say(body, "; %s", short_text(text))
-    if body.request then take_data(body, subservice, add_request(body, device, subservice)) end
+    if body.request then take_setting(body, subservice, add_request(body, device, subservice)) end
   end
 
   -- The documents do not say whether the device address comes once or before each subservice: the layout that fits
@@ -3286,13 +4211,13 @@ do
 
   S.bodies[0x03] = function(body)
     local device = byte(body.bytes, body.offset + 1)
-    local subservice = S.take_subservice(body, N.subservices_initialization)
+    local subservice = S.take_subservice(body)
 
     if not subservice then return end
     if N.subservices_initialization[subservice] then
       body.summary = short_text(N.subservices_initialization[subservice]) -- it says all, the service's name is long
     end
-    if not body.is_reaction then take_data(body, subservice, body.request) end
+    if not body.is_reaction then take_setting(body, subservice, body.request) end
     if not body.is_reaction or S.is_ok(body) then
       take_all_further(body, device)
     elseif not S.take_channel_error(body) then
@@ -3306,6 +4231,7 @@ end
 
 do
   local LIST_SERVICE = 0x04
+  local SHORTEST_ELEMENT = 3 -- the code of the channel has two bytes
 
   local function add_request(list, request)
     local last = list.last_request
@@ -3371,7 +4297,6 @@ do
       marks = "",
       asked = take_command(commands, list, service, length),
       ends = list.ends,
-      accesses = list.accesses,
     }
 
     if list.is_reaction and list.asked and not element.asked then
@@ -3383,6 +4308,7 @@ do
       add_request(list, element.request)
     end
     S.dissect_body(element)
+    commands.is_one_unknown = commands.is_one_unknown or element.status ~= 0 or not S.has_status(service)
     if element.error_text then
       list.errors = list.errors or {}
       table.insert(list.errors, strformat("0x%04x %s", element.error, element.error_text))
@@ -3401,6 +4327,7 @@ do
 
   -- The following elements still have their commands.
   local function show_recursion(list, length, commands)
+    commands.is_one_unknown = true
     take_command(commands, list, LIST_SERVICE, length)
     if not list.is_reaction then add_request(list, {service = LIST_SERVICE}) end
     S.mark(list, E.list_recursion, "a list in a list")
@@ -3408,11 +4335,11 @@ do
   end
 
   -- What an element stands for, `length` bytes after its service of which `there` are there.
-  local function dissect_element_service(list, number, root, length, there, commands)
+  local function dissect_element_service(list, root, length, there, commands)
     local service = S.take(list, F.service, 1)
 
     if not service then return end
-    if length > there and not list.is_cut then S.mark(list, E.body_missing, "element %d is cut", number) end
+    if length > there and not list.is_cut then S.mark(list, E.body_missing, "an element is cut") end
     if service == LIST_SERVICE then
       show_recursion(list, there, commands)
     else
@@ -3430,15 +4357,15 @@ do
     list.tree = root
     S.take(list, F.element_length, 1)
     if length == 0 then
-      S.mark(list, E.body_unexpected, "element %d is empty", number)
+      S.mark(list, E.body_unexpected, "an element is empty")
     else
-      dissect_element_service(list, number, root, length - 1, size - 2, commands)
+      dissect_element_service(list, root, length - 1, size - 2, commands)
     end
     list.tree = outer
   end
 
   -- The commands of a list that a reaction answers: those that no element has answered yet, and whether there are as
-  -- many in the reaction.
+  -- many in the reaction. (is_one_unknown: an element of it may have failed, or has.)
   local function commands_of(list)
     local first = list.asked and list.asked.list
     local command, at = first, list.offset
@@ -3459,13 +4386,19 @@ do
     local number = 1
 
     body.last_request = nil -- of its elements
-    if body.is_reaction and S.take_channel_error(body) then return end
+    local is_list = body.status == 0x02 and S.left(body) >= SHORTEST_ELEMENT
+
+    if body.is_reaction and not is_list and S.take_channel_error(body) then return end
     if S.left(body) == 0 and not body.is_cut then S.mark(body, E.body_note, "an empty list") end
     local commands = commands_of(body)
 
     while S.left(body) > 0 and not body.is_short do
       dissect_element(body, number, commands)
       number = number + 1
+    end
+    if body.status == 0x01 and commands.is_each_answered and not commands.is_one_unknown and not body.is_cut then
+      body.item = body.root
+      S.mark(body, E.body_note, "the overall status is 1, but nothing in the list failed")
     end
   end
 end
@@ -3474,7 +4407,7 @@ end
 -- (chapter 8)
 
 do
-  local CONTROL_RESERVED = 0xC3
+  local CONTROL_RESERVED = K.PARAMETER_CONTROL_RESERVED
   local DATA_STATUS_UNDEFINED = 0xFEF0 -- fig. 8-44
   local NO_DRIVE, UNDEFINED_DEVICE = 0, 255
 
@@ -3511,17 +4444,25 @@ do
     if device == UNDEFINED_DEVICE then S.mark(body, E.body_note, "device address 255 is not defined") end
   end
 
+  -- Only 0x10 and 0x1F have sequential telegrams, and ECODRIVE's 0x81.
+  local function check_control(access, control)
+    if band(control, CONTROL_RESERVED) ~= 0 then
+      S.mark(access.body, E.body_note, "reserved bits of the parameter control")
+    end
+    if is_single(access) and not access.is_last then
+      S.mark(access.body, E.body_note, "bit 2 is 0, but this service has no sequential telegrams")
+    end
+  end
+
   local function take_control(access)
     local body = access.body
     local control = S.take(body, F.parameter_control, 1)
 
     if not control then return false end
     access.element = band(rshift(control, 3), 7)
-    access.is_last = band(control, K.LAST_TRANSMISSION) ~= 0
+    access.is_last = band(control, K.TRANSMISSION) ~= 0
     if body.tree then show_control(access) end
-    if band(control, CONTROL_RESERVED) ~= 0 then
-      S.mark(body, E.body_note, "reserved bits of the parameter control")
-    end
+    check_control(access, control)
     access.device = S.take(body, F.device, 1)
     if not access.device then return false end
     check_device(body, access.device)
@@ -3593,8 +4534,8 @@ do
     local sent = S.left(body)
 
     if not body.is_cut and sent > 0 and sent ~= announced then
-      S.mark(body, sent < announced and E.body_missing or E.body_unexpected, "%d byte%s announced, %d sent", announced,
-        plural(announced), sent)
+      S.mark(body, sent < announced and E.body_missing or E.body_unexpected, "%s bytes than announced",
+        sent < announced and "fewer" or "more")
     end
   end
 
@@ -3642,26 +4583,30 @@ do
     end
   end
 
-  -- A list may end before the requested length, and the device may have less room.
+  -- A list may end before the requested length, and the device may have less room. SYNAX sends one element for any
+  -- length (its page 2-30).
   local function check_segment(access, length)
     local body = access.body
     local asked = (body.asked and body.asked.segment or 0) % 0x10000 * (counts_words(body) and 2 or 1)
 
-    if access.ident and is_segment(access) and body.is_reaction and not body.is_cut and length < asked then
-      body.item = body.root
-      S.mark(body, E.body_note, "%d byte%s asked for, %d sent", asked, plural(asked), length)
+    if not is_segment(access) or not body.is_reaction or not access.ident or body.is_cut or length == asked
+      or (body.service == 0x91 and length > 0) then
+      return
     end
+    body.item = body.root
+    S.mark(body, E.body_note, length < asked and "fewer bytes than asked for" or "more bytes than asked for")
   end
 
   -- The data of an element: all of them, or a segment of a list.
   local function show_data(access, tree, data)
     local body, is_whole = access.body, not is_segment(access)
-    local text = S.add_element(tree, body.pinfo, data, access.element, access.ident, access.known, is_whole)
 
     if is_write(access) and access.element == K.ELEMENT_IDENT then
+      add(tree, F.data, data.tvb, data.offset, data.length) -- not a value
       check_status_request(access, data)
       return
     end
+    local text = S.add_element(tree, body.pinfo, data, access.element, access.ident, access.known, is_whole)
     if text then
       S.say(body, " = %s", text)
     else
@@ -3749,6 +4694,9 @@ do
     local body = access.body
 
     if not take_control(access) or not take_parameter(access) then return end
+    if not is_write(access) and access.element <= K.ELEMENT_IDENT then -- chapter 8.1
+      S.mark(body, E.body_note, "no document allows reading this element")
+    end
     if is_segment(access) and not take_segment(access) then return end
     if not is_write(access) then return end
     if access.element ~= K.ELEMENT_DATA and access.element ~= K.ELEMENT_IDENT then
@@ -3839,10 +4787,15 @@ do
       S.say(body, ", switching to phase %d", switch.to)
       return
     end
-    local taken = T.elapsed(switch.begin, body.telegram.times.begin)
+    local words, taken = body.status == 0 and "reached" or "failed", T.elapsed(switch.begin, body.telegram.times.begin)
+
+    if not S.is_measured(taken, body.telegram.times) then
+      S.say(body, ", %s", words)
+      return
+    end
     local text = T.s_text(taken)
     set_generated(add_value(body.tree, F.phase_switch_time, body.tvb, 0, 0, nstime(taken), text))
-    S.say(body, ", %s after %s", body.status == 0 and "reached" or "failed", text)
+    S.say(body, ", %s after %s", words, text)
   end
 
   local function dissect_phase_reaction(body)
@@ -3856,6 +4809,9 @@ do
       return
     end
     if is_accepted then S.say(body, ", accepted") end -- the documents differ whether the phase of now follows
+    if is_accepted and body.asked and (body.asked.phase or 0) > HIGHEST_PHASE then
+      S.mark(body, E.body_note, "a phase above 4 is refused with 0x8004, not accepted")
+    end
     if not (is_accepted and S.left(body) == 0) then
       phase = take_phase(body)
       if not phase then return end
@@ -3906,6 +4862,8 @@ do
       last = {}, -- command of each master
       streams = {},
       learned = {},
+      devices = {}, -- types of each device, by stations and device
+      types = {["type key"] = {}, firmware = {}}, -- devices of each type
       taught = {}, -- a new one after each thing learned
       told = S.told_new(),
       cycles = {},
@@ -4011,6 +4969,12 @@ do
     return command.is_answered and command.service ~= K.TOKEN_PASSING
   end
 
+  local function wait_since(end_, times)
+    local wait = T.elapsed(end_, times.begin)
+
+    return S.is_measured(wait, times) and wait or -1
+  end
+
   -- A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
   local function follow_command(exchange, before, telegram)
     local from, command_before = exchange.from, before.from.telegram
@@ -4022,9 +4986,9 @@ do
       if S.is_counting then exchange.gave_up_station = byte(before.from.path) end
     end
     if exchange.repeat_of then
-      exchange.wait = T.elapsed(from.last.command_end, telegram.times.begin)
+      exchange.wait = wait_since(from.last.command_end, telegram.times)
     elseif not command_before.is_answered then
-      exchange.wait = T.elapsed(before.command_end, telegram.times.begin)
+      exchange.wait = wait_since(before.command_end, telegram.times)
     end
   end
 
@@ -4064,7 +5028,7 @@ do
     if not S.has_control_byte(telegram.service) or body + 2 > #command or body + 3 > telegram.declared then
       return true
     end
-    return band(bxor(byte(command, body + 1), byte(reaction, body + 2)), 0xFF - K.LAST_TRANSMISSION) == 0
+    return band(bxor(byte(command, body + 1), byte(reaction, body + 2)), 0xFF - K.TRANSMISSION) == 0
       and byte(command, body + 2) == byte(reaction, body + 3)
   end
 
@@ -4190,9 +5154,7 @@ do
   end
 
   local function add_frame(tree, tvb, which, frame)
-    if frame then
-      set_generated(add(tree, which, tvb, 0, 0, frame))
-    end
+    return frame and set_generated(add(tree, which, tvb, 0, 0, frame))
   end
 
   -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
@@ -4211,14 +5173,15 @@ do
       add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
       add_frame(tree, tvb, F.unanswered_before, exchange.gave_up)
       add_frame(tree, tvb, F.routed_from, exchange.routed_from)
+      add_frame(tree, tvb, F.next_command_in, exchange.next_command_in)
     end
     if exchange.repeat_of then
-      add_expert(root, E.command_repeat, strformat("The command of frame %d again", exchange.repeat_of))
+      add_expert(root, E.command_repeat)
       body.marks = body.marks .. "  [repeat]"
     end
     if exchange.next_command_in then
-      add_expert(root, E.command_unanswered, strformat("No reaction before the next command (frame %d)%s",
-        exchange.next_command_in, exchange.is_reaction_damaged and "; a damaged telegram came between" or ""))
+      add_expert(root, E.command_unanswered, "No reaction before the next command"
+        .. (exchange.is_reaction_damaged and "; a damaged telegram came between" or ""))
       body.marks = body.marks .. "  [no reaction]"
     end
   end
@@ -4231,11 +5194,13 @@ do
       add_expert(root, E.reaction_unasked)
       return
     end
-    add_frame(tree, tvb, F.command_in, exchange.command_in)
+    local command = add_frame(tree, tvb, F.command_in, exchange.command_in)
     add_frame(tree, tvb, F.routed_from, record.routed_from)
+    add_frame(tree, tvb, F.answered_in, record.reaction_before)
     if record.reaction_before then
-      add_expert(root, E.reaction_again,
-        strformat("The command was answered before, in frame %d", record.reaction_before))
+      add_expert(root, E.reaction_again)
+    elseif record.reaction_time and not S.is_measured(record.reaction_time, body.telegram.times) then
+      append_text(command, ", in the same read: the reaction time is not known")
     elseif record.reaction_time and tree then
       set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
         T.ms_text(record.reaction_time)))
@@ -4566,7 +5531,7 @@ do
     local announced = S.little_endian(bytes, 1, 2) + LENGTH_WORDS
 
     if announced ~= #bytes then
-      S.mark(body, E.body_note, "the list announces %d bytes, %d came", announced, #bytes)
+      S.mark(body, E.body_note, "not as many bytes as the list announces")
     end
   end
 
@@ -4582,7 +5547,7 @@ do
       return nil
     end
     if not is_last then
-      set_generated(add(body.tree, F.sequence_whole_in, body.tvb, 0, 0, transfer.whole_in))
+      set_generated(add(body.tree, F.sequence_whole_in, body.tvb, body.offset, 0, transfer.whole_in))
       return nil
     end
     local data = {offset = 0, length = #transfer.bytes, bytes = transfer.bytes}
@@ -4735,14 +5700,15 @@ do
     end
     if record.transfer_ended then
       body.item = body.root
-      S.mark(body, E.sequence_ended, "transfer since frame %d ended unfinished: %s", record.transfer_ended,
-        record.transfer_reason)
+      set_generated(add(body.tree, F.sequence_begun_in, body.tvb, 0, 0, record.transfer_ended))
+      S.mark(body, E.sequence_ended, "transfer ended unfinished: %s", record.transfer_reason)
     end
   end
 end
 
---- parameters/parameters: how parameters are written, and what the built-in table says of them. What the bus
--- says of them is learned below. Lua has no tables that the user edits.
+--- parameters/parameters: how parameters are written, and what the built-in tables say of them. What the bus
+-- says of them is learned below. Lua has no tables that the user edits, but it reads the file that Wireshark keeps for
+-- the plugin's.
 
 -- Elements of a parameter, bits 3 to 5 of the parameter control (fig. 8-1).
 K.ELEMENT_CHANNEL = 0
@@ -4756,7 +5722,9 @@ K.ELEMENT_DATA = 7
 
 -- The source of a name, a unit or an attribute, in words.
 K.FROM_BUS = "learned from the bus"
+K.FROM_TABLE = "from the table SIS parameters"
 K.BUILT_IN = "built in"
+K.FROM_STANDARD = "from Wireshark's SERCOS III table"
 
 do
   local BIT_15 = 0x8000
@@ -4767,14 +5735,10 @@ do
 
   local types = {S = 0, P = 0, A = 1, C = 2}
 
-  -- Kind, number in set 0, name, and the unit where it is said; from the SIS definition and SYNAX' interface manual.
+  -- Kind, number in set 0, name, and the unit where it is said; from the SIS definition and SYNAX' interface manual. No
+  -- P parameters: what these are depends on the device. No S parameters: their names are above.
   local built_in = {
-    {"S", 44, "Velocity data scaling type"},
-    {"S", 103, "Modulo value"},
-    {"P", 12, "C300 Command set absolute measuring"},
-    {"P", 40, "Scaling of velocities, analog output channel 1"},
-    {"P", 72, "Cam shaft profile"},
-    {"A", 4, "Additive position command value", "deg"},
+    {"A", 4, "Additive position command value, target value", "deg"},
     {"A", 56, "Set-up position 0"},
     {"A", 60, "Fine adjustment"},
     {"C", 1, "Switch-on delay time", "ms"},
@@ -4783,6 +5747,12 @@ do
     {"C", 46, "General diagnostic flag"},
     {"C", 57, "Error number of the serial interface"},
     {"C", 58, "Configuration list of data block 101"},
+    {"C", 59, "Configuration list of data block 102"},
+    {"C", 60, "Configuration list of data block 103"},
+    {"C", 61, "Configuration list of data block 104"},
+    {"C", 62, "Configuration list of data block 105"},
+    {"C", 63, "Configuration list of data block 106"},
+    {"C", 64, "Configuration list of data block 107"},
     {"C", 65, "Configuration list of data block 108"},
     {"C", 66, "Master axis, position feedback value"},
     {"C", 124, "Timeout of the service channel"},
@@ -4790,41 +5760,66 @@ do
     {"C", 127, "Fieldbus/Ethernet 1, configuration list of the process input data"},
     {"C", 129, "Fieldbus control bits"},
     {"C", 157, "Data blocks, ident numbers of the configurable S and P parameters"},
+    {"C", 188, "Ethernet 2, configuration list"},
     {"C", 193, "PPC, standard gateway"},
     {"C", 194, "PPC, UDP ports"},
+    {"C", 197, "End of the static part of a configuration list"},
+    {"C", 198, "End of a multiplex level of a configuration list"},
   }
 
-  -- "S-0-0044", "P-2-0012", "A-0-0004", "C-0-0066", "type3-0-0066".
-  local function ident_text(kind, word)
+  -- "S-0-0044", "P-2-0012", "A-0-0004", "C-0-0066", "type3-0-0066", "S-0-0390.0.136".
+  local function ident_text(kind, word, structure)
     local letter = kind == 0 and word >= BIT_15 and "P" or letters[kind] or "type" .. strformat("%d", kind)
 
-    return strformat("%s-%d-%04d%s", letter, band(rshift(word, 12), MAX_SET), word % SET_SIZE,
-      kind > 0 and word >= BIT_15 and " with bit 15" or "")
+    return strformat("%s-%d-%04d%s%s", letter, band(rshift(word, 12), MAX_SET), word % SET_SIZE,
+      kind > 0 and word >= BIT_15 and " with bit 15" or "",
+      structure > 0 and strformat(".%d.%d", rshift(structure, 8), structure % 256) or "")
   end
 
   local idents -- by key: the same ident is the same table
 
   at_init(function() idents = {} end)
 
-  -- Of a type byte and a number word (fig. 8-3).
-  local function ident_key(kind, word)
-    return kind * 0x10000 + word
+  -- Of a type byte and a number word (fig. 8-3), and of the structure that an ident of four bytes has.
+  local function ident_key(kind, word, structure)
+    return structure * 0x1000000 + kind * 0x10000 + word
   end
 
-  -- An ident: {type, number, key, text: as it is written}.
-  function S.ident(kind, word)
-    local key = ident_key(kind, word)
+  -- An ident: {type, number, key, text: as it is written}. The structure is its instance * 256 + its element.
+  function S.ident(kind, word, structure)
+    structure = structure or 0
+    local key = ident_key(kind, word, structure)
 
-    idents[key] = idents[key] or {type = kind, number = word, key = key, text = ident_text(kind, word)}
+    idents[key] = idents[key] or {type = kind, number = word, key = key, text = ident_text(kind, word, structure)}
     return idents[key]
+  end
+
+  -- The ident of such a text, of the first four kinds, and the text behind it; nil: none is there.
+  function S.ident_parse(text)
+    local letter, set, number, rest = match(text, "^([SPAC])%-([0-7])%-(%d%d%d%d)(.*)$")
+
+    number = tonumber(number)
+    if not number or number >= SET_SIZE or match(rest, "^%d") then return nil end
+    local instance, element, after = match(rest, "^%.(%d+)%.(%d+)(.*)$")
+    local structure, word = 0, tonumber(set) * SET_SIZE + number
+
+    if sub(rest, 1, 1) == "." then
+      instance, element = tonumber(instance), tonumber(element)
+      if not instance or instance > 255 or element > 255 then return nil end
+      structure, rest = instance * 256 + element, after
+    end
+    return S.ident(types[letter], letter == "P" and BIT_15 + word or word, structure), rest
   end
 
   local by_key = {}
 
+  for number, name in pairs(N.s_names) do
+    by_key[ident_key(types.S, number, 0)] = {name = name, name_from = K.FROM_STANDARD}
+  end
   for _, row in ipairs(built_in) do
     local kind, number, name, unit = unpack(row)
 
-    by_key[ident_key(types[kind], kind == "P" and BIT_15 + number or number)] = {
+    by_key[ident_key(types[kind], number, 0)] = {
       name = name,
       name_from = K.BUILT_IN,
       unit = unit,
@@ -4833,10 +5828,100 @@ do
   end
 
   local nothing = {}
+  local by_user -- by the stations to a device ("": every station) and key
 
-  -- What the built-in table says.
-  function S.known_from_tables(ident)
-    return by_key[ident.key] or nothing
+  -- "0044", "2-0012" or "0390.0.136" with its letter; nil: it is no ident.
+  local function parse_number(letter, text)
+    local set, number, structure = match(text, "^([0-7])%-(%d+)(.*)$")
+
+    if not set then
+      set, number, structure = "0", match(text, "^(%d+)(.*)$")
+    end
+    if not types[letter] or not number then return nil end
+    local ident, rest = S.ident_parse(strformat("%s-%s-%04d%s", letter, set, tonumber(number), structure))
+
+    return rest == "" and ident or nil
+  end
+
+  -- "3" or "3/2/8" as bytes; nil: it is no path.
+  local function parse_station(text)
+    local path = ""
+
+    if text == "" then return "" end
+    for station in string.gmatch(text .. "/", "([^/]*)/") do
+      local address = match(station, "^%d+$") and tonumber(station)
+
+      if not address or address > 255 or #path == 8 then return nil end
+      path = path .. char(address)
+    end
+    return path
+  end
+
+  local function of_user(path, key)
+    return by_user[path] and by_user[path][key]
+  end
+
+  local function add_row(ident, path, cells)
+    local known = {}
+
+    for name, value in pairs(of_user(path, ident.key) or of_user("", ident.key) or by_key[ident.key] or nothing) do
+      known[name] = value
+    end
+    local named = {name = cells[3], unit = cells[4], minimum = cells[6], maximum = cells[7], bits = cells[9]}
+
+    for name, cell in pairs(named) do
+      if cell ~= "" then known[name], known[name .. "_from"] = cell, K.FROM_TABLE end
+    end
+    local attribute = tonumber((gsub(cells[5], "^0x", "")), 16)
+
+    if attribute and attribute > 0 then known.attribute, known.attribute_from = attribute, K.FROM_TABLE end
+    by_user[path] = by_user[path] or {}
+    by_user[path][ident.key] = known
+  end
+
+  -- The cells of a line of the file: "S","0036","Velocity command value","rpm","0x04220001".
+  local function cells_of(line)
+    local cells = {}
+
+    for cell in string.gmatch(line, '"([^"]*)"') do
+      cells[#cells + 1] = gsub(cell, "\\x(%x%x)", function(digits) return char(tonumber(digits, 16)) end)
+    end
+    for i = #cells + 1, 9 do cells[i] = "" end
+    return cells
+  end
+
+  -- The profile is not known here: the file of the profile Default, else that of the profile SIS.
+  local function table_file()
+    return io.open(Dir.personal_config_path("sis_parameters"))
+      or io.open(Dir.personal_config_path("profiles/SIS/sis_parameters"))
+  end
+
+  -- The rows of every station, then those of one, which complete the former.
+  local function read_table()
+    local file = table_file()
+    local of_one = {}
+
+    by_user = {}
+    if not file then return end
+    for line in file:lines() do
+      local cells = cells_of(match(line, '^"[^\r]*') or "")
+      local ident, path = parse_number(cells[1], cells[2]), parse_station(cells[8])
+
+      if ident and path == "" then
+        add_row(ident, path, cells)
+      elseif ident and path then
+        of_one[#of_one + 1] = {ident, path, cells}
+      end
+    end
+    file:close()
+    for _, row in ipairs(of_one) do add_row(unpack(row)) end
+  end
+
+  at_init(read_table)
+
+  -- What the tables say of a parameter of a device behind stations; without these, of every station.
+  function S.known_from_tables(ident, path)
+    return path and of_user(path, ident.key) or of_user("", ident.key) or by_key[ident.key] or nothing
   end
 end
 
@@ -4847,27 +5932,127 @@ do
   -- What is known of a parameter: {name, unit, attribute, minimum, maximum}, nil if unknown, each with its source as
   -- name_from and so on. Never changed once made: new knowledge makes a new one.
 
-  local DEVICE = 0x1000000 -- above the key of an ident
+  local DEVICE = 2 ^ 40 -- above the key of an ident
 
   -- What the bus has said about a parameter of a device behind a station, perhaps through routers.
-  local function look_up(body, ident, device)
-    local exchange = body.record and body.record.exchange
-    local of_station = exchange and exchange.from.stream.bus.learned[exchange.from.path]
+  local function find(bus, path, ident, device)
+    local of_station = bus.learned[path]
 
     return of_station and of_station[device * DEVICE + ident.key]
   end
 
+  local function look_up(body, ident, device)
+    local exchange = body.record and body.record.exchange
+
+    return exchange and find(exchange.from.stream.bus, exchange.from.path, ident, device)
+  end
+
+  local MOST_TWINS = 8 -- devices of one type that are asked
+  local IDENTITIES = {"type key", "firmware"}
+
+  -- First pass: a device has told its type; two devices that say the same have the same parameters.
+  function S.learned_identity(bus, path, device, what, text)
+    local devices, types = bus.devices, bus.types[what]
+    local id = path .. "/" .. char(device)
+
+    devices[id] = devices[id] or {}
+    types[text] = types[text] or {}
+    if devices[id][what] == types[text] then return end
+    devices[id][what] = types[text]
+    if #types[text] < MOST_TWINS then
+      table.insert(types[text], {id = id, path = path, device = device})
+    end
+    bus.taught = {}
+  end
+
+  -- A good reaction tells the type of a device.
+  function S.identify(body, what)
+    local exchange, bytes = body.record and body.record.exchange, sub(body.bytes, body.offset + 1, body.end_)
+
+    if packet.visited or not exchange or not body.asked or body.is_cut or bytes == "" then return end
+    effects = effects + 1
+    S.learned_identity(exchange.from.stream.bus, exchange.from.path, body.asked.device, what, S.text(bytes))
+  end
+
+  -- What a device of the same type said of its parameter: {known, source in words}.
+  local function find_twin(body, ident, device)
+    local exchange = body.record and body.record.exchange
+    local bus, path = exchange and exchange.from.stream.bus, exchange and exchange.from.path
+    local id = exchange and path .. "/" .. char(device)
+
+    for _, what in ipairs(IDENTITIES) do
+      local types = bus and bus.devices[id] and bus.devices[id][what]
+
+      for _, twin in ipairs(types or {}) do
+        local known = find(bus, twin.path, ident, twin.device)
+
+        if known and twin.id ~= id and bus.devices[twin.id][what] == types then
+          return {known, strformat("learned from station %s, device %d, which has the same type",
+            concat({byte(twin.path, 1, -1)}, "/"), twin.device)}
+        end
+      end
+    end
+  end
+
+  local PARTS = {"name", "unit", "minimum", "maximum", "attribute"}
+
+  -- With what a twin heard on the bus; the bus itself and the user's table go before it.
+  local function with_twin(known, twin)
+    if not twin then return known end
+    local both = {}
+
+    for name, value in pairs(known) do both[name] = value end
+    for _, part in ipairs(PARTS) do
+      local from = part .. "_from"
+
+      if twin[1][from] == K.FROM_BUS and known[from] ~= K.FROM_BUS and known[from] ~= K.FROM_TABLE then
+        both[part], both[from] = twin[1][part], twin[2]
+      end
+    end
+    return both
+  end
+
   -- What is known of a parameter of a device at this telegram: from the bus, else built in.
   function S.learned_known(body, ident, device)
-    local learned
+    local found, exchange = body.asked, body.record and body.record.exchange
 
-    if body.asked then
-      learned = body.asked.known
-    else
-      learned = look_up(body, ident, device)
+    if not found then
+      found = {known = look_up(body, ident, device), twin = find_twin(body, ident, device)}
     end
-    if body.request then body.request.known = learned end
-    return learned or S.known_from_tables(ident)
+    if body.request then body.request.known, body.request.twin = found.known, found.twin end
+    return with_twin(found.known or S.known_from_tables(ident, exchange and exchange.from.path), found.twin)
+  end
+
+  -- Later passes: adds to what was known of a parameter what the bus has said of it only afterwards.
+  function S.learned_complete(body, ident, device, known)
+    local later = packet.visited and look_up(body, ident, device)
+
+    if not later then return known end
+    return {attribute = known.attribute or later.first_attribute, name = known.name or later.name,
+      unit = known.unit or later.unit, minimum = known.minimum, maximum = known.maximum}
+  end
+
+  -- The same of a bus and the stations to the device: for what was told before.
+  function S.learned_of(bus, path, ident, device)
+    return find(bus, path, ident, device) or S.known_from_tables(ident, path)
+  end
+
+  -- First pass: takes over what an element says.
+  function S.learned_add(bus, path, ident, device, what, value)
+    local before = S.learned_of(bus, path, ident, device)
+    local source = what .. "_from"
+
+    if before[what] == value and before[source] == K.FROM_BUS then return end
+    local known, learned = {}, bus.learned
+
+    for name, old in pairs(before) do
+      known[name] = old
+    end
+    if what == "attribute" and before.attribute_from ~= K.FROM_BUS then known.first_attribute = value end
+    known[what], known[source] = value, K.FROM_BUS
+    learned[path] = learned[path] or {}
+    learned[path][device * DEVICE + ident.key] = known
+    bus.taught = {}
   end
 
   -- What each element says: its field of what is known, and its value, nil if it is not valid.
@@ -4897,21 +6082,10 @@ do
 
     if packet.visited or not exchange or not read then return end
     effects = effects + 1
-    local before = look_up(body, ident, device) or S.known_from_tables(ident)
     local what, value = read(data, shown)
-    local source = what .. "_from"
 
-    if value == nil or (before[what] == value and before[source] == K.FROM_BUS) then return end
-    local bus, known = exchange.from.stream.bus, {}
-    local learned, path = bus.learned, exchange.from.path
-
-    for name, old in pairs(before) do
-      known[name] = old
-    end
-    known[what], known[source] = value, K.FROM_BUS
-    learned[path] = learned[path] or {}
-    learned[path][device * DEVICE + ident.key] = known
-    bus.taught = {}
+    if value == nil then return end
+    S.learned_add(exchange.from.stream.bus, exchange.from.path, ident, device, what, value)
   end
 end
 
@@ -4939,8 +6113,8 @@ do
     end
     add_generated(item, tvb, F.parameter_name, known.name, known.name_from)
     add_generated(item, tvb, F.parameter_unit, known.unit, known.unit_from)
-    add_generated(item, tvb, F.parameter_minimum, known.minimum, K.FROM_BUS)
-    add_generated(item, tvb, F.parameter_maximum, known.maximum, K.FROM_BUS)
+    add_generated(item, tvb, F.parameter_minimum, known.minimum, known.minimum_from)
+    add_generated(item, tvb, F.parameter_maximum, known.maximum, known.maximum_from)
     return item
   end
 end
@@ -4952,7 +6126,9 @@ do
   local ATTRIBUTE_SIZE = 4
   local LIST_HEADER = 4 -- actual and maximum length, two bytes each
 
-  local BINARY, UNSIGNED, SIGNED, HEXADECIMAL, TEXT, IDENT, FLOATING = 0, 1, 2, 3, 4, 5, 6
+  local BINARY, UNSIGNED, SIGNED = K.FORMAT_BINARY, K.FORMAT_UNSIGNED, K.FORMAT_SIGNED
+  local HEXADECIMAL, TEXT, IDENT, FLOATING = K.FORMAT_HEXADECIMAL, K.FORMAT_TEXT, K.FORMAT_IDENT, K.FORMAT_FLOATING
+  local TIME = K.FORMAT_TIME
 
   local requests = {[0] = "clear", [1] = "interrupt", [3] = "set and enable"}
 
@@ -4978,6 +6154,7 @@ do
       decimals = bits(attribute, 24, 4),
       factor = max(bits(attribute, 0, 16), 1),
       unit = known.unit,
+      bits = known.bits,
     }
   end
 
@@ -5077,19 +6254,36 @@ do
     return "0x" .. concat(digits)
   end
 
+  -- An ident of two bytes, or of four: two of its structure in the upper half. Nil: it is something else.
+  local function read_ident(bytes, at, layout)
+    local size = layout.size
+
+    if layout.format ~= IDENT or (size ~= 2 and size ~= 4) then return nil end
+    return S.ident(0, S.little_endian(bytes, at, 2), size == 4 and S.little_endian(bytes, at + 2, 2) or 0)
+  end
+
+  local function ident_text(bytes, at, layout)
+    local ident = read_ident(bytes, at, layout)
+
+    return ident and ident.text or hexadecimal_text(bytes, at, layout)
+  end
+
+  -- Four bytes of seconds since 1970 (UTC), four of nanoseconds.
+  local function time_text(bytes, at, layout)
+    local seconds, ns = S.little_endian(bytes, at, 4), S.little_endian(bytes, at + 4, 4)
+
+    if ns >= 1000000000 then return hexadecimal_text(bytes, at, layout) end
+    return os.date("!%Y-%m-%d %H:%M:%S", seconds) .. strformat(".%09d", ns)
+  end
+
   -- For each format: how to write a number without its unit, and how many bytes it needs.
   local writers = {
     [BINARY] = {write = binary_text, least = 1, most = 8},
     [UNSIGNED] = {write = unsigned_text, least = 1, most = 8},
     [SIGNED] = {write = signed_text, least = 1, most = 8},
-    [IDENT] = {
-      write = function(bytes, at)
-        return S.ident(0, S.little_endian(bytes, at, 2)).text
-      end,
-      least = 2,
-      most = 2,
-    },
+    [IDENT] = {write = ident_text, least = 2, most = 4},
     [FLOATING] = {write = float_text, least = 4, most = 8},
+    [TIME] = {write = time_text, least = 8, most = 8},
   }
 
   local function number_text(bytes, at, layout)
@@ -5107,7 +6301,9 @@ do
     local request = layout.is_command and requests[S.little_endian(bytes, at, layout.size)]
 
     if request then return number .. " (" .. request .. ")" end
-    if not unit or unit == "" or format == BINARY or format == IDENT or format == HEXADECIMAL then return number end
+    if not unit or unit == "" or format == BINARY or format == IDENT or format == HEXADECIMAL or format == TIME then
+      return number
+    end
     return number .. " " .. unit
   end
 
@@ -5163,9 +6359,9 @@ do
     {field = F.attribute_protected_3, first = 29, words = {[1] = "Write-protected in phase 3"}},
     {field = F.attribute_protected_2, first = 28, words = {[1] = "Write-protected in phase 2"}},
     {field = F.attribute_decimals},
-    {field = F.attribute_format, first = 20, size = 3, name = "Format: ", words = N.formats},
+    {field = F.attribute_format, first = 20, size = 3, name = "Format: ", words = N.attribute_formats},
     {field = F.attribute_command, first = 19, words = {[1] = "Procedure command"}},
-    {field = F.attribute_length, first = 16, size = 3, name = "Length: ", words = N.lengths},
+    {field = F.attribute_length, first = 16, size = 3, name = "Length: ", words = N.attribute_lengths},
     {field = F.attribute_factor},
   }
 
@@ -5192,25 +6388,49 @@ do
   local SHOWN_IN_LIST = 4
   local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark's limit is ten times that
 
-  local NUMBER = "^[%d.e+-]+" -- up to the unit
-
   local function is_number(layout)
     local format = layout.format
 
-    return format == UNSIGNED or format == SIGNED or (format == FLOATING and layout.size >= 4)
+    return format == UNSIGNED or format == SIGNED or format == HEXADECIMAL
+      or (format == FLOATING and layout.size >= 4)
+  end
+
+  -- The digits of a value, up to its unit, and in decimal.
+  local function digits_of(value)
+    local hexadecimal = match(value, "^0x(%x+)")
+
+    if hexadecimal then return "0x" .. hexadecimal, tostring(UInt64.fromhex(hexadecimal)) end
+    local digits = match(value, "^[%d.e+-]+")
+
+    return digits, digits
+  end
+
+  -- The bits that are set and have a name.
+  local function add_named_bits(item, data, at, layout, bytes)
+    for number, name in string.gmatch(layout.bits, "(%d+)=([^,]+)") do
+      local place = at + 1 + floor(number / 8)
+
+      if number / 8 < layout.size and floor(byte(bytes, place) / 2 ^ (number % 8)) % 2 == 1 then
+        add(item, F.value_bit, data.tvb, data.offset + at, layout.size, name, "Bit " .. number .. ": " .. name)
+      end
+    end
   end
 
   -- A value as text, and the number in this text: a filter compares what a person reads. Bits, idents and infinity
-  -- have no number.
-  local function add_value_item(tree, data, at, layout, value, words)
+  -- have no number. An ident has its name behind it, from the tables only: what the bus says of it comes and goes.
+  local function add_value_item(tree, data, at, layout, value, words, bytes)
     local item = add(tree, F.value, data.tvb, data.offset + at, layout.size, value, words)
+    local ident = tree and read_ident(bytes, at + 1, layout)
+    local name = ident and S.known_from_tables(ident).name
 
+    if name then append_text(item, " (" .. name .. ")") end
+    if tree and layout.bits then add_named_bits(item, data, at, layout, bytes) end
     if not is_number(layout) or not tree or not tree:referenced(F.value_number) then return end
-    local digits = match(value, NUMBER)
+    local shown, digits = digits_of(value)
     local number = S.shown_number(digits)
 
     if number then
-      set_generated(add(item, F.value_number, data.tvb, data.offset + at, layout.size, number, "Number: " .. digits))
+      set_generated(add(item, F.value_number, data.tvb, data.offset + at, layout.size, number, "Number: " .. shown))
     end
   end
 
@@ -5226,7 +6446,8 @@ do
       local at = offset + i * size
       local value = value_text(bytes, at + 1, layout)
 
-      add_value_item(subtree, data, at, layout, value, is_whole and strformat("Element %d: %s", i + 1, value) or nil)
+      add_value_item(subtree, data, at, layout, value,
+        is_whole and strformat("Element %d: %s", i + 1, value) or nil, bytes)
     end
     if rest > 0 then add(subtree, F.raw, data.tvb, data.offset + data.length - rest, rest) end
   end
@@ -5237,7 +6458,8 @@ do
     local count, values = floor((data.length - offset) / layout.size), {}
     local bytes = ordered(data, offset, layout.size)
 
-    if tree and (tree:referenced(F.value) or tree:referenced(F.value_number) or tree:referenced(F.raw)) then
+    if tree and (tree:referenced(F.value) or tree:referenced(F.value_number) or tree:referenced(F.value_bit)
+      or tree:referenced(F.raw)) then
       show_list(tree, data, offset, layout, is_whole)
     end
     for i = 1, min(count, SHOWN_IN_LIST) do
@@ -5256,9 +6478,10 @@ do
     if layout.is_list and layout.format == TEXT then return add_text(tree, F.value, data, is_whole) end
     if layout.is_list then return add_list(tree, data, layout, is_whole) end
     if data.length ~= layout.size then return nil end
-    local text = value_text(ordered(data, 0, layout.size), 1, layout)
+    local bytes = ordered(data, 0, layout.size)
+    local text = value_text(bytes, 1, layout)
 
-    add_value_item(tree, data, 0, layout, text)
+    add_value_item(tree, data, 0, layout, text, nil, bytes)
     return text
   end
 
@@ -5282,12 +6505,10 @@ do
     local layout = element >= K.ELEMENT_MINIMUM and data.length > 0 and known and read_layout(known)
 
     if not layout or data.length == layout.size then return nil end
-    if not layout.is_list then
-      return strformat("%d byte%s, its attribute says %d", data.length, plural(data.length), layout.size)
-    end
+    if not layout.is_list then return "another length than its attribute says" end
     local rest = (data.length - (is_whole and list_header_size(data) or 0)) % layout.size
 
-    return rest > 0 and strformat("%d byte%s of an incomplete element", rest, plural(rest)) or nil
+    return rest > 0 and "the last element is incomplete" or nil
   end
 
   -- The number in the text of such data, as displayed; nil if it has none: bits, idents, lists, infinity.
@@ -5295,7 +6516,9 @@ do
     local layout = read_layout(known)
 
     if not layout or layout.is_list or data.length ~= layout.size or not is_number(layout) then return nil end
-    return match(text, NUMBER)
+    local _, digits = digits_of(text)
+
+    return digits
   end
 
   -- Adds the data of an element: bytes as sis.data, and their meaning as far as known. Returns a short text for the
@@ -5319,8 +6542,9 @@ end
 do
   local SHOWN_BYTES, SHOWN_CHARACTERS = 16, 80
 
-  local function is_wanted(body)
-    return body.accesses or (body.tree and body.tree:referenced(F.access))
+  -- Whether statistics are counted, or somebody wants the field in this tree.
+  function S.is_access_wanted(tree)
+    return S.is_counting or (tree and tree:referenced(F.access))
   end
 
   -- A reaction that comes twice is counted once.
@@ -5345,7 +6569,7 @@ do
     local data = {bytes = bytes, length = #bytes, offset = 0}
     local text = S.add_element(nil, nil, data, K.ELEMENT_DATA, access.ident, access.known, true)
 
-    access.bytes = bytes
+    access.bytes, access.is_raw = bytes, not text
     access.number = text and S.element_number(data, access.known, text)
     access.value = text and S.shortened(text, SHOWN_CHARACTERS) or bytes_text(bytes)
   end
@@ -5357,23 +6581,31 @@ do
   -- A JSON object; unknown values are left out.
   local function json_text(access)
     local known = access.known
-    local parts = {strformat('{"access":"%s","master":%d,"station":"%s","device":%d',
-      access.is_write and "write" or "read", access.master, access.station, access.device)}
+    local parts = {strformat('{"access":"%s"', access.is_write and "write" or "read")}
 
     local function append(name, text)
       if text then parts[#parts + 1] = strformat('"%s":', name) .. text end
     end
 
+    append("master", access.master)
+    append("station", quoted(access.station))
+    append("device", access.device)
     append("parameter", quoted(access.ident.text))
     append("error", access.error and quoted(access.error))
     append("value", access.value and quoted(access.value))
     append("number", access.number)
+    append("raw", access.is_raw and "true")
     append("data", access.bytes and quoted(gsub(hex(access.bytes), " ", "")))
     append("name", known.name and quoted(known.name))
     append("unit", known.unit and quoted(known.unit))
     append("minimum", known.minimum and quoted(known.minimum))
     append("maximum", known.maximum and quoted(known.maximum))
     return concat(parts, ",") .. "}"
+  end
+
+  function S.tell_access(access, tvb, tree)
+    if S.is_counting then S.note_access(access) end
+    if tree and tree:referenced(F.access) then add(tree, F.access, tvb, 0, 0, json_text(access)):set_hidden() end
   end
 
   local function note(body, is_write, error_text, bytes)
@@ -5386,19 +6618,18 @@ do
       station = place_text(from.path),
       device = asked.device,
       ident = asked.ident,
-      known = S.learned_known(body, asked.ident, asked.device), -- when the command was sent
     }
+    local known = S.learned_known(body, asked.ident, asked.device) -- when the command was sent
+
+    access.known = S.learned_complete(body, asked.ident, asked.device, known)
 
     if bytes and #bytes > 0 then set_value(access, bytes) end
-    if body.accesses then table.insert(body.accesses, access) end
-    if body.tree and body.tree:referenced(F.access) then
-      add(body.tree, F.access, body.tvb, 0, 0, json_text(access)):set_hidden()
-    end
+    S.tell_access(access, body.tvb, body.tree)
   end
 
   -- A reaction has brought the last data of a read; `data` is nil if they are incomplete.
   function S.note_read(body, data)
-    if is_wanted(body) and is_known(body) then note(body, false, nil, data and data.bytes) end
+    if S.is_access_wanted(body.tree) and is_known(body) then note(body, false, nil, data and data.bytes) end
   end
 
   -- What the command wrote, or the first of identical commands: a repeated piece adds nothing.
@@ -5416,7 +6647,7 @@ do
 
   -- A reaction has accepted a write, or refused a read or write.
   function S.note_answer(body, is_write)
-    if not is_wanted(body) or not is_known(body) then return end
+    if not S.is_access_wanted(body.tree) or not is_known(body) then return end
     if body.status ~= 0 then
       note(body, is_write, error_text(body), nil)
     elseif body.asked.is_last then
@@ -5430,9 +6661,8 @@ end
 -- A character has the time of the read that delivered it, the latest at which it can have come; it came no earlier than
 -- the record's uncertainty before that. Characters of one read follow one another by at least a character time, so the
 -- i-th of k came at least (k - i) character times before the read, and if the read is longer than its uncertainty, the
--- uncertainty was too small.
+-- uncertainty was too small. Neighbouring reads bound each other in the same way.
 
-K.TIME_OK, K.TIME_EXCEEDED, K.TIME_UNRESOLVED = 0, 1, 2
 K.ANY_TIME = math.huge -- the most, where there is no bound
 
 do
@@ -5447,48 +6677,39 @@ do
   local function read_size(times, character)
     local record, finish, after = times.record, times.first + times.count, character + 1
 
-    if band(record.flags, K.SAME_READ) == 0 then return 1 end
-    while after < finish and band(flags_of(record, after), K.SAME_READ) ~= 0 do
+    if band(record.flags, K.SERTAP_SAME_READ) == 0 then return 1 end
+    while after < finish and band(flags_of(record, after), K.SERTAP_SAME_READ) ~= 0 do
       after = after + 1
     end
     return after - character
   end
 
-  -- A read of some of the telegram's characters: how long before it the first may have come (uncertainty), and how
-  -- much of that the others need at least; ns.
+  -- A read of some of the telegram's characters; first is of the record's. In ns: others, from the first of them to the
+  -- last, at least; so long before the read the first may have come (earliest), and the last had come (latest).
   local function read_at(times, character)
     local record, size = times.record, read_size(times, character)
     local others = size > 1 and (size - 1) * shortest_character(record) or 0
+    local earliest = max(record.uncertainty or K.ANY_TIME, others)
 
-    return {size = size, uncertainty = max(record.uncertainty or K.ANY_TIME, others), others = others}
+    return {first = character, size = size, others = others, earliest = earliest, latest = 0}
   end
 
   local function bound_begin(times)
     local read = read_at(times, times.first)
 
-    times.begin_earliest = times.begin - read.uncertainty
+    times.begin_earliest = times.begin - read.earliest
     times.begin_latest = times.begin - read.others
   end
 
   local function bound_end(times)
     local last = times.first + times.count - 1
 
-    while last > times.first and band(flags_of(times.record, last), K.SAME_READ) ~= 0 do
+    while last > times.first and band(flags_of(times.record, last), K.SERTAP_SAME_READ) ~= 0 do
       last = last - 1
     end
     local read = read_at(times, last)
 
-    times.end_earliest = times.end_ - read.uncertainty + read.others
-  end
-
-  -- From the time of character `first` to that of `last`.
-  local function duration(record, first, last)
-    local ns = 0
-
-    for i = first + 1, last do
-      ns = ns + interval_of(record, i)
-    end
-    return ns
+    times.end_earliest = times.end_ - read.earliest + read.others
   end
 
   -- Of the telegram being dissected: one table for all of them.
@@ -5517,8 +6738,8 @@ do
     local end_ = begin + record.duration
 
     if length < timed then
-      begin = begin + duration(record, 0, first)
-      end_ = begin + duration(record, first, first + length - 1)
+      begin = packet.time + T.since_first(record, first)
+      end_ = packet.time + T.since_first(record, first + length - 1)
     end
     times.record = record
     times.first, times.count = first, length
@@ -5527,41 +6748,69 @@ do
     times.begin_earliest = uncertainty and begin - uncertainty
     times.begin_latest = uncertainty and begin
     times.end_earliest = uncertainty and end_ - uncertainty
-    if uncertainty and band(record.flags, K.SAME_READ) ~= 0 then
+    if uncertainty and band(record.flags, K.SERTAP_SAME_READ) ~= 0 then
       bound_begin(times)
       bound_end(times)
     end
     return times
   end
 
-  local NOT_MEASURED = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED + K.LOST_BEFORE
-  local UNKNOWN_OR_LOST = K.INTERVAL_UNKNOWN + K.LOST_BEFORE
-  local UNKNOWN_OR_SATURATED = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED
+  local NOT_MEASURED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_INTERVAL_SATURATED + K.SERTAP_ERROR_LOST
+  local UNKNOWN_OR_LOST = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
+  local UNKNOWN_OR_SATURATED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_INTERVAL_SATURATED
+
+  local function is_measured_before(times, read)
+    return band(flags_of(times.record, read.first), UNKNOWN_OR_LOST) == 0
+  end
+
+  -- All reads of a telegram. No character came before the one before it: what is known of a read bounds its neighbours,
+  -- forwards and backwards.
+  local function find_reads(times)
+    local reads, shortest = {}, shortest_character(times.record)
+    local character, finish = times.first, times.first + times.count
+
+    while character < finish do
+      reads[#reads + 1] = read_at(times, character)
+      character = character + reads[#reads].size
+    end
+    if not times.record.uncertainty then return reads end
+    for i = 2, #reads do
+      local before, read = reads[i - 1], reads[i]
+      local since = interval_of(times.record, read.first) + before.earliest - before.others
+
+      if is_measured_before(times, read) then
+        read.earliest = max(min(since - shortest, read.earliest), read.others)
+      end
+    end
+    for i = #reads, 2, -1 do
+      local before, read = reads[i - 1], reads[i]
+      local wait = interval_of(times.record, read.first) - read.others - read.latest
+
+      if is_measured_before(times, read) then
+        before.latest = max(min(shortest - wait, before.earliest - before.others), 0)
+      end
+    end
+    return reads
+  end
 
   -- Between the last character of one read and the first of the next.
-  local function span_before(times, before, read, character)
-    local flags, interval = flags_of(times.record, character), interval_of(times.record, character)
-    local least = interval - read.uncertainty
-    local most = interval - read.others + before.uncertainty - before.others
+  local function span_before(times, before, read)
+    local flags, interval = flags_of(times.record, read.first), interval_of(times.record, read.first)
+    local least = interval - read.earliest + before.latest
+    local most = interval - read.others - read.latest + before.earliest - before.others
 
     if not times.record.uncertainty then return {least = 0, most = K.ANY_TIME} end
-    if band(flags, UNKNOWN_OR_LOST) ~= 0 then least = 0 end
+    if not is_measured_before(times, read) then least = 0 end
     if band(flags, UNKNOWN_OR_SATURATED) ~= 0 then most = K.ANY_TIME end
     return {least = max(least, 0), most = most}
   end
 
-  -- Between any two characters of one read: bounded by the rest of its uncertainty, and by the time since the read
-  -- before.
-  local function span_inside(times, before, read, character)
+  -- Between any two characters of one read.
+  local function span_inside(times, read)
     local shortest = shortest_character(times.record)
-    local most = read.uncertainty - read.others + shortest
+    local rest = read.earliest - read.latest - read.others
 
-    if not times.record.uncertainty then
-      most = K.ANY_TIME
-    elseif before then
-      most = min(most, span_before(times, before, read, character).most)
-    end
-    return {least = shortest, most = max(most, shortest)}
+    return {least = shortest, most = times.record.uncertainty and shortest + rest or K.ANY_TIME}
   end
 
   -- A start character and two equal lengths: a receiver restarts there after too long a pause, if the character
@@ -5592,7 +6841,7 @@ do
       if verdict == K.TIME_UNRESOLVED then longest.unknown_at = longest.unknown_at or interval.at end
       return
     end
-    interval.is_saturated = band(flags, K.INTERVAL_SATURATED) ~= 0
+    interval.is_saturated = band(flags, K.SERTAP_INTERVAL_SATURATED) ~= 0
     interval.weight = weight(interval, is_exceeded)
     if not longest.interval or (is_exceeded and not was_exceeded)
       or (is_exceeded == was_exceeded and interval.weight > longest.interval.weight) then
@@ -5609,25 +6858,23 @@ do
   function S.longest(times, limit)
     local longest = {verdict = K.TIME_OK}
     local before
-    local character, finish = times.first, times.first + times.count
 
     if limit == 0 then limit = K.ANY_TIME end -- nothing exceeds it: the most that an interval can have been counts
-    while character < finish do
-      local read, at = read_at(times, character), character - times.first + 1
+    for _, read in ipairs(find_reads(times)) do
+      local at = read.first - times.first + 1
 
       if before then
         consider(longest, times, {
           at = at,
-          recorded = interval_of(times.record, character),
+          recorded = interval_of(times.record, read.first),
           is_exact = read.size == 1 and before.size == 1,
-          span = span_before(times, before, read, character),
+          span = span_before(times, before, read),
         }, limit)
       end
       if read.size > 1 then
-        consider(longest, times, {at = at + 1, recorded = 0, span = span_inside(times, before, read, character)}, limit)
+        consider(longest, times, {at = at + 1, recorded = 0, span = span_inside(times, read)}, limit)
       end
       before = read
-      character = character + read.size
     end
     return longest.interval and longest
   end
@@ -5641,12 +6888,17 @@ do
       and max(T.longest(record), shortest_character(record)) + record.uncertainty <= limit
   end
 
+  -- Whether a duration up to this telegram was measured: in a read of the tap all characters have its time.
+  function S.is_measured(elapsed, times)
+    return elapsed ~= 0 or not times.record
+  end
+
   -- From the end of one telegram to the beginning of another.
   function S.span_between(end_earliest, end_, after)
     return {least = T.elapsed(end_, after.begin_earliest), most = T.elapsed(end_earliest, after.begin_latest)}
   end
 
-  -- exceeded, ok or unresolved (see plugin/README.md); the limit in ns.
+  -- exceeded, ok or unresolved (see plugin/docs/verdicts.md); the limit in ns.
   function S.judge(span, limit)
     if span.least > limit then return K.TIME_EXCEEDED end
     return span.most <= limit and K.TIME_OK or K.TIME_UNRESOLVED
@@ -5668,8 +6920,8 @@ do
 
   local kinds = {[0x01] = K.TRS, [0x02] = K.TZA, [0x03] = K.TMAS, [0x07] = K.BAUD} -- what the others set
 
-  -- A setting: {value: ms or Bd, set_in: the command, accepted_in: nil before that}. Settings are keyed by kind, and
-  -- never changed once made.
+  -- A setting: {value: ms or Bd, set_in: the command or event, accepted_in: nil before that, order: of all settings of
+  -- the bus}. Settings are keyed by kind, and never changed once made.
 
   -- The settings of a bus: empty at first.
   function S.told_new()
@@ -5678,6 +6930,7 @@ do
       tests = {}, -- by address: {rate: a setting, finish: ns}: a timed test of a baud rate
       known = {}, -- S.bus_settings() of each station, nil before it is made
       is_anything_told = false,
+      last_order = 0,
     }
   end
 
@@ -5700,8 +6953,13 @@ do
     return told.stations[address]
   end
 
-  local function set_in(setting)
-    return setting and setting.set_in or 0
+  local function order_of(setting)
+    return setting and setting.order or 0
+  end
+
+  local function next_order(told)
+    told.last_order = told.last_order + 1
+    return told.last_order
   end
 
   -- Makes the set values for a station or for all valid, if they are newer. A new rate ends a test.
@@ -5711,9 +6969,10 @@ do
     for kind = K.TRS, K.BAUD do
       local setting = station.told[kind]
 
-      if set_in(all.told[kind]) > set_in(setting) then setting = all.told[kind] end
-      if set_in(setting) > set_in(station.valid[kind]) then
-        station.valid[kind] = {value = setting.value, set_in = setting.set_in, accepted_in = frame}
+      if order_of(all.told[kind]) > order_of(setting) then setting = all.told[kind] end
+      if order_of(setting) > order_of(station.valid[kind]) then
+        station.valid[kind] = {value = setting.value, set_in = setting.set_in, accepted_in = frame,
+          order = setting.order}
         if kind == K.BAUD then told.tests[number] = nil end
       end
     end
@@ -5728,7 +6987,8 @@ do
 
   -- `now`: the end of the telegram that makes this valid.
   local function learn(told, address, request, command, frame, now)
-    local setting, station = {value = request.setting, set_in = command}, find_station(told, address)
+    local setting = {value = request.setting, set_in = command, order = next_order(told)}
+    local station = find_station(told, address)
     local kind = kinds[request.subservice]
 
     told.is_anything_told = true
@@ -5774,6 +7034,24 @@ do
         end
       end
       request, further = further, further and further.next
+    end
+  end
+
+  -- First pass: takes over a setting that was told before this file began; `test_end`: of a timed test, else nil.
+  function S.bus_recall(told, address, kind, value, is_accepted, test_end)
+    local setting = {value = value, set_in = packet.number, order = next_order(told)}
+
+    told.is_anything_told = true
+    told.known = {}
+    find_station(told, K.ALL_STATIONS)
+    local station = find_station(told, address)
+    if test_end then
+      told.tests[address] = {rate = setting, finish = test_end}
+    elseif is_accepted then
+      setting.accepted_in = packet.number
+      station.valid[kind] = setting
+    else
+      station.told[kind] = setting
     end
   end
 
@@ -5839,6 +7117,163 @@ do
   end
 end
 
+--- sis/before: what was told before this file began: facts, one in a line, that the tap writes where a file continues
+-- another. Any other line is shown and ignored.
+
+do
+  local LONGEST_LIMIT = 512 -- bytes of a minimum or maximum
+  local LONGEST_TEST = 65535000000 -- ns
+
+  -- A number, and the rest of the text; nil: there is none, or one that is too large.
+  local function take_number(text, most)
+    local digits, rest = match(text, "^(%d+)(.*)$")
+    local number = digits and tonumber(digits)
+
+    if number and number <= most then return number, rest end
+  end
+
+  -- The stations of "3" or "3/2/8" as bytes, and the rest.
+  local function take_path(text)
+    local path, rest = "", "/" .. text
+
+    while sub(rest, 1, 1) == "/" do
+      local station
+
+      station, rest = take_number(sub(rest, 2), 255)
+      if not station or #path == 8 then return nil end
+      path = path .. char(station)
+    end
+    return path, rest
+  end
+
+  -- "00 2d 31 01" as bytes; nil: it is something else.
+  local function read_bytes(text)
+    local pairs_of_digits = text .. " "
+
+    if #pairs_of_digits > 3 * LONGEST_LIMIT or gsub(pairs_of_digits, "%x%x ", "") ~= "" then return nil end
+    return (gsub(pairs_of_digits, "(%x%x) ", function(digits) return char(tonumber(digits, 16)) end))
+  end
+
+  -- Shown as the attribute says that is known by now.
+  local function read_limit(text, element, ident, known)
+    local bytes = read_bytes(text)
+
+    if not bytes then return false end
+    return true, S.add_element(nil, nil, {bytes = bytes, length = #bytes, offset = 0}, element, ident, known, true)
+  end
+
+  -- For each element: whether this is its text, and what it says, nil if that cannot be shown.
+  local elements = {
+    name = function(text)
+      local name = match(text, "^ (.+)$")
+      return name, name
+    end,
+    unit = function(text)
+      local unit = text == "" and "" or match(text, "^ (.*)$")
+      return unit, unit
+    end,
+    attribute = function(text)
+      local digits = match(text, "^ 0x([0-9a-f]+)$")
+      return digits and #digits == 8, digits and tonumber(digits, 16)
+    end,
+    minimum = function(text, ident, known)
+      return read_limit(match(text, "^ (.*)$") or "", K.ELEMENT_MINIMUM, ident, known)
+    end,
+    maximum = function(text, ident, known)
+      return read_limit(match(text, "^ (.*)$") or "", K.ELEMENT_MAXIMUM, ident, known)
+    end,
+  }
+
+  -- " device 1 S-0-0036 name Velocity command value", behind the stations.
+  local function take_parameter(bus, path, text)
+    local device, rest = take_number(match(text, "^ device (.*)$") or "", 255)
+
+    if not device then return false end
+    for _, identity in ipairs({"type key", "firmware"}) do
+      if match(rest, "^ " .. identity .. " .") then
+        if not packet.visited then S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3)) end
+        return true
+      end
+    end
+    local ident, said = S.ident_parse(match(rest, "^ (.*)$") or "")
+    local what, value = match(said or "", "^ (%l+)(.*)$")
+
+    if not ident or not elements[what] then return false end
+    local is_fact, shown = elements[what](value, ident, S.learned_of(bus, path, ident, device))
+    if is_fact and shown and not packet.visited then S.learned_add(bus, path, ident, device, what, shown) end
+    return is_fact
+  end
+
+  local kinds = {
+    {words = " TrS ", unit = " ms", most = 0xFFFF, kind = K.TRS},
+    {words = " TzA ", unit = " ms", most = 0xFFFF, kind = K.TZA},
+    {words = " Tmas ", unit = " ms", most = 0xFFFF, kind = K.TMAS},
+    {words = " baud rate ", unit = " Bd", most = 0xFFFFFFFF, kind = K.BAUD},
+  }
+
+  -- " TzA 5 ms", behind a station or "all".
+  local function take_setting(told, address, text)
+    for _, known in ipairs(kinds) do
+      if sub(text, 1, #known.words) == known.words then
+        local value, rest = take_number(sub(text, #known.words + 1), known.most)
+        local rest_of_test
+
+        if not value or sub(rest, 1, 3) ~= known.unit then return false end
+        rest = sub(rest, 4)
+        if known.kind == K.BAUD and sub(rest, 1, 5) == " for " then
+          rest_of_test, rest = take_number(sub(rest, 6), LONGEST_TEST)
+          if rest ~= " ns" then return false end
+          rest = ""
+        end
+        if rest ~= "" and rest ~= " not accepted" then return false end
+        if not packet.visited then
+          local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
+
+          S.bus_recall(told, address, known.kind, value, rest == "", test_end)
+        end
+        return true
+      end
+    end
+    return false
+  end
+
+  -- Learns from a line in the first pass. False: it is no fact.
+  local function take_fact(bus, line)
+    if sub(line, 1, 3) == "all" then return take_setting(bus.told, K.ALL_STATIONS, sub(line, 4)) end
+    local path, rest = take_path(line)
+
+    return path and (take_parameter(bus, path, rest) or (#path == 1 and take_setting(bus.told, byte(path), rest)))
+  end
+
+  -- Whether a line has only characters that the tap writes: those that S.text() makes of Latin-1.
+  local function is_plain(line)
+    local at = 1
+
+    while at <= #line do
+      at = match(line, "^[ -~]+()", at) or match(line, "^\194[\160-\172\174-\191]()", at)
+        or match(line, "^\195[\128-\191]()", at) or match(line, "^\226\144[\128-\161]()", at)
+      if not at then return false end
+    end
+    return true
+  end
+
+  function S.dissect_before(tvb, pinfo, tree)
+    local bytes, bus, facts, at = tvb:raw(), S.exchange_bus(), 0, 1
+
+    while at <= #bytes do
+      local finish = string.find(bytes, "\n", at, true) or #bytes + 1
+      local line = sub(bytes, at, finish - 1)
+
+      if line ~= "" then
+        if is_plain(line) and take_fact(bus, line) then facts = facts + 1 end
+        if tree then tree:add_packet_field(F.told_before, tvb(at - 1, #line), ENC_UTF_8) end
+      end
+      at = finish + 1
+    end
+    pinfo.cols.info = strformat("Told before: %d fact%s", facts, plural(facts))
+  end
+end
+
 --- sis/timing: verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus
 -- is. A limit comes from a preference, else from what the bus has told, else from what the user told when capturing,
 -- else there is none, and no verdict; nor is there one where only packets have times.
@@ -5848,10 +7283,6 @@ do
   local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal considers its link lost (chapter 10.1)
 
   -- 0: use what the bus has set.
-  preference("tza_ms", Pref.uint("TzA in ms", 0,
-    "Longest interval allowed between two characters of a telegram; 0: as the bus was told"))
-  preference("trs_ms", Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told"))
-
   -- The three limits, and their display.
   local tza = {name = "TzA", limit = F.tza_limit, set_in = F.tza_set_in, verdict = F.tza_verdict,
     exceeded = E.tza_exceeded, unresolved = E.tza_unresolved}
@@ -5903,19 +7334,20 @@ do
     return told and told.value * MS or 0
   end
 
-  -- Limit and verdict, with the words for an expert item.
-  local function show_verdict(t, judgement, told, limit, verdict, words)
-    local limit_text = strformat("%d ms", limit / MS)
-
-    add_time(t, judgement.limit, limit, limit_text .. (told and told.is_by_user and ", told by the user" or ""))
+  -- Limit and verdict. The words for an expert item are the same in each packet: Wireshark groups by them. The numbers
+  -- follow the verdict.
+  local function show_verdict(t, judgement, told, limit, verdict, words, numbers)
+    add_time(t, judgement.limit, limit,
+      strformat("%d ms", limit / MS) .. (told and told.is_by_user and ", told by the user" or ""))
     if told then add_uint(t, judgement.set_in, told.set_in) end
     local item = add_uint(t, judgement.verdict, verdict)
 
     if verdict == K.TIME_OK then return end
     local is_exceeded = verdict == K.TIME_EXCEEDED
 
+    if numbers then append_text(item, ", " .. numbers) end
     add_expert(item or t.root, is_exceeded and judgement.exceeded or judgement.unresolved,
-      strformat("%s = %s %s: %s", judgement.name, limit_text, is_exceeded and "exceeded" or "perhaps exceeded", words))
+      strformat("%s %s%s", judgement.name, is_exceeded and "exceeded" or "perhaps exceeded", words))
     if is_exceeded then
       t.body.marks = t.body.marks .. strformat("  [%s exceeded]", judgement.name)
     end
@@ -5936,17 +7368,18 @@ do
   end
 
   -- Why a verdict is unresolved apart from the longest interval, or what a receiver does after so long a pause
-  -- (chapter 10.5).
+  -- (chapter 10.5); and the character that decides it.
   local function verdict_words(longest)
-    if longest.verdict == K.TIME_UNRESOLVED and longest.unknown_at then
-      return strformat("; how long it was before character %d is not known", longest.unknown_at)
-    end
-    if longest.verdict ~= K.TIME_EXCEEDED then return "" end
-    if longest.restart_at then
-      return strformat("; character %d looks like the start of a telegram: a receiver begins anew there",
-        longest.restart_at)
-    end
-    return "; a receiver goes on"
+    if longest.verdict ~= K.TIME_EXCEEDED then return longest.unknown_at and ": an interval is not known" or "" end
+    return longest.restart_at and ": a receiver begins anew at a character that looks like the start of a telegram"
+      or ": a receiver goes on"
+  end
+
+  local function verdict_numbers(longest)
+    local is_exceeded = longest.verdict == K.TIME_EXCEEDED
+    local at = is_exceeded and longest.restart_at or not is_exceeded and longest.unknown_at
+
+    return at and strformat("%s character %d", is_exceeded and "begins anew at" or "not known before", at)
   end
 
   -- "12.000 ms (idle 10.854 ms": the part without the character itself.
@@ -5959,7 +7392,7 @@ do
   local function interval_text(t, interval)
     local uncertainty = t.telegram.times.record.uncertainty
 
-    if interval.is_saturated then return "at least " .. ms_text(interval.recorded) end
+    if interval.is_saturated then return "more than " .. ms_text(interval.recorded) end
     if not interval.is_exact then return span_text(interval.span) end
     if not uncertainty then return idle_text(t, interval.recorded) .. ", uncertainty unknown)" end
     return strformat("%s, uncertain by %s)", idle_text(t, interval.recorded), ms_text(uncertainty))
@@ -5979,23 +7412,22 @@ do
     end
     add_uint(t, F.tza_position, interval.at, " (" .. position .. ")")
     if t.tza ~= 0 then
-      show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.tza, longest.verdict,
-        strformat("%s before character %d (%s)%s", text, interval.at, position, verdict_words(longest)))
+      show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.tza, longest.verdict, verdict_words(longest),
+        verdict_numbers(longest))
     end
   end
 
   -- The reaction time of a slave on this line; behind a router it includes times of other lines.
   local function show_trs(t)
     local exchange, times = t.record.exchange, t.telegram.times
-    local span, words = {least = 0, most = K.ANY_TIME}, function() return "how exact the times are is not known" end
-
-    if times.begin_earliest and exchange.command_end_earliest then
-      span, words = S.span_between(exchange.command_end_earliest, exchange.command_end, times), span_text
-    end
+    local is_resolvable = times.begin_earliest and exchange.command_end_earliest
+    local span = is_resolvable and S.span_between(exchange.command_end_earliest, exchange.command_end, times)
+      or {least = 0, most = K.ANY_TIME}
     local verdict = S.judge(span, t.trs)
 
     if t.tree or verdict ~= K.TIME_OK then
-      show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict, words(span))
+      show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict,
+        is_resolvable and "" or ": how exact the times are is not known", is_resolvable and span_text(span))
     end
   end
 
@@ -6006,19 +7438,20 @@ do
     local item = add_time(t, F.twm_wait, wait, ms_text(wait))
 
     if t.record.exchange.repeat_of and slave > 0 and wait < slave then
-      add_expert(item or t.root, E.twm_early,
-        strformat("Repeated after %s, while the slave may take %d ms (TrS)", ms_text(wait), slave / MS))
+      append_text(item, strformat(", while the slave may take %d ms (TrS)", slave / MS))
+      add_expert(item or t.root, E.twm_early)
     end
   end
 
   local function show_tmas(t)
     local cycle, longest = t.record.cycle, t.telegram.times.record and limit_of(t, K.TMAS, 0) or 0
+    local is_measured = S.is_measured(cycle.ns, t.telegram.times)
 
-    add_time(t, F.tmas_cycle, cycle.ns, ms_text(cycle.ns))
+    if is_measured then add_time(t, F.tmas_cycle, cycle.ns, ms_text(cycle.ns)) end
+    add_uint(t, F.tmas_before_in, cycle.frame)
     if longest > 0 then
-      show_verdict(t, tmas, setting(t, K.TMAS), longest, S.judge(cycle.span, longest),
-        strformat("%s since the master control word before (frame %d); a slave stops a movement", ms_text(cycle.ns),
-          cycle.frame))
+      show_verdict(t, tmas, setting(t, K.TMAS), longest, S.judge(cycle.span, longest), ": a slave stops a movement",
+        not is_measured and span_text(cycle.span) or nil)
     end
   end
 
@@ -6047,22 +7480,25 @@ do
   local function show_silence(t)
     local silence = t.silence
     S.add_column_ms(t.tree, F.silence_before_ms, t.body.tvb, silence)
-    local item = t.tree and add_time(t, F.silence_before, silence, idle_text(t, silence) .. ")")
+    local text = (t.is_longer and "more than " or "") .. idle_text(t, silence) .. ")"
+    local item = t.tree and add_time(t, F.silence_before, silence, text)
 
     if silence > OPERATOR_TERMINAL_SILENCE then
       append_text(item, ", more than the 200 ms after which an operator terminal gives up")
     end
   end
 
-  local SILENCE_UNKNOWN = K.INTERVAL_UNKNOWN + K.INTERVAL_SATURATED + K.LOST_BEFORE + K.SAME_READ
+  local SILENCE_UNKNOWN = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST + K.SERTAP_SAME_READ
 
-  -- Before the telegram's first character, since the one before it on the line; nil if unknown.
+  -- Before the telegram's first character, since the one before it on the line, and whether it was longer; nil if
+  -- unknown.
   local function silence_before(times)
-    local record = times.record
+    local record, first = times.record, times.first
+    local flags = record and T.flags_of(record, first)
 
-    if record and band(T.flags_of(record, times.first), SILENCE_UNKNOWN) == 0 then
-      return T.interval_of(record, times.first)
-    end
+    if not record or band(flags, SILENCE_UNKNOWN) ~= 0 then return nil end
+    if first == 0 then return T.silence(record) end
+    return T.interval_of(record, first), band(flags, K.SERTAP_INTERVAL_SATURATED) ~= 0
   end
 
   -- Examining every interval takes time: only if it is displayed, or may exceed a limit.
@@ -6081,7 +7517,7 @@ do
     local exchange = record.exchange
     local is_answer = telegram.is_good and telegram.is_reaction and record.reaction_time
 
-    t.silence = silence_before(telegram.times)
+    t.silence, t.is_longer = silence_before(telegram.times)
     t.tza = limit_of(t, K.TZA, P.tza_ms)
     if is_longest_wanted(t) then t.longest = S.longest(telegram.times, t.tza) end
     t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
@@ -6196,26 +7632,31 @@ do
   local CYCLE, SILENCE = 100 * MS, 200 * MS -- of an operator terminal (chapter 10.1)
   local BINS_MS = {1, 2, 5, 10, 20, 50, math.huge} -- of intervals: each up to so many ms
   local ALL = "All"
-  local LINE_ERRORS = K.CHARACTER_ERROR + K.BREAK + K.LOST_BEFORE + K.UNLOCATED_ERROR
-  local NOT_MEASURED = K.INTERVAL_UNKNOWN + K.LOST_BEFORE
+  local LINE_ERRORS = K.SERTAP_ERROR_CHARACTER + K.SERTAP_ERROR_BREAK + K.SERTAP_ERROR_LOST + K.SERTAP_ERROR_UNLOCATED
+  local NOT_MEASURED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
 
-  preference("statistics", Pref.string("Statistics that tshark prints", "",
-    "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus"))
+  sis.prefs.statistics = Pref.string("Statistics that tshark prints", "",
+    "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus")
+  P.statistics = ""
 
-  -- The packet being dissected, until it is counted: {record, telegrams}. A telegram: {is_good, is_reaction, service,
+  -- The packet being dissected, until it is counted: {record, telegrams, accesses}. A telegram: {is_good, is_reaction, service,
   -- talker, length, there, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
   -- reaction_time}.
   local noted = {}
 
   local function note(number)
-    if noted.number ~= number then noted = {number = number, telegrams = {}, place = S.line_key(S.place())} end
+    if noted.number ~= number then
+      noted = {number = number, telegrams = {}, accesses = {}, place = S.line_key(S.place())}
+    end
     return noted
   end
 
   -- While counting: a record of characters, or another kind.
   function S.note_record(record)
-    if record.type ~= K.EVENT then note(packet.number).record = record end
+    if record.type ~= K.SERTAP_EVENT then note(packet.number).record = record end
   end
+
+  function S.note_access(access) table.insert(note(packet.number).accesses, access) end
 
   function S.note_telegram(body, record)
     local telegram, times, errors = body.telegram, body.telegram.times, body.errors or {}
@@ -6234,8 +7675,8 @@ do
         begin_earliest = times.begin_earliest, begin_latest = times.begin_latest},
       timing = body.timing,
       exchange = record.exchange,
-      reaction_time = telegram.is_good and telegram.is_reaction and record.reaction_time or nil,
-      accesses = body.accesses,
+      reaction_time = telegram.is_good and telegram.is_reaction and record.reaction_time
+        and S.is_measured(record.reaction_time, times) and record.reaction_time or nil,
     })
   end
 
@@ -6340,7 +7781,7 @@ do
   end
 
   local function is_same_read(times, character)
-    return character < times.count and band(T.flags_of(times.record, times.first + character), K.SAME_READ) ~= 0
+    return character < times.count and band(T.flags_of(times.record, times.first + character), K.SERTAP_SAME_READ) ~= 0
   end
 
   local function count_interval(row, times, character)
@@ -6362,12 +7803,19 @@ do
     row.exact, row.largest = row.exact + 1, max(row.largest, ns)
   end
 
+  -- To microseconds, as they are shown.
+  local function rounded(ns)
+    return floor((ns + 500) / 1000) * 1000
+  end
+
   local function raise_longest(row, longest)
     local interval = longest and longest.interval
-    local ns = interval and (interval.is_exact and interval.recorded or interval.span.most)
+    local is_recorded = interval and (interval.is_exact or interval.is_saturated)
+    local ns = interval and (is_recorded and interval.recorded or interval.span.most)
 
-    if not ns or ns == K.ANY_TIME or ns <= (row.longest or 0) then return end
-    row.longest, row.is_bound = floor((ns + 500) / 1000) * 1000, not interval.is_exact
+    if not ns or ns == K.ANY_TIME or rounded(ns) <= (row.longest or 0) then return end
+    row.longest = rounded(ns)
+    row.sign = interval.is_saturated and ">" or interval.is_exact and "" or "<="
   end
 
   local function count_intervals(row, telegram)
@@ -6385,10 +7833,10 @@ do
   end
 
   local function intervals_row(station, row)
-    local longest = row.longest and (row.is_bound and "<=" or "") .. ms_text(row.longest) or ""
+    local longest = row.longest and row.sign .. ms_text(row.longest) or ""
     local bins = row.bins
 
-    return strformat("%-7s |%9d |%10d |%9s |%9s |%13s |%12d |%10d |%11d |%10d |%9d |%9d |%10d |%11d |%11d |%14d |",
+    return strformat("%-10s |%9d |%10d |%9s |%9s |%13s |%12d |%10d |%11d |%10d |%9d |%9d |%10d |%11d |%11d |%14d |",
       station, row.telegrams, row.characters, quantile_text(row, 50), quantile_text(row, 99), longest, row.exceeded,
       row.unresolved, row.one_read, bins[1], bins[2], bins[3], bins[4], bins[5], bins[6], bins[7])
   end
@@ -6406,7 +7854,7 @@ do
       end
     end,
     text = function(rows)
-      return "Talker  |Telegrams |Characters |p50 in ms |p99 in ms |Longest in ms |TzA exceeded |Unresolved "
+      return "Talker     |Telegrams |Characters |p50 in ms |p99 in ms |Longest in ms |TzA exceeded |Unresolved "
         .. "|In one read |Under 1 ms |1 to 2 ms |2 to 5 ms |5 to 10 ms |10 to 20 ms |20 to 50 ms |50 ms and more |\n"
         .. each_line(rows, intervals_row)
     end,
@@ -6414,7 +7862,7 @@ do
 
   local function new_station()
     return {telegrams = 0, characters = 0, busy = 0, silences = 0, cycles = 0, repeats = 0, unanswered = 0, tza = 0,
-      trs = 0, damaged = 0, line = 0, lines = {}}
+      trs = 0, damaged = 0, line = 0, lines = {}, span = 0, duration = 0}
   end
 
   local function add_to(row, name, by)
@@ -6438,15 +7886,19 @@ do
     add_to(all, "line", line_errors(record, 0, record.timed))
     add_to(all, "busy", record.character_ns * record.count)
     all.lines[of_packet.place] = true
-    all.begin = all.begin or packet.time - record.character_ns
-    all.finish = packet.time + record.duration
+    -- Times that went back do not count.
+    all.span = all.span + (all.last and max(T.elapsed(all.last, packet.time), 0) or record.character_ns)
+    all.last, all.duration = packet.time, record.duration
   end
 
   local function count_timing(row, telegram)
     local timing, times, exchange = telegram.timing, telegram.times, telegram.exchange
 
     if timing.silence then
-      if timing.silence > (row.silence or 0) then row.silence = floor((timing.silence + 500) / 1000) * 1000 end
+      if rounded(timing.silence) > (row.silence or 0) then
+        row.silence = rounded(timing.silence)
+        row.sign = timing.is_longer and ">" or ""
+      end
       if timing.silence > SILENCE then add_to(row, "silences", 1) end
     end
     if telegram.reaction_time and T.elapsed(exchange.command_begin, times.end_) > CYCLE then
@@ -6503,15 +7955,15 @@ do
   end
 
   local function station_row(all, lines)
-    local span = all.begin and T.elapsed(all.begin, all.finish) or 0
+    local span = all.span + all.duration
 
     return function(station, row)
       local share = row.busy / (span * (station == ALL and lines or 1))
       local load = span > 0 and T.decimal_text(floor(1000 * share + 0.5), 1, 1) or ""
 
-      return strformat("%-8s |%9d |%7d |%10d |%12d |%12d |%7d |%11d |%10d |%9s |%21s |%17d |%15d |", station,
+      return strformat("%-11s |%9d |%7d |%10d |%12d |%12d |%7d |%11d |%10d |%9s |%21s |%17d |%15d |", station,
         row.telegrams, row.repeats, row.unanswered, row.tza, row.trs, row.damaged, row.line, row.characters, load,
-        row.silence and ms_text(row.silence) or "", row.silences, row.cycles)
+        row.silence and row.sign .. ms_text(row.silence) or "", row.silences, row.cycles)
     end
   end
 
@@ -6530,8 +7982,8 @@ do
       for _ in pairs(rows[ALL].lines) do
         lines = lines + 1
       end
-      return "Station  |Telegrams |Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors |Characters "
-        .. "|Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms |\n"
+      return "Station     |Telegrams |Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors "
+        .. "|Characters |Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms |\n"
         .. each_line(rows, station_row(rows[ALL], lines))
     end,
   }
@@ -6578,8 +8030,8 @@ do
     local line, station, device, parameter = ...
 
     return {line = line, station = station or "", device = device or "", parameter = parameter or "", name = "",
-      unit = "", reads = 0, writes = 0, errors = 0, first = "", last = "", least = "", greatest = "", by = "",
-      packet = ""}
+      unit = "", reads = 0, writes = 0, errors = 0, first = "", last = "", least = "", greatest = "", raw = 0,
+      by = "", packet = ""}
   end
 
   -- nil: the table is full.
@@ -6602,6 +8054,7 @@ do
     if not access.value then return end
     if row.first == "" then row.first = access.value end
     row.last = access.value
+    if access.is_raw then add_to(row, "raw", 1) end
     if not number then return end
     if not row.least_number or number < row.least_number then row.least_number, row.least = number, access.value end
     if not row.greatest_number or number > row.greatest_number then
@@ -6620,28 +8073,28 @@ do
     add_to(row, what, 1)
     row.name, row.unit = access.known.name or row.name, access.known.unit or row.unit
     count_value(row, access)
-    if what == "writes" then row.by, row.packet = strformat("%d", access.master), strformat("%d", packet.number) end
+    if what ~= "writes" then return end
+    row.by = access.master and strformat("%d", access.master) or ""
+    row.packet = strformat("%d", packet.number)
   end
 
   local function parameter_row(row)
-    return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%10s |%9s |", row.line,
-      row.station, row.device, row.parameter, row.name, row.unit, row.reads, row.writes, row.errors, row.first,
-      row.last, row.least, row.greatest, row.by, row.packet)
+    return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%5d |%10s |%9s |",
+      row.line, row.station, row.device, row.parameter, row.name, row.unit, row.reads, row.writes, row.errors,
+      row.first, row.last, row.least, row.greatest, row.raw, row.by, row.packet)
   end
 
   kinds.parameters = {
     title = "SIS parameters",
     new = function() return {sum = new_parameter(ALL), all = {}, by_key = {}} end,
     count = function(rows, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        for _, access in ipairs(telegram.accesses or {}) do
-          count_access(rows, access)
-        end
+      for _, access in ipairs(of_packet.accesses) do
+        count_access(rows, access)
       end
     end,
     text = function(rows)
       local lines = {"Line |Station |Device |Parameter |Name |Unit |Reads |Writes |Errors |First |Last |Least "
-        .. "|Greatest |Written by |In packet |", parameter_row(rows.sum)}
+        .. "|Greatest |Bytes |Written by |In packet |", parameter_row(rows.sum)}
 
       for _, row in ipairs(rows.all) do
         lines[#lines + 1] = parameter_row(row)
@@ -6744,15 +8197,19 @@ end
 -- (chapter 7), 3964R with the high byte first (chapter 8).
 
 do
-  local INFO_WRITE, INFO_LAST, INFO_OPEN = 0x0001, 0x0002, 0xFFFC
+  local INFO_WRITE, INFO_OPEN = K.SYNAX_INFO_WRITE, K.SYNAX_INFO_OPEN
   local SHOWN_BYTES = 8 -- in the packet list
-  local blocks = {
-    [98] = "cancel a transmission with follow-ups",
-    [99] = "inputs and outputs of the PPC",
-    [100] = "mode of the PPC",
-  }
+  local FIRST_BY_LIST, LAST_BY_LIST = 101, 108
+  local CONFIGURATION = 58 -- C-0-0058 configures data block 101 (pages 7-16 and 8-11)
 
   K.HEAD_SIZE = 6
+  K.BLOCK_IO, K.BLOCK_MODE = 99, 100 -- data blocks whose words are shown (chapters 7 and 8)
+
+  local blocks = {
+    [98] = "cancel a transmission with follow-ups",
+    [K.BLOCK_IO] = "inputs and outputs of the PPC",
+    [K.BLOCK_MODE] = "mode of the PPC",
+  }
 
   -- Data blocks that have a meaning of their own: 98 to 116; nil: none.
   function S.block_text(number)
@@ -6760,8 +8217,36 @@ do
     return blocks[number]
   end
 
-  -- Adds the info access; notes undocumented bits, except those in `known`. Elements and other services use such
-  -- bits.
+  -- Adds the number of a data block, with its meaning.
+  function S.add_block(tree, which, tvb, offset)
+    local number = tvb(offset, 1):uint()
+    local text, item = S.block_text(number), add(tree, which, tvb, offset, 1)
+
+    if text then append_text(item, " (" .. text .. ")") end
+    if number >= FIRST_BY_LIST and number <= LAST_BY_LIST then
+      append_text(item, strformat(", by C-0-%04d", number - FIRST_BY_LIST + CONFIGURATION))
+    end
+    return item
+  end
+
+  -- Adds the words of data block 99 or 100, from `offset` up to `stop`. Of other blocks nothing is known.
+  function S.add_block_words(tree, root, which, tvb, offset, stop, block, is_big)
+    if block ~= K.BLOCK_IO and block ~= K.BLOCK_MODE then return end
+    for at = offset, stop - 2, 2 do
+      (is_big and add or add_le)(tree, which, tvb, at, 2)
+    end
+    if block == K.BLOCK_MODE then
+      add_expert(tree or root, EX.synax_note, "No document says which value is which mode")
+    end
+  end
+
+  -- Whether the head names a parameter: undocumented bits of the info access choose other services.
+  function S.is_parameter(info)
+    return band(info, INFO_OPEN) == 0
+  end
+
+  -- Adds the info access; notes undocumented bits, except those in `known`. Elements and other services (pages 8-18 to
+  -- 8-23) use such bits.
   function S.add_info(tree, root, tvb, offset, is_big, known)
     local info = is_big and tvb(offset, 2):uint() or tvb(offset, 2):le_uint()
     local open = band(info, INFO_OPEN - known)
@@ -6772,18 +8257,19 @@ do
       add_bits(item, bit_field, tvb, offset, 2)
     end
     append_text(item, strformat(" (%s, %s)", band(info, INFO_WRITE) ~= 0 and "write" or "read",
-      band(info, INFO_LAST) ~= 0 and "last transmission" or "more follows"))
+      band(info, K.SYNAX_INFO_LAST) ~= 0 and "last transmission" or "more follows"))
     if open ~= 0 then
-      add_expert(item or root, EX.synax_note,
-        strformat("Bits 2 to 15 of the info access are not defined: 0x%04x", open))
+      add_expert(item or root, EX.synax_note, "Bits 2 to 15 of the info access are not defined. "
+        .. "They may choose an element, the mode, inputs and outputs, or axes")
     end
   end
 
   -- The head of a command, for an answer that does not repeat it.
   function S.head_of(info, axis, ident)
     return {
-      is_write = band(info, INFO_WRITE) ~= 0,
-      is_last = band(info, INFO_LAST) ~= 0,
+      info = info,
+      is_parameter = S.is_parameter(info), -- else only the info access is known
+      is_last = band(info, K.SYNAX_INFO_LAST) ~= 0,
       axis = axis,
       ident = ident,
       known = S.known_from_tables(ident),
@@ -6794,17 +8280,21 @@ do
   local function parameter_text(head)
     local name = head.known.name
 
+    if not head.is_parameter then return strformat("Info access 0x%04x", head.info) end
+
     return strformat("%s%s, axis %d", head.ident.text, name and " (" .. name .. ")" or "", head.axis)
   end
 
   -- Adds sis.parameter if a command named it. Returns words for the packet list.
   function S.recall_head(tree, tvb, head)
-    if tree then S.add_ident(tree, tvb, {offset = 0, length = 0}, head.ident, head.known) end
+    if tree and head.is_parameter then
+      S.add_ident(tree, tvb, {offset = 0, length = 0}, head.ident, head.known)
+    end
     return parameter_text(head)
   end
 
-  -- Adds the complete head of 6 bytes at `offset`. Returns {is_write, is_last, axis, ident, known} and words for the
-  -- packet list: "Read S-0-0237, axis 2".
+  -- Adds the complete head of 6 bytes at `offset`. Returns the head and words for the packet list: "Read S-0-0237,
+  -- axis 2".
   function S.add_head(tree, root, tvb, offset, is_big)
     local bytes = tvb(offset, K.HEAD_SIZE):bytes():raw()
     local info_low, info_high = byte(bytes, is_big and 2 or 1), byte(bytes, is_big and 1 or 2)
@@ -6813,12 +8303,16 @@ do
     local head = S.head_of(info, axis, S.ident(kind, low + high * 0x100))
 
     S.add_info(tree, root, tvb, offset, is_big, 0)
+    if not head.is_parameter then
+      add(tree, F.raw, tvb, offset + 2, K.HEAD_SIZE - 2)
+      return head, parameter_text(head)
+    end
     add(tree, FX.synax_axis, tvb, offset + 2, 1)
     if tree then
       S.add_ident(tree, tvb, {offset = offset + 3, length = 3, type_at = offset + 3, number_at = offset + 4,
         is_big = is_big}, head.ident, head.known)
     end
-    return head, (head.is_write and "Write " or "Read ") .. parameter_text(head)
+    return head, (band(info, INFO_WRITE) ~= 0 and "Write " or "Read ") .. parameter_text(head)
   end
 
   -- Adds the data of that parameter, from `offset` to the end of `tvb`. Returns words for the packet list.
@@ -6826,9 +8320,14 @@ do
     local length = tvb:len() - offset
     local data = {tvb = tvb, offset = offset, length = length, is_big = is_big,
       bytes = length > 0 and tvb(offset, length):bytes():raw() or ""}
-    local text = S.add_element(tree, nil, data, K.ELEMENT_DATA, head.ident, head.known, true)
-    local misfit = S.element_misfit(data, K.ELEMENT_DATA, head.known, true)
+    local text, misfit
 
+    if head.is_parameter then
+      text = S.add_element(tree, nil, data, K.ELEMENT_DATA, head.ident, head.known, true)
+      misfit = S.element_misfit(data, K.ELEMENT_DATA, head.known, true)
+    elseif length > 0 then
+      add(tree, F.raw, tvb, offset, length)
+    end
     if misfit then add_expert(tree or root, EX.synax_note, misfit) end
     if text then return " = " .. text end
     if length == 0 then return "" end
@@ -6840,19 +8339,28 @@ end
 -- a reaction of 4 bytes, with data after FETCH. All of it has the high byte first. What does not fit into 128 bytes
 -- comes in follow-ups, and what does not fit into a data block in several: DB nn first, DB 1 last (page 8-27).
 
-protos.rk512i = rk512i
-
 do
   local COMMAND_SIZE, FOLLOW_UP_SIZE, FOLLOW_UP = 10, 4, 0xFF
-  local FETCH = 0x45
-  local LAST_OF_A_CHAIN, FIRST_FIXED = 1, 98 -- DB nn .. DB 1; from 98 on data blocks have meanings of their own
+  local SEND, FETCH, DATA_BLOCK = K.RK512_SEND, K.RK512_FETCH, 0x44
+  -- A long list comes in DB nn to DB 1 (page 8-27). Everything else with the Indramat head is in DB 0.
+  local LAST_OF_A_CHAIN, LONGEST_CHAIN = 1, 5
+  local MOST_IO_WORDS = 32 -- of data block 99 (page 8-8)
+  local MOST_AT_ONCE = 1024 -- bytes; for more, bit 1 of the info access is 0 (page 8-18)
   local IN_WORDS = {[0x44] = true, [0x58] = true, [0x54] = true, [0x5A] = true} -- D, X, T, Z; all others in bytes
 
   -- A job is what a command asks for, with its follow-ups and further blocks: {command, kind, block, left: bytes of
   -- this block that are still to come, is_open: more blocks follow, info, axis, ident: of the Indramat head, nil
   -- without, pieces: {frame, bytes}, whole_in, bytes}. A telegram keeps {job, frame, request_in, answer_in, finish,
-  -- elapsed, is_piece: of several, is_first, is_last, is_repeat, command}.
+  -- elapsed, is_piece: of several, is_first, is_last, is_repeat, command, line, faults: names of those below}.
   local buses, telegrams
+
+  -- What chapter 8 does not allow; shown as notes.
+  local faults = {
+    {"from_both", EX.synax_note, "Both partners send commands, but a PPC only reacts (page 8-3)"},
+    {"unanswered_before", EX.synax_unanswered_before, "The command before this one got no reaction"},
+    {"too_many_data", EX.synax_unexpected, "More data than the command says"},
+    {"too_long_for_last", EX.synax_note, "With more than 1024 bytes, bit 1 of the info access is 0 (page 8-18)"},
+  }
 
   at_init(function() buses, telegrams = {}, {} end)
 
@@ -6873,32 +8381,44 @@ do
     return IN_WORDS[kind] and 2 * count or count
   end
 
+  -- The only ones that SYNAX has (page 8-24).
+  local function is_data_block(command, kind)
+    return (command == SEND or command == FETCH) and kind == DATA_BLOCK
+  end
+
+  local function read_head(job, d)
+    if not is_data_block(job.command, job.kind) or job.block > LONGEST_CHAIN
+      or #d.bytes < COMMAND_SIZE + K.HEAD_SIZE then
+      return
+    end
+    local axis, kind_of_ident = byte(d.bytes, COMMAND_SIZE + 3, COMMAND_SIZE + 4)
+
+    job.info, job.axis = word_at(d.bytes, COMMAND_SIZE), axis
+    job.ident = S.ident(kind_of_ident, word_at(d.bytes, COMMAND_SIZE + 4))
+  end
+
   -- The first telegram of a block: a new job, or the next block of the present one.
   local function begin_block(bus, d, telegram)
     local before, command, kind, block = bus.job, byte(d.bytes, 3, 5)
     local goes_on = before and before.is_open and before.left == 0 and before.command == command
       and block + 1 == before.block
-    local job = before
+    local job = goes_on and before or {pieces = {}}
 
-    if not goes_on then
-      job = {pieces = {}}
-      bus.job = job
-      telegram.is_first = true
-      if block < FIRST_FIXED and #d.bytes >= COMMAND_SIZE + K.HEAD_SIZE then
-        local axis, kind_of_ident = byte(d.bytes, COMMAND_SIZE + 3, COMMAND_SIZE + 4)
-
-        job.info, job.axis = word_at(d.bytes, COMMAND_SIZE), axis
-        job.ident = S.ident(kind_of_ident, word_at(d.bytes, COMMAND_SIZE + 4))
-      end
-    end
+    bus.job = job
     job.command, job.kind, job.block = command, kind, block
     job.left = bytes_of(kind, word_at(d.bytes, 6))
-    job.is_open = command ~= FETCH and block > LAST_OF_A_CHAIN and block < FIRST_FIXED
+    job.is_open = command == SEND and kind == DATA_BLOCK and block > LAST_OF_A_CHAIN and block <= LONGEST_CHAIN
+    telegram.is_first = not goes_on
     telegram.is_piece = goes_on or job.is_open
+    if goes_on then return end
+    read_head(job, d)
+    telegram.faults.too_long_for_last = job.ident and command == SEND and band(job.info, K.SYNAX_INFO_LAST) ~= 0
+      and (job.is_open or job.left > MOST_AT_ONCE)
   end
 
   -- Bytes of a block, in a SEND command or in the reaction to a FETCH.
   local function take_bytes(job, telegram, bytes)
+    telegram.faults.too_many_data = #bytes > job.left
     job.left = max(job.left - #bytes, 0)
     telegram.is_last = job.left == 0 and not job.is_open
     telegram.is_piece = telegram.is_piece or job.left > 0 or not telegram.is_first
@@ -6907,6 +8427,10 @@ do
   end
 
   local function note_command(bus, d, telegram)
+    telegram.faults.unanswered_before = bus.request ~= nil
+    bus.request = nil
+    bus.master = bus.master or telegram.line ~= 0 and telegram.line or nil
+    telegram.faults.from_both = telegram.line ~= 0 and telegram.line ~= bus.master
     if not d.is_follow_up then
       begin_block(bus, d, telegram)
     elseif not bus.job or bus.job.left == 0 or bus.job.command ~= byte(d.bytes, 3) then
@@ -6941,7 +8465,7 @@ do
 
     if telegram then return telegram end
     telegram = {frame = number, finish = packet.time + (packet.record and packet.record.duration or 0),
-      is_repeat = is_repeat}
+      is_repeat = is_repeat, line = packet.record and packet.record.line or 0, faults = {}}
     telegrams[number] = telegram
     if is_repeat or (d.is_cut and not d.is_snapped) then return telegram end
     if d.is_snapped then
@@ -6952,27 +8476,59 @@ do
     return telegram
   end
 
+  local function note(d, text)
+    add_expert(d.root, EX.synax_note, text)
+  end
+
+  local function show_faults(d)
+    for _, fault in ipairs(faults) do
+      local name, which, text = unpack(fault)
+
+      if d.telegram.faults[name] then add_expert(d.root, which, text) end
+    end
+  end
+
+  -- Data blocks that are defined, and how many words they have.
+  local function check_command(d, block, count)
+    if not is_data_block(byte(d.bytes, 3, 4)) then
+      note(d, "SYNAX has only SEND and FETCH of data blocks (page 8-24)")
+      return
+    end
+    if block > LONGEST_CHAIN and not S.block_text(block) then note(d, "Data block that is not defined") end
+    if block == K.BLOCK_IO and count > MOST_IO_WORDS then
+      note(d, "Data block 99 has at most 32 words (page 8-8)")
+    end
+    if block == K.BLOCK_MODE and count ~= 1 then note(d, "Data block 100 has one word (page 8-10)") end
+    if byte(d.bytes, 6) ~= 0 then note(d, "Only whole data blocks can be accessed (page 8-7)") end
+  end
+
   -- The coordination flag: none is FF FF in Siemens' words, SYNAX writes zeros. Both are shown, none is judged.
   local function show_command(d)
     local kind, block = byte(d.bytes, 4, 5)
-    local count, meaning = word_at(d.bytes, 6), S.block_text(block)
-    local item = add(d.tree, FX.rk512i_block, d.tvb, 4, 1)
+    local count = word_at(d.bytes, 6)
 
-    if meaning then append_text(item, " (" .. meaning .. ")") end
+    S.add_block(d.tree, FX.rk512i_block, d.tvb, 4)
     add(d.tree, FX.rk512i_word, d.tvb, 5, 1)
     add(d.tree, FX.rk512i_count, d.tvb, 6, 2)
     add(d.tree, FX.rk512i_flag_byte, d.tvb, 8, 1)
     add(d.tree, FX.rk512i_flag, d.tvb, 9, 1)
     d.words = d.words
       .. strformat(" DB %d, %d %s%s", block, count, IN_WORDS[kind] and "word" or "byte", plural(count))
+    check_command(d, block, count)
+  end
+
+  -- The head of the command that a reaction answers.
+  local function head_of_command(job)
+    return S.head_of(job.info, job.axis, job.ident)
   end
 
   local function show_reaction(d)
-    local number = byte(d.bytes, 4)
+    local number, job = byte(d.bytes, 4), d.telegram.job
     local text = N.rk512_errors[number] or "Not defined"
     local item = d.tree and add_value(d.tree, FX.rk512i_error, d.tvb, 3, 1, number,
       strformat("%s (0x%02x)%s", text, number, number ~= 0 and ", by Siemens' numbers" or ""))
 
+    if job and job.ident then d.words = d.words .. ": " .. S.recall_head(d.tree, d.tvb, head_of_command(job)) end
     if number == 0 then return end
     add_expert(item or d.root, EX.synax_error, strformat("Error 0x%02x: %s (Siemens' number)", number, text))
     d.words = d.words .. strformat("  [error 0x%02x: %s]", number, text)
@@ -6993,21 +8549,21 @@ do
   -- All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has none, so
   -- its command names the parameter.
   local function show_whole(d, tree, tvb)
-    local job = d.telegram.job
-    local head, words
+    local job, length = d.telegram.job, tvb:len()
 
     if not job.ident then
-      add(tree, FX.rk512i_data, tvb, 0, tvb:len())
-      return
-    end
-    if d.is_reaction then
-      head = S.head_of(job.info, job.axis, job.ident)
-      words = S.recall_head(tree, tvb, head) .. S.add_head_data(tree, d.root, tvb, 0, true, head)
+      add(tree, FX.rk512i_data, tvb, 0, length)
+      if is_data_block(job.command, job.kind) then
+        S.add_block_words(tree, d.root, FX.rk512i_block_word, tvb, 0, length, job.block, true)
+      end
+    elseif d.is_reaction then
+      d.words = d.words .. S.add_head_data(tree, d.root, tvb, 0, true, head_of_command(job))
     else
-      head, words = S.add_head(tree, d.root, tvb, 0, true)
-      if tvb:len() > K.HEAD_SIZE then words = words .. S.add_head_data(tree, d.root, tvb, K.HEAD_SIZE, true, head) end
+      local head, words = S.add_head(tree, d.root, tvb, 0, true)
+
+      if length > K.HEAD_SIZE then words = words .. S.add_head_data(tree, d.root, tvb, K.HEAD_SIZE, true, head) end
+      d.words = d.words .. ": " .. words
     end
-    d.words = d.words .. ": " .. words
   end
 
   local function show_piece(d)
@@ -7086,6 +8642,7 @@ do
     elseif #bytes > d.data_at then
       add(tree, FX.rk512i_data, tvb, d.data_at, #bytes - d.data_at)
     end
+    show_faults(d)
     show_links(d)
     append_text(tree, ", " .. d.words)
     pinfo.cols.info:append("  " .. d.words)
@@ -7110,28 +8667,25 @@ end
 -- block, every DLE in it doubled, DLE ETX and the check character BCC; DLE says that it came well, NAK that it did not.
 -- A packet is one of these: a character alone, or a block without its STX.
 
-protos["3964r"] = procedure
 
 do
-  local STX, ETX, DLE, NAK = 0x02, 0x03, 0x10, 0x15
+  local STX, ETX, DLE, NAK = K.P3964R_STX, 0x03, K.P3964R_DLE, K.P3964R_NAK
   local END_SIZE = 3 -- DLE ETX BCC
   local MS = 1000000 -- in ns
   local MOST_TRIES = 6
-  local ASKS, BOTH_ASK, GRANTS, REFUSES_REQUEST = 0, 1, 2, 3
-  local BLOCK, ACKNOWLEDGES, REFUSES_BLOCK, OUT_OF_PLACE = 4, 5, 6, 7
+  local ASKS, BOTH_ASK, GRANTS = K.P3964R_ASKS, K.P3964R_BOTH_ASK, K.P3964R_GRANTS
+  local REFUSES_REQUEST, BLOCK, ACKNOWLEDGES = K.P3964R_REFUSES_REQUEST, K.P3964R_BLOCK, K.P3964R_ACKNOWLEDGES
+  local REFUSES_BLOCK, OUT_OF_PLACE = K.P3964R_REFUSES_BLOCK, K.P3964R_OUT_OF_PLACE
   local CHECKSUM_BAD, CHECKSUM_GOOD = 0, 1
-  local WRONG = "Wrong block check character: the receiver answers NAK"
   local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
 
-  local ZVZ_MS, QVZ_MS = 220, 2000 -- Siemens' times: SYNAX's own are not documented
-
-  procedure.prefs.zvz_ms = Pref.uint("ZVZ in ms", ZVZ_MS,
-    "Longest interval between two characters of a block; 0: no verdict")
-  procedure.prefs.qvz_ms = Pref.uint("QVZ in ms", QVZ_MS, "Longest time to the partner's answer; 0: no verdict")
+  local QVZ_MS = 2000 -- Siemens' time: SYNAX's own is not documented
+  local BLOCK_WAIT_MS = 4000 -- for the next try after a refusal
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
   -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the
-  -- partner's request meanwhile, refused, last_block}.
+  -- partner's request meanwhile, granted: whose block has not come, refused, last_block (nil: accepted, or given up),
+  -- tries: to send it, sender: its line, is_asked_again: since that try, finish: of the last unit}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
@@ -7146,23 +8700,53 @@ do
     end
   end
 
+  -- The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more.
+  local function is_given_up(bus, times, qvz)
+    return bus.finish ~= nil and T.elapsed(bus.finish, times.begin) > max(BLOCK_WAIT_MS * MS, 2 * qvz)
+  end
+
+  local function end_series(bus)
+    bus.last_block, bus.tries = nil, 0 -- the same bytes again would be a new block
+  end
+
+  -- The next try to send, if the same partner has asked again, whatever the bytes. Who gives way to the other begins
+  -- anew.
+  local function count_try(bus, line, is_same)
+    local is_next = (bus.tries or 0) > 0 and bus.sender == line and (is_same or bus.is_asked_again)
+
+    bus.tries = is_next and bus.tries + 1 or 1
+    bus.sender, bus.is_asked_again = line, false
+    return bus.tries
+  end
+
+  -- Whether a request may be for the last block again. On a line that both share, only the partner asks before QVZ is
+  -- over.
+  local function may_be_again(bus, unit, times, qvz)
+    return unit.line ~= 0 or not bus.block or T.elapsed(bus.block.finish, times.begin) >= qvz
+  end
+
   -- Two requests within QVZ come from both partners, if possible: then neither was answered.
   local function note_request(bus, unit, times)
-    local before, limit_ms = bus.request, procedure.prefs.qvz_ms
-    local soon = (limit_ms > 0 and limit_ms or QVZ_MS) * MS
-    local is_soon = before and T.elapsed(before.finish, times.begin) < soon
+    local before, limit_ms = bus.request, p3964r.prefs.qvz_ms
+    local tried, qvz = before, (limit_ms > 0 and limit_ms or QVZ_MS) * MS
+    local is_soon = before and T.elapsed(before.finish, times.begin) < qvz
+    local is_over = is_given_up(bus, times, qvz)
 
     unit.meaning, unit.tries = ASKS, 1
+    bus.is_asked_again = may_be_again(bus, unit, times, qvz)
+    bus.granted = nil
+    if is_over then end_series(bus) end
     if is_soon and (unit.line == 0 or unit.line ~= before.line) then
       unit.meaning, bus.rival = BOTH_ASK, unit
+      bus.is_asked_again = unit.line ~= 0 -- on one line, nobody sees who gives way
       return -- the first request still waits
     end
     if before then
       unit.unanswered = before.frame
-      unit.tries = before.tries + 1
     elseif bus.refused and bus.refused.meaning ~= BLOCK then
-      unit.tries = bus.refused.tries + 1
+      tried = bus.refused
     end
+    if tried and tried.line == unit.line and not is_over then unit.tries = tried.tries + 1 end
     if bus.block then unit.unanswered = bus.block.frame end
     bus.block, bus.rival, bus.refused, bus.request = nil, nil, nil, unit
   end
@@ -7177,12 +8761,18 @@ do
 
     if can_answer(unit, asked) then
       unit.meaning = is_good and GRANTS or REFUSES_REQUEST
+      bus.granted = is_good and asked or nil
       bus.request, bus.rival = nil, nil
     elseif can_answer(unit, bus.block) then
       asked = bus.block
       unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
-      if is_good then bus.last_block = nil end -- the same bytes again would be a new block
+      if is_good then end_series(bus) end
       bus.block = nil
+    elseif not is_good and can_answer(unit, bus.granted) then -- a block that broke off: no frame
+      unit.meaning = REFUSES_BLOCK
+      count_try(bus, bus.granted.line, false)
+      bus.granted = nil
+      return
     else
       unit.meaning = OUT_OF_PLACE
       return
@@ -7193,15 +8783,16 @@ do
 
   local function note_block(bus, unit, bytes, is_whole)
     local last = bus.last_block
+    local is_same = is_whole and last and last.line == unit.line and last.bytes == bytes
 
-    unit.meaning, unit.tries = BLOCK, 1
-    if is_whole and last and last.bytes == bytes then
+    unit.meaning, unit.tries = BLOCK, count_try(bus, unit.line, is_same)
+    if is_same then
       unit.repeat_of = last.repeat_of or last.frame
-      unit.tries = last.tries + 1
       last.bytes = nil
     end
     unit.bytes = is_whole and bytes -- otherwise the rest may differ: no block is the same
-    bus.request, bus.rival, bus.refused, bus.block, bus.last_block = nil, nil, nil, unit, unit
+    bus.request, bus.rival, bus.granted, bus.refused = nil, nil, nil, nil
+    bus.block, bus.last_block = unit, unit
   end
 
   -- The meaning of a unit depends on what came before it; found in the first pass, and kept.
@@ -7225,6 +8816,7 @@ do
     else
       unit.meaning = OUT_OF_PLACE
     end
+    buses[key].finish = unit.finish
     return unit
   end
 
@@ -7245,13 +8837,13 @@ do
     if frame then set_generated(add(d.tree, which, d.tvb, 0, 0, frame)) end
   end
 
-  local function add_ms(d, which, ns)
-    if d.tree then set_generated(add_value(d.tree, which, d.tvb, 0, 0, nstime(ns), T.ms_text(ns))) end
+  local function add_ms(d, which, ns, sign)
+    if d.tree then set_generated(add_value(d.tree, which, d.tvb, 0, 0, nstime(ns), (sign or "") .. T.ms_text(ns))) end
   end
 
   -- How long the partner took, against the acknowledgment delay QVZ.
   local function show_answer(d)
-    local unit, limit = d.unit, procedure.prefs.qvz_ms
+    local unit, limit = d.unit, p3964r.prefs.qvz_ms
 
     if not unit.answers then return end
     add_frame(d, FX["3964r_answers"], unit.answers)
@@ -7264,14 +8856,16 @@ do
 
   -- The longest interval inside a block, against the character delay ZVZ.
   local function show_intervals(d)
-    local limit = procedure.prefs.zvz_ms
+    local limit = p3964r.prefs.zvz_ms
     local longest = d.times.record and S.longest(d.times, limit * MS)
 
     if not longest then return end
     local interval = longest.interval
-    local shown = interval.is_exact and interval.recorded or interval.span.most
+    local shown = (interval.is_exact or interval.is_saturated) and interval.recorded or interval.span.most
 
-    if shown ~= K.ANY_TIME then add_ms(d, FX["3964r_zvz_interval_max"], shown) end
+    if shown ~= K.ANY_TIME then
+      add_ms(d, FX["3964r_zvz_interval_max"], shown, interval.is_saturated and "more than ")
+    end
     set_generated(add(d.tree, FX["3964r_zvz_position"], d.tvb, 0, 0, interval.at))
     if limit > 0 then
       show_verdict(d, FX["3964r_zvz_limit"], FX["3964r_zvz_verdict"], limit, longest.verdict,
@@ -7289,16 +8883,9 @@ do
     if unit.meaning == BOTH_ASK then add_expert(root, EX["3964r_conflict"]) end
     if unit.meaning == OUT_OF_PLACE then add_expert(root, EX["3964r_unexpected"]) end
     if unit.meaning == REFUSES_REQUEST or unit.meaning == REFUSES_BLOCK then add_expert(root, EX["3964r_refused"]) end
-    if unit.unanswered then
-      add_expert(root, EX["3964r_unanswered"], strformat("Nobody answered frame %d", unit.unanswered))
-    end
-    if unit.repeat_of then
-      add_expert(root, EX["3964r_repeat"],
-        strformat("The block of frame %d again, try %d", unit.repeat_of, unit.tries))
-    end
-    if (unit.tries or 0) > MOST_TRIES then
-      add_expert(root, EX["3964r_tries"], strformat("Try %d, 3964R has %d", unit.tries, MOST_TRIES))
-    end
+    if unit.unanswered then add_expert(root, EX["3964r_unanswered"]) end
+    if unit.repeat_of then add_expert(root, EX["3964r_repeat"]) end
+    if (unit.tries or 0) > MOST_TRIES then add_expert(root, EX["3964r_tries"]) end
   end
 
   local function block_check(bytes, first, last)
@@ -7334,15 +8921,13 @@ do
     add(d.tree, FX["3964r_end"], d.tvb, finish, 2)
     local item = add(d.tree, FX["3964r_bcc"], d.tvb, at - 1, 1)
 
-    set_generated(add_value(d.tree, FX["3964r_bcc_status"], d.tvb, at - 1, 0, state, N.procedure_bcc_states[state]))
+    set_generated(add_value(d.tree, FX["3964r_bcc_status"], d.tvb, at - 1, 0, state, N.checksum_states[state]))
     if state == CHECKSUM_GOOD then
       append_text(item, " [correct]")
       return true
     end
-    local should = strformat("should be 0x%02x", expected)
-
-    append_text(item, " incorrect, " .. should)
-    add_expert(item or d.root, EX["3964r_bcc_bad"], WRONG .. " [" .. should .. "]")
+    append_text(item, strformat(" incorrect, should be 0x%02x", expected))
+    add_expert(item or d.root, EX["3964r_bcc_bad"])
     d.cols.info:append("  [wrong BCC]")
     return false
   end
@@ -7396,9 +8981,9 @@ do
     d.cols.info:append((names[character] or "Character") .. "  " .. N.procedure_meanings[d.unit.meaning])
   end
 
-  function procedure.dissector(tvb, pinfo, parent)
+  function p3964r.dissector(tvb, pinfo, parent)
     if tvb:reported_len() == 0 then return 0 end
-    local bytes, tree = tvb:raw(), parent:add(procedure, tvb())
+    local bytes, tree = tvb:raw(), parent:add(p3964r, tvb())
 
     if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
     pinfo.cols.protocol = "3964R"
@@ -7477,13 +9062,11 @@ end
 -- them, and only FETCH is answered, by a TO (page 7-3).
 
 do
-  protos.arcnet7f = arcnet7f
-
-  local PROTOCOL_ID, TO, FETCH, WORD_ARRAY = 0x7F, 0, 1, 0x05
+  local PROTOCOL_ID, TO, FETCH, WORD_ARRAY = 0x7F, K.ARCNET7F_TO, K.ARCNET7F_FETCH, K.ARCNET7F_WORD_ARRAY
   local SHORT_HEAD, HEAD, BLOCK_AT = 7, 13, 9
   local FIRST_MESSAGE, FOLLOW_UP_MESSAGES, FOLLOW_UP_MESSAGE_END = 0x8010, 0x1C20, 0x1CFF
-  local INFO_WRITE, INFO_LAST, INFO_BLOCK = 1, 2, 0x0040
-  local CANCEL_BLOCK, IO_BLOCK, MODE_BLOCK, FIRST_BY_LIST, LAST_BY_LIST, CONFIGURATION = 98, 99, 100, 101, 108, 58
+  local INFO_WRITE, INFO_BLOCK = K.SYNAX_INFO_WRITE, 0x0040
+  local CANCEL_BLOCK = 98
   local LENGTH_WORDS = 4
 
   local frame_field = Field.new("frame")
@@ -7534,9 +9117,7 @@ do
     end
     if offset == SHORT_HEAD then return true end
     add_raw(t, offset, t.end_)
-    if t.whole < SHORT_HEAD then
-      mark(t, nil, EX.synax_short, "The head is cut: %d of %d bytes", t.whole, SHORT_HEAD)
-    end
+    if t.whole < SHORT_HEAD then mark(t, nil, EX.synax_short, "The head is cut") end
     say(t, "Cut telegram")
     return false
   end
@@ -7545,7 +9126,7 @@ do
     local there = t.whole - SHORT_HEAD
 
     t.declared = 2 * word_at(t, 5)
-    if t.command == FETCH then t.declared = t.is_follow_up and 0 or K.HEAD_SIZE end
+    if t.command == FETCH and not (t.is_follow_up and t.declared == 0) then t.declared = K.HEAD_SIZE end
     t.is_short = t.declared > there
     t.whole = SHORT_HEAD + min(t.declared, there)
     t.is_cut = t.end_ < t.whole
@@ -7555,12 +9136,10 @@ do
   local function check_extent(t)
     local there = t.there
 
-    if t.is_short then
-      mark(t, nil, EX.synax_short, "%d of %d bytes after the length are there", there - SHORT_HEAD, t.declared)
-    end
+    if t.is_short then mark(t, nil, EX.synax_short, "Fewer bytes than the length says") end
     if there > t.whole then
       add_raw(t, t.end_, #t.bytes)
-      mark(t, nil, EX.synax_unexpected, "%d byte%s after the telegram", there - t.whole, plural(there - t.whole))
+      mark(t, nil, EX.synax_unexpected, "Bytes after the telegram")
     end
   end
 
@@ -7593,14 +9172,14 @@ do
 
   -- The number of bytes of a list by its length words; 0: it has none, or they are wrong.
   local function announced_by(t)
-    if t.is_block or t.end_ < HEAD + LENGTH_WORDS then return 0 end
+    if t.is_block or t.end_ < HEAD + LENGTH_WORDS or not S.is_parameter(word_at(t, SHORT_HEAD)) then return 0 end
     local actual = word_at(t, HEAD)
 
     return actual <= word_at(t, HEAD + 2) and actual + LENGTH_WORDS or 0
   end
 
   local function says_last(t)
-    return band(byte_at(t, SHORT_HEAD), INFO_LAST) ~= 0
+    return band(byte_at(t, SHORT_HEAD), K.SYNAX_INFO_LAST) ~= 0
   end
 
   local function data_bytes(t, offset)
@@ -7627,8 +9206,13 @@ do
     S.add_piece(way.transfer, data_bytes(t, HEAD), false)
   end
 
+  -- They count up (pages 7-20 and 7-27).
+  local function next_message(number)
+    return number < FOLLOW_UP_MESSAGE_END and number + 1 or FOLLOW_UP_MESSAGES
+  end
+
   local function continue_transfer(t, way)
-    local transfer = way.transfer
+    local transfer, message = way.transfer, word_at(t, 1)
 
     if not transfer then return end
     if t.is_short or t.is_cut then
@@ -7636,6 +9220,8 @@ do
       return
     end
     t.kept.transfer = transfer
+    t.kept.is_out_of_order = transfer.message and message ~= next_message(transfer.message)
+    transfer.message = message
     transfer.received = transfer.received + t.end_ - SHORT_HEAD
     t.kept.is_last_piece = transfer.received >= transfer.announced
     if t.kept.is_last_piece then way.transfer = nil end
@@ -7669,9 +9255,8 @@ do
       set_generated(t.tree and add_value(t.tree, FX.synax_answer_time, t.tvb, 0, 0, nstime(kept.answer_time),
         T.ms_text(kept.answer_time)))
     end
-    if kept.unanswered_in then
-      mark(t, nil, EX.synax_unanswered_before, "No answer to the request in frame %d", kept.unanswered_in)
-    end
+    add_frame(t, FX.synax_unanswered_in, kept.unanswered_in)
+    if kept.unanswered_in then add_expert(t.root, EX.synax_unanswered_before) end
   end
 
   local function say_bytes(t, count)
@@ -7681,12 +9266,10 @@ do
   local function add_block_data(t, block)
     if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
     if t.whole == HEAD then return end
-    if block == IO_BLOCK or block == MODE_BLOCK then
-      for at = HEAD, t.end_ - 2, 2 do
-        add_le(t.tree, FX.arcnet7f_word, t.tvb, at, 2)
-      end
+    S.add_block_words(t.tree, t.root, FX.arcnet7f_word, t.tvb, HEAD, t.end_, block, false)
+    if block == K.BLOCK_MODE and t.whole - HEAD > 2 then
+      mark(t, nil, EX.synax_note, "Data block 100 has one word (page 7-15)")
     end
-    if block == MODE_BLOCK then mark(t, nil, EX.synax_note, "No document says which value is which mode") end
     say_bytes(t, t.whole - HEAD)
   end
 
@@ -7695,16 +9278,9 @@ do
     local text = S.block_text(block)
 
     S.add_info(t.tree, t.root, t.tvb, SHORT_HEAD, false, INFO_BLOCK)
-    local item = add(t.tree, FX.arcnet7f_block, t.tvb, BLOCK_AT, 1)
+    local item = S.add_block(t.tree, FX.arcnet7f_block, t.tvb, BLOCK_AT)
 
-    if text then
-      append_text(item, " (" .. text .. ")")
-    else
-      mark(t, item, EX.synax_note, "Data block that is not defined")
-    end
-    if block >= FIRST_BY_LIST and block <= LAST_BY_LIST then
-      append_text(item, strformat(", by C-0-%04d", block - FIRST_BY_LIST + CONFIGURATION))
-    end
+    if not text then mark(t, item, EX.synax_note, "Data block that is not defined") end
     if sub(t.bytes, BLOCK_AT + 2, HEAD) ~= "\0\0\0" then
       add_raw(t, BLOCK_AT + 1, HEAD)
       mark(t, nil, EX.synax_note, "Content after the number of a data block")
@@ -7734,7 +9310,7 @@ do
       if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
       return
     end
-    if head.is_last or (announced == length and length > 0) then
+    if not head.is_parameter or head.is_last or (announced == length and length > 0) then
       local telegram = t.end_ == #t.bytes and t.tvb or t.tvb(0, t.end_):tvb()
 
       say(t, "%s", S.add_head_data(t.tree, t.root, telegram, HEAD, false, head))
@@ -7753,7 +9329,7 @@ do
       add_raw(t, SHORT_HEAD, t.end_)
       say(t, "Cut telegram")
       if not t.is_short and not t.is_cut then
-        mark(t, nil, EX.synax_short, "The length says %d bytes, the head has %d", t.declared, K.HEAD_SIZE)
+        mark(t, nil, EX.synax_short, "The length is shorter than the head")
       end
     elseif t.is_block then
       add_block(t)
@@ -7764,22 +9340,35 @@ do
 
   local function add_whole(t, whole)
     local transfer, length = t.kept.transfer, whole:len()
-    local head = {ident = transfer.ident, known = S.known_from_tables(transfer.ident)}
+    local head = S.head_of(0, 0, transfer.ident)
 
     say(t, "; whole")
     if length > transfer.announced + 1 then
-      mark(t, nil, EX.synax_unexpected, "The list announces %d bytes, %d came", transfer.announced, length)
+      mark(t, nil, EX.synax_unexpected, "More bytes than the list announces")
     end
     local part = length > transfer.announced and whole(0, transfer.announced):tvb() or whole
 
     say(t, "%s", S.add_head_data(t.tree, t.root, part, 0, false, head))
   end
 
+  local function add_request_of_piece(t)
+    if t.end_ < HEAD then
+      add_raw(t, SHORT_HEAD, t.end_)
+      return
+    end
+    local _, words = S.add_head(t.tree, t.root, t.tvb, SHORT_HEAD, false)
+
+    say(t, ": %s", words)
+  end
+
   local function add_follow_up(t)
     local transfer, length = t.kept.transfer, t.end_ - SHORT_HEAD
 
     say(t, "Follow-up 0x%04x", word_at(t, 1))
-    if t.command == FETCH then return end
+    if t.command == FETCH then
+      add_request_of_piece(t)
+      return
+    end
     if transfer then
       add_frame(t, FX.arcnet7f_first_in, transfer.begun_in)
       if t.tree then
@@ -7793,6 +9382,9 @@ do
     if not transfer then
       mark(t, nil, EX.synax_note, "No list goes on here: its beginning is missing, or it has ended")
       return
+    end
+    if t.kept.is_out_of_order then
+      mark(t, nil, EX.synax_note, "Its message number does not follow that of the piece before")
     end
     local piece = length > 0 and t.tvb(SHORT_HEAD, length):tvb() or t.tvb
     local whole = S.put_together(t.tree, piece, transfer, t.kept.is_last_piece)
@@ -7857,26 +9449,17 @@ end
 -- word FBSteuer or the status word FBStatus (chapter 3).
 
 do
-  protos.synaxpk = synaxpk
-
   local CHANNEL_SIZE, WORD_SIZE, MOST_DATA = 12, 2, 10
   local BASIC_STATE = 0x000F
-  local OPEN_BITS, ERROR_BIT, READ_BIT, BUSY_BIT, LAST_BIT = 0xC000, 0x2000, 0x1000, 0x0800, 0x0400
+  local OPEN_BITS, ERROR_BIT, READ_BIT = K.SYNAXPK_WORD_OPEN, K.SYNAXPK_WORD_ERROR, K.SYNAXPK_WORD_READ
+  local BUSY_BIT, LAST_BIT = K.SYNAXPK_WORD_BUSY, K.SYNAXPK_WORD_LAST
   local DRIVE_SHORT_1, A_SHORT_1, SIS_FORMAT = 0x0, 0x1, 0xB
   local BUSY_CODE, SERIAL_ERRORS, TELEGRAM_START = 0x0008, 0x01, 0x02
-  local DRIVE_ERROR_BIT, DRIVE_LAST_BIT, FIRST_S_INDEX, S_INDEX_END = 0x4000, 0x2000, 0x2000, 0x3000
+  local DRIVE_ERROR_BIT, DRIVE_LAST_BIT = K.SYNAXPK_DRIVE_ERROR, K.SYNAXPK_DRIVE_LAST
+  local FIRST_S_INDEX, S_INDEX_END = 0x2000, 0x3000
   local SYNAX, INDRADRIVE = 0, 1
-  local GUESS, MASTER, SLAVE = 0, 1, 2
+  local GUESS, MASTER, SLAVE = 0, K.SYNAXPK_MASTER, K.SYNAXPK_SLAVE
   local SENT, RECEIVED = 0, 1 -- pinfo.p2p_dir
-
-  synaxpk.prefs.layout = Pref.enum("Layout of the control and status word", SYNAX,
-    "IndraDrive has a parameter channel of its own",
-    {{"synax", "SYNAX200", SYNAX}, {"indradrive", "IndraDrive", INDRADRIVE}}, false)
-  synaxpk.prefs.direction = Pref.enum("Sender", GUESS,
-    "Who has sent the packets: in a capture made at the master, what it sent comes from the master, and what it "
-    .. "received from the slave",
-    {{"guess", "As the packet says: sent, received", GUESS}, {"master", "Master", MASTER}, {"slave", "Slave", SLAVE}},
-    false)
 
   local ways, kept_of -- data under way in one direction; what is kept, by packet
 
@@ -7934,10 +9517,10 @@ do
 
     c.end_ = WORD_SIZE + min(count, there)
     if count > MOST_DATA then
-      mark(c, nil, EX.synax_note, "The channel has 10 bytes of data, its word says %d", count)
+      mark(c, nil, EX.synax_note, "The channel has 10 bytes of data, its word says more")
     elseif there + WORD_SIZE < count then
       c.is_short = true
-      mark(c, nil, EX.synax_short, "%d of %d bytes of data are there", there, count)
+      mark(c, nil, EX.synax_short, "The data are cut")
     end
   end
 
@@ -8217,7 +9800,7 @@ do
     local is_alone = has(c, DRIVE_LAST_BIT) and fragment == band(c.word, 0xFF)
 
     add_bits(c, FX.synaxpk_drive, drive_bits)
-    if fragment > there then mark(c, nil, EX.synax_short, "%d of %d bytes of data are there", there, fragment) end
+    if fragment > there then mark(c, nil, EX.synax_short, "The data are cut") end
     c.end_ = WORD_SIZE + min(fragment, there)
     if c.sender == SLAVE and has(c, DRIVE_ERROR_BIT) then
       say(c, "error")
@@ -8233,11 +9816,9 @@ do
   end
 
   local function check_size(c)
-    local more = c.all - c.there
-
-    if more == 0 then return end
+    if c.all == c.there then return end
     if #c.bytes > c.there then add(c.tree, F.raw, c.tvb, c.there, #c.bytes - c.there) end
-    mark(c, nil, EX.synax_unexpected, "%d byte%s after the six words of the channel", more, plural(more))
+    mark(c, nil, EX.synax_unexpected, "Bytes after the six words of the channel")
   end
 
   -- Of a channel that the capture has cut, nothing is certain.
@@ -8292,11 +9873,11 @@ end
 -- is read from the same object (p. 2-16). 5FF0 to 5FF6 are diagnosis words (p. 2-36 to 2-40).
 
 do
-  protos.synaxobj = synaxobj
-
   local HEAD_SIZE, WORD_SIZE = 3, 2
-  local READ_ANSWER, WRITE_REQUEST = 0, 1
-  local DIAGNOSIS_FIELDBUS, FAULT_CODE_PPC = 0x5FF0, 0x5FF6
+  local READ_ANSWER, WRITE_REQUEST = K.SYNAXOBJ_READ_ANSWER, K.SYNAXOBJ_WRITE_REQUEST
+  local DIAGNOSIS_FIELDBUS, STATUS_FIELDBUS = K.SYNAXOBJ_DIAGNOSIS_FIELDBUS, K.SYNAXOBJ_STATUS_FIELDBUS
+  local FAULT_CODE_PPC = K.SYNAXOBJ_FAULT_CODE_PPC
+  local NO_BUS_FAILURE = K.SYNAXOBJ_STATUS_BUS
 
   -- For each index: size in bytes; for a word its field, the fields in it, and its undefined bits.
   local objects = {
@@ -8306,7 +9887,7 @@ do
     [0x5E73] = {size = 128, of_telegrams = true},
     [DIAGNOSIS_FIELDBUS] = {size = WORD_SIZE, field = FX.synaxobj_diagnosis, open_bits = 0xFF00,
       fields = {FX.synaxobj_diagnosis_interface, FX.synaxobj_diagnosis_fault}},
-    [0x5FF2] = {size = WORD_SIZE, field = FX.synaxobj_status, open_bits = 0xFFF7,
+    [STATUS_FIELDBUS] = {size = WORD_SIZE, field = FX.synaxobj_status, open_bits = 0xFFF7,
       fields = {FX.synaxobj_status_bus, FX.synaxobj_status_memory}},
     [0x5FF5] = {size = WORD_SIZE, field = FX.synaxobj_ppc, fields = {}, open_bits = 0xFFFF},
     [FAULT_CODE_PPC] = {size = WORD_SIZE, field = FX.synaxobj_fault, open_bits = 0xFFFF,
@@ -8364,8 +9945,8 @@ do
     elseif request.answer_in then
       set_generated(add(tree, FX.synax_answer_in, d.tvb, 0, 0, request.answer_in))
     elseif request.next_in then
-      add_expert(d.root, EX.synax_unanswered,
-        strformat("No answer was read before the next write request, in frame %d", request.next_in))
+      set_generated(add(tree, FX.synax_next_request_in, d.tvb, 0, 0, request.next_in))
+      add_expert(d.root, EX.synax_unanswered, "No answer was read before the next write request")
     end
   end
 
@@ -8418,6 +9999,8 @@ do
           rshift(word, 8)))
     elseif index == DIAGNOSIS_FIELDBUS and low ~= 0 then
       add_expert(item or d.root, EX.synax_error, strformat("Fault of the fieldbus: 0x%02x", low))
+    elseif index == STATUS_FIELDBUS and band(word, NO_BUS_FAILURE) == 0 then
+      add_expert(item or d.root, EX.synax_error, "The fieldbus has failed")
     end
   end
 
@@ -8456,8 +10039,7 @@ do
     if not name then
       add_expert(d.root, EX.synax_note, strformat("Operation %d is not defined", operation))
     elseif d.length > 0 then
-      add_expert(d.root, EX.synax_unexpected,
-        strformat("A %s has no data, not %d byte%s", name, d.length, plural(d.length)))
+      add_expert(d.root, EX.synax_unexpected, strformat("A %s has no data", name))
     end
   end
 
@@ -8467,8 +10049,7 @@ do
 
     if operation ~= WRITE_REQUEST and operation ~= READ_ANSWER then return dissect_without_content(d) end
     if object and object.size and d.length > object.size then
-      add_expert(d.root, EX.synax_unexpected,
-        strformat("The object has %d bytes, not %d", object.size, d.length))
+      add_expert(d.root, EX.synax_unexpected, "More bytes than the object has")
     end
     if d.length == 0 then
       add_expert(d.root, EX.synax_short, "The content of the object is missing")
@@ -8511,7 +10092,7 @@ do
     dissect_content(d)
   end
 
-  -- The head is defined by this project, in the plugin's README.md.
+  -- The head is defined by this project, in plugin/docs/synax200-objects.md.
   local function dissect_named(d, is_cut)
     add(d.tree, FX.synaxobj_index, d.tvb, 0, 2)
     add(d.tree, FX.synaxobj_operation, d.tvb, 2, 1)
@@ -8536,7 +10117,7 @@ do
       add_raw(d, FX.synaxobj_raw, 0, #bytes)
       pinfo.cols.info:append("Object without its head")
       if not is_cut then
-        add_expert(d.root, EX.synax_short, strformat("Index and operation have 3 bytes, not %d", #bytes))
+        add_expert(d.root, EX.synax_short, "Index and operation have 3 bytes")
       end
     else
       local high, low, operation = byte(bytes, 1, 3)
@@ -8555,8 +10136,6 @@ end
 -- brings. All words have the high byte first.
 
 do
-  protos.synaxpcp = synaxpcp
-
   local HEAD_SIZE, REFERENCE_END, RESULT_END = 4, 6, 8
   local SUBINDEX_AT, LENGTH_AT, DATA_AT = 8, 9, 10
 
@@ -8650,7 +10229,7 @@ do
   end
 
   local function say_short(d, needed)
-    add_expert(d.root, EX.synax_short, strformat("The message has at least %d bytes, not %d", needed, d.end_))
+    add_expert(d.root, EX.synax_short, strformat("The message has at least %d bytes", needed))
   end
 
   local function note_data(item, request)
@@ -8688,8 +10267,7 @@ do
     local item = add(d.tree, FX.synaxpcp_length, d.tvb, LENGTH_AT, 1)
 
     if length > there then
-      add_expert(item, EX.synax_short,
-        strformat("The data have %d byte%s, there are %d", length, plural(length), there))
+      add_expert(item, EX.synax_short, "The data are cut")
     else
       add_rest(d, FX.synaxpcp_padding, DATA_AT + length)
     end
@@ -8807,11 +10385,9 @@ do
 
     d.end_ = min(finish, there)
     if finish > there then
-      add_expert(item, EX.synax_short,
-        strformat("%d words follow, of %d", floor((there - HEAD_SIZE) / 2), count))
+      add_expert(item, EX.synax_short, "Fewer words than counted")
     elseif finish < there then
-      add_expert(item, EX.synax_unexpected,
-        strformat("%d byte%s after the last word", there - finish, plural(there - finish)))
+      add_expert(item, EX.synax_unexpected, "Bytes after the last word")
       add(d.tree, FX.synaxpcp_raw, d.tvb, finish, there - finish)
     end
     dissect_message(d)
@@ -8822,8 +10398,7 @@ do
     d.pinfo.cols.info:append("Cut message")
     if #d.bytes > 0 then add(d.tree, FX.synaxpcp_raw, d.tvb, 0, #d.bytes) end
     if not is_cut then
-      add_expert(d.root, EX.synax_short,
-        strformat("Service code and word count have 4 bytes, not %d", #d.bytes))
+      add_expert(d.root, EX.synax_short, "Service code and word count have 4 bytes")
     end
   end
 
@@ -8846,17 +10421,10 @@ end
 -- words are stands in parameters of the PPC only; the user's table of the plugin cannot be here.
 
 do
-  protos.synaxpd = synaxpd
-
   local WORDS_SHOWN = 8 -- in the packet list
   local PORT_TYPE_UDP = 3
   local SENT, RECEIVED = 0, 1 -- of pinfo.p2p_dir
-  local TO_PPC, FROM_PPC = 1, 2
-
-  synaxpd.prefs.ports = Pref.range("UDP ports of the PPC", "",
-    "Those of parameter C-0-0194; none is known by itself", 65535)
-  synaxpd.prefs.swap_bytes = Pref.bool("Bytes of a word are swapped", false, "As bits of C-0-0129 say")
-  synaxpd.prefs.swap_words = Pref.bool("Words of a double word are swapped", false, "As bits of C-0-0129 say")
+  local TO_PPC, FROM_PPC = K.SYNAXPD_TO_PPC, K.SYNAXPD_FROM_PPC
 
   local taken = "" -- ranges of ports, as text
 
@@ -8933,50 +10501,545 @@ do
   DissectorTable.get("udp.port"):add_for_decode_as(synaxpd)
 end
 
+--- ascii/exchange: command, echo and answer of the ASCII protocol. A drive echoes each line but the one that opens it.
+-- Its answer ends with its prompt, or with "?" while it waits for an element of a list (MPH-02, p. 10-86 to 10-91).
+-- Between a command and its answer, the same line once more is its echo; a shared line does not show who sent it.
+
+do
+  local TEXT, OPEN, PROMPT, READ = K.SISASCII_TEXT, K.SISASCII_OPEN, K.SISASCII_PROMPT, K.SISASCII_READ
+  local WRITE, ELEMENT, ASKS, ERROR = K.SISASCII_WRITE, K.SISASCII_ELEMENT, K.SISASCII_ASKS, K.SISASCII_ERROR
+  local ECHO, ANSWER, END = K.SISASCII_ECHO, K.SISASCII_ANSWER, K.SISASCII_END
+
+  -- Of both directions: {command: the last one, list: the write whose elements are expected, is_asked: for the next of
+  -- them, is_mute: what seemed to be an echo was a repeat: nobody echoes now, drive: that is open}. A command: {said,
+  -- list, body: for what is known of its parameter, values, frame, answer_in, end_in, next_in, unanswered_before,
+  -- repeat_of, error, is_echoed, drive, line, finish, finish_earliest}. A unit: {kind, command, is_first, index,
+  -- elapsed, span, drive, limit}.
+  local buses, units
+
+  at_init(function() buses, units = {}, {} end)
+
+  local function is_waiting(command) return command ~= nil and not command.answer_in end
+
+  -- Nobody answers himself. A shared line does not show who has sent what.
+  local function can_answer(n, command)
+    return command and not command.end_in and (n.line == 0 or n.line ~= command.line)
+  end
+
+  local function is_same(n, command) return command and n.said.text == command.said.text end
+
+  local function is_echo(n)
+    local command = n.bus.command
+
+    return can_answer(n, command) and is_waiting(command) and is_same(n, command) and not command.is_echoed
+      and command.kind ~= OPEN and (n.line ~= 0 or not n.bus.is_mute)
+  end
+
+  -- Characters that were lost or damaged since may have been the answer.
+  local function is_disturbed(since)
+    local seen = packet.record and T.disturbance(packet.record)
+
+    return seen and (seen.lost_in > since or seen.unframed_in > since)
+  end
+
+  -- The next command comes: was the one before answered?
+  local function follow(n, command)
+    local before = n.bus.command
+
+    if not is_waiting(before) then return end
+    if before.is_echoed then n.bus.is_mute = true end
+    if is_same(n, before) then command.repeat_of = before.repeat_of or before.frame end
+    if is_disturbed(before.frame) then return end
+    before.next_in, command.unanswered_before = command.frame, before.frame
+  end
+
+  local function begin(n, kind)
+    local times = n.times
+    local command = {said = n.said, kind = kind, values = {}, frame = packet.number, line = n.line,
+      finish = times.end_, finish_earliest = times.end_earliest}
+
+    n.unit.kind, n.unit.command = kind, command
+    follow(n, command)
+    command.drive = n.bus.drive
+    n.bus.command, n.bus.is_asked = command, false
+    return command
+  end
+
+  local function add_value(command, text)
+    command.values[#command.values + 1] = text
+  end
+
+  -- What the bus has said of a parameter is looked up like that of a telegram: the address of a drive is that of its
+  -- only device, too (MPH-02, p. 10-100).
+  local function look_up(n, command)
+    if not command.drive then return end
+    command.body = {request = {},
+      record = {exchange = {from = {path = char(command.drive), stream = {bus = n.sis_bus}}}}}
+    S.learned_known(command.body, command.said.ident, command.drive)
+    command.body.asked = command.body.request
+  end
+
+  local function begin_access(n)
+    local said = n.said
+    local command = begin(n, said.kind)
+
+    n.bus.list = nil
+    look_up(n, command)
+    if said.kind ~= WRITE then return end
+    if said.value == ">" then n.bus.list = command else add_value(command, said.value) end
+  end
+
+  local function begin_open(n)
+    n.bus.drive, n.bus.list = n.said.drive, nil
+    begin(n, OPEN)
+  end
+
+  -- What follows "?": an element, or "<" after the last one.
+  local function begin_element(n)
+    local command = begin(n, n.said.text == "<" and END or ELEMENT)
+
+    command.list = n.bus.list
+    if command.kind == END then return end
+    add_value(command.list, n.said.text)
+    n.unit.index = #command.list.values
+  end
+
+  local function answer(n, kind)
+    local command, unit, times = n.bus.command, n.unit, n.times
+
+    unit.kind, unit.command = kind, command
+    n.bus.is_mute = false
+    if not is_waiting(command) then return end
+    unit.is_first = true
+    command.answer_in = packet.number
+    unit.elapsed = T.elapsed(command.finish, times.begin)
+    unit.span = {least = 0, most = K.ANY_TIME}
+    if command.finish_earliest and times.begin_earliest then
+      unit.span = S.span_between(command.finish_earliest, command.finish, times)
+    end
+  end
+
+  local learnt = {[K.ELEMENT_NAME] = "name", [K.ELEMENT_UNIT] = "unit", [K.ELEMENT_MINIMUM] = "minimum",
+    [K.ELEMENT_MAXIMUM] = "maximum"} -- an attribute as text is not documented
+
+  local function note_value(n)
+    local command = n.bus.command
+
+    answer(n, ANSWER)
+    if command.kind ~= READ then return end
+    local what = learnt[command.said.element]
+
+    if #command.values == 0 and what and command.drive then
+      S.learned_add(n.sis_bus, char(command.drive), command.said.ident, command.drive, what, n.said.text)
+    end
+    add_value(command, n.said.text)
+    if #command.values > 1 then n.unit.index = #command.values end
+  end
+
+  local notes = {
+    [OPEN] = begin_open,
+    [READ] = begin_access,
+    [WRITE] = begin_access,
+    [PROMPT] = function(n)
+      n.bus.drive = n.said.drive
+      if can_answer(n, n.bus.command) then
+        answer(n, PROMPT)
+        n.bus.command.end_in = packet.number
+      end
+      n.bus.list, n.bus.is_asked = nil, false
+    end,
+    [ASKS] = function(n)
+      if not can_answer(n, n.bus.command) then return end
+      answer(n, ASKS)
+      n.bus.command.end_in = packet.number
+      n.bus.is_asked = n.bus.list ~= nil
+    end,
+    [ERROR] = function(n)
+      local command = n.bus.command
+
+      if not can_answer(n, command) then return end
+      answer(n, ERROR)
+      local access = command.list or command
+
+      access.error = n.said.error
+    end,
+    [TEXT] = function(n)
+      local command = n.bus.command
+
+      if n.bus.is_asked and n.bus.list then
+        begin_element(n)
+      elseif n.said.text ~= "" and can_answer(n, command) and command.kind ~= OPEN then
+        note_value(n)
+      end
+    end,
+  }
+
+  -- A limit that the bus was told holds for SIS telegrams, so only the user's counts here.
+  local function find_limit(n)
+    local told = n.sis_bus.told
+
+    if not packet.record then return end
+    S.bus_learn_limits(told, T.limits(packet.record))
+    local limit = told.is_anything_told and S.bus_settings(told, K.ALL_STATIONS, n.times.begin)[K.TRS]
+
+    if limit and limit.is_by_user then n.unit.limit = limit end
+  end
+
+  -- The line of this packet; found in the first pass, and kept.
+  function S.ascii_find(pinfo, said, times)
+    local unit, key = units[packet.number], T.bus_key()
+
+    if unit then return unit end
+    unit = {kind = said.kind}
+    units[packet.number] = unit
+    if packet.visited then return unit end
+    effects = effects + 1
+    buses[key] = buses[key] or {}
+    local n = {said = said, times = times, unit = unit, bus = buses[key], sis_bus = S.exchange_bus(pinfo),
+      line = packet.record and packet.record.line or 0}
+
+    find_limit(n)
+    if is_echo(n) then
+      unit.kind, unit.command, n.bus.command.is_echoed = ECHO, n.bus.command, true
+    else
+      notes[said.kind](n)
+    end
+    unit.drive = n.bus.drive
+    return unit
+  end
+end
+
+--- ascii/sisascii: the ASCII protocol of ECODRIVE and IndraDrive, a line or a prompt a packet, as MPH-02 (p. 10-86 to
+-- 10-91) and public clients for DKCxx.3 drives have it.
+
+do
+  local TEXT, OPEN, PROMPT, READ = K.SISASCII_TEXT, K.SISASCII_OPEN, K.SISASCII_PROMPT, K.SISASCII_READ
+  local WRITE, ELEMENT, ASKS, ERROR = K.SISASCII_WRITE, K.SISASCII_ELEMENT, K.SISASCII_ASKS, K.SISASCII_ERROR
+  local ECHO, ANSWER = K.SISASCII_ECHO, K.SISASCII_ANSWER
+  local LARGEST_ADDRESS = 255
+  local SHOWN_CHARACTERS = 80
+  local MS = 1000000 -- in ns
+
+  -- A drive between two words: BCD:21, E21:>.
+  local function take_drive(said, kind, before, behind)
+    local digits = match(said.text, "^" .. before .. "(%d%d?%d?)" .. behind .. "$")
+
+    if not digits or tonumber(digits) > LARGEST_ADDRESS then return false end
+    said.kind, said.at, said.digits, said.drive = kind, #before, #digits, tonumber(digits)
+    return true
+  end
+
+  -- S-0-0051,7,R or S-0-0044,7,W,VALUE; r and w may be small.
+  local function take_access(said)
+    local ident, rest = S.ident_parse(said.text)
+    local element, what = match(ident and rest or "", "^,([1-7]),(.*)$")
+    local value = match(what or "", "^[Ww],(.*)$")
+
+    if not value and what ~= "R" and what ~= "r" then return false end
+    said.kind, said.ident, said.element = value and WRITE or READ, ident, tonumber(element)
+    said.at, said.value = #said.text - #rest + 1, value
+    return true
+  end
+
+  -- #7008
+  local function take_error(said)
+    local digits = match(said.text, "^#(%x%x%x%x)$")
+
+    if not digits then return false end
+    said.kind, said.at, said.error = ERROR, 1, tonumber(digits, 16)
+    return true
+  end
+
+  local function read_line(text)
+    local said = {text = text, kind = text == "?" and ASKS or TEXT}
+    local _ = take_drive(said, OPEN, "BCD:", "") or take_drive(said, PROMPT, "E", ":>") or take_access(said)
+      or take_error(said)
+
+    return said
+  end
+
+  -- "-12.5", but not "0013": that is a code.
+  local function is_number(text)
+    return (match(text, "^%-?%d+$") or match(text, "^%-?%d+%.%d+$")) and not match(text, "^%-?0%d")
+  end
+
+  -- The command with the parameter: of an element, the write that began its list; nil: it has none.
+  local function access_of(command)
+    local access = command and (command.list or command)
+
+    return access and access.kind ~= OPEN and access or nil
+  end
+
+  -- When the command was sent.
+  local function known_of(access)
+    return access.body and S.learned_known(access.body, access.said.ident, access.drive)
+      or S.known_from_tables(access.said.ident)
+  end
+
+  local function with_unit(value, known)
+    return (known.unit or "") ~= "" and value .. " " .. known.unit or value
+  end
+
+  -- Operating data and limits have the unit of the parameter.
+  local function show_value(line, offset, value, access, known)
+    local length = line.length - offset
+    local is_value = access.said.element >= K.ELEMENT_MINIMUM and is_number(value)
+    local shown = is_value and with_unit(value, known) or value
+
+    add(line.tree, F.value, line.tvb, offset, length, shown)
+    line.words = line.words .. " = " .. shown
+    if is_value then
+      set_generated(add(line.tree, F.value_number, line.tvb, offset, length, S.shown_number(value),
+        "Number: " .. value))
+    end
+  end
+
+  local function show_written(line, access, known)
+    if line.said.value == ">" then
+      line.words = line.words .. ", a list"
+    else
+      show_value(line, line.said.at + 4, line.said.value, access, known)
+    end
+  end
+
+  -- The parameter of a command, or of the command that a line belongs to.
+  local function show_parameter(line, access, known)
+    local ident, element, is_here = access.said.ident, access.said.element, line.said.kind == access.said.kind
+
+    if line.tree then S.add_ident(line.tree, line.tvb, {offset = 0, length = 0}, ident, known) end
+    local item = add(line.tree, FX.sisascii_element, line.tvb, is_here and line.said.at or 0, is_here and 1 or 0,
+      element)
+
+    if not is_here then set_generated(item) end
+    if line.unit.kind == ECHO then return end
+    line.words = line.words .. " " .. ident.text .. (known.name and " (" .. known.name .. ")" or "")
+    if element ~= K.ELEMENT_DATA then line.words = line.words .. ", " .. string.lower(N.elements[element]) end
+  end
+
+  local function show_text(line)
+    add(line.tree, FX.sisascii_text, line.tvb, 0, line.length, line.said.text)
+    line.words = line.words .. strformat(' "%s"', line.said.text)
+  end
+
+  -- Codes of its own, else those of parameter services.
+  local function error_text(code)
+    return N.errors_ascii[code] or N.errors_parameter[code] or "Not defined"
+  end
+
+  local function show_error(line)
+    local code = line.said.error
+    local text = error_text(code)
+    local item = add_value(line.tree, F.error, line.tvb, line.said.at, 4, code, strformat("%s (0x%04x)", text, code))
+
+    add_expert(item or line.root, E.status_execution_error, strformat("error 0x%04x: %s", code, text))
+    line.words = line.words .. strformat(": 0x%04x %s", code, text)
+  end
+
+  -- Which drive a line is for; at that place if it says so itself.
+  local function show_drive(line)
+    local said = line.said
+    local is_here = said.drive ~= nil
+    local drive = said.drive or line.unit.drive
+
+    if not drive then return end
+    local item = add(line.tree, FX.sisascii_drive, line.tvb, is_here and said.at or 0, is_here and said.digits or 0,
+      drive)
+
+    if is_here then line.words = strformat(" %d", drive) else set_generated(item) end
+    local station = set_generated(add(line.tree, F.station, line.tvb, 0, 0, drive))
+
+    if station then station:set_hidden() end
+  end
+
+  local function show_line(line)
+    local unit = line.unit
+    local access, kind = access_of(unit.command), unit.kind
+    local known
+
+    if access and kind ~= PROMPT then
+      known = known_of(access)
+      show_parameter(line, access, known)
+    end
+    if unit.index then set_generated(add(line.tree, FX.sisascii_index, line.tvb, 0, 0, unit.index)) end
+    if kind == WRITE then
+      show_written(line, access, known)
+    elseif kind == ANSWER or kind == ELEMENT then
+      show_value(line, 0, line.said.text, access, known)
+    elseif kind == ERROR then
+      show_error(line)
+    elseif kind == TEXT or kind == ECHO then
+      show_text(line)
+    end
+  end
+
+  local function add_frame(line, which, frame)
+    if frame then set_generated(add(line.tree, which, line.tvb, 0, 0, frame)) end
+  end
+
+  local function show_verdict(line, limit_ms, source)
+    local verdict = S.judge(line.unit.span, limit_ms * MS)
+
+    if line.tree then
+      set_generated(add_value(line.tree, F.trs_limit, line.tvb, 0, 0, nstime(limit_ms * MS),
+        limit_ms .. " ms" .. source))
+    end
+    if source ~= "" then add_frame(line, F.trs_set_in, line.unit.limit.set_in) end
+    local item = set_generated(add(line.tree, F.trs_verdict, line.tvb, 0, 0, verdict))
+
+    if verdict == K.TIME_EXCEEDED then
+      add_expert(item or line.root, E.trs_exceeded)
+      line.marks = line.marks .. "  [TrS exceeded]"
+    elseif verdict == K.TIME_UNRESOLVED then
+      add_expert(item or line.root, E.trs_unresolved)
+    end
+  end
+
+  -- How long the drive took. No document has a limit, so it is the user's.
+  local function show_time(line)
+    local unit, times = line.unit, line.times
+
+    if not unit.is_first then return end
+    if line.tree and S.is_measured(unit.elapsed, times) then
+      set_generated(add_value(line.tree, F.reaction_time, line.tvb, 0, 0, nstime(unit.elapsed),
+        T.ms_text(unit.elapsed)))
+      S.add_column_ms(line.tree, F.reaction_time_ms, line.tvb, unit.elapsed)
+    end
+    if not times.record then return end
+    if P.trs_ms > 0 then
+      show_verdict(line, P.trs_ms, "")
+    elseif unit.limit then
+      show_verdict(line, unit.limit.value, ", told by the user")
+    end
+  end
+
+  local function show_command(line, command)
+    add_frame(line, F.reaction_in, command.answer_in)
+    add_frame(line, F.repeat_of, command.repeat_of)
+    add_frame(line, F.unanswered_before, command.unanswered_before)
+    add_frame(line, F.next_command_in, command.next_in)
+    if command.repeat_of then
+      add_expert(line.root, E.command_repeat)
+      line.marks = line.marks .. "  [repeat]"
+    end
+    if command.next_in then
+      add_expert(line.root, E.command_unanswered)
+      line.marks = line.marks .. "  [no reaction]"
+    end
+  end
+
+  local function show_links(line)
+    local command = line.unit.command
+
+    if not command then return end
+    if command.frame == packet.number then
+      show_command(line, command)
+      return
+    end
+    add_frame(line, F.command_in, command.frame)
+    show_time(line)
+  end
+
+  local function set_value(access, command)
+    local value = concat(command.values, ", ")
+
+    if #command.values == 0 then return end
+    if #command.values == 1 and is_number(value) then
+      access.number = value
+      value = with_unit(value, access.known)
+    end
+    access.value = S.shortened(value, SHOWN_CHARACTERS)
+  end
+
+  -- The line that ends an answer completes a read or write of operating data.
+  local function tell_access(line, pinfo)
+    local command = access_of(line.unit.command)
+
+    if line.unit.kind ~= PROMPT or not command or not command.drive or command.said.element ~= K.ELEMENT_DATA
+      or not S.is_access_wanted(line.tree) then
+      return
+    end
+    local ident, drive, code = command.said.ident, command.drive, command.error
+    local access = {
+      is_write = command.kind == WRITE,
+      error = code and strformat("0x%04x %s", code, error_text(code)),
+      line = S.exchange_bus(pinfo).number,
+      station = strformat("%d", drive),
+      device = drive,
+      ident = ident,
+      known = S.learned_complete(command.body, ident, drive, known_of(command)),
+    }
+
+    if not code then set_value(access, command) end
+    S.tell_access(access, line.tvb, line.tree)
+  end
+
+  function sisascii.dissector(tvb, pinfo, tree)
+    if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
+    local root = tree and tree:add(sisascii, tvb())
+    local bytes, there = match(tvb:raw(), "^(.-)[\r\n]*$"), T.reported_len(tvb)
+    local line = {tvb = tvb, tree = root, root = root, length = #bytes, words = "", marks = "",
+      times = S.times(tvb, there, there)}
+
+    if tvb:len() == there then
+      line.said = read_line(S.text(bytes))
+      line.unit = S.ascii_find(pinfo, line.said, line.times)
+    else -- cut by the capture: it may say something else
+      line.said, line.unit = {text = S.text(bytes)}, {kind = TEXT}
+    end
+    set_generated(add(root, FX.sisascii_kind, tvb, 0, 0, line.unit.kind))
+    show_drive(line)
+    show_line(line)
+    show_links(line)
+    tell_access(line, pinfo)
+    local words = N.ascii_kinds[line.unit.kind] .. line.words
+
+    append_text(root, ", " .. words)
+    pinfo.cols.protocol = "SISASCII"
+    pinfo.cols.info = words .. line.marks
+    return tvb:len()
+  end
+
+end
+
 --- sis/transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives
   local DLT_USER_OFF = -1
 
-  local choices = {{"off", "Off", DLT_USER_OFF}}
+  local NO_TELEGRAM, GOOD, DAMAGED, INCOMPLETE = 0, 1, 2, 3
 
-  for number = 0, 15 do
-    choices[number + 2] = {strformat("user%d", number), strformat("USER%d (%d)", number, 147 + number), number}
-  end
-  preference("dlt_user", Pref.enum("Decode a user link type as SIS", DLT_USER_OFF,
-    "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set",
-    choices, false))
-  preference("tcp_heuristic", Pref.bool("Recognize SIS on any TCP port", true,
-    "Where a segment starts with a whole telegram: equal lengths, right checksum"))
+  -- The data that TCP hands over together; whether it may be asked for more.
+  local data, can_wait
 
-  -- Whether a telegram may begin at this start character, judging by the available bytes.
-  local function may_begin(bytes, offset)
-    local there = #bytes - offset
+  -- What seems to begin at offset, judging by the available bytes.
+  local function examine(offset)
+    local there, declared = #data - offset, S.declared_length(data, offset)
 
-    return there < 4 or S.declared_length(bytes, offset) > there or S.is_good(bytes, offset)
+    if byte(data, offset + 1) ~= K.START or (there >= 4 and declared == 0) then return NO_TELEGRAM, declared end
+    if there < 4 or declared > there then return INCOMPLETE, declared end
+    if S.is_good(data, offset) then return GOOD, declared end
+    if declared == there then can_wait = false end
+    return DAMAGED, declared
   end
 
   -- For dissect_tcp_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the capture
-  -- began in the middle): the length up to the next one. A damaged telegram also ends there: if a character was lost,
-  -- its length counts the first one of the next. 0 if more bytes are needed.
+  -- began in the middle): the length up to the next good one. A damaged telegram also ends where another one begins: if
+  -- a character was lost, its length counts the first one of the next. 0 if more bytes are needed.
   local function telegram_length(tvb, pinfo, offset)
-    local bytes, rest = tvb:raw(), tvb:reported_len() - offset
-    local captured, declared, next_start = #bytes - offset, 0, offset
+    local first, declared = examine(offset)
+    local rest, start = tvb:reported_len() - offset, offset + 1
 
-    if byte(bytes, offset + 1) == K.START then
-      declared = S.declared_length(bytes, offset)
-      if declared > captured or S.is_good(bytes, offset) then return declared end
-      if captured < 4 then return pinfo.can_desegment > 0 and 0 or rest end
-      if declared > 0 then rest = declared end
-    end
+    if first == INCOMPLETE and can_wait and declared == 0 then return pinfo.can_desegment > 0 and 0 or rest end
+    if first == GOOD or (first == INCOMPLETE and can_wait) then return declared end
+    if first == DAMAGED then rest = declared end
     while true do
-      next_start = string.find(bytes, char(K.START), next_start + 2, true)
-      next_start = next_start and next_start - 1
-      if not next_start or next_start - offset >= rest then return rest end
-      if may_begin(bytes, next_start) and (declared == 0 or #bytes - next_start >= 4) then
-        return next_start - offset
-      end
+      start = string.find(data, char(K.START), start + 1, true)
+      if not start or start - 1 - offset >= rest then return rest end
+      local other, length = examine(start - 1)
+      local is_awaited = first == DAMAGED and other == INCOMPLETE and length > 0
+
+      if other == GOOD or (is_awaited and can_wait) then return start - 1 - offset end
     end
   end
 
@@ -9005,6 +11068,7 @@ do
   -- throws an error without a message.
   local function dissect_segment(tvb, pinfo, tree)
     S.begin_packet(pinfo)
+    data, can_wait = tvb:raw(), true
     local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1, telegram_length, dissect_pdu)
     if message then error(message, 0) end
     if not is_done then S.show_cut(tvb, pinfo, tree, "SIS") end
@@ -9066,7 +11130,9 @@ do
   end
 
   DissectorTable.get("sertap.framing"):add(0, sis)
-  DissectorTable.get("sertap.framing"):add(1, procedure)
+  DissectorTable.get("sertap.told"):add(0, sis)
+  DissectorTable.get("sertap.framing"):add(1, p3964r)
+  DissectorTable.get("sertap.framing"):add(2, sisascii)
   DissectorTable.get("tcp.port"):add_for_decode_as(sis)
   DissectorTable.get("rtacser.data"):add_for_decode_as(sis)
   sis:register_heuristic("tcp", dissect_tcp_heuristic)

@@ -15,7 +15,8 @@ import bad_input
 import mutate
 import parity
 from make import HERE, Scenario
-from sistap.files import pcapng, reading
+from sistap.captures import reading
+from sistap.files import pcapng
 from sistap.wireshark.tshark import Tshark
 
 T = TypeVar("T")
@@ -93,6 +94,19 @@ def test_what_the_capture_has_cut(  # noqa: PLR0913, PLR0917
         tmp_path / "cut.pcapng", some([bad_input.Packet(data[:end], len(data)) for data, end in ends], count), dissector
     )
     parity.check(plugin, script, tmp_path / "cut.pcapng", "-o", "sis.tza_ms:5")
+
+
+@pytest.mark.thorough
+@sizes
+def test_lines_of_the_ascii_protocol(count: int, plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """1,000 random lines: each whole, then every beginning of it as a line, and as what the capture has cut."""
+    packets: list[bad_input.Packet | bytes] = []
+    for line in bad_input.ascii_lines(random.Random(SEED), 1000):
+        packets.append(line)
+        packets += [line[:end] for end in range(1, len(line))]
+        packets += [bad_input.Packet(line[:end], len(line)) for end in range(1, len(line))]
+    bad_input.write(tmp_path / "lines.pcapng", some(packets, count), "sisascii")
+    parity.check(plugin, script, tmp_path / "lines.pcapng")
 
 
 @pytest.mark.thorough

@@ -10,7 +10,7 @@ import pytest
 
 import parity
 from make import HERE
-from sistap.files import reading
+from sistap.captures import reading
 from sistap.wireshark.tshark import Tshark
 
 FUZZ = HERE / "fuzz"

@@ -11,8 +11,8 @@ import pytest
 
 from make import HERE
 from parity import SCRIPT
+from sistap.captures.reading import packets
 from sistap.files import pcapng
-from sistap.files.reading import packets
 from sistap.wireshark.tshark import Tshark
 
 SESSIONS = 8

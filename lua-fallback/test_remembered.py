@@ -16,7 +16,8 @@ import pytest
 
 import parity
 from make import HERE
-from sistap.files import pcapng, reading
+from sistap.captures import reading
+from sistap.files import pcapng
 from sistap.line.settings import Flag, LineSettings
 from sistap.records.record import Record, Type
 from sistap.sis.telegram import build

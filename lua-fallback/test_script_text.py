@@ -11,7 +11,7 @@ import pytest
 import parity
 from sistap.files import pcapng
 from sistap.line.settings import LineSettings
-from sistap.records.record import Event, Record, Type
+from sistap.records.record import Event, Framing, Record, Type
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 
@@ -66,3 +66,26 @@ def test_of_the_line(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
             records.append(Record(0, kind, 0, LineSettings(), data, [0] * len(data), bytes(len(data))))
     write(tmp_path / "line.pcapng", records)
     parity.check(plugin, script, tmp_path / "line.pcapng")
+
+
+# Pieces of the ASCII protocol, good and bad.
+PIECES = (
+    *(b"BCD:", b"21", b"255", b"256", b"E", b":>", b"S-0-0051", b"P-0-4095", b"S-0-4096", b"S-0-0390.0.136"),
+    *(b"A-0-0004", b"C-7-0001", b",", b"7", b"1", b"8", b"R", b"W", b"W,", b">", b"?", b"<", b"#", b"-", b".", b"12"),
+    *(b"\0", b"\xe4", b"%", b"\\"),
+)
+
+
+def test_lines_of_the_ascii_protocol(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """1,000 random lines, and every cut of some good ones."""
+    chance = random.Random(2)
+    lines = [b"".join(chance.choices(PIECES, k=chance.randint(1, 6))) + b"\r\n" for _ in range(1000)]
+    for whole in (b"BCD:21\r\n", b"E21:>", b"S-0-0390.0.136,7,R\r\n", b"P-0-4006,7,W,-12.5000\r\n", b"?1.0\r\n"):
+        lines += [whole[:length] for length in range(1, len(whole) + 1)]
+    records = [
+        Record(0, Type.FRAME, 0, LineSettings(), line, [0] * len(line), bytes(len(line)), framing=Framing.ASCII)
+        for line in lines
+    ]
+    write(tmp_path / "lines.pcapng", records)
+    parity.check(plugin, script, tmp_path / "lines.pcapng")
+    assert len(plugin.output("-r", str(tmp_path / "lines.pcapng"), "-Y", "sisascii.kind").splitlines()) == len(lines)

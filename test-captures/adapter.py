@@ -98,6 +98,13 @@ def windows(record: Record, character_ns: int) -> list[Window]:
     return found
 
 
+def in_order(line: Sequence[Window], character_ns: int) -> list[Window]:
+    """Narrow the windows: no character arrived less than a character time after the one before it."""
+    earliests = itertools.accumulate((w.earliest for w in line), lambda a, b: max(a + character_ns, b))
+    latests = list(itertools.accumulate((w.latest for w in line[::-1]), lambda a, b: min(a - character_ns, b)))
+    return [Window(*both) for both in zip(earliests, latests[::-1], strict=True)]
+
+
 def surely(line: Sequence[Window], limit_ns: int) -> int:
     """Judge the intervals between neighbours, each by its own two windows."""
     spans = [
@@ -117,16 +124,14 @@ def provably(line: Sequence[Window], limit_ns: int, character_ns: int) -> int:
         reach = Window(earliest, min(window.latest, reach.latest + limit_ns))
         if reach.latest < reach.earliest:
             return EXCEEDED
-    earliests = list(itertools.accumulate((w.earliest for w in line), lambda a, b: max(a + character_ns, b)))
-    latests = list(itertools.accumulate((w.latest for w in line[::-1]), lambda a, b: min(a - character_ns, b)))[::-1]
-    most = max(latest - earliest for earliest, latest in zip(earliests, latests[1:], strict=False))
-    return OK if most <= limit_ns else UNRESOLVED
+    return surely(line, limit_ns)
 
 
 def admissible(record: Record, limit_ns: int, before: Record | None = None) -> set[int]:
     """Return the right verdicts on the intervals inside a record, or on the one between two records.
 
-    The verdict must say what the windows of neighbours decide. It may say what only all windows together prove.
+    The verdict must say what the windows of neighbours decide; inside a record, where they are narrowed by the order of
+    the characters. It may say what only all windows together prove.
     """
     parts = [before, record] if before else [record]
     if any(part.uncertainty_ns == UNCERTAINTY_UNKNOWN for part in parts):
@@ -134,7 +139,6 @@ def admissible(record: Record, limit_ns: int, before: Record | None = None) -> s
     # As fast as the sender can be: its true rate is unknown.
     character_ns = int(record.settings.character_ns * (1 - TOLERANCE))
     line = [window for part in parts for window in windows(part, character_ns)]
-    if before:
-        line = line[len(before.data) - 1 :][:2]
+    line = line[len(before.data) - 1 :][:2] if before else in_order(line, character_ns)
     must = surely(line, limit_ns)
     return {must} if must != UNRESOLVED else {UNRESOLVED, provably(line, limit_ns, character_ns)}

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import random
 import struct
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -113,3 +114,36 @@ def write(path: Path, packets: Iterable[Packet | bytes], dissector: str = "sis")
         struct.pack_into("<I", block, _ORIGINAL_LENGTH, captured + original - len(data))
         blocks.append(bytes(block))
     path.write_bytes(b"".join(blocks))
+
+
+_PARTS = (
+    *("BCD:", "E", ":>", "21", "256", "0", "S-0-0051", "P-7-4095", "S-0-0390.0.136", "A-0-0004", "S-8-9999", ","),
+    *(
+        ",7,R",
+        ",7,W,",
+        ",2,r",
+        ",8,R",
+        ">",
+        "<",
+        "?",
+        "#7004",
+        "#900",
+        "-12.5",
+        "0013",
+        "1e9",
+        "9" * 40,
+        "\x00",
+        "\xb0C",
+    ),
+)
+
+
+def ascii_lines(chance: random.Random, count: int) -> list[bytes]:
+    """Make lines of the ASCII protocol from what such lines have, and from any characters."""
+    lines = []
+    for _ in range(count):
+        text = "".join(chance.choices(_PARTS, k=chance.randint(0, 4))).encode("latin-1")
+        if chance.random() < 0.2:
+            text += chance.randbytes(chance.randint(1, 12))
+        lines.append(text + chance.choice([b"\r\n", b"\r", b"\n", b""]))
+    return lines

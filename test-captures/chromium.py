@@ -8,9 +8,13 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
+from base64 import b64decode
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+_LOOK_S = 0.05
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 
 
@@ -53,6 +57,7 @@ class Chromium:
         self._loads = 0
         self._session: str | None = None
         self._context: str | None = None
+        self.requests: list[str] = []  # addresses that the page has asked for
         self.complaints: list[str] = []  # errors of the page's script, and what its policy refused
 
     def __enter__(self) -> Chromium:
@@ -65,10 +70,11 @@ class Chromium:
         if self._context:
             self.call("Target.disposeBrowserContext", browserContextId=self._context)
         self.complaints.clear()
+        self.requests.clear()
         self._context = self.call("Target.createBrowserContext")["browserContextId"]
         target = self.call("Target.createTarget", url="about:blank", browserContextId=self._context)["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
+        for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
 
     def __exit__(
@@ -107,6 +113,8 @@ class Chromium:
         text, _, self._unread = self._unread.partition(b"\0")
         message: dict[str, Any] = json.loads(text)
         self._loads += message.get("method") == "Page.loadEventFired"
+        if message.get("method") == "Network.requestWillBeSent":
+            self.requests.append(message["params"]["request"]["url"])
         if message.get("method") == "Runtime.exceptionThrown":
             self.complaints.append(str(message["params"]["exceptionDetails"]))
         if message.get("method") == "Log.entryAdded" and message["params"]["entry"]["level"] == "error":
@@ -126,6 +134,42 @@ class Chromium:
         if "exceptionDetails" in found:
             raise ChromiumError(f"{expression[:200]}: {found['exceptionDetails']}")
         return found["result"].get("value")
+
+    def until(self, expression: str, timeout_s: float = 60) -> None:
+        """Wait until an expression of JavaScript is true."""
+        end = time.monotonic() + timeout_s
+        while not self.run(f"Boolean({expression})"):
+            if time.monotonic() > end:
+                raise ChromiumError(f"{expression} is not true after {timeout_s:g} s; {self.complaints}")
+            time.sleep(_LOOK_S)
+
+    def before(self, script: str) -> None:
+        """Run a script in each page before its own."""
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+
+    def choose(self, selector: str, *files: Path) -> None:
+        """Choose files in a field for files."""
+        root = self.call("DOM.getDocument")["root"]["nodeId"]
+        node = self.call("DOM.querySelector", nodeId=root, selector=selector)["nodeId"]
+        self.call("DOM.setFileInputFiles", nodeId=node, files=[str(file) for file in files])
+
+    def click(self, words: str) -> None:
+        """Click a button, or the field of a label, with these words."""
+        found = f"find((one) => one.textContent.trim() === {json.dumps(words)})"
+        self.run(
+            f"(([one]) => (one.control ?? one).click())([[...document.querySelectorAll('button, label')].{found}])"
+        )
+
+    def size(self, width: int, height: int, *, dark: bool = False) -> None:
+        """Give the window a size, and light or dark colours."""
+        self.call("Emulation.setFocusEmulationEnabled", enabled=True)
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.call("Emulation.setEmulatedMedia", features=[scheme])
+
+    def picture(self, path: Path) -> None:
+        """Save what is seen as a PNG."""
+        path.write_bytes(b64decode(self.call("Page.captureScreenshot")["data"]))
 
     def type(self, text: str) -> None:
         """Type into what has the focus."""

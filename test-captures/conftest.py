@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "capture" / "tests")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "capture" / "tests"), str(HERE.parent / "plugin" / "protocol")]
 
 from sharkd import Sharkd  # noqa: E402
 

@@ -6,7 +6,7 @@
     python3 make.py --expected      also write NAME.expected from what tshark says now: read the difference, line by
                                     line, against the specification before you keep it
 
-What a NAME.txt may hold is said in README.md.
+What a NAME.txt may hold is said in DEVELOP.md.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "capture"))
@@ -35,6 +36,7 @@ from sistap.wireshark.tshark import Tshark  # noqa: E402
 START_NS = 1_700_000_000_000_000_000
 LONGEST_NS = 0xFFFFFFFF  # that a record can hold
 SILENCE_NS = 25_000_000  # before the next packet, unless `silence` says otherwise
+CLIENT_PORT = 50000  # of TCP and UDP
 
 LINKTYPE_RAW_IPV4 = 228
 LINKTYPE_ARCNET_BSD = 7
@@ -77,8 +79,10 @@ class Item:
     settings: LineSettings = field(default_factory=LineSettings)
     uncertainty_ns: int = 310_000
     line: int = 0
+    link: str = "sertap"
     section: int = 0
     interface: int = 0  # of the section
+    clock_ns: int = 0  # so far ahead is the clock of the packets
     event: int = 0
     framing: int = 0  # of a frame: 0 SIS, 1 3964R
     flags: dict[int, int] = field(default_factory=dict)  # by number of the character, from 1
@@ -127,6 +131,13 @@ class Item:
         return self.time_ns + sum(self._intervals(0))
 
 
+class Says(Protocol):
+    """A tshark, of this system or of another."""
+
+    def output(self, *arguments: str) -> str:
+        """Run it, and return what it says."""
+
+
 class Scenario:
     """A NAME.txt: its directives and its packets."""
 
@@ -144,7 +155,7 @@ class Scenario:
         self._port = 4200
         self._sequence: dict[tuple[int, str], int] = {}
         for number, line in enumerate(path.read_text().splitlines(), 1):
-            words = line.split("#")[0].rstrip() if not line.startswith(("other", "event")) else line
+            words = line.split("#")[0].rstrip() if not line.startswith(("other", "event", "text")) else line
             try:
                 self._read(words)
             except (ValueError, KeyError, IndexError, SyntaxError) as error:
@@ -159,7 +170,8 @@ class Scenario:
 
     def _do_link(self, rest: str) -> None:
         LINK_TYPES[rest]  # KeyError: no such link
-        self.link = rest
+        self.link = self.link if self.items else rest
+        self._defaults["link"] = rest
 
     def _do_show(self, rest: str) -> None:
         self.show = rest
@@ -190,6 +202,9 @@ class Scenario:
     def _do_framing(self, rest: str) -> None:
         self._defaults["framing"] = int(rest)
 
+    def _do_clock(self, rest: str) -> None:
+        self._defaults["clock_ns"] = round(float(rest) * 1e6)
+
     def _do_silence(self, rest: str) -> None:
         self._silence_ns = round(float(rest) * 1e6)
 
@@ -199,6 +214,9 @@ class Scenario:
 
     def _do_telegram(self, rest: str) -> None:
         self._add(data=bytes.fromhex(rest))
+
+    def _do_text(self, rest: str) -> None:
+        self._add(data=ast.literal_eval(rest).encode("latin-1"))
 
     def _do_stations(self, rest: str) -> None:
         sender, receiver = rest.split()
@@ -236,7 +254,7 @@ class Scenario:
         code, text = rest.split(None, 1)
         self._add(
             kind=record.Type.EVENT,
-            data=text.encode(),
+            data=text.replace("\\n", "\n").encode(),
             event=int(code),
             uncertainty_ns=UNCERTAINTY_UNKNOWN,
         )
@@ -294,11 +312,12 @@ class Scenario:
 
     def _payloads(self) -> list[bytes]:
         """Return the payloads of the packets, without the link type's own header."""
-        if self.link != "sertap":
-            return [item.raw if item.raw is not None else item.data for item in self.items]
         last: dict[tuple[int, int, int], int] = {}
         payloads = []
         for item in self.items:
+            if item.link != "sertap":
+                payloads.append(item.raw if item.raw is not None else item.data)
+                continue
             has_times = item.kind != record.Type.EVENT and item.raw is None
             line = item.section, item.interface, item.line
             silence = item.time_ns - last[line] if line in last else None
@@ -312,7 +331,7 @@ class Scenario:
         flags = {0: 0, 1: pcapng.PacketFlags.INBOUND, 2: pcapng.PacketFlags.OUTBOUND}[item.line]
         if any(flag & errors for flag in item.flags.values()):
             flags |= pcapng.PacketFlags.SYMBOL_ERROR
-        if self.link == "sertap" and item.kind == record.Type.FRAME and item.data:
+        if item.link == "sertap" and item.kind == record.Type.FRAME and item.data:
             flags |= 0 if telegram.checksum_good(item.data) else pcapng.PacketFlags.CRC_ERROR
         return flags
 
@@ -324,12 +343,13 @@ class Scenario:
             head = pcapng.section_header("test-captures/make.py", "")
             blocks.append([head, *map(pcapng.interface_description, interfaces)])
         for item, payload in zip(self.items, self._payloads(), strict=True):
-            data = LINK_HEADERS[self.link](payload, item.time_ns)
-            packet = pcapng.enhanced_packet(item.interface, item.time_ns, data, self._packet_flags(item))
+            data = LINK_HEADERS[item.link](payload, item.time_ns)
+            time_ns = item.time_ns + item.clock_ns
+            packet = pcapng.enhanced_packet(item.interface, time_ns, data, self._packet_flags(item))
             blocks[item.section].append(packet)
         return b"".join(block for section in blocks for block in section)
 
-    def dissection(self, tshark: Tshark, capture: Path) -> str:
+    def dissection(self, tshark: Says, capture: Path) -> str:
         """Return tshark's output, 4.0 to 4.6: a line for each packet, followed by its tree if requested."""
         layers = ["-P", "-V", "-O", self.show] if self.show else []
         text = tshark.output("-r", str(capture), "-t", "r", *self.options, *layers)
@@ -374,7 +394,7 @@ def rtac_header(payload: bytes, time_ns: int) -> bytes:
 
 def tcp_segment(port: int, from_client: bool, sequence: int, acknowledged: int, payload: bytes) -> bytes:
     """Make an IPv4 packet with one TCP segment; checksums are 0, which Wireshark does not judge."""
-    ports = (50000, port) if from_client else (port, 50000)
+    ports = (CLIENT_PORT, port) if from_client else (port, CLIENT_PORT)
     addresses = (b"\x0a\x00\x00\x01", b"\x0a\x00\x00\x02")
     source, destination = addresses if from_client else addresses[::-1]
     tcp = struct.pack(">HHIIBBHHH", *ports, sequence, acknowledged, 0x50, 0x18, 8192, 0, 0) + payload
@@ -383,7 +403,7 @@ def tcp_segment(port: int, from_client: bool, sequence: int, acknowledged: int, 
 
 def udp_datagram(port: int, from_client: bool, payload: bytes) -> bytes:
     """Make an IPv4 packet with one UDP datagram; checksums are 0, which Wireshark does not judge."""
-    ports = (50000, port) if from_client else (port, 50000)
+    ports = (CLIENT_PORT, port) if from_client else (port, CLIENT_PORT)
     addresses = (b"\x0a\x00\x00\x01", b"\x0a\x00\x00\x02")
     source, destination = addresses if from_client else addresses[::-1]
     udp = struct.pack(">HHHH", *ports, 8 + len(payload), 0) + payload

@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Joins several captures for tests of all of them: starting tshark takes longer than dissecting a small capture.
 
-Every capture keeps its own interfaces, and so is a separate bus.
+Every capture is a section with its own interfaces, and so is a separate bus.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from make import Scenario, scenarios
-from sistap.files import pcapng
+from make import CLIENT_PORT, Scenario, scenarios
 
 
 @dataclass(frozen=True)
@@ -24,8 +22,8 @@ class Group:
     options: tuple[str, ...] = ()
 
     def write(self, capture: Path) -> None:
-        """Write all of them into one capture."""
-        capture.write_bytes(b"".join(_merged(self.paths)))
+        """Write all of them into one capture, each as a section of its own."""
+        capture.write_bytes(b"".join(_as_section(path, number) for number, path in enumerate(self.paths)))
 
     def whose(self, number: int) -> str:
         """Return the capture, and the packet in it, of packet `number`; both count from 1."""
@@ -37,45 +35,19 @@ class Group:
         raise IndexError(number)
 
 
-def groups() -> list[Group]:
-    """Return all captures that can be joined, once without options, and once with the options of all of them."""
+@cache
+def groups() -> tuple[Group, Group, Group]:
+    """Return all captures once without options, and once with the options of all of them; last those of TCP."""
     all_of_them = [Scenario(path) for path in scenarios()]
-    together = [scenario for scenario in all_of_them if not _is_apart(scenario)]
-    paths = tuple(scenario.path for scenario in together)
-    options = tuple(word for scenario in together for word in scenario.options)
-    return [Group("plain", paths), Group("all-options", paths, options)]
+    over_tcp = tuple(scenario.path for scenario in all_of_them if scenario.link == "tcp")
+    others = tuple(scenario.path for scenario in all_of_them if scenario.link != "tcp")
+    options = tuple(word for scenario in all_of_them if scenario.link != "tcp" for word in scenario.options)
+    return Group("plain", others), Group("all-options", others, options), Group("tcp", over_tcp)
 
 
-def apart() -> list[Group]:
-    """Return each of the other captures alone."""
-    return [Group(path.stem, (path,)) for path in scenarios() if _is_apart(Scenario(path))]
-
-
-def _is_apart(scenario: Scenario) -> bool:
-    """Tell whether joined captures would be one TCP connection, or lose their sections."""
-    return scenario.link == "tcp" or any(item.section for item in scenario.items)
-
-
-def _merged(paths: tuple[Path, ...]) -> Iterator[bytes]:
-    yield pcapng.section_header("test-captures/merging.py", "")
-    packets: list[bytes] = []
-    interfaces = 0
-    for path in paths:
-        first = interfaces
-        for kind, block in _blocks(path.with_suffix(".pcapng").read_bytes()):
-            if kind == pcapng.INTERFACE_DESCRIPTION:
-                interfaces += 1
-                yield block
-            elif kind == pcapng.ENHANCED_PACKET:
-                (interface,) = struct.unpack_from("<I", block, 8)
-                packets.append(block[:8] + struct.pack("<I", first + interface) + block[12:])
-    yield from packets
-
-
-def _blocks(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield kind and bytes of each block of a capture that make.py wrote."""
-    offset = 0
-    while offset < len(data):
-        kind, length = struct.unpack_from("<II", data, offset)
-        yield kind, data[offset : offset + length]
-        offset += length
+def _as_section(path: Path, number: int) -> bytes:
+    """Return a capture; where it is one of several over TCP, with a client's port of its own."""
+    scenario = Scenario(path)
+    for item in scenario.items if scenario.link == "tcp" else ():
+        item.raw = (item.raw or b"").replace(CLIENT_PORT.to_bytes(2), (CLIENT_PORT + number).to_bytes(2), 1)
+    return scenario.capture()

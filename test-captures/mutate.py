@@ -27,8 +27,8 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "capture"))
 
+from sistap.captures.reading import packets  # noqa: E402
 from sistap.files import pcapng  # noqa: E402
-from sistap.files.reading import packets  # noqa: E402
 from sistap.wireshark.tshark import Tshark, TsharkError  # noqa: E402
 
 MUTANTS_PER_ROUND = 4000

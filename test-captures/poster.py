@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drawing import BLACK, WHITE, Column, Page, wrapped
-from pages.dissection import buttons
+from pages.profile import buttons
 from sistap.annotate.page import KINDS
 
 SVG = Path(__file__).parent / "course" / "poster.svg"
@@ -53,7 +53,7 @@ WIRING = (
     ("RS485", "two wires, A (-) and B (+), from station to station. A resistor of 120 ohms at both ends only."),
     ("9-pin", "3 is B (+), 8 is A (-), 5 is ground, 1 is the shield."),
     ("15-pin", "4 is RS485 +, 5 is RS485 -, 7 and 10 are ground. RS232: 2 is TxD, 3 is RxD."),
-    ("Tap", "A to A, B to B, ground to ground. It only listens; no resistor of its own."),
+    ("Tap", "+ to +, - to -, ground to ground: many adapters name + A. It only listens; no resistor of its own."),
 )
 TIMES = (
     ("TzA", "longest interval from character to character. A longer one does not end the telegram."),
@@ -124,7 +124,8 @@ def columns(page: Page, top: float, bottom: float) -> None:
     second.rows(DEAD_BUS, 7)
     third.heading("Buttons of the profile, and what to type instead")
     for word, expression, _ in buttons():
-        third.rows([(word, expression if len(expression) < 60 else expression.split(" || ")[0] + " || ...")], 31)
+        begin, *more = expression.split(" || ")
+        third.rows([(word, f"{begin} || ..." if more and len(expression) >= 60 else expression)], 31)
     third.heading("Filters to begin with")
     third.rows(
         [

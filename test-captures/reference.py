@@ -329,7 +329,8 @@ def reaction_layout(service: int, body: bytes, asked: bytes | None) -> str:
         return "status ~" if kind >= 0x80 or 0 < body[0] < 0xF0 else "status raw:*"
     status = body[0] if body else 0
     if kind == 0x04 and status < 0xF0:
-        return "status list:*" if status < 2 else "status ~"
+        is_list = status < 2 or (status == 2 and len(body) > 3)  # not the code of the channel (fig. 2-19)
+        return "status list:*" if is_list else "status ~"
     head = HEADS.get(kind, "")
     if kind == 0x01:  # the device stands here if it stood in the command (chapter 4.1)
         if asked is None or len(asked) == 1:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes the telegram on one page, course/sheet.svg, from the tables of plugin/sis/names.c.
+"""Makes the telegram on one page, course/sheet.svg, from the tables of plugin/protocol/codes.toml.
 
     python3 sheet.py          write sheet.svg
     python3 sheet.py --pdf    and sheet.pdf from it (needs rsvg-convert, and the font Liberation Sans)
@@ -17,12 +17,15 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from drawing import PALE, WHITE, Column, Page
 
 HERE = Path(__file__).parent
-SOURCE = HERE.parent / "plugin" / "sis" / "names.c"
+sys.path.insert(0, str(HERE.parent / "plugin" / "protocol"))
+
+from description import Code, Description  # noqa: E402
+
+TABLES = Description().tables
 SVG = HERE / "course" / "sheet.svg"
 
 PRODUCTS = re.compile(r" \((ECODRIVE|SYNAX)\)$")
@@ -101,32 +104,19 @@ TIMES = (
 STARTS = "After a silence longer than TzA a receiver looks for a start. A slave never speaks first."
 
 
-class Entry(NamedTuple):
-    """A line of a table: the first and last code as written, and the text."""
-
-    first: str
-    last: str
-    text: str
+def table(name: str) -> Sequence[Code]:
+    """Return a table of the description. KeyError if there is none of that name."""
+    return TABLES[name].codes
 
 
-def table(name: str) -> list[Entry]:
-    """Read a table of names.c. KeyError if there is none of that name."""
-    found = re.search(rf"_string sis_{name}\[\] = \{{(.*?)\}};", SOURCE.read_text(), re.DOTALL)
-    if found is None:
-        raise KeyError(name)
-    rows = re.findall(r'\{(\w+)(?:, (\w+))?, "([^"]*)"\}', found[1])
-    return [Entry(first, last or first, text) for first, last, text in rows]
-
-
-def code(entry: Entry) -> str:
-    """Format a code for readers: without 0x, a range with a dash."""
-    first, last = (word.removeprefix("0x") for word in (entry.first, entry.last))
-    return first if first == last else f"{first}-{last}"
+def code(entry: Code) -> str:
+    """Format a code for readers: without 0x."""
+    return entry.key.replace("0x", "")
 
 
 def rows(name: str, *wanted: int) -> list[tuple[str, str]]:
     """Return the rows of a table, or those with the wanted codes."""
-    return [(code(entry), entry.text) for entry in table(name) if not wanted or int(entry.first, 16) in wanted]
+    return [(code(entry), entry.text) for entry in table(name) if not wanted or entry.first in wanted]
 
 
 def services() -> list[tuple[str, str]]:
@@ -135,7 +125,7 @@ def services() -> list[tuple[str, str]]:
     like: dict[str, list[str]] = {}
     for entry in singles:
         like.setdefault(PRODUCTS.sub("", entry.text), []).append(code(entry))
-    ranges = [entry for entry in table("services") if entry.first != entry.last and int(entry.first, 16) >= 0xA0]
+    ranges = [entry for entry in table("services") if entry.first != entry.last and entry.first >= 0xA0]
     return [
         *((" ".join(codes), text) for text, codes in like.items()),
         *((code(entry), entry.text) for entry in ranges),
@@ -149,7 +139,7 @@ def statuses() -> list[tuple[str, str]]:
 
 def addresses() -> list[tuple[str, str]]:
     """Return kinds of addresses with their meanings."""
-    kinds = {entry.first.removeprefix("SIS_"): entry.text for entry in table("address_kinds")}
+    kinds = {entry.constant.removeprefix("SIS_"): entry.text for entry in table("address_kinds")}
     return [(numbers, kinds[kind]) for numbers, kind in ADDRESSES]
 
 
@@ -224,7 +214,7 @@ def columns(page: Page, top: float, bottom: float) -> None:
     fourth.rows(ATTRIBUTE, 11)
     fourth.heading("Procedure command and its data status")
     fourth.words("Written: 3 set and enable, 1 interrupt, 0 clear. Writing element 1, control 0C, brings the status:")
-    fourth.words(", ".join(f"{int(entry.first, 16):X} {entry.text}" for entry in table("data_states")))
+    fourth.words(", ".join(f"{entry.first:X} {entry.text}" for entry in table("data_states")))
     fourth.heading("Error codes of parameters (status 01)")
     fourth.rows(rows("errors_parameter", *PARAMETER_ERRORS), 11)
     fourth.words(

@@ -21,12 +21,17 @@ LATER = {
     "reaction_in",
     "sequence.whole_in",
     "command.unanswered",
+    "next_command_in",
+    "access",  # of a value that came before its attribute
     "synax.answer_in",
     "synax.pieces.whole_in",
 }
 LATER_ELSEWHERE = {
+    "sis.reaction_in",
+    "sis.command.unanswered",
     "synax.answer_in",
     "synax.unanswered",
+    "synax.next_request_in",
     "synax.pieces.whole_in",
     "synaxpcp.response_in",
     "3964r.answer_in",

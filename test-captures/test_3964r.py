@@ -29,7 +29,7 @@ PROCEDURE = {  # meaning, the unit that it answers, attempt, and other fields
     12: (REFUSED, 11, None, "qvz.verdict=0 refused"),
     13: (ASKS, None, 1, ""),
     14: (GRANTS, 13, None, "qvz.verdict=0"),
-    15: (BLOCK, None, 1, "length=18 doubled=1 bcc=0x9e bcc.status=1 zvz.verdict=0"),
+    15: (BLOCK, None, 2, "length=18 doubled=1 bcc=0x9e bcc.status=1 zvz.verdict=0"),
     16: (RECEIVED, 15, None, "qvz.verdict=0"),
     17: (ASKS, None, 1, ""),
     18: (GRANTS, 17, None, "qvz.verdict=0"),
@@ -61,14 +61,54 @@ RK512 = {
     7: "rk512i.error=0x00 sis.parameter=S-0-0237 sis.data=0007 synax.request_in=3 synax.answer_time=0.100000000",
     15: "rk512i.command=0x41 rk512i.kind=0x44 rk512i.block=0 rk512i.word=0 rk512i.count=4 rk512i.flag_byte=0xff "
     "synax.info=0x0003 synax.axis=3 sis.parameter=P-0-0012 sis.data=0010 synax.answer_in=19",
-    19: "rk512i.error=0x16 synax.error synax.request_in=15 synax.answer_time=0.100000000",
+    19: "rk512i.error=0x16 synax.error sis.parameter=P-0-0012 synax.request_in=15 synax.answer_time=0.100000000",
     26: "rk512i.command=0x41 rk512i.kind=0x44 rk512i.block=99 rk512i.word=0 rk512i.count=2 rk512i.flag_byte=0xff "
-    "rk512i.data=a55a1234",
+    "rk512i.data=a55a1234 rk512i.block.word=0xa55a,0x1234",
 }
 RK512_FIELDS = (
     "rk512i.command rk512i.kind rk512i.block rk512i.word rk512i.count rk512i.flag_byte rk512i.error rk512i.data "
-    "synax.info synax.axis synax.request_in synax.answer_in synax.answer_time synax.error synax.note synax.short "
-    "sis.parameter sis.data"
+    "rk512i.block.word synax.info synax.axis synax.request_in synax.answer_in synax.answer_time synax.error synax.note "
+    "synax.short sis.parameter sis.data"
+).split()
+# Of rk512-notes.
+NOTES = {
+    1: "synax.info=0x0003 sis.parameter=P-0-0012 sis.data=0010",
+    2: "sis.parameter=P-0-0012 synax.error",
+    3: "synax.info=0x0002 sis.parameter=S-0-4095",
+    4: "sis.parameter=S-0-4095 synax.error",
+    5: "synax.info=0x0003 sis.parameter=P-0-0012 sis.data=0010",
+    6: "sis.parameter=P-0-0012",
+    7: "synax.info=0x0011 sis.raw=55020000,0002 synax.note",
+    9: "synax.info=0x0012 sis.raw=55555555 synax.note",
+    10: "sis.raw=0007",
+    11: "rk512i.data=00030300800c0010 synax.note",
+    13: "rk512i.data=0010 synax.note",
+    15: "rk512i.data=0010 synax.note",
+    17: "rk512i.data=0001010080480010",
+    18: "sis.parameter=P-0-0072",
+    20: "rk512i.data=a55a1234 rk512i.block.word=0xa55a,0x1234",
+    21: "synax.note",
+    22: "synax.error",
+    23: "rk512i.data=0002 rk512i.block.word=0x0002 synax.note",
+    25: "synax.note",
+    26: "synax.error",
+    28: "rk512i.data=0001",
+    29: "synax.note",
+    30: "rk512i.data=0001",
+    31: "rk512i.data=00030300800c0010 synax.note",
+    32: "synax.error",
+    33: "rk512i.data=a55a1234 rk512i.block.word=0xa55a,0x1234 synax.unexpected",
+    35: "synax.info=0x0002 sis.parameter=S-0-0237",
+    36: "sis.parameter=S-0-0237 sis.data=00070008 synax.unexpected",
+    38: "synax.unanswered_before",
+    39: "rk512i.data=a55a12340000 rk512i.block.word=0xa55a,0x1234,0x0000",
+    40: "synax.note",
+    41: "rk512i.data=a55a1234 rk512i.block.word=0xa55a,0x1234",
+    42: "rk512i.data=0003010080480010 synax.note",
+}
+NOTE_FIELDS = (
+    "rk512i.data rk512i.block.word synax.info sis.parameter sis.data sis.raw "
+    "synax.note synax.unexpected synax.unanswered_before synax.error"
 ).split()
 BOOLEANS = {"False": "0", "True": "1", "Good": "1", "Bad": "0"}  # how some versions write them
 
@@ -134,6 +174,30 @@ def test_nobody_answers_himself(passes: tuple[str, ...], tshark: Tshark) -> None
     assert all(("3964r.answers" in row) == ("3964r.answer_time" in row) == ("3964r.qvz.verdict" in row) for row in rows)
 
 
+# Of 3964r-tries: which try each request and each block is.
+TRIES = [
+    *(try_ for block in range(1, 10) for try_ in (1, block)),
+    *(1, 1),  # after a block that was accepted
+    *(1, 1),  # after a pause
+    *(1, 2),  # no answer to the block
+    *(1, 2, 1),  # not ready; a pause
+    *(1, 1),  # the partner asks on his own
+    *(1, 1, 1, 1, 1),  # both ask, and the sender gives way
+    *(1, 1, 1, 1, 2),  # it does not
+    *(1, 1, 1, 2, 1, 1, 1),  # on a shared line nobody knows
+    *(1, 1, 1, 1),  # and the tap has missed a DLE
+    *(1, 1, 2),  # a block that broke off
+]
+
+
+@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])
+def test_tries_of_the_procedure(passes: tuple[str, ...], tshark: Tshark) -> None:
+    """A damaged block counts like a good one; Siemens' procedure has six tries."""
+    rows = shown(tshark, "3964r-tries", ["3964r.try", "3964r.tries"], *passes)
+    assert [int(row["3964r.try"]) for row in rows if "3964r.try" in row] == TRIES
+    assert [number for number, row in enumerate(rows, 1) if "3964r.tries" in row] == [27, 31, 35]
+
+
 def test_nothing_at_all(tshark: Tshark, tmp_path: Path) -> None:
     """No character: neither a line of the tree nor a name in the packet list."""
     bad_input.write(tmp_path / "empty.pcapng", [b""], "3964r")
@@ -149,6 +213,13 @@ def test_the_telegrams(passes: tuple[str, ...], tshark: Tshark) -> None:
         wanted = expected(RK512.get(number, ""))
         if not passes:  # it is known only after it has come
             wanted.pop("synax.answer_in", None)
+        assert with_experts(row, wanted) == wanted, f"frame {number}"
+
+
+@pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])
+def test_what_is_not_defined_or_not_allowed(passes: tuple[str, ...], tshark: Tshark) -> None:
+    for number, row in enumerate(shown(tshark, "rk512-notes", NOTE_FIELDS, *passes), 1):
+        wanted = expected(NOTES.get(number, ""))
         assert with_experts(row, wanted) == wanted, f"frame {number}"
 
 
@@ -175,6 +246,8 @@ def test_the_cam_table_of_the_manual(tshark: Tshark) -> None:
     points = b"".join(point.to_bytes(4, "big") for point in range(1, 1025))
     assert (whole["sis.parameter"], whole["synax.axis"], whole["synax.pieces.count"]) == ("P-0-0072", "1", "33")
     assert bytes.fromhex(whole["sis.data"]) == (4096).to_bytes(2, "big") * 2 + points
+    notes = shown(tshark, "rk512-list", ["synax.note", "synax.unexpected", "synax.unanswered_before"])
+    assert not any(notes), "it is the manual's own example"
 
 
 def test_response_times(tshark: Tshark) -> None:

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 import bad_input
+import reference
 from sistap.sis import telegram
 from sistap.wireshark.tshark import Tshark
 
@@ -19,39 +20,23 @@ from sistap.wireshark.tshark import Tshark
 Limits = tuple[int, int]
 OPEN = 255
 
-FLASH_COMMANDS = {
-    0x90: (7, 7),
-    0x91: (6, 6),
-    0x92: (7, 7),
-    0x93: (2, 2),
-    0x94: (10, 10),
-    0x96: (8, OPEN),
-    0x97: (10, 10),
-    0x9F: (2, 2),
+
+def limits(layout: str, head: int) -> Limits:
+    """Return the limits of a layout of the reference behind a head."""
+    words = [word.partition(":")[2] or "1" for word in layout.split()]
+    least = head + sum(1 if size == "*" else int(size) for size in words if not size.endswith("?"))
+    return least, OPEN if "*" in words else head + sum(int(size.rstrip("?")) for size in words)
+
+
+UNKNOWN = (2, OPEN), (3, OPEN)  # of a command and of a reaction
+COMMAND_HEAD, REACTION_HEAD = 2, 3  # device address and subservice; in a reaction after the status
+SUBSERVICES = {
+    (service, subservice): (limits(command, COMMAND_HEAD), limits(reaction, REACTION_HEAD))
+    for service, layouts in reference.SUBSERVICES.items()
+    for subservice, (command, reaction) in layouts.items()
 }
-FLASH_REACTIONS = {
-    0x90: (3, 3),
-    0x91: (3, 3),
-    0x92: (4, OPEN),
-    0x93: (7, 7),
-    0x94: (3, 3),
-    0x96: (3, 3),
-    0x97: (3, 7),  # IndraDrive: with a CRC32
-    0x9F: (3, 3),
-}
-INITIALIZATION_COMMANDS = {
-    0x01: (4, 4),
-    0x02: (4, 4),
-    0x03: (4, 4),
-    0x06: (2, OPEN),
-    0x07: (3, 3),
-    0x08: (5, 5),
-    0xFF: (2, 2),
-}
-IDENTIFICATION_REACTIONS = {0x01: (8, 8), 0x02: (4, OPEN), 0x03: (4, OPEN), 0x04: (4, 4)}
 
 SERCOS = {0x10, 0x11, 0x12, 0x1D, 0x1E, 0x1F}
-TWINS = {0x80, 0x81, 0x8E, 0x8F} | {0x90, 0x91, 0x92, 0x9D, 0x9E, 0x9F}
 WITH_STATUS = {*range(0x20), *range(0x80, 0xA0)}
 HEADERS = dict.fromkeys((0x00, 0x02, 0x03, 0x10, 0x11, 0x1E, 0x1F), 3)  # of reactions; of the others the status
 ERRORS = {0x02: (4, 4), 0x03: (4, 4)} | dict.fromkeys((0x10, 0x11, 0x1E, 0x1F), (5, 5))  # after status 1
@@ -59,7 +44,7 @@ ERRORS = {0x02: (4, 4), 0x03: (4, 4)} | dict.fromkeys((0x10, 0x11, 0x1E, 0x1F), 
 
 def general(service: int) -> int:
     """Return the general service that a service of a product group is like."""
-    return 0x10 | service & 0x0F if service in TWINS else service
+    return reference.SAME.get(service, service)
 
 
 def is_ident(control: bytes) -> bool:
@@ -83,10 +68,8 @@ def command_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a ta
             return 2, 2
         case 0x01:
             return 0, 2
-        case 0x02:
-            return FLASH_COMMANDS.get(subservice, (2, OPEN))
-        case 0x03:
-            return INITIALIZATION_COMMANDS.get(subservice, (2, OPEN))
+        case 0x02 | 0x03:
+            return SUBSERVICES.get((service, subservice), UNKNOWN)[0]
         case 0x10:
             return 5, 5
         case 0x11:
@@ -105,12 +88,10 @@ def command_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a ta
 def good_reaction_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a table
     subservice = body[2] if len(body) > 2 else -1
     match general(service):
-        case 0x00:
-            return IDENTIFICATION_REACTIONS.get(subservice, (3, OPEN))
+        case 0x00 | 0x02:
+            return SUBSERVICES.get((service, subservice), UNKNOWN)[1]
         case 0x01 | 0x1D:
             return 1, 2
-        case 0x02:
-            return FLASH_REACTIONS.get(subservice, (3, OPEN))
         case 0x03:
             return 3, 3
         case 0x10 | 0x11:
@@ -145,8 +126,10 @@ def reaction_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 - a t
 
 
 def has_elements(service: int, reaction: bool, body: bytes) -> bool:
-    """Tell whether this is a list that was executed, successfully or not."""
-    return service == 0x04 and not (reaction and body[:1] > b"\x01")
+    """Tell whether this is a list. Chapter 7 has the status 0 and 1; with 2, a code has no more than two bytes."""
+    if service != 0x04 or not reaction:
+        return service == 0x04
+    return body[:1] <= b"\x01" or (body[:1] == b"\x02" and len(body) > 3)
 
 
 def is_short(service: int, reaction: bool, body: bytes) -> bool:
@@ -169,7 +152,8 @@ def is_short(service: int, reaction: bool, body: bytes) -> bool:
 def is_further(rest: bytes, reaction: bool, before: bytes) -> bool:
     """Tell whether these bytes are further subservices of 0x03, each with the bytes `before` it."""
     while rest:
-        _, size = INITIALIZATION_COMMANDS.get(int.from_bytes(rest[len(before) : len(before) + 1]), (0, OPEN))
+        subservice = int.from_bytes(rest[len(before) : len(before) + 1])
+        _, size = SUBSERVICES.get((0x03, subservice), UNKNOWN)[0]
         if len(rest) == len(before) or not rest.startswith(before) or size == OPEN:
             return False
         size = len(before) + (1 if reaction else size - 1)  # without the address that the first one has

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every code and its text: tables written by hand from the documents, compared with names.c and tshark's output.
+"""Every code and its text: tables written by hand from the documents, compared with codes.toml and tshark's output.
 
 Figures and chapters are those of the SIS definition, DOK-GENERL-SIS-DEFINIT-IF02.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -14,11 +13,12 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 import pytest
+from description import Description
 
 from sistap.wireshark.tshark import Tshark
 
 HERE = Path(__file__).parent
-SOURCE = (HERE.parent / "plugin" / "sis" / "names.c").read_text()
+DESCRIBED = Description().tables
 
 
 class Packet(NamedTuple):
@@ -32,7 +32,7 @@ class Packet(NamedTuple):
 class Table(NamedTuple):
     """A table of a document, and the place where tshark shows its codes."""
 
-    name: str  # in names.c; "" where the text is made elsewhere
+    name: str  # in codes.toml; "" where the text is made elsewhere
     size: int  # codes, or ranges of codes, that the documents print
     field: str
     label: str
@@ -194,63 +194,63 @@ BOUNDS = {0, 126, 127, 128, 129, 199, 200, 253, 254, 255}
 
 # fmt: off
 TABLES = [
-    Table("sis_services", 33, "service", "Service: {text} (0x{code:02x})", ranges(*SERVICES),
+    Table("services", 33, "service", "Service: {text} (0x{code:02x})", ranges(*SERVICES),
           {code for first, last, _ in SERVICES for code in (first, last)}),
-    Table("sis_status", 14, "status", "Status: {text} (0x{code:02x})", ranges(*STATUS),
+    Table("status", 14, "status", "Status: {text} (0x{code:02x})", ranges(*STATUS),
           {0x00, 0x01, 0x02, 0x03, 0xEF, *range(0xF0, 0xF6), *range(0xF7, 0xFE), 0xFF},
           lambda packet: packet.service not in PHASE_SERVICES),
-    Table("sis_status_phase", 2, "status", "Status: {text} (0x{code:02x})",  # fig. 8-5
+    Table("status_phase", 2, "status", "Status: {text} (0x{code:02x})",  # fig. 8-5
           {0x01: "Execution error, not specified for this service", 0x02: "Phase switching error"},
           where=lambda packet: packet.service in PHASE_SERVICES and packet.status in (1, 2)),
-    Table("sis_errors_channel", 4, "error", "Error code: {text} (0x{code:04x})",  # fig. 2-19
+    Table("errors_channel", 4, "error", "Error code: {text} (0x{code:04x})",  # fig. 2-19
           {0x8001: "Transmission channel busy",
            0x8002: "Fault in the transmission channel",
            0x800B: "Transmission cancelled, another request had priority",
            0x800C: "Access not allowed, the transmission channel is still active"},
           where=lambda packet: packet.service not in PHASE_SERVICES and packet.status == 2),
-    Table("sis_errors_parameter", 41 + 5, "error", "Error code: {text} (0x{code:04x})",
+    Table("errors_parameter", 41 + 5, "error", "Error code: {text} (0x{code:04x})",
           PARAMETER_ERRORS | SYNAX_AND_INDRADRIVE_ERRORS, where=after(PARAMETER_SERVICES, 1)),
-    Table("sis_errors_phase", 4, "error", "Error code: {text} (0x{code:04x})",  # fig. 8-49
+    Table("errors_phase", 4, "error", "Error code: {text} (0x{code:04x})",  # fig. 8-49
           {0x8004: "Wrong phase requested over the serial protocol",
            0xD005: "Phase switch still active",
            0xD006: "Phase switch not allowed while a drive is enabled",
            0xD007: "Phase switch not allowed while the master axis turns"},
           where=after(PHASE_SERVICES, 2)),
-    Table("sis_errors_flash", 14 + 3, "error", "Error code: {text} (0x{code:04x})",  # chapter 5.3
+    Table("errors_flash", 14 + 3, "error", "Error code: {text} (0x{code:04x})",  # chapter 5.3
           FLASH_ERRORS | INDRADRIVE_FLASH_ERRORS, where=after({0x02}, 1)),
-    Table("sis_errors_initialization", 3, "error", "Error code: {text} (0x{code:04x})",  # chapter 6.3
+    Table("errors_initialization", 3, "error", "Error code: {text} (0x{code:04x})",  # chapter 6.3
           {0x0700: "Baud rate not supported",
            0x0800: "Baud rate not supported",
            0x0801: "Test time too large for the internal timer"},
           where=after({0x03}, 1)),
-    Table("sis_subservices_identification", 4, "subservice", "Subservice: {text} (0x{code:02x})",  # fig. 3-12
+    Table("subservices_identification", 4, "subservice", "Subservice: {text} (0x{code:02x})",  # fig. 3-12
           {0x01: "SIS version", 0x02: "Firmware (FWA) number", 0x03: "Device type key", 0x04: "Supported baud rates"},
           where=lambda packet: packet.service in (0x00, 0x04)),
-    Table("sis_subservices_flash", 8, "subservice", "Subservice: {text} (0x{code:02x})",  # fig. 5-27
+    Table("subservices_flash", 8, "subservice", "Subservice: {text} (0x{code:02x})",  # fig. 5-27
           {0x90: "Shutdown", 0x91: "Reboot", 0x92: "Read flash", 0x93: "Find header", 0x94: "Erase flash",
            0x96: "Program flash", 0x97: "Build checksum", 0x9F: "Reset errors in the slave"},
           where=lambda packet: packet.service == 0x02),
-    Table("sis_subservices_initialization", 7, "subservice", "Subservice: {text} (0x{code:02x})",  # fig. 6-25
+    Table("subservices_initialization", 7, "subservice", "Subservice: {text} (0x{code:02x})",  # fig. 6-25
           {0x01: "Set TrS (slave reaction time)", 0x02: "Set TzA (character interval)",
            0x03: "Set Tmas (master control word cycle)", 0x06: "Assign multicast group", 0x07: "Set baud rate",
            0x08: "Timed baud rate test", 0xFF: "Accept the set values"},
           where=lambda packet: packet.service == 0x03),
-    Table("sis_shutdown_targets", 2, "flash.target", "Target: {text} (0x{code:02x})", {0: "Firmware", 1: "Loader"}),
-    Table("sis_device_types", 5, "flash.device_type", "Device type: {text} (0x{code:02x})",
+    Table("shutdown_targets", 2, "flash.target", "Target: {text} (0x{code:02x})", {0: "Firmware", 1: "Loader"}),
+    Table("device_types", 5, "flash.device_type", "Device type: {text} (0x{code:02x})",
           {0: "None (not supported)", 1: "ROM (not supported)", 2: "RAM", 3: "Dual-port RAM", 4: "Flash"}),
-    Table("sis_baud_masks", 5, "init.baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 6-11, 6-17
+    Table("baud_masks", 5, "init.baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 6-11, 6-17
           {0x00: "9600", 0x01: "19200", 0x02: "38400", 0x04: "57600", 0x08: "115200"},
           where=lambda packet: packet.service == 0x03),
     Table("", 6, "init.baud_mask", "Baud rate mask: 0x{code:02x} ({text})",  # fig. 3-10: ORed, 9600 always supported
           {0x00: "9600", 0x01: "9600, 19200", 0x02: "9600, 38400", 0x04: "9600, 57600", 0x08: "9600, 115200",
            0x0F: "9600, 19200, 38400, 57600, 115200"},
           where=lambda packet: packet.service in (0x00, 0x04)),
-    Table("sis_elements", 8, "element", "Element: {text} ({code})",  # fig. 8-1
+    Table("elements", 8, "element", "Element: {text} ({code})",  # fig. 8-1
           {0: "Channel not active", 1: "Ident number", 2: "Name", 3: "Attribute", 4: "Unit", 5: "Minimum",
            6: "Maximum", 7: "Operating data"}),
     Table("", 3, "parameter.type", "Type: {text} ({code})",  # fig. 8-3
           {0: "Parameter of a drive", 1: "Control parameter, first kind (A)", 2: "Control parameter, second kind (C)"}),
-    Table("sis_phases", 2, "phase", "Phase: {code} ({text})", {2: "parameter mode", 4: "operating mode"},
+    Table("phases", 2, "phase", "Phase: {code} ({text})", {2: "parameter mode", 4: "operating mode"},
           where=lambda packet: all(code in (2, 4) for field, code, _ in packet.codes if field == "phase")),
     Table("", 3, "phase", "Phase: {code}", dict.fromkeys((0, 1, 3), ""),
           where=lambda packet: all(code not in (2, 4) for field, code, _ in packet.codes if field == "phase")),
@@ -263,7 +263,7 @@ TABLES = [
            5: "List of 2-byte elements", 6: "List of 4-byte elements", 7: "List of 8-byte elements"}),
     Table("", 8, "attribute.format", "Format: {text} ({code})",
           {0: "Binary", 1: "Unsigned decimal", 2: "Signed decimal", 3: "Hexadecimal", 4: "Text", 5: "Ident number",
-           6: "Floating point", 7: "Not defined"}),
+           6: "Floating point", 7: "Time"}),
     Table("", 7, "receiver", "Receiver address: {code} ({text})",
           ranges((0, 126, "station"), (127, 127, "not assigned"), (128, 128, "point-to-point"), (129, 199, "reserved"),
                  (200, 253, "logical group"), (254, 254, "broadcast on one hierarchy level"),
@@ -277,7 +277,7 @@ TABLES = [
     Table("", 2, "sender", "Sender address: {code} ({text})",
           ranges((0, 127, "station"), (128, 255, "not a sender address")), {0, 126, 127, 128, 255},
           edition="ECODRIVE03"),
-    Table("sis_control_status_ecodrive03", 8, "control.status", "Status: {text} ({code})",
+    Table("control_status_ecodrive03", 8, "control.status", "Status: {text} ({code})",
           {0: "No error, request processed", 1: "Request still being processed", 2: "Request cannot be processed now",
            3: "Not defined", 4: "Warning", 5: "Not defined", 6: "Error", 7: "Not defined"},
           {0, 1, 2, 4, 6, 7}, capture="ecodrive03", edition="ECODRIVE03"),
@@ -287,13 +287,9 @@ TABLES = [
 every_table = pytest.mark.parametrize("table", TABLES, ids=lambda table: f"{table.name or table.field}-{table.edition}")
 
 
-def source_texts(name: str) -> dict[int, str]:
-    """Read a value_string or range_string table of names.c."""
-    body = re.search(rf"{name}\[\] = {{\n(.*?)\n}};", SOURCE, re.DOTALL)
-    assert body, name
-    rows = re.findall(r'\{(\w+)(?:, (\w+))?, "([^"]*)"\}', body[1])
-    assert len(rows) == body[1].count("{") - 1, f"{name}: entries that this test cannot read"
-    return ranges(*((int(first, 0), int(last or first, 0), text) for first, last, text in rows))
+def described(name: str) -> dict[int, str]:
+    """Return a table of the description."""
+    return ranges(*((code.first, code.last, code.text) for code in DESCRIBED[name].codes))
 
 
 @cache
@@ -318,7 +314,7 @@ def packets(tshark: Tshark, capture: str, edition: str) -> list[Packet]:
 @every_table
 def test_the_document_has_as_many(table: Table) -> None:
     """A slip in the tables above shows here."""
-    by_range = {"sis_services": len(SERVICES), "sis_status": len(STATUS)}
+    by_range = {"services": len(SERVICES), "status": len(STATUS)}
     is_address = table.field in ("sender", "receiver")
     size = len(set(table.texts.values())) if is_address else by_range.get(table.name, len(table.texts))
     assert size == table.size
@@ -326,13 +322,13 @@ def test_the_document_has_as_many(table: Table) -> None:
 
 @pytest.mark.parametrize("table", [table for table in TABLES if table.name], ids=lambda table: table.name)
 def test_source(table: Table) -> None:
-    assert source_texts(table.name) == table.texts
+    assert described(table.name) == table.texts
 
 
 def test_data_states() -> None:
     """Their bits 0 to 3 alone (fig. 8-44)."""
     states = {0x0: "not set", 0x3: "done", 0x5: "interrupted", 0x7: "in process", 0xF: "execution not possible"}
-    assert source_texts("sis_data_states") == states
+    assert described("data_states") == states
 
 
 @every_table

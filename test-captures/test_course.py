@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import zlib
+from collections.abc import Callable
 from decimal import Decimal, InvalidOperation
 from functools import cache
 from pathlib import Path
@@ -47,12 +48,22 @@ COMMANDS = ("wireshark ", "python3 -m ", "py -m ")
 
 LONG = {"19-the-night", "20-a-morning"}  # lessons whose capture takes seconds to make
 
-every_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 every_capture = pytest.mark.parametrize(
     "path",
     [pytest.param(path, marks=pytest.mark.thorough) if path.stem in LONG else path for path in LESSONS],
     ids=lambda path: path.stem,
 )
+
+
+def every_lesson(check: Callable[[Path], None]) -> Callable[[], None]:
+    """Make one test of a check of a lesson's text."""
+
+    @pytest.mark.style
+    def test() -> None:
+        for path in LESSONS:
+            check(path)
+
+    return test
 
 
 @pytest.fixture(scope="session")

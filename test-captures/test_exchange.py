@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from bad_input import write
+from make import tcp_segment
+from sistap.files import pcapng
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 from tables import Table, check, shown
@@ -310,3 +312,27 @@ def check_many_routes(tshark: Tshark, count: int, capture: Path) -> None:
 def test_many_commands_wait_for_their_routers(tshark: Tshark, tmp_path: Path) -> None:
     """Searching all of them for every command would take minutes."""
     check_many_routes(tshark, 100_000, tmp_path / "many.pcapng")
+
+
+def check_many_connections(tshark: Tshark, most_kilobytes: float, folder: Path) -> None:
+    """Compare the memory of few and of many connections; each tells its own bus a limit, and accepts it."""
+    few, many = 2_000, 22_000
+    told = build(0x03, 16, 255, b"\xff\x01\x28\x00") + build(0x03, 16, 255, b"\xff")
+    used = []
+    for count in (few, many):
+        capture = folder / f"{count}.pcapng"
+        segments = (tcp_segment(1024 + number, True, 1000, 0, told) for number in range(count))
+        capture.write_bytes(
+            pcapng.section_header("", "")
+            + pcapng.interface_description(pcapng.Interface(228, "tcp"))
+            + b"".join(pcapng.enhanced_packet(0, 10**18 + 10**6 * at, data) for at, data in enumerate(segments))
+        )
+        used.append(tshark.usage(["-r", str(capture)]).kilobytes)
+    assert (used[1] - used[0]) / (many - few) < most_kilobytes
+
+
+@pytest.mark.attack("160,000 TCP connections, each a bus", "each costs a few kilobytes")
+@pytest.mark.thorough
+def test_a_connection_costs_little(tshark: Tshark, tmp_path: Path) -> None:
+    """Of 3.5 kB, 1.9 are Wireshark's own."""
+    check_many_connections(tshark, 5, tmp_path)

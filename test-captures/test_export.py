@@ -39,10 +39,10 @@ reaction 16>3 10 00 3C 03 03 00
 
 
 NAMES = {
-    "0x00010000 to 0x00010007, memory written, station 3.bin": b"ABcdEFGH",
-    "0x00020000 to 0x00020002, memory written, station 3.bin": b"far",
-    "0x00030000 to 0x00030004, memory read, station 3.bin": b"hello",
-    "S-0-0017 of device 3 at station 3, packet 14.bin": b"\x01\x00\x02\x00",
+    "station-3_memory-written_0x00010000-0x00010007.bin": b"ABcdEFGH",
+    "station-3_memory-written_0x00020000-0x00020002.bin": b"far",
+    "station-3_memory-read_0x00030000-0x00030004.bin": b"hello",
+    "station-3_device-3_S-0-0017_packet-14.bin": b"\x01\x00\x02\x00",
 }
 
 
@@ -75,8 +75,8 @@ def test_sections_are_apart(tshark: Tshark, tmp_path: Path, folder: Path) -> Non
     )
     capture.write_bytes(Scenario(scenario).capture())
     assert exported(tshark, capture, folder) == {
-        "0x00010000 to 0x00010003, memory written, station 3.bin": b"ABCD",
-        "0x00010004 to 0x00010007, memory written, station 3 of section 2.bin": b"EFGH",
+        "station-3_memory-written_0x00010000-0x00010003.bin": b"ABCD",
+        "station-3-of-section-2_memory-written_0x00010004-0x00010007.bin": b"EFGH",
     }
 
 
@@ -100,7 +100,7 @@ def put_together(pieces: Iterable[Piece]) -> dict[str, bytes]:
         else:
             memories.append((station, address, bytearray(data)))
     return {
-        f"0x{begin:08x} to 0x{begin + len(memory) - 1:08x}, memory written, station {owner}.bin": bytes(memory)
+        f"station-{owner}_memory-written_0x{begin:08x}-0x{begin + len(memory) - 1:08x}.bin": bytes(memory)
         for owner, begin, memory in memories
     }
 

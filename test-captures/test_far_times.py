@@ -19,7 +19,7 @@ from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 S = 1_000_000_000
-LATEST_NS = 9_150_000_000 * S  # plugin/README.md
+LATEST_NS = 9_150_000_000 * S  # plugin/docs/verdicts.md
 FAR_NS = (0, 1, START_NS, LATEST_NS - 1, LATEST_NS, 2**63 - 1, 2**63, 2**63 + 1, 2**64 - 1)
 FAR_S = (0, START_NS // S, 2**31, 2**33, 2**34, 2**53, 2**62, 2**63 - 1, 2**63, 2**64 - 1)
 

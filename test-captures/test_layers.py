@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The layers of the plugin: every file uses only those before it in the list of plugin/README.md.
+"""The layers of the plugin: every file uses only those before it in the list of plugin/DEVELOP.md.
 
 Two proofs: the includes of a file, and the symbols that its compiled object takes from other objects.
 """
@@ -24,13 +24,13 @@ APART = {"parameters", "sertap"}  # two families that do not know each other
 
 def listed() -> list[str]:
     """Return the files in the order of the list, without suffix: "sis/exchange"."""
-    section = (PLUGIN / "README.md").read_text().split("## Where to find what\n")[1].split("\n\n    ")[1]
+    section = (PLUGIN / "DEVELOP.md").read_text().split("## Where to find what\n")[1].split("\n\n    ")[1]
     lines = [LINE.fullmatch(line) for line in ("    " + section.split("\n\n")[0]).splitlines()]
     return [f"{line['folder'] or ''}{file}" for line in lines if line for file in line["files"].split(", ")]
 
 
 FILES = listed()
-there = pytest.mark.parametrize("file", FILES)
+pytestmark = pytest.mark.style
 
 
 def may_use(file: str, other: str) -> bool:
@@ -55,12 +55,6 @@ def symbols(file: str) -> Iterator[tuple[str, bool]]:
             yield name, kind != "U"
 
 
-@pytest.fixture(scope="module")
-def owners() -> dict[str, str]:
-    """Return which file defines which symbol."""
-    return {name: file for file in FILES for name, is_defined in symbols(file) if is_defined}
-
-
 def test_every_file_is_in_the_list() -> None:
     files = {str(path.relative_to(PLUGIN).with_suffix("")) for path in PLUGIN.rglob("*.[ch]")}
     assert set(FILES) == files
@@ -72,19 +66,19 @@ def test_every_file_is_built() -> None:
     assert built == {file for file in FILES if (PLUGIN / f"{file}.c").exists()}
 
 
-@there
-def test_includes_look_down(file: str) -> None:
-    assert [other for other in included(file) if not may_use(file, other)] == []
+def test_includes_look_down() -> None:
+    assert [(file, other) for file in FILES for other in included(file) if not may_use(file, other)] == []
 
 
-@there
-def test_symbols_look_down(file: str, owners: dict[str, str]) -> None:
-    taken = {name: owners[name] for name, is_defined in symbols(file) if not is_defined and name in owners}
-    assert {name: owner for name, owner in taken.items() if not may_use(file, owner)} == {}
+def test_symbols_look_down() -> None:
+    all_of_them = {file: list(symbols(file)) for file in FILES}
+    owners = {name: file for file, found in all_of_them.items() for name, is_defined in found if is_defined}
+    taken = [(file, name) for file, found in all_of_them.items() for name, is_defined in found if not is_defined]
+    assert [(file, name) for file, name in taken if name in owners and not may_use(file, owners[name])] == []
 
 
 @pytest.mark.parametrize("family", ["parameters", "sertap"])
 def test_a_family_below_knows_no_telegram(family: str) -> None:
     """Other transports use these families without SIS."""
     used = {other.split("/")[0] for file in FILES if file.startswith(f"{family}/") for other in included(file)}
-    assert used <= {family, "compat"}
+    assert used <= {family, "compat", "kept", "parts", "protocol"}

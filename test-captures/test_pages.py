@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The pages of the course, without a browser: what is in them, and that nothing in them comes from outside."""
+"""The lessons as the page has them: what is asked, and their text as HTML."""
 
 from __future__ import annotations
 
 import json
 import re
-from base64 import b64encode
-from hashlib import sha256
+from base64 import b64decode
 from pathlib import Path
-from typing import Any
 
 import pytest
 from sharkd import Sharkd
 
-from lesson import Filter, recording
-from pages import HERE, markdown, page, questions, workbench
-from pages.__main__ import lessons
-from pages.dissection import buttons, chosen, dissection, rules
+from lesson import recording
+from pages import HERE, markdown, questions
+from pages.content import content, lessons
 
 LESSONS = lessons()
 READABLE = {
@@ -28,20 +25,23 @@ READABLE = {
     "choice": r"\S.*",
 }
 
-every_lesson = pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.path.stem)
-first_lesson = next(lesson for lesson in LESSONS if lesson.path.stem == "01-first-telegram")
 SHORT = [lesson for lesson in LESSONS if not recording(lesson.path)]
 
 
-@pytest.fixture(scope="module")
-def data(sharkd: Sharkd) -> dict[str, Any]:
-    return dissection(sharkd, first_lesson, first_lesson.path.with_suffix(".pcapng"))
+@pytest.mark.attack("HTML in a lesson, on a line that folds", "shown as text")
+@pytest.mark.parametrize(
+    "line", ["<details><script>x</script>", "<details onclick=x>", "<summary><img src=x></summary>"]
+)
+def test_no_html_of_a_lesson_passes_but_what_folds(line: str) -> None:
+    made = markdown.html(f"{line}\n")
+    assert set(re.findall(r"<([^<>]*)>", made)) <= {"p", "/p", "details", "summary", "/summary"}, made
 
 
-@every_lesson
-def test_every_question_can_be_checked(lesson: questions.Lesson) -> None:
-    assert [question.number for question in lesson.questions] == list(range(1, len(lesson.questions) + 1))
-    for question in lesson.questions:
+@pytest.mark.style
+def test_every_question_can_be_checked() -> None:
+    for lesson in LESSONS:
+        assert [question.number for question in lesson.questions] == list(range(1, len(lesson.questions) + 1))
+    for question in (question for lesson in LESSONS for question in lesson.questions):
         assert question.hint
         assert question.answer
         assert question.asks
@@ -107,55 +107,6 @@ def test_answer_with_nothing_to_check_is_refused(tmp_path: Path) -> None:
         question(tmp_path, ANSWER.format("Words."))
 
 
-def test_packets_have_fields_and_coloured_bytes(data: dict[str, Any]) -> None:
-    """Chapter 2.2: start, checksum and two lengths; control; service; two addresses; then status and data."""
-    second = data["packets"][1]
-    assert data["count"] == 6
-    assert second["bytes"] == "02c302021012100300" "02"
-    assert second["kinds"] == [*["frame"] * 4, "control", "service", "address", "address", "status", "data"]
-    assert second["columns"][1:3] == ["3", "16"]
-    assert any(label.startswith("Rexroth SIS") for label, *_ in second["tree"])
-
-
-def test_filters_are_those_of_the_lesson_and_of_the_fields(data: dict[str, Any]) -> None:
-    for claim in first_lesson.claims:
-        if isinstance(claim, Filter):
-            assert data["filters"][claim.expression] == claim.packets
-    assert data["filters"]["sis.service == 0x12"] == [1, 2, 5, 6]
-    assert data["filters"]["sis.status"] == [2, 4, 6]
-    assert all(filter_ in data["filters"] for _, filter_, _ in buttons())
-
-
-def test_same_lesson_makes_the_same_page(data: dict[str, Any]) -> None:
-    with Sharkd() as again:
-        other = dissection(again, first_lesson, first_lesson.path.with_suffix(".pcapng"))
-    assert page.lesson_page(first_lesson, LESSONS, data) == page.lesson_page(first_lesson, LESSONS, other)
-
-
-def test_page_needs_nothing_else(data: dict[str, Any]) -> None:
-    text = page.lesson_page(first_lesson, LESSONS, data)
-    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
-    assert policy
-    assert policy[1].startswith("default-src 'none'; img-src data:; ")
-    for tag in ("style", "script"):
-        inside = re.search(rf"<{tag}>(.*?)</{tag}>", text, re.DOTALL)
-        assert inside
-        assert f"{tag}-src 'sha256-{b64encode(sha256(inside[1].encode()).digest()).decode()}'" in policy[1]
-    assert not re.search(r'(src|href)="(https?:)?//|@import|url\(', text)
-    assert not re.search(r' (style|on\w+)="', text)
-
-
-def test_what_a_capture_holds_is_data(data: dict[str, Any]) -> None:
-    hostile = '</script><script>alert("x")</script><!--'
-    packets = [{**data["packets"][0], "columns": [hostile] * 4}]
-    text = page.lesson_page(first_lesson, LESSONS, {**data, "packets": packets})
-    assert hostile not in text
-    assert text.count("</script>") == 2
-    inside = re.search(r'id="data">(.*?)</script>', text)
-    assert inside
-    assert json.loads(inside[1])["packets"][0]["columns"] == [hostile] * 4
-
-
 @pytest.mark.parametrize(
     ("text", "html"),
     [
@@ -163,9 +114,9 @@ def test_what_a_capture_holds_is_data(data: dict[str, Any]) -> None:
         ("DOK-SYNAX*-SY*-08V", "<p>DOK-SYNAX*-SY*-08V</p>"),
         ("    02 D9\n    <x>", "<pre>02 D9\n&lt;x&gt;</pre>"),
         ("- one\n  more\n- **two**", "<ul><li>one more</li><li><strong>two</strong></li></ul>"),
-        ("[next](02-who-talks.md)", '<p><a href="02-who-talks.html">next</a></p>'),
-        ("[up](../README.md)", '<p><a href="index.html">up</a></p>'),
-        ("[a file](../../plugin/sis/names.c)", "<p>a file</p>"),
+        ("[next](02-who-talks.md)", '<p><a href="#learn/02-who-talks">next</a></p>'),
+        ("[up](../README.md)", '<p><a href="#learn">up</a></p>'),
+        ("[a file](../../plugin/protocol/codes.toml)", "<p>a file</p>"),
         ("[bad](javascript:alert(1))", "<p>bad)</p>"),
         ("| filter | packets |\n|---|---|\n| `a \\| b` | none |", None),
     ],
@@ -192,35 +143,20 @@ def test_a_time_after_a_packet_is_no_packet() -> None:
     }
 
 
-def test_packets_that_a_lesson_leads_to_are_in_its_page() -> None:
-    """Of a long capture, the page has only some."""
-    first = next(lesson for lesson in LESSONS if lesson.path.stem == "00-record-it-yourself")
-    assert 18 in chosen(first, 10_000)
-
-
-def test_workbench_has_the_codes_of_the_plugin() -> None:
-    tables = workbench.tables()
-    assert [0x12, 0x12, "Read phase"] in tables["tables"]["services"]
-    assert [0xF0, 0xF0, "Invalid service"] in tables["tables"]["status"]
-    assert [0, 126, "station"] in tables["addresses"]
-    used = {meaning for body in tables["bodies"].values() for layout in body.values() for _, _, meaning in layout}
-    assert used - set(tables["tables"]) == {"number", "data", "parameter", "parameter control"}
-
-
 def test_menus_are_marked_as_wiresharks() -> None:
     assert markdown.inline("*File > Merge*, *Late*") == '<em class="menu">File &gt; Merge</em>, <em>Late</em>'
 
 
-def test_colours_are_those_of_the_profile() -> None:
-    assert rules()[0].name == "SIS: damaged telegram"
-    assert rules()[0].paper == "#d55e00"
-
-
-def test_index_links_every_lesson_and_the_glossary() -> None:
-    text = page.index_page(LESSONS)
-    assert re.findall(r'<li><a href="([^"]+)"', text) == [f"{lesson.path.stem}.html" for lesson in LESSONS]
-    assert all(word in text for word in ('id="glossary"', "TzA", "TrS", f'href="{page.POSTER}"'))
+@pytest.mark.thorough
+def test_the_page_has_every_lesson_with_its_capture(tmp_path: Path) -> None:
+    """Those of the virtual bus are played once."""
+    course = content(tmp_path)
+    assert [lesson["name"] for lesson in course["lessons"]] == [lesson.path.stem for lesson in LESSONS]
+    assert all(b64decode(lesson["capture"])[:4] == b"\n\r\r\n" for lesson in course["lessons"])
+    assert not any("<pre>wireshark -C" in lesson["text"].partition("<h2")[0] for lesson in course["lessons"])
+    assert all(word in course["glossary"] for word in ("TzA", "TrS"))
     assert (HERE / "glossary.md").read_text().startswith("# Glossary\n")  # also read alone, as a file
-    assert (text.count("<h1"), text.count(">Glossary<")) == (1, 1)
-    for lesson in LESSONS:
-        assert f'href="{page.POSTER}"' in page.lesson_page(lesson, LESSONS, {})
+    assert [name for name, *_ in course["papers"]] == ["sheet", "poster"]
+    played = sorted((path, path.stat().st_mtime_ns) for path in tmp_path.iterdir())
+    assert json.dumps(content(tmp_path)) == json.dumps(course)
+    assert sorted((path, path.stat().st_mtime_ns) for path in tmp_path.iterdir()) == played

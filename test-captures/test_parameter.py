@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 from xml.etree import ElementTree
 
 import pytest
 
 from make import Scenario
+from sistap.sis.names import S_NAMES as S_NAMES_WRITTEN
 from sistap.wireshark.tshark import Tshark, TsharkError
 from tables import HERE, Table, check, shown
 
@@ -125,21 +127,36 @@ VALUES: Table = {
     137: "list_offset=40; list_length=4; value=100000000 mm",
     # The ident number, read
     140: "value=S-0-0400",
+    # 4 and 8 bytes, hexadecimal
+    142: "attribute=0x00320001",
+    144: "value=0x000F2028",
+    146: "attribute=0x00330001",
+    148: "value=0xFFFFFFFFFFFFFFFF",
+    # List of idents of 4 bytes
+    150: "attribute=0x70560001",
+    152: "value=S-0-0390,S-0-0390.0.136,S-0-0600.1.1,P-0-4089.0.13; list.actual=16; list.maximum=16692",
+    # One ident of 4 bytes
+    154: "attribute=0x00520001",
+    156: "value=S-0-0047",
+    # A time, and what is none
+    158: "attribute=0x00730001",
+    160: "value=2000-01-01 00:00:00.000000001",
+    162: "value=0x3B9ACA00386D4380",
 }
 
 PARAMETERS: Table = {
     # Before anything is known
-    1: "parameter=S-0-0047",
-    2: "parameter=S-0-0047",
+    1: "parameter=S-0-0047; parameter.name=Position command value",
+    2: "parameter=S-0-0047; parameter.name=Position command value",
     # Attribute 0x04220001: 4 bytes, signed, 4 decimal places; unit; name
-    3: "parameter=S-0-0047",
-    4: "parameter=S-0-0047; attribute=0x04220001",
-    5: "parameter=S-0-0047",
-    6: "parameter=S-0-0047; value=-12.3450",
-    7: "parameter=S-0-0047",
-    8: "parameter=S-0-0047; element.unit=deg",
-    9: "parameter=S-0-0047",
-    10: "parameter=S-0-0047; element.name=Position",
+    3: "parameter=S-0-0047; parameter.name=Position command value",
+    4: "parameter=S-0-0047; parameter.name=Position command value; attribute=0x04220001",
+    5: "parameter=S-0-0047; parameter.name=Position command value",
+    6: "parameter=S-0-0047; parameter.name=Position command value; value=-12.3450",
+    7: "parameter=S-0-0047; parameter.name=Position command value",
+    8: "parameter=S-0-0047; parameter.name=Position command value; element.unit=deg",
+    9: "parameter=S-0-0047; parameter.name=Position command value",
+    10: "parameter=S-0-0047; parameter.name=Position command value; element.name=Position",
     11: "parameter=S-0-0047; parameter.name=Position",
     12: "parameter=S-0-0047; parameter.name=Position; value=-12.3450 deg",
     13: "parameter=S-0-0047; parameter.name=Position; value=12.3456 deg",
@@ -149,11 +166,11 @@ PARAMETERS: Table = {
     16: "parameter=S-0-0047; parameter.name=Position; value=-178.8032 deg",
     17: "parameter=S-0-0047; parameter.name=Position",
     18: "parameter=S-0-0047; parameter.name=Position; value=0.0001 deg",
-    # Another device, another station, the P parameter of the same number, another parameter set: unknown
-    19: "parameter=S-0-0047",
-    20: "parameter=S-0-0047",
-    21: "parameter=S-0-0047",
-    22: "parameter=S-0-0047",
+    # Another device or station: the standard's name. The P parameter of the same number, another parameter set: unknown
+    19: "parameter=S-0-0047; parameter.name=Position command value",
+    20: "parameter=S-0-0047; parameter.name=Position command value",
+    21: "parameter=S-0-0047; parameter.name=Position command value",
+    22: "parameter=S-0-0047; parameter.name=Position command value",
     23: "parameter=P-0-0047",
     24: "parameter=P-0-0047",
     25: "parameter=S-2-0047",
@@ -187,7 +204,7 @@ PARAMETERS: Table = {
     48: "parameter=S-7-4095",
     49: "parameter=C-0-4095",
     50: "parameter=type3-0-0066",
-    # Names that are built in
+    # Names that Wireshark has or that are built in
     51: "parameter=S-0-0044; parameter.name=Velocity data scaling type",
     52: "parameter=C-0-0066; parameter.name=Master axis, position feedback value",
     53: "parameter=A-0-0066",
@@ -197,17 +214,32 @@ PARAMETERS: Table = {
     56: "parameter=S-0-0044; parameter.name=Scale",
     57: "parameter=S-0-0044; parameter.name=Scale",
     # Drives 8 and 9 behind router 4, both with device address 0: each has its own
-    58: "parameter=S-0-0047",
-    59: "parameter=S-0-0047; element.name=8",
-    60: "parameter=S-0-0047",
-    61: "parameter=S-0-0047",
+    58: "parameter=S-0-0047; parameter.name=Position command value",
+    59: "parameter=S-0-0047; parameter.name=Position command value; element.name=8",
+    60: "parameter=S-0-0047; parameter.name=Position command value",
+    61: "parameter=S-0-0047; parameter.name=Position command value",
     62: "parameter=S-0-0047; parameter.name=8",
     63: "parameter=S-0-0047; parameter.name=8",
     # Router 4 itself is not station 0 behind it
-    64: "parameter=S-0-0047",
-    65: "parameter=S-0-0047; element.name=4",
-    66: "parameter=S-0-0047",
-    67: "parameter=S-0-0047",
+    64: "parameter=S-0-0047; parameter.name=Position command value",
+    65: "parameter=S-0-0047; parameter.name=Position command value; element.name=4",
+    66: "parameter=S-0-0047; parameter.name=Position command value",
+    67: "parameter=S-0-0047; parameter.name=Position command value",
+}
+
+# A master that never reads a name.
+S_NAMES: Table = {
+    **dict.fromkeys((1, 2, 8), "parameter=S-0-0051; parameter.name=Position feedback value 1 (motor feedback)"),
+    # The P parameter of the number, another parameter set, a control parameter
+    3: "parameter=P-0-0051",
+    4: "parameter=S-1-0051",
+    5: "parameter=A-0-0051",
+    # Not in Wireshark's table, or a dummy there
+    6: "parameter=S-0-0000",
+    7: "parameter=S-0-0003",
+    # What the bus says goes first
+    9: "parameter=S-0-0051; parameter.name=Position feedback value 1 (motor feedback); element.name=Axis",
+    10: "parameter=S-0-0051; parameter.name=Axis",
 }
 
 USER_TABLE: Table = {
@@ -241,13 +273,12 @@ USER_TABLE: Table = {
     22: "parameter.name=Master axis, position feedback value; value=12.3456 deg",
     23: "parameter.name=Second set",
     24: "parameter.name=Second set",
-    25: "parameter.name=C300 Command set absolute measuring",
-    26: "parameter.name=C300 Command set absolute measuring",
+    # P-0-0040 has no built-in name: what it is depends on the device
     # The bus goes before the built-in name, too
-    27: "parameter.name=C300 Command set absolute measuring",
-    28: "parameter.name=C300 Command set absolute measuring",
-    29: "parameter.name=C300",
-    30: "parameter.name=C300",
+    27: "parameter.name=Modulo value",
+    28: "parameter.name=Modulo value",
+    29: "parameter.name=Turn",
+    30: "parameter.name=Turn",
 }
 
 COMMANDS: Table = {
@@ -267,7 +298,6 @@ COMMANDS: Table = {
     9: "value=0b0000 0000 0000 0000 (clear)",
     11: "value=0b0000 0000 0000 0010",
     # Data status: fig. 8-42 and 8-43, the request repeats the ident number
-    13: "value=P-0-0012",
     14: "data_status=0x0003; data_status.set=1; data_status.enabled=1; data_status.not_executed=0; "
     "data_status.impossible=0; data_status.invalid=0",
     # Without it: in process, interrupted, not possible, not set, operating data invalid
@@ -290,38 +320,102 @@ COMMANDS: Table = {
 }
 
 
-NUMBER = re.compile(r"-?[\d.]+(e[+-]\d+)?(?= |$)")  # in front of a unit; not 0x12AB, 0b1010, S-0-0047
+TIMES = (160, 162)  # have no number
+NUMBER = re.compile(r"(?:-?[\d.]+(e[+-]\d+)?|0x[\dA-F]+)(?= |$)")  # in front of a unit; not 0b1010, S-0-0047
 
 
 def numbers(row: str) -> list[float]:
     """Return the numbers that the values in a row show: infinity has none, and neither has a list of characters."""
     values = re.search(r"(?:^|; )value=([^;]*)", row)
-    return [float(found[0]) for text in (values[1].split(",") if values else ()) if (found := NUMBER.match(text))]
+    texts = [found[0] for text in (values[1].split(",") if values else ()) if (found := NUMBER.match(text))]
+    return [float(int(text, 16) if text.startswith("0x") else text) for text in texts]
 
 
 def test_each_value_that_is_a_number_is_one(tshark: Tshark) -> None:
     """Without a unit, once for each element of a list, as displayed."""
     found = shown(tshark, HERE / "values.pcapng", "value.number")
     for frame, cells in found.items():
-        expected = numbers(VALUES.get(frame, ""))
+        expected = numbers(VALUES.get(frame, "")) if frame not in TIMES else []
         shown_here = [float(text) for text in cells.get("value.number", "").split(",") if text]
         assert shown_here == pytest.approx(expected, rel=1e-14), frame
+
+
+@pytest.mark.parametrize(("frame", "number"), [(24, 0x12AB), (144, 0xF2028), (148, 2**64 - 1)])
+def test_an_access_has_the_number_of_a_hexadecimal_value(frame: int, number: int, tshark: Tshark) -> None:
+    access = json.loads(shown(tshark, HERE / "values.pcapng", "access")[frame]["access"])
+    assert (access["number"], access["value"]) == (number, VALUES[frame].partition("=")[2])
 
 
 def test_a_filter_compares_numbers(tshark: Tshark) -> None:
     """As texts, 65535 and 524292 are less than 9, and -1 is more than -2."""
     above = shown(tshark, HERE / "values.pcapng", "value", "-Y", "sis.value.number > 1000")
-    expected = [row for row in VALUES.values() if any(number > 1000 for number in numbers(row))]
+    rows = [row for frame, row in VALUES.items() if frame not in TIMES]
+    expected = [row for row in rows if any(number > 1000 for number in numbers(row))]
     assert len(above) == len(expected)
     assert all("value=" + cells["value"] in row for cells, row in zip(above.values(), expected, strict=True))
+
+
+# By frame; what is not here has no name and no value.
+TWINS: Table = {
+    **dict.fromkeys((5, 6, 7, 9), "parameter.name=Limit"),
+    8: "parameter.name=Limit; element.unit=Nm",
+    4: "element.name=Limit",
+    10: "parameter.name=Limit; value=10.00 Nm",
+    # Station 3, which has told the same type
+    15: "parameter.name=Limit; parameter.maximum=10.00 Nm",
+    16: "parameter.name=Limit; parameter.maximum=10.00 Nm; value=5.00 Nm",
+    17: "parameter.name=Limit; parameter.maximum=10.00 Nm",
+    18: "parameter.name=Limit; parameter.maximum=10.00 Nm; element.name=Own",
+    19: "parameter.name=Own; parameter.maximum=10.00 Nm",
+    20: "parameter.name=Own; parameter.maximum=10.00 Nm; value=5.00 Nm",
+    # The standard's name, and that of the twin
+    21: "parameter.name=Position feedback value 1 (motor feedback)",
+    22: "parameter.name=Position feedback value 1 (motor feedback); element.name=Position",
+    23: "parameter.name=Position",
+    # The same firmware
+    33: "element.name=Behind",
+    34: "parameter.name=Behind",
+    # The twin has another type now
+    37: "parameter.name=Position feedback value 1 (motor feedback)",
+    # Told before
+    42: "parameter.name=Told",
+}
+
+
+def test_what_a_device_of_the_same_type_says(tshark: Tshark) -> None:
+    check(tshark, "twins", "parameter.name parameter.maximum value element.name element.unit", "", TWINS)
+    text = tshark.output("-r", str(HERE / "twins.pcapng"), "-V", "-O", "sis", "-Y", "frame.number in {15, 19, 34}")
+    assert text.count("[Name: Limit (learned from station 4, device 4, which has the same type)]") == 1
+    assert text.count("[Name: Own (learned from the bus)]") == 1
+    assert text.count("[Unit: Nm (learned from station 4, device 4, which has the same type)]") == 2
+    assert text.count("[Name: Behind (learned from station 4/8, device 8, which has the same type)]") == 1
 
 
 def test_values(tshark: Tshark) -> None:
     check(tshark, "values", "attribute value list.actual list.maximum list_offset list_length raw", "", VALUES)
 
 
+def test_idents_in_a_list_have_names(tshark: Tshark) -> None:
+    shown_text = tshark.output("-r", str(HERE / "values.pcapng"), "-V", "-O", "sis", "-Y", "frame.number in {152, 156}")
+    assert "Element 1: S-0-0390 (DiagnosticNumber)\n" in shown_text
+    assert "Element 2: S-0-0390.0.136\n" in shown_text, "an element of a structure is another parameter"
+    assert "Value: S-0-0047 (Position command value)\n" in shown_text
+
+
 def test_parameters(tshark: Tshark) -> None:
     check(tshark, "parameters", FIELDS, "", PARAMETERS)
+
+
+def test_names_of_the_standard(tshark: Tshark) -> None:
+    check(tshark, "s-names", "parameter parameter.name element.name", "", S_NAMES)
+
+
+@pytest.mark.thorough
+def test_names_of_the_standard_are_those_of_wireshark(tshark: Tshark) -> None:
+    """For sis.lua and the virtual bus; in Wireshark, 0 is a dummy, and two numbers have a structure."""
+    rows = (line.split("\t") for line in tshark.output("-G", "values").splitlines() if "\tsiii.mdt.svch.idn\t" in line)
+    names = {int(row[2]): row[3] for row in rows if row[0] == "V" and 0 < int(row[2]) <= 0xFFF}
+    assert names == S_NAMES_WRITTEN
 
 
 def test_user_table(tshark: Tshark) -> None:
@@ -331,6 +425,13 @@ def test_user_table(tshark: Tshark) -> None:
 
 def test_commands(tshark: Tshark) -> None:
     check(tshark, "commands", f"attribute {ATTRIBUTE} {PROTECTED} {STATUS} value", "", COMMANDS)
+
+
+def test_a_request_for_the_status_of_a_command_has_no_value(tshark: Tshark) -> None:
+    """Fig. 8-42: it may carry its own ident number, which nobody has read or written."""
+    shown = ["-T", "fields", "-e", "sis.data", "-e", "sis.value"]
+    said = tshark.output("-r", str(HERE / "commands.pcapng"), "-Y", "frame.number == 13", *shown)
+    assert said.rstrip("\n").split("\t") == ["0c80", ""]
 
 
 @pytest.mark.thorough
@@ -345,8 +446,17 @@ def test_user_table_refuses_what_is_no_number(number: str, tshark: Tshark) -> No
 SOURCES = {
     "learned from the bus": [9, 10, 11, 12, 13, 14, 29, 30],
     "from the table SIS parameters": [1, 2, 3, 4, 5, 6, 7, 8, 15, 16, 17, 18, 23, 24],
-    "built in": [19, 20, 21, 22, 25, 26, 27, 28],
+    "built in": [19, 20, 21, 22],
+    "from Wireshark's SERCOS III table": [27, 28],
 }
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("cells", ['"256",""', '"3/",""', '"","1"', '"","64=A"', '"","1="'])
+def test_user_table_refuses_what_is_no_station_and_no_bit(cells: str, tshark: Tshark) -> None:
+    row = f'uat:sis_parameters:"S","0047","A name","","0","","",{cells}'
+    with pytest.raises(TsharkError):
+        tshark.output("-r", str(HERE / "user-table.pcapng"), "-o", row)
 
 
 def test_source_of_a_name_is_shown(tshark: Tshark) -> None:

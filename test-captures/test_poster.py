@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 import poster
-from pages.dissection import buttons
+from pages.profile import buttons
 
 SPACE = "{http://www.w3.org/2000/svg}"
 

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every error code of names.c: provoked at a station of the virtual bus, and shown by tshark with its text.
+"""Every error code of codes.toml: provoked at a station of the virtual bus, and shown by tshark with its text.
 
 A new code without a way to provoke it here fails.
 """
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +17,7 @@ from sistap.bus.stations.making import make
 from sistap.files import pcapng
 from sistap.sis.telegram import build, parse
 from sistap.wireshark.tshark import Tshark
-from test_codes import PHASE_SERVICES, SOURCE, source_texts
+from test_codes import DESCRIBED, PHASE_SERVICES, described
 
 MS = 1_000_000
 SEND_NS = 50 * MS  # from one telegram to the next
@@ -65,7 +64,7 @@ ASKED_PARAMETER = (
 LACKING = "{} 03 00 04 80"
 
 WAYS: dict[str, dict[int, Way]] = {
-    "sis_status": {
+    "status": {
         0x00: drive(READ_VELOCITY),
         0x01: drive((0x10, "3C 03 00 E7 03")),
         0x02: Way(SYNAX, ((0x90, "3C 02 00 24 00"),)),
@@ -80,17 +79,17 @@ WAYS: dict[str, dict[int, Way]] = {
         0xFC: drive((0x10, "3C 09 00 24 00")),
         **{status: drive(READ_VELOCITY, refuse={"0x10": status}) for status in ASKED_STATUS},
     },
-    "sis_status_phase": {
+    "status_phase": {
         0x01: drive((0x12, ""), refuse={"0x12": 0x01}),
         0x02: drive((0x1D, "05")),
     },
-    "sis_errors_channel": {
+    "errors_channel": {
         0x8001: Way(SYNAX, ((0x9D, "02"), (0x90, "3C 01 00 24 00"))),
         0x8002: Way(SYNAX, ((0x90, "3C 02 00 24 00"),)),
         0x800B: drive(READ_CAM, (0x1D, "02"), LATER, READ_CAM, **CAM),
         0x800C: drive(READ_CAM, ENABLED, **CAM),
     },
-    "sis_errors_parameter": {
+    "errors_parameter": {
         0x0001: Way({**CLC, "phase": 1}, ((0x10, "3C 01 00 24 00"),)),
         0x0009: drive((0x10, "04 03 00 24 00")),
         0x00A0: Way({**SYNAX, "phase": 1}, ((0x90, "3C 01 00 24 00"),)),
@@ -122,13 +121,13 @@ WAYS: dict[str, dict[int, Way]] = {
             for code in ASKED_PARAMETER
         },
     },
-    "sis_errors_phase": {
+    "errors_phase": {
         0x8004: drive((0x1D, "05")),
         0xD005: drive((0x1D, "02"), (0x1D, "04")),
         0xD006: drive(ENABLED, (0x1D, "02"), LATER, (0x12, "")),
         0xD007: Way({**SYNAX, "turning": True}, ((0x9D, "02"), LATER, (0x92, ""))),
     },
-    "sis_errors_flash": {
+    "errors_flash": {
         0x9002: drive(TO_LOADER, ERASE, (0x02, "03 90 00 00 00 00 00"), phase=2),
         0x9003: drive(TO_LOADER, phase=3),
         0x9004: drive(TO_LOADER),
@@ -148,7 +147,7 @@ WAYS: dict[str, dict[int, Way]] = {
         # the words add up to zero, the CRC is not that of 01 00
         0x9702: drive((0x02, "03 96 00 00 80 00 02 01 00 00 00 00 00 FF FF"), (0x02, MODULE)),
     },
-    "sis_errors_initialization": {
+    "errors_initialization": {
         0x0700: drive((0x03, "03 07 03")),
         0x0800: drive((0x03, "03 08 F4 01 03")),
         0x0801: drive((0x03, "03 08 FF FF 01")),
@@ -156,16 +155,16 @@ WAYS: dict[str, dict[int, Way]] = {
 }
 
 PROVOKED = [(name, code) for name, ways in WAYS.items() for code in ways]
-SUBADDRESSES = {("sis_status", 0xF9): b"\x08"}
-OTHER_MASTER = {("sis_errors_parameter", 0x800C)}  # sends the last telegram
+SUBADDRESSES = {("status", 0xF9): b"\x08"}
+OTHER_MASTER = {("errors_parameter", 0x800C)}  # sends the last telegram
 
 
 @pytest.mark.parametrize("name", WAYS)
-def test_every_code_of_the_source_is_provoked(name: str) -> None:
+def test_every_code_of_the_description_is_provoked(name: str) -> None:
     provoked = set(WAYS[name])
-    texts = source_texts(name)
+    texts = described(name)
     assert provoked <= set(texts)
-    if name == "sis_status":  # ranges: the first and the last of each
+    if name == "status":  # ranges: the first and the last of each
         missing = set(texts.values()) - {texts[code] for code in provoked}
     else:
         missing = {texts[code] for code in set(texts) - provoked}
@@ -173,8 +172,9 @@ def test_every_code_of_the_source_is_provoked(name: str) -> None:
 
 
 def test_every_table_of_errors_is_here() -> None:
-    tables = set(re.findall(r"(sis_(?:errors|status)\w*)\[\]", SOURCE))
-    assert tables == set(WAYS)
+    """The errors of the ASCII protocol are provoked in capture/tests/test_terminal.py."""
+    tables = {name for name in DESCRIBED if name.startswith(("errors", "status"))}
+    assert tables - {"errors_ascii"} == set(WAYS)
 
 
 def exchanges(name: str, code: int) -> list[bytes]:
@@ -235,10 +235,10 @@ def test_tshark_shows_it(name: str, code: int, tshark: Tshark, tmp_path_factory:
     folder = tmp_path_factory.getbasetemp()
     reaction = parse(exchanges(name, code)[-1])
     is_phase = reaction.service in PHASE_SERVICES
-    text = source_texts(name)[code]
-    if name.startswith("sis_status"):
+    text = described(name)[code]
+    if name.startswith("status"):
         assert reaction.body[0] == code
-        assert is_phase == (name == "sis_status_phase")
+        assert is_phase == (name == "status_phase")
         expected = f"Status: {text} (0x{code:02x})"
     else:
         expected = f"Error code: {text} (0x{code:04x})"

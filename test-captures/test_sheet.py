@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from description import Code, Table
 
 import sheet
 from drawing import Column, Page, width, wrapped
@@ -61,11 +61,9 @@ def test_telegrams_on_it_are_right() -> None:
         assert telegram[2] == telegram[3] == len(telegram) - 8
 
 
-def test_a_changed_text_changes_the_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """In the one source, the tables of the plugin."""
-    source = tmp_path / "names.c"
-    source.write_text(sheet.SOURCE.read_text().replace("Erase flash", "Wipe flash"))
-    monkeypatch.setattr(sheet, "SOURCE", source)
+def test_a_changed_text_changes_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    erase = Code(0x94, 0x94, "Wipe flash", "", "0x94")
+    monkeypatch.setitem(sheet.TABLES, "subservices_flash", Table("subservices_flash", "", [erase], ""))
     assert "Wipe flash" in texts(sheet.sheet())
 
 

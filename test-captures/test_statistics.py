@@ -70,6 +70,25 @@ def test_bus_by_station(statistics: Callable[[str], str]) -> None:
     }
 
 
+def test_silences_longer_than_an_interval_can_be(tshark: Tshark, tmp_path: Path) -> None:
+    """300 s before packet 2; at least 4.29 s in packet 7, and before the only telegram of another file."""
+    silences = str(CAPTURE.with_name("timing-silences.pcapng"))
+    assert table(tshark.output("-q", "-z", "sis,bus", "-r", silences))["All"][9:11] == ["300000.000", "7"]
+    assert table(tshark.output("-q", "-z", "sis,tza", "-r", silences))["All"][4] == ">4294.967"
+    later = tmp_path / "later.txt"
+    lines = CAPTURE.with_name("timing-silences.txt").read_text().splitlines()
+    later.write_text(next(line for line in lines if line.startswith("record")))
+    later.with_suffix(".pcapng").write_bytes(Scenario(later).capture())
+    rows = table(tshark.output("-q", "-z", "sis,bus", "-r", str(later.with_suffix(".pcapng"))))
+    assert rows["All"][9:11] == [">4294.967", "1"]
+
+
+@pytest.mark.parametrize(("name", "title"), [("sis,tza", "Talker"), ("sis,bus", "Station")])
+def test_the_first_title_leaves_room_for_the_arrow(statistics: Callable[[str], str], name: str, title: str) -> None:
+    """Wireshark makes the column as wide as its title, and then draws the arrow over the end of it."""
+    assert re.search(rf"^{title} {{4,}}\|", statistics(name), re.MULTILINE)
+
+
 def test_service_response_times(statistics: Callable[[str], str]) -> None:
     rows = re.findall(
         r"^ +(\d+) +(\S.*?) {2,}(\d+) +([\d.]+) +([\d.]+) +([\d.]+) ", statistics("sis,srt"), re.MULTILINE
@@ -151,14 +170,15 @@ def test_services_have_the_names_of_the_edition(tshark: Tshark, tmp_path: Path) 
     assert ("  Reserved service 0xe3", 1) in tree(tshark.output(*command, "-o", "sis.edition:ECODRIVE03"))
 
 
-# line, station, device, parameter, name, unit; reads, writes, errors; first, last, least, greatest; written by, where
+# line, station, device, parameter, name, unit; reads, writes, errors; first, last, least, greatest, bytes; written by,
+# where
 ACCESSES = """
-1 |3   |5 |P-0-0012 |Limit |Nm |2 |3 |2 |5.00 Nm     |-3.00 Nm    |-3.00 Nm |7.50 Nm |17 |18
-1 |3   |5 |S-0-0047 |      |   |1 |1 |0 |01 02 03 04 |05 02 03 04 |         |        |16 |28
-1 |3   |6 |S-0-0047 |      |   |0 |1 |0 |11 22 33 44 |11 22 33 44 |         |        |16 |32
-1 |3   |5 |S-0-0048 |      |   |1 |1 |0 |            |            |         |        |16 |34
-1 |4/8 |0 |P-0-0012 |C300 Command set absolute measuring | |0 |1 |0 |01 00 |01 00 | | |16 |38
-1 |4/8 |0 |S-0-0047 |      |   |0 |0 |1 |            |            |         |        |   |
+1 |3   |5 |P-0-0012 |Limit |Nm |2 |3 |2 |5.00 Nm     |-3.00 Nm    |-3.00 Nm |7.50 Nm |0 |17 |18
+1 |3   |5 |S-0-0047 |Position command value |   |1 |1 |0 |01 02 03 04 |05 02 03 04 |         |        |2 |16 |28
+1 |3   |6 |S-0-0047 |Position command value |   |0 |1 |0 |11 22 33 44 |11 22 33 44 |         |        |1 |16 |32
+1 |3   |5 |S-0-0048 |Additive position command value |   |1 |1 |0 |       |            |         |        |0 |16 |34
+1 |4/8 |0 |P-0-0012 | | |0 |1 |0 |01 00 |01 00 | | |1 |16 |38
+1 |4/8 |0 |S-0-0047 |Position command value |   |0 |0 |1 |            |            |         |        |0 |  |
 """
 
 
@@ -178,11 +198,26 @@ def test_parameters(passes: list[str], tshark: Tshark) -> None:
     assert re.search(r"^All +(\| +){6}4 \| +7 \| +3 \|", text, re.MULTILINE)
 
 
+# One pass learns the attribute after the first values; the second pass knows it.
+LATE = {
+    (): "1|3|5|S-0-0040|Velocity feedback value 1||3|1|0|f4 01|60.0|25.00|60.0|2|16|4",
+    ("-2",): "1|3|5|S-0-0040|Velocity feedback value 1|Nm|3|1|0|5.00 Nm|60.0 Nm|-10.00 Nm|60.0 Nm|0|16|4",
+}
+
+
+@pytest.mark.parametrize("passes", LATE, ids=["one_pass", "two_passes"])
+def test_values_from_before_their_attribute(passes: tuple[str, ...], tshark: Tshark) -> None:
+    """None is left out of least and greatest without a word."""
+    text = tshark.output("-q", *passes, "-z", "sis,parameters", "-r", str(CAPTURE.with_name("accesses-late.pcapng")))
+    never = "1|3|5|S-0-0047|Position command value||1|0|0|01 02 03 04|01 02 03 04|||1||"
+    assert parameters(text) == [cells(LATE[passes]), cells(never)]
+
+
 def test_parameters_with_a_filter(tshark: Tshark) -> None:
     """What was written is known, though its command does not pass the filter."""
     asked = "sis,parameters,frame.number == 18"
     text = tshark.output("-q", "-z", asked, "-r", str(CAPTURE.with_name("accesses.pcapng")))
-    assert parameters(text) == [cells("1|3|5|P-0-0012|Limit|Nm|0|1|0" + "|-3.00 Nm" * 4 + "|17|18")]
+    assert parameters(text) == [cells("1|3|5|P-0-0012|Limit|Nm|0|1|0" + "|-3.00 Nm" * 4 + "|0|17|18")]
 
 
 def test_more_parameters_than_rows(tshark: Tshark, tmp_path: Path) -> None:

@@ -42,8 +42,8 @@ TELEGRAMS: Table = {
     8: f"{TO}; arcnet7f.length=4; synax.info=0x0043; arcnet7f.block=116; sis.data=0102",
     9: f"{TO}; arcnet7f.length=4; synax.info=0x0043; arcnet7f.block=117; sis.data=0102; synax.note",
     10: f"{TO}; arcnet7f.length=4; synax.info=0x0043; arcnet7f.block=101; sis.raw=010203; sis.data=0102; synax.note",
-    # Not defined: two bits of the info access, 0x0180; all else as in packet 2
-    11: f"{TO}; arcnet7f.length=4; synax.info=0x0183; synax.axis=2; {FINE}; sis.data=1000; synax.note",
+    # Not defined: two bits of the info access, 0x0180
+    11: f"{TO}; arcnet7f.length=4; synax.info=0x0183; sis.raw=02013c00,1000; synax.note",
     12: f"{FIRST}; arcnet7f.command=2; arcnet7f.length=4; sis.raw=030002013c001000; synax.note",
     13: "arcnet7f.message=0x8011; arcnet7f.command=0; arcnet7f.length=4; sis.raw=030002013c001000; synax.note",
     14: "arcnet7f.message=0x1c1f; arcnet7f.command=0; arcnet7f.length=1; sis.raw=1000; synax.note",
@@ -80,7 +80,20 @@ TELEGRAMS: Table = {
     36: f"{FETCH}; arcnet7f.length=3; sis.raw=02000201; synax.short",
     37: f"{FETCH}; arcnet7f.length=3; synax.info=0x0002; synax.axis=2; {FINE}; sis.raw=1000; synax.unexpected",
     38: ("arcnet7f.message=0x1c20; arcnet7f.command=0; arcnet7f.length=2; sis.data=1234; synax.note; synax.short"),
-    39: "arcnet7f.message=0x1c20; arcnet7f.command=1; arcnet7f.length=3; sis.raw=020002013c00; synax.unexpected",
+    39: f"arcnet7f.message=0x1c20; arcnet7f.command=1; arcnet7f.length=3; synax.info=0x0002; synax.axis=2; {FINE}",
+    40: (
+        "arcnet7f.message=0x1c20; arcnet7f.command=1; arcnet7f.length=3; synax.info=0x0000; synax.axis=0; "
+        "sis.parameter=C-0-0013"
+    ),
+    41: (
+        f"{TO}; arcnet7f.length=5; arcnet7f.block=100; arcnet7f.word=0x0002,0x0000; synax.info=0x0043; "
+        "sis.data=02000000; synax.note"
+    ),
+    42: f"{TO}; arcnet7f.length=5; synax.info=0x0011; sis.raw=55020000,01000200; synax.note",
+    43: (
+        "arcnet7f.message=0x1c20; arcnet7f.command=1; arcnet7f.length=3; synax.info=0x0010; sis.raw=55555555; "
+        "synax.note"
+    ),
 }
 
 LINKS = "synax.request_in synax.answer_in synax.answer_time"
@@ -123,6 +136,14 @@ STATIONS: Table = {
     33: "synax.note",
     34: "synax.pieces.whole_in=35",
     35: "arcnet7f.first_in=34; synax.pieces.piece=34,35; synax.pieces.length=8",
+    # A number is left out; after the highest comes the lowest
+    37: "synax.pieces.whole_in=39",
+    38: "arcnet7f.first_in=37; synax.pieces.whole_in=39",
+    39: "arcnet7f.first_in=37; synax.pieces.piece=37,38,39; synax.pieces.length=8; synax.note",
+    40: "synax.pieces.whole_in=43",
+    41: "arcnet7f.first_in=40; synax.pieces.whole_in=43",
+    42: "arcnet7f.first_in=40; synax.pieces.whole_in=43",
+    43: "arcnet7f.first_in=40; synax.pieces.piece=40,41,42,43; synax.pieces.length=10",
 }
 
 # The data of whole lists, length words first.

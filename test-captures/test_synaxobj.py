@@ -71,7 +71,11 @@ OBJECTS: Table = {
     25: of("5ff0", READ, "synaxobj.diagnosis.interface=0; synaxobj.diagnosis.fault=0x0000"),
     # 0x000A, 0x8001: bit 3 is 0 after a bus failure (L238), bits 0-1 state of the dual-port RAM, not said which (L153)
     26: of("5ff2", READ, "synaxobj.open_bit=1; synaxobj.status.bus=1; synaxobj.status.memory=2; synax.note"),
-    27: of("5ff2", READ, "synaxobj.open_bit=0,15; synaxobj.status.bus=0; synaxobj.status.memory=1; synax.note"),
+    27: of(
+        "5ff2",
+        READ,
+        "synaxobj.open_bit=0,15; synaxobj.status.bus=0; synaxobj.status.memory=1; synax.note; synax.error",
+    ),
     # All bits open; a byte less and a byte more
     28: of("5ff5", READ, "synaxobj.open_bit=0,4; synax.note"),
     29: of("5ff5", READ, "synaxobj.raw=00; synax.short"),

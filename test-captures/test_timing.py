@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal
 from pathlib import Path
 from xml.etree import ElementTree
@@ -26,9 +27,11 @@ FIELDS = {
     "timing-limits": f"{TZA} {TRS}",
     "timing-rates": "bus.baud bus.baud.set_in",
     "timing-pauses": f"silence_before tza.interval_max tza.position {TZA}",
+    "timing-silences": "silence_before",
     "timing-reads": f"{TZA} {TRS}",
     "timing-reactions": f"reaction_time {TRS} twm.wait {TZA}",
     "timing-told": f"{TZA} {TRS}",
+    "told-before": f"{TZA} {TRS} bus.baud bus.baud.set_in parameter.name parameter.maximum value.number",
     "timing-cycle": "tmas.cycle tmas.limit tmas.set_in tmas.verdict",
 }
 
@@ -187,3 +190,16 @@ def test_load(silence_ms: float, percent: float, tshark: Tshark, tmp_path: Path)
     assert max(loads) <= 100
     assert loads[150:] == pytest.approx([percent] * 150, abs=0.02 if percent < 1 else 1)
     assert loads[0] > 0
+
+
+def test_load_after_the_clock_was_set_back(tshark: Tshark, tmp_path: Path) -> None:
+    """By 5 s. For a second nobody knows it; then it is 25 % again, and so it is for the whole capture."""
+    commands = ["command 16>3 12"] * 300
+    capture = written(tmp_path, f"silence {25 * CHARACTER_MS:.6f}", *commands, "clock -5000", *commands)
+    loads = [float(cells.get("bus.load", "nan")) for cells in shown(tshark, capture, "bus.load").values()]
+    after = [load for load in loads[300:] if not math.isnan(load)]
+    assert 300 - len(after) == sum((32 * number + 8) * CHARACTER_MS < 1000 for number in range(300))
+    assert loads[150:300] + after == pytest.approx([25] * (150 + len(after)), abs=1)
+    text = tshark.output("-q", "-z", "sis,bus", "-r", str(capture))
+    row = next(line for line in text.splitlines() if line.startswith("All "))
+    assert float(row.split("|")[9]) == pytest.approx(25, abs=0.2)

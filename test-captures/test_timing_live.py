@@ -16,17 +16,17 @@ from threading import Thread
 import pytest
 
 from adapter import EXCEEDED, OK, UNRESOLVED, Adapter, seen
-from sistap.bus.playing.tap_faults import Faults
+from sistap.bus.playing.characters import Faults
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.line import bus_socket
 from sistap.line.settings import LineSettings, Read
+from sistap.wire import protocol
 from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 SISTAP = [sys.executable, "-m", "sistap"]
 TIMEOUT_S = 30
 MS = 1_000_000
-HELLO = bus_socket.Hello(bus_socket.Kind.BUS, 0, 0, 0, "bus", "virtual bus", "as the bus says")
+HELLO = protocol.Hello(protocol.Kind.BUS, 0, 0, 0, "bus", "virtual bus", "as the bus says")
 LINE = LineSettings()  # 9600 8E1: the bus sets TzA 5 ms and TrS 50 ms
 CYCLES = 4
 ACCEPT = bytes.fromhex("02 E9 02 02 00 03 10 FF 00 FF")  # fig. 6-24
@@ -101,9 +101,9 @@ def tapped(reads: Sequence[Read]) -> Iterator[str]:
         def deliver() -> None:
             connection, _ = listener.accept()
             with connection:
-                connection.sendall(bus_socket.pack_hello(HELLO))
+                connection.sendall(protocol.pack_hello(HELLO))
                 connection.recv(64)  # the tap's line settings
-                connection.sendall(b"".join(map(bus_socket.pack_read, reads)))
+                connection.sendall(b"".join(map(protocol.pack_read, reads)))
                 connection.shutdown(socket.SHUT_WR)
                 while connection.recv(64):
                     pass

@@ -5,7 +5,7 @@
     python3 day.py --characters 1e8 --seed 1
 
 Telegrams, some of them damaged, and noise go into a pseudo terminal, three times as fast as the fastest bus, while
-`sistap capture --keep` reads it. At random moments the adapter is unplugged, or the recorder is ended or killed and
+`sistap record` reads it. At random moments the adapter is unplugged, or the recorder is ended or killed and
 starts again. Then all files are compared with what was sent: each character is in exactly one file of the ring, or
 behind the last one before an unplugging, which an event names, or before a kill. Everything damaged is in exactly one
 kept file, less what the recorder says was not tested with the filter. The same seed sends the same characters.
@@ -35,7 +35,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 from plugged import Adapter  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
-from sistap.files import reading  # noqa: E402
+from sistap.captures import reading  # noqa: E402
 from sistap.records.record import Event, Record, Type  # noqa: E402
 from sistap.sis.telegram import build  # noqa: E402
 
@@ -94,7 +94,7 @@ class Recorder:
         """Start. TimeoutError, now and later, if it does not do what it has to."""
         self._said = folder / "said"
         self.looks: list[Look] = []
-        command = [sys.executable, "-m", "sistap", "capture", "-i", str(adapter.name), "-w", str(folder / "kept")]
+        command = [sys.executable, "-m", "sistap", "record", "-i", str(adapter.name), "-w", str(folder / "kept")]
         with self._said.open("wb") as errors:
             self._process = subprocess.Popen([*command, *RECORDER], stderr=errors, cwd=HERE.parent)
 

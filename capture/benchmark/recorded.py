@@ -9,7 +9,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.files.reading import records
+from sistap.captures.reading import records
 from sistap.records.record import Record, Type
 
 

@@ -35,7 +35,7 @@ def main() -> int:
     """Play, measure, judge."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--telegrams", type=float, default=1e6, help="number of telegrams (1e6); 4 busy days have 1e7")
-    parser.add_argument("--keep", default="faults", help="as capture's --keep (faults)")
+    parser.add_argument("--keep", default="faults", help="as record's --keep (faults)")
     parser.add_argument("--faults", default="checksum=0.0005", help="as bus's --faults (checksum=0.0005)")
     parser.add_argument("--rows", type=float, default=10, metavar="SECONDS", help="between two rows (10)")
     args = parser.parse_args()
@@ -53,7 +53,7 @@ def _measure(args: argparse.Namespace, folder: Path) -> tuple[str, list[Row], in
     bus = Bus(folder / "bus", args.faults)
     with said.open("w") as errors:
         recorder = ("--keep", args.keep, "-w", str(kept), "-b", "filesize:20000", "-b", "files:3", "--wait-for-port")
-        capture = _start("capture", "-q", "-i", bus.port, "-c", str(int(args.telegrams)), *recorder, stderr=errors)
+        capture = _start("record", "-q", "-i", bus.port, "-c", str(int(args.telegrams)), *recorder, stderr=errors)
         rows = list(_rows(capture, bus, kept, args.rows))
     bus.end()
     return said.read_text(), rows, capture.returncode

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The contents of the bundle for Windows, and a reproducible zip of it.
+"""The contents of the bundle for Windows, and reproducible zips of it.
 
-contents.py FOLDER PYTHON PYSERIAL makes SIS.zip in FOLDER, the folder of the bundle, and the zip of that. PYTHON is the
-folder of a Python for Windows, PYSERIAL that of an unpacked wheel.
+contents.py FOLDER PYTHON WHEELS makes SIS.zip in FOLDER, the folder of the bundle, the zip of that, and the full zip.
+PYTHON is the folder of a Python for Windows, WHEELS that of unpacked wheels: pyserial and pyarrow.
 """
 
 from __future__ import annotations
@@ -30,9 +30,14 @@ NOT_IMPORTED = ("dmacros", "plots", "profile_settings")
 # The source of each file, and its place in the bundle.
 FILES = {
     "LICENSE": "LICENSE.txt",
+    "capture/bundle/CHECKLIST.html": "CHECKLIST.html",
     "capture/bundle/README.html": "README.html",
+    "capture/bundle/demo.cmd": "demo.cmd",
     "capture/bundle/install.cmd": "install.cmd",
     "capture/bundle/uninstall.cmd": "uninstall.cmd",
+    "capture/bundle/licences/hacl.txt": "licences/hacl.txt",
+    "capture/bundle/licences/microsoft.txt": "licences/microsoft.txt",
+    "capture/bundle/licences/python.txt": "licences/python.txt",
     "capture/pictures/live.png": "pictures/live.png",
     "capture/pictures/options.png": "pictures/options.png",
     "plugin/pictures/wireshark.png": "pictures/wireshark.png",
@@ -41,16 +46,26 @@ FILES = {
     "lua-fallback/sis.lua": "app/sistap/sis.lua",
 }
 MODULES = "build/windows/module"  # VERSION/sis.dll in it
+PAGES = ("course", "docs", "sis.html")  # in build/, if they were made: the course, the site, the page
 TEXTS = (".cmd", ".txt")  # with the line ends of Windows
 
-# Debian's packages with the licences of Python and pyserial, which the binaries lack.
-LICENCES = {"libpython3.*-minimal": "LICENSE-python.txt", "python3-serial": "LICENSE-pyserial.txt"}
+# The source of what is compiled here, as the GPL wants it beside the programs. All else in the bundle is source itself.
+SOURCES = ("CMakeLists.txt", "LICENSE", "plugin", "capture/launcher", "capture/bundle")
+
+# Debian's packages with the licences of pyserial and of the runtime of mingw-w64, which the binaries lack.
+LICENCES = {"mingw-w64-common": "licences/mingw-w64.txt", "python3-serial": "licences/pyserial.txt"}
 DOCUMENTS = Path("/usr/share/doc")
 
-# Python's C modules that sistap and pyserial need, with their libraries. OpenSSL, SQLite and Tcl are large and left
-# out.
+# What `sistap tables` needs; a compiler's part of it is left out.
+FULL = ("pyarrow", "pyarrow.libs")
+NOT_FULL = ("pyarrow/include/*", "pyarrow/tests/*", "*.lib", "*.pxd", "*.pyx", "*.pxi", "*.h", "*.cc")
+LICENCE_OF_FULL = ("pyarrow-*.dist-info/licenses/LICENSE.txt", "licences/pyarrow.txt")
+
+# Python's C modules that sistap, pyserial and pyarrow need, with their libraries. OpenSSL, SQLite and Tcl are large and
+# left out.
 BINARIES = (
-    "vcruntime140*.dll libffi-*.dll _ctypes.pyd _decimal.pyd _queue.pyd _socket.pyd select.pyd unicodedata.pyd"
+    "vcruntime140*.dll libffi-*.dll _ctypes.pyd _decimal.pyd _queue.pyd _socket.pyd _zoneinfo.pyd pyexpat.pyd "
+    "select.pyd unicodedata.pyd"
 ).split()
 # Python modules that nothing here needs.
 LEFT_OUT = (
@@ -117,7 +132,27 @@ def licences() -> Iterator[tuple[str, Path]]:
         yield name, found[-1]
 
 
-def make_folder(bundle: Path, python: Path, pyserial: Path) -> None:
+def sources() -> Iterator[tuple[str, Path]]:
+    """Return the files of source.zip, each with its name; pictures are no source."""
+    for name in SOURCES:
+        place = CHECKOUT / name
+        for file in modules(place) if place.is_dir() else [place]:
+            if file.suffix != ".png":
+                yield file.relative_to(CHECKOUT).as_posix(), file
+
+
+def full(wheels: Path) -> Iterator[tuple[str, Path]]:
+    """Return what the full zip has besides, each file with its name."""
+    pattern, name = LICENCE_OF_FULL
+    yield name, next(wheels.glob(pattern))
+    for folder in FULL:
+        for file in modules(wheels / folder):
+            place = file.relative_to(wheels).as_posix()
+            if not any(fnmatch(place, pattern) for pattern in NOT_FULL):
+                yield f"app/{place}", file
+
+
+def make_folder(bundle: Path, python: Path, wheels: Path) -> None:
     """Put everything in its place in the bundle."""
     shutil.rmtree(bundle, ignore_errors=True)
     put_tree(python, bundle / "python", of_python(python))
@@ -127,25 +162,28 @@ def make_folder(bundle: Path, python: Path, pyserial: Path) -> None:
     (dll,) = (file for file in (bundle / "python").glob("python3*.dll") if file.stem != "python3")
     put(bundle / f"python/{dll.stem}._pth", PATH.encode())
     put_tree(CAPTURE / "sistap", bundle / "app/sistap", modules(CAPTURE / "sistap"))
-    put_tree(pyserial / "serial", bundle / "app/serial", modules(pyserial / "serial"))
+    put_tree(wheels / "serial", bundle / "app/serial", modules(wheels / "serial"))
     for source, name in FILES.items():
         put(bundle / name, (CHECKOUT / source).read_bytes())
     for name, file in licences():
         put(bundle / name, file.read_bytes())
+    for page in (CHECKOUT / "build" / name for name in PAGES):
+        put_tree(CHECKOUT / "build", bundle, modules(page) if page.is_dir() else filter(Path.exists, [page]))
+    write_zip(bundle / "source.zip", sources())
     write_zip(bundle / "SIS.zip", ((f"SIS/{file.name}", file) for file in profile()))
     for file in (CHECKOUT / MODULES).glob("*/sis.dll"):
         put(bundle / "experimental" / file.parent.name / file.name, file.read_bytes())
 
 
-def main(folder: str, python: str, pyserial: str) -> None:
-    """Make SIS.zip and the bundle."""
+def main(folder: str, python: str, wheels: str) -> None:
+    """Make SIS.zip, the bundle, and its zips."""
     bundle = Path(folder, NAME)
-    make_folder(bundle, Path(python), Path(pyserial))
+    make_folder(bundle, Path(python), Path(wheels))
     shutil.copy(bundle / "SIS.zip", folder)
-    inside = (file for file in bundle.rglob("*") if file.is_file())
-    write_zip(
-        Path(folder, f"{NAME}-windows.zip"), ((file.relative_to(bundle.parent).as_posix(), file) for file in inside)
-    )
+    inside = [(f"{NAME}/{file.relative_to(bundle).as_posix()}", file) for file in bundle.rglob("*") if file.is_file()]
+    more = [(f"{NAME}/{name}", file) for name, file in full(Path(wheels))]
+    write_zip(Path(folder, f"{NAME}-windows.zip"), inside)
+    write_zip(Path(folder, f"{NAME}-windows-full.zip"), inside + more)
 
 
 if __name__ == "__main__":

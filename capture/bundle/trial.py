@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tries the bundle under wine as its README.html describes, without the checkout, and times the first telegram.
+"""Tries the bundle under wine as its README.html describes, with its own Python, and times the first telegram.
+
+Wireshark's programs are those of this system (../windows/proxy.py). They stand where no PATH leads to, as after the
+installer of Wireshark.
 
 Exit code: 0 everything works; 1 something does not; 77 it cannot be tried here, with the reason.
 """
@@ -8,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,38 +19,92 @@ import time
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 CAPTURE = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(CAPTURE))
+sys.path.append(str(CAPTURE / "windows"))
+sys.path.append(str(CAPTURE / "package/trial"))
+
+from commands import session  # noqa: E402
+from proxy import Proxy  # noqa: E402
 
 from sistap import __version__  # noqa: E402 - of the checkout
-from sistap.files.reading import NotCaptured, records  # noqa: E402
+from sistap.captures.reading import NotCaptured, records  # noqa: E402
 from sistap.records.record import Type  # noqa: E402
 
 MADE = CAPTURE.parent / "build/windows"
 FOLDER = MADE / "try"
+HOME = FOLDER / "home"  # of Wireshark
+LAUNCHER = HOME / ".config/wireshark/extcap/sistap.exe"
 DRIVE = FOLDER / "prefix/drive_c"
 PLACE = "Übung 1"  # a blank and a letter outside ASCII
-PROGRAMS = "Program Files/Wireshark"
+PROGRAMS = "Wire shark"  # the folder of Wireshark
+APP_PATHS = r"HKLM\Software\Microsoft\Windows\CurrentVersion\App Paths\Wireshark.exe"
+OVERRIDES = "winemenubuilder.exe,mscoree,mshtml,wpcap="  # as in ../windows/wine.py
+COMPILER = "x86_64-w64-mingw32-gcc"
 NOT_RUN = 77
 TIMEOUT_S = 180
 
-# Replaces the tshark of a Wireshark for Windows, as far as `sistap install` calls it.
-TSHARK = r"""
-import os, sys
-own = os.environ["APPDATA"] + r"\Wireshark"
-script = own + r"\plugins\sis.lua"
-if "--version" in sys.argv:
-    print("TShark (Wireshark) 4.6.0.")
-elif "folders" in sys.argv:
-    for kind, folder in ("Personal", own), ("Global", os.path.dirname(__file__)):
-        print(f"{kind} configuration:\t{folder}")
-        print(f"{kind} Plugins:\t{folder}\\plugins\\4.6")
-        print(f"{kind} Lua Plugins:\t{folder}\\plugins")
-        print(f"{kind} Extcap path:\t{folder}\\extcap")
-elif "plugins" in sys.argv and os.path.exists(script):
-    print("sis.lua", "1.0", "lua script", script, sep="\t")
+# Imports every module of sistap with this Python: one of its own that the bundle lacks is an error.
+IMPORTS = """
+import importlib, pkgutil, sistap
+for module in pkgutil.walk_packages(sistap.__path__, "sistap."):
+    try:
+        if not module.name.endswith("__main__"):
+            importlib.import_module(module.name)
+    except ImportError as error:
+        print(error.name)
 """
+NOT_ON_WINDOWS = set("fcntl grp js matplotlib numpy pwd pyarrow pyodide resource termios tty".split())
+
+
+class Command(NamedTuple):
+    """What is typed after sistap, the exit code it has to have, and words of its output."""
+
+    line: str
+    words: str = ""
+    code: int = 0
+
+
+DAY = r"C:\Tag Ω\day.pcapng"  # for the word DAY
+TYPED = [
+    Command("--version", f"sistap {__version__}\r\n"),
+    Command("bus --help", "-w FILE"),
+    Command("bus --list", "late-reaction"),
+    Command("ports", "Device Manager"),
+    Command("doctor", "good  plugin     sis.lua"),
+    Command("capture -i COM77", "does not exist", 3),
+    Command("selftest --duration 10", "p99.9"),
+    Command("bus late-reaction -w DAY", rf'open it with: "C:\{PROGRAMS}\wireshark.exe" -C SIS "{DAY}"'),
+    Command("bus -w DAY", "overwrite it with --force", 2),
+    Command("report DAY --format text", "TrS is the longest"),
+    Command("report DAY --format json", "{"),
+    Command("parameters DAY", "S-0-0036"),
+    Command("parameters --csv DAY -o C:\\parameters.csv"),
+    Command("compare DAY DAY --format html -o C:\\changed.html"),
+    Command("tables DAY -o C:\\tables", "windows-full.zip has pyarrow", 1),
+    Command("log DAY -o C:\\day.txt"),
+    Command("annotate C:\\docklight.txt", "Read phase (SYNAX)"),
+    Command("annotate --format html C:\\docklight.txt -o C:\\log.html"),
+    Command("annotate C:\\docklight.txt -w C:\\log.pcapng"),
+    Command("import C:\\x.sr -w C:\\sr.pcapng", "1 telegrams, 0 of them damaged"),
+]
+
+
+@contextlib.contextmanager
+def started(*command: str, cwd: Path = DRIVE) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a Windows program whose environment has nothing of the checkout."""
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "WIRESHARK"))}
+    own |= {"WINEPREFIX": str(DRIVE.parent), "WINEDEBUG": "-all", "WINEARCH": "win64", "WINEDLLOVERRIDES": OVERRIDES}
+    process = subprocess.Popen(
+        ["wine", *command], cwd=cwd, env=own, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
 
 
 def wine(*command: str, code: int = 0, cwd: Path = DRIVE) -> str:
@@ -58,38 +116,27 @@ def wine(*command: str, code: int = 0, cwd: Path = DRIVE) -> str:
     return text
 
 
-@contextlib.contextmanager
-def started(*command: str, cwd: Path = DRIVE) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a Windows program whose environment has nothing of the checkout."""
-    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    own |= {"WINEPREFIX": str(DRIVE.parent), "WINEDEBUG": "-all", "WINEARCH": "win64"}
-    own["BUNDLE"] = f"C:\\{PLACE}\\sistap-{__version__}"  # for tshark.cmd
-    own["WINEPATH"] = "C:\\" + PROGRAMS.replace("/", "\\")
-    process = subprocess.Popen(
-        ["wine", *command], cwd=cwd, env=own, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+def good(what: str) -> None:
+    """Say what works."""
+    print(f"bundle: good   {what}", flush=True)
 
 
-def app_data() -> Path:
-    """Return the folder of the user's Wireshark."""
-    return next(DRIVE.glob("users/*/AppData/Roaming")) / "Wireshark"
+def local_data() -> Path:
+    """Return the folder in which Windows keeps what belongs to this user and computer."""
+    return next(DRIVE.glob("users/*/AppData/Local"))
 
 
 def installed() -> set[str]:
-    """Return which files are there."""
-    return {file.relative_to(app_data()).as_posix() for file in app_data().rglob("*") if file.is_file()}
+    """Return which files Wireshark has, without the folders in which this system keeps them."""
+    files = [file for file in HOME.glob(".*/**/*") if file.is_file()]
+    return {re.sub(".*/(plugins|extcap|profiles)/", r"\1/", file.as_posix()) for file in files}
 
 
-def unpack() -> Path:
-    """Unpack the zip; return the folder in it."""
-    with zipfile.ZipFile(MADE / f"sistap-{__version__}-windows.zip") as archive:
-        archive.extractall(DRIVE / PLACE)
-    bundle = DRIVE / PLACE / f"sistap-{__version__}"
+def unpack(kind: str, folder: Path) -> Path:
+    """Unpack a zip; return the folder in it."""
+    with zipfile.ZipFile(MADE / f"sistap-{__version__}-windows{kind}.zip") as archive:
+        archive.extractall(folder)
+    bundle = folder / f"sistap-{__version__}"
     mend(bundle)
     return bundle
 
@@ -101,20 +148,25 @@ def mend(bundle: Path) -> None:
     file.write_text("".join(lines))
 
 
-def put_tshark() -> None:
-    """Put a tshark where Wireshark's installer puts it."""
+def put_wireshark() -> None:
+    """Put Wireshark's programs into a folder, and register it as the installer of Wireshark does."""
     folder = DRIVE / PROGRAMS
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "tshark.py").write_text(TSHARK)
-    command = '@"%BUNDLE%\\python\\python.exe" "%~dp0tshark.py" %*\r\n'
-    (folder / "tshark.cmd").write_text(command, newline="")
+    folder.mkdir()
+    source = CAPTURE / "windows/proxy.c"
+    subprocess.run([COMPILER, "-O2", "-static", "-o", folder / "tshark.exe", source, "-lws2_32"], check=True)
+    shutil.copy(folder / "tshark.exe", folder / "wireshark.exe")
+    wine("reg", "add", APP_PATHS, "/ve", "/d", rf"C:\{PROGRAMS}\wireshark.exe", "/f")
+    script = FOLDER / "bin/wireshark"  # which the proxy starts
+    script.parent.mkdir()
+    script.write_text('#!/bin/sh\necho "$@" >"$HOME/wireshark.txt"\n')
+    script.chmod(0o755)
 
 
 def first_telegram() -> None:
     """Capture the demo bus, as Wireshark does with a double click, until a telegram is in the file."""
     file = DRIVE / "live.pcapng"
     asked = ["--capture", "--extcap-interface", "sistap-demo", "--fifo", "C:\\live.pcapng"]
-    with started(str(app_data() / "extcap/sistap.exe"), *asked):
+    with started(str(LAUNCHER), *asked):
         end = time.monotonic() + TIMEOUT_S
         while time.monotonic() < end:
             with contextlib.suppress(NotCaptured, OSError):
@@ -124,64 +176,138 @@ def first_telegram() -> None:
     raise AssertionError("no telegram came")
 
 
-def from_zip() -> None:
-    """Follow README.html."""
+def install(bundle: Path) -> None:
+    """Follow README.html up to the first telegram."""
     begin = time.monotonic()
-    bundle = unpack()
-    put_tshark()
     said = wine("cmd", "/c", "install.cmd", cwd=bundle)
     assert "Wireshark loads sis.lua" in said, said
     names = {"extcap/sistap.exe", "extcap/sistap.cfg", "plugins/sis.lua", "profiles/SIS/preferences"}
     assert names <= installed(), installed()
-    assert "{value=sistap-demo}" in wine(str(app_data() / "extcap/sistap.exe"), "--extcap-interfaces")
+    assert "{value=sistap-demo}" in wine(str(LAUNCHER), "--extcap-interfaces")
     first_telegram()
-    print(f"bundle: good   zip, from unpacking to the first telegram: {time.monotonic() - begin:.0f} s", flush=True)
-    assert wine("sistap.exe", "--version", cwd=bundle) == f"sistap {__version__}\r\n"
-    assert "late-reaction" in wine("sistap.exe", "bus", "--list", cwd=bundle)
-    assert "Traceback" not in wine("sistap.exe", "ports", cwd=bundle)
-    wine("sistap.exe", "bus", "demo", "--cycles", "1", "--force", "-w", "C:\\demo.pcapng", cwd=bundle)
-    assert any(record.type == Type.FRAME for record in records(DRIVE / "demo.pcapng"))
-    wine("sistap.exe", "capture", "-i", "COM77", code=3, cwd=bundle)
+    good(f"zip, from install.cmd to the first telegram: {time.monotonic() - begin:.0f} s")
+    wine("cmd", "/c", "demo.cmd", cwd=bundle)
+    end = time.monotonic() + TIMEOUT_S
+    while not (HOME / "wireshark.txt").exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    assert (HOME / "wireshark.txt").read_text() == "-C SIS -k -i sistap-demo\n"
+
+
+def every_command(bundle: Path) -> None:
+    """Type every command in a folder with letters of two languages."""
+    (DRIVE / "Tag Ω").mkdir()
+    (DRIVE / "docklight.txt").write_text("14.03.2013 08:21:14.641 [TX] - 02 6C 00 00 00 92 00 00\n")
+    session(DRIVE / "x.sr")
+    lacking = set(wine("python\\python.exe", "-c", IMPORTS, cwd=bundle).split())
+    assert lacking <= NOT_ON_WINDOWS, lacking
+    for command in TYPED:
+        words = [DAY if word == "DAY" else word for word in command.line.split()]
+        said = wine("sistap.exe", *words, cwd=bundle, code=command.code)
+        assert command.words in said and "Traceback" not in said, f"{command.line}\n{said}"
+    good(f"zip, {len(TYPED)} commands")
+
+
+def uninstall(bundle: Path) -> None:
+    """Remove it with uninstall.cmd; nothing is left."""
+    assert list(local_data().glob("sistap/*.json"))
     wine("cmd", "/c", "uninstall.cmd", cwd=bundle)
     assert not installed(), installed()
-    print("bundle: good   zip, commands and uninstall.cmd", flush=True)
+    assert not list(local_data().glob("sistap*")), list(local_data().glob("sistap*"))
+    good("zip, uninstall.cmd: nothing is left")
+
+
+def elsewhere(bundle: Path) -> None:
+    """Find no Wireshark, then a named one."""
+    wine("reg", "delete", APP_PATHS, "/f")
+    assert "install --wireshark FOLDER" in wine("sistap.exe", "install", cwd=bundle, code=1)
+    assert "Wireshark loads sis.lua" in wine("sistap.exe", "install", "--wireshark", f"C:\\{PROGRAMS}", cwd=bundle)
+    wine("sistap.exe", "uninstall", cwd=bundle)
+    assert not installed(), installed()
+    assert not list(local_data().glob("sistap*"))
+    wine("reg", "add", APP_PATHS, "/ve", "/d", rf"C:\{PROGRAMS}\wireshark.exe", "/f")
+    good("zip, install --wireshark")
+
+
+def tables() -> None:
+    """Make tables with the full zip."""
+    bundle = unpack("-full", DRIVE / "full")
+    wine("sistap.exe", "install", cwd=bundle)
+    said = wine("sistap.exe", "tables", DAY, "-o", "C:\\tables", cwd=bundle)
+    assert list((DRIVE / "tables").rglob("*.parquet")), said
+    wine("sistap.exe", "uninstall", cwd=bundle)
+    good("full zip, tables")
+
+
+def path() -> str:
+    """Return the PATH of the user in the registry."""
+    return wine("reg", "query", r"HKCU\Environment", "/v", "Path")
 
 
 def from_installer() -> None:
-    """Install silently into a folder, and uninstall; files that are not of the bundle stay."""
-    place = DRIVE / "elsewhere"
-    wine(str(MADE / f"sistap-{__version__}-setup.exe"), "/S", "/D=C:\\elsewhere")
+    """Install silently over an earlier one with a changed profile, and uninstall; what is not of the bundle stays."""
+    place, setup = DRIVE / "elsewhere", str(MADE / f"sistap-{__version__}-setup.exe")
+    mine = ["/v", "Path", "/t", "REG_EXPAND_SZ", "/d", r"C:\mine;%USERPROFILE%\bin", "/f"]
+    wine("reg", "add", r"HKCU\Environment", *mine)
+    wine(setup, "/S", "/D=C:\\elsewhere")
     assert "plugins/sis.lua" in installed(), installed()
     (place / "mine.pcapng").touch()
+    buttons = HOME / ".config/wireshark/profiles/SIS/dfilter_buttons"
+    buttons.write_text(changed := buttons.read_text() + '"TRUE","Mine","sis.station == 3",""\n')
+    wine(setup, "/S", "/D=C:\\elsewhere")
+    assert buttons.read_text() == changed
+    menu = next(DRIVE.glob("users/*/AppData/Roaming/Microsoft/Windows/Start Menu/Programs/SIS in Wireshark"))
+    names = {file.stem for file in menu.iterdir()}
+    assert {"Command prompt", "Demo", "Read me first", "Uninstall"} <= names, names
+    assert r"C:\mine;%USERPROFILE%\bin;C:\elsewhere" in path(), path()
     # _?= keeps the uninstaller from running as a copy, whose end nobody would notice; so it cannot delete itself.
     wine(str(place / "uninstall.exe"), "/S", "_?=C:\\elsewhere")
-    assert not installed(), installed()
+    assert installed() == {"profiles/SIS/dfilter_buttons"}, installed()
     left = {file.name for file in place.iterdir()}
-    assert left == {"mine.pcapng", "uninstall.exe"}, left
-    print("bundle: good   installer and uninstaller", flush=True)
+    assert left <= {"mine.pcapng", "uninstall.exe"}, left
+    assert "elsewhere" not in path() and r"C:\mine;%USERPROFILE%\bin" in path(), path()
+    assert not menu.exists()
+    assert not list(local_data().glob("sistap*"))
+    good("installer, again over a changed profile, and uninstaller: nothing is left but what a user has made")
+
+
+def missing() -> str:
+    """Return why this cannot be tried here."""
+    for tool, package in {"wine": "wine wine64", COMPILER: "gcc-mingw-w64-x86-64", "tshark": "tshark"}.items():
+        if not shutil.which(tool):
+            return f"{tool} is missing: apt-get install {package}"
+    made = (MADE / f"sistap-{__version__}-windows.zip").exists()
+    return "" if made else "it is not made: capture/bundle/build"
 
 
 def main() -> int:
     """Try all; return the exit code."""
-    if not shutil.which("wine"):
-        print("bundle: not tried: wine is missing: apt-get install wine wine64", file=sys.stderr)
-        return NOT_RUN
-    if not (MADE / f"sistap-{__version__}-windows.zip").exists():
-        print("bundle: not tried: it is not made: capture/bundle/build", file=sys.stderr)
+    if why := missing():
+        print(f"bundle: not tried: {why}", file=sys.stderr)
         return NOT_RUN
     shutil.rmtree(FOLDER, ignore_errors=True)
     DRIVE.mkdir(parents=True)
-    wine("wineboot", "-i")
-    try:
-        from_zip()
-        from_installer()
-    except (AssertionError, OSError, subprocess.TimeoutExpired) as error:
-        print(f"bundle: FAILED {error}")
-        return 1
-    finally:
-        subprocess.run(
-            ["wineserver", "-k"], env=os.environ | {"WINEPREFIX": str(DRIVE.parent)}, check=False, timeout=TIMEOUT_S
-        )
+    HOME.mkdir()
+    here = {"HOME": str(HOME), "PATH": f"{FOLDER / 'bin'}:{os.environ['PATH']}"}
+    with Proxy(DRIVE.parent, here) as proxy:
+        os.environ["PROXY_PORT"] = str(proxy.port)
+        try:
+            wine("wineboot", "-i")
+            put_wireshark()
+            bundle = unpack("", DRIVE / PLACE)
+            install(bundle)
+            every_command(bundle)
+            uninstall(bundle)
+            elsewhere(bundle)
+            tables()
+            from_installer()
+        except (AssertionError, OSError, subprocess.SubprocessError) as error:
+            print(f"bundle: FAILED {error}")
+            return 1
+        finally:
+            proxy.shutdown()
+            subprocess.run(
+                ["wineserver", "-k"], env=os.environ | {"WINEPREFIX": str(DRIVE.parent)}, check=False, timeout=TIMEOUT_S
+            )
     return 0
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 CAPTURE = Path(__file__).resolve().parents[1]
@@ -25,13 +26,15 @@ TRACE = ("-trace", "serial_write", "-D", "trace")
 def judged(guest: Guest, driver: Driver, usbmon: Program, words: str) -> dict[str, str]:
     """Judge a driver; return the result of each check whose function name contains `word`."""
     results: dict[str, str] = {}
-    bench = Bench(guest, driver, driver.watch(guest, usbmon))
     checks = {name: check for name, check in CHECKS.items() if words in check.__name__}
-    for name, check in {"its ports": Bench.start, **checks}.items():
+    starts: dict[str, Callable[[Bench], str | None]] = {"its ports": Bench.start}
+    bench = Bench(guest, driver, usbmon)
+    for name, check in (starts | checks).items():
         begun = time.monotonic()
         result, why = table.GOOD, ""
         try:
-            check(bench)
+            said = check(bench)
+            why = f": {said}" if said else ""
         except NotJudged:
             result = table.NOT_JUDGED
         except (AssertionError, LookupError, OSError, ValueError) as error:
@@ -40,6 +43,7 @@ def judged(guest: Guest, driver: Driver, usbmon: Program, words: str) -> dict[st
         results[name] = result
         if check is Bench.start and result == table.FAILED:
             break
+    driver.end(guest)
     return {name: results.get(name, table.FAILED) for name in checks}
 
 

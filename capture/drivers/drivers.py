@@ -6,26 +6,25 @@ from __future__ import annotations
 import json
 import re
 import socket
-import struct
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from machine import Guest, Program, eventually
+sys.path.insert(0, str(Path(__file__).parent / "guest"))
 
-# Error bits in the line status of an FTDI adapter, as a software FT232R takes them.
-OVERRUN, PARITY, FRAMING, BREAK = 0x02, 0x04, 0x08, 0x10
+from chips import CHIPS, Ft232r
+from machine import Guest, Program, eventually
+from truth import BREAK, FRAMING, Character
+
+from sistap.line.drivers import UART, driver
+from sistap.line.drivers import Driver as Telling
 
 UART_RATE = 115200  # of divisor 1
-FTDI_RATE = 3_000_000
-# FTDI's AN232B-05: eighths of a divisor, keyed by their code.
-FTDI_EIGHTHS = (0, 4, 2, 1, 3, 5, 6, 7)
-SPECIAL_DIVISORS: dict[float, float] = {0: 1, 1: 1.5}
-STOPS = ("1", "1.5", "2")
-PARITIES = "NOEMS"  # as FTDI and CDC number them
+ALL = frozenset({"list", "unplug", "loop"})  # what nearly every line can do
 
 
 class Settings(NamedTuple):
@@ -45,7 +44,7 @@ class Line(Protocol):
         """Return what the guest has sent."""
 
     def play(self, data: bytes, errors: int = 0) -> None:
-        """Send characters to the guest; `errors` apply to all of them, on a line that supports errors."""
+        """Send characters to the guest; `errors`, a line status, apply to all of them, on a line that supports them."""
 
     def settle(self) -> None:
         """Wait until the driver has taken what was played."""
@@ -116,18 +115,20 @@ class UartLine(SocketLine):
 class ProgramLine:
     """A line whose other end is a program in the guest."""
 
-    def __init__(self, program: Program, port: str, *, has_status: bool) -> None:
-        """Control the program by its input; `has_status`: it supports line errors."""
+    def __init__(self, program: Program, port: str) -> None:
+        """Control the program by its input."""
         self.port, self.program = port, program
-        self._has_status = has_status
         self._played = 0
         self._sent_before = b""
 
     @property
     def sent(self) -> bytes:
         """Return what the guest has sent."""
-        told = [json.loads(line) for line in self.program.look().splitlines()]
-        return self._sent_before + b"".join(bytes.fromhex(one["sent"]) for one in told if "sent" in one)
+        return self._sent_before + b"".join(bytes.fromhex(one["sent"]) for one in self.messages() if "sent" in one)
+
+    def messages(self, start: int = 0) -> list[dict[str, Any]]:
+        """Return what the program has said, from that line of its output on."""
+        return [json.loads(line) for line in self.program.lines()[start:]]
 
     def renew(self, program: Program) -> None:
         """Continue with another program: the adapter was unplugged and plugged in again."""
@@ -136,19 +137,20 @@ class ProgramLine:
 
     def play(self, data: bytes, errors: int = 0) -> None:
         """Send characters together; return when the computer has taken them."""
-        self.say(play=[(value, errors) for value in data])
-        self._played += len(data)
+        self.play_characters([(value, errors) for value in data])
+
+    def play_characters(self, characters: Sequence[Character]) -> None:
+        """Send characters, each with its line status."""
+        self.say(play=characters)
+        self._played += len(characters)
         self.program.until(f'{{"played": {self._played}}}')
 
     def settle(self) -> None:
         """Do nothing: play waits already."""
 
     def send_break(self) -> None:
-        """Send a break; for an FTDI adapter it is a character."""
-        if self._has_status:
-            self.play(b"\0", BREAK | FRAMING)
-        else:
-            self.say(**{"break": True})
+        """Send a break."""
+        self.play(b"\0", BREAK | FRAMING)
 
     def loop(self, *, on: bool) -> None:
         """Return to the guest what it sends."""
@@ -159,13 +161,30 @@ class ProgramLine:
         self.program.say(json.dumps(message))
 
 
+class GadgetLine(ProgramLine):
+    """The line of the adapter that is the guest itself: it supports no line errors."""
+
+    def send_break(self) -> None:
+        """Send a break, which is no character."""
+        self.say(**{"break": True})
+
+
+class State(NamedTuple):
+    """A state of DTR and RTS."""
+
+    dtr: bool
+    rts: bool
+    ns: int = 0  # when it began, by some clock
+    sets: bool = False  # rate or format were set in it
+
+
 class Watch(Protocol):
     """Observes the settings of a device."""
 
     def mark(self) -> None:
         """Forget earlier settings."""
 
-    def lines(self) -> list[tuple[bool, bool]]:
+    def lines(self) -> list[State]:
         """Return the states of DTR and RTS since the mark, beginning with both low."""
 
     def settings(self) -> Settings | None:
@@ -184,15 +203,20 @@ class UartWatch:
         """Forget earlier writes."""
         self._from = self._file.stat().st_size
 
-    def lines(self) -> list[tuple[bool, bool]]:
+    def lines(self) -> list[State]:
         """Return the states of DTR and RTS."""
-        modem_control = [value for register, value in self._written(self._from) if register == 4]
-        return _changes([(bool(value & 1), bool(value & 2)) for value in modem_control])
+        told: list[tuple[int, dict[str, Any]]] = []
+        for ns, register, value in self._written(self._from):
+            if register == 4:
+                told.append((ns, {"dtr": bool(value & 1), "rts": bool(value & 2)}))
+            elif register == 3:
+                told.append((ns, {"format": value}))
+        return _states(told)
 
     def settings(self) -> Settings | None:
         """Return rate and format; the divisor is in registers 0 and 1 while bit 7 of register 3 is set."""
         control, divisor = 0, [0, 0]
-        for register, value in self._written(0):
+        for _, register, value in self._written(0):
             if register == 3:
                 control = value
             elif register < 2 and control & 0x80:
@@ -203,15 +227,42 @@ class UartWatch:
         stop = "2" if control & 4 else "1"
         return Settings(UART_RATE / (divisor[0] + 256 * divisor[1]), f"{5 + (control & 3)}{parity}{stop}")
 
-    def _written(self, start: int) -> Iterator[tuple[int, int]]:
+    def _written(self, start: int) -> Iterator[tuple[int, int, int]]:
+        """Yield time, register and value."""
         with self._file.open() as trace:
             trace.seek(start)
-            for register, value in re.findall(r"serial_write .*addr 0x(\w+) val 0x(\w+)", trace.read()):
-                yield int(register, 16), int(value, 16)
+            for seconds, register, value in re.findall(
+                r"@([\d.]+):serial_write .*addr 0x(\w+) val 0x(\w+)", trace.read()
+            ):
+                yield round(float(seconds) * 1e9), int(register, 16), int(value, 16)
+
+
+class ToldWatch:
+    """An adapter in software, or a UART of a module: its program says what the driver has set."""
+
+    def __init__(self, line: ProgramLine) -> None:
+        """Read its output."""
+        self._line = line
+        self._from = 0
+
+    def mark(self) -> None:
+        """Forget earlier settings."""
+        self._from = len(self._line.program.lines())
+
+    def lines(self) -> list[State]:
+        """Return the states of DTR and RTS."""
+        return _states([(one["ns"], one["told"]) for one in self._line.messages(self._from) if "told" in one])
+
+    def settings(self) -> Settings | None:
+        """Return rate and format."""
+        told: dict[str, Any] = {}
+        for one in self._line.messages():
+            told |= one.get("told", {})
+        return Settings(told["baud"], told["format"]) if {"baud", "format"} <= told.keys() else None
 
 
 class UsbWatch:
-    """The requests to adapters: usbmon in the guest shows them."""
+    """The requests to QEMU's FTDI adapter: usbmon in the guest shows them, the chip in software understands them."""
 
     def __init__(self, usbmon: Program) -> None:
         """Read the output of guest/usbmon.py."""
@@ -220,48 +271,42 @@ class UsbWatch:
 
     def mark(self) -> None:
         """Forget earlier requests."""
-        self._from = len(self._usbmon.look())
+        self._from = len(self._usbmon.lines())
 
-    def lines(self) -> list[tuple[bool, bool]]:
+    def lines(self) -> list[State]:
         """Return the states of DTR and RTS."""
-        state, states = 0, []
-        for (kind, request, value, _), _data in self._requests(self._from):
-            if (kind, request) == (0x40, 1):  # FTDI: the high byte selects the lines
-                state = state & ~(value >> 8) | value & (value >> 8)
-                states.append((bool(state & 1), bool(state & 2)))
-            elif (kind, request) == (0x21, 0x22):  # CDC: SET_CONTROL_LINE_STATE
-                states.append((bool(value & 1), bool(value & 2)))
-        return _changes(states)
+        return _states(list(self._told(self._from)))
 
     def settings(self) -> Settings | None:
         """Return rate and format."""
-        baud, text = 0.0, ""
-        for (kind, request, value, index), data in self._requests(0):
-            if (kind, request) == (0x40, 3):
-                eighths = FTDI_EIGHTHS[value >> 14 | (index & 1) << 2]
-                divisor = (value & 0x3FFF) + eighths / 8
-                baud = FTDI_RATE / SPECIAL_DIVISORS.get(divisor, divisor)
-            elif (kind, request) == (0x40, 4):
-                text = f"{value & 0xF}{PARITIES[value >> 8 & 7]}{STOPS[value >> 11 & 3]}"
-            elif (kind, request) == (0x21, 0x20):
-                rate, stop, parity, bits = struct.unpack("<IBBB", data)
-                baud, text = float(rate), f"{bits}{PARITIES[parity]}{STOPS[stop]}"
-        return Settings(baud, text) if baud and text else None
+        told: dict[str, Any] = {}
+        for _, one in self._told(0):
+            told |= one
+        return Settings(told["baud"], told["format"]) if {"baud", "format"} <= told.keys() else None
 
-    def _requests(self, start: int) -> Iterator[tuple[list[int], bytes]]:
-        for line in self._usbmon.look()[start:].splitlines():
+    def _told(self, start: int) -> Iterator[tuple[int, dict[str, Any]]]:
+        told: list[dict[str, Any]] = []
+        chip = Ft232r(lambda **settings: told.append(settings))
+        for line in self._usbmon.lines()[start:]:
             message = json.loads(line)
             if "request" in message:
-                yield message["request"], bytes.fromhex(message["data"])
+                kind, request, value, index = message["request"]
+                chip.control(kind, request, value, index, bytes.fromhex(message["data"]))
+                while told:
+                    yield message["ns"], told.pop()
 
 
-def _changes(states: list[tuple[bool, bool]]) -> list[tuple[bool, bool]]:
-    """Return each state that differs from the one before, beginning with both low."""
-    changes = [(False, False)]
-    for state in states:
-        if state != changes[-1]:
-            changes.append(state)
-    return changes
+def _states(told: Sequence[tuple[int, dict[str, Any]]]) -> list[State]:
+    """Return each state of the lines that differs from the one before, beginning with both low."""
+    states = [State(False, False)]
+    for ns, settings in told:
+        now = states[-1]
+        dtr, rts = settings.get("dtr", now.dtr), settings.get("rts", now.rts)
+        if (dtr, rts) != (now.dtr, now.rts):
+            states.append(State(dtr, rts, ns))
+        elif settings.keys() & {"baud", "format"}:
+            states[-1] = now._replace(sets=True)
+    return states
 
 
 @dataclass
@@ -271,7 +316,8 @@ class Driver:
     name: str
     devices: tuple[str, ...]  # for QEMU
     described: tuple[str, ...]  # its description in `sistap ports`
-    can: frozenset[str] = frozenset()  # "break", "errors", "overrun"
+    tells: Telling  # what the driver can say of line errors
+    can: frozenset[str] = ALL  # also "break", "errors", "overrun"
     apart: bool = True  # each port can be unplugged alone
     tuned: dict[str, tuple[object, object]] = field(default_factory=dict)  # before and during a capture
     lines: list[Any] = field(default_factory=list)
@@ -289,6 +335,9 @@ class Driver:
     def plug(self, guest: Guest) -> None:
         """Plug it in again."""
 
+    def end(self, guest: Guest) -> None:
+        """Make room for other drivers."""
+
 
 class Uart(Driver):
     """The driver 8250 with UARTs of QEMU. Unplugging removes the device from the driver."""
@@ -300,7 +349,8 @@ class Uart(Driver):
             name,
             (*sockets.split(), *device.split()),
             ("16550A UART", "serial", "FIFO trigger 8"),
-            frozenset({"break", "overrun"}),
+            UART,
+            ALL | {"break", "overrun"},
             apart=bus == "pnp",
             tuned={"FIFO trigger": ("8", "1"), "low latency": (False, True)},
         )
@@ -350,6 +400,7 @@ class QemuFtdi(Usb):
             "ftdi_sio, QEMU's adapter",
             tuple(arguments),
             ("QEMU USB SERIAL", "ftdi_sio", "latency timer"),
+            driver("ftdi_sio"),
             tuned=tuned,
         )
 
@@ -381,25 +432,26 @@ class QemuFtdi(Usb):
         return {"driver": "usb-serial", "always-plugged": True} | own
 
 
-class SoftwareFtdi(Usb):
-    """ftdi_sio with adapters in software (guest/ft232r.py), with all line errors."""
+class Software(Usb):
+    """A driver with two adapters in software (guest/adapter.py), with all line errors."""
 
-    SERIALS = ("A6008isP", "A6008isQ")
-
-    def __init__(self) -> None:
-        """Create two adapters."""
-        super().__init__(
-            "ftdi_sio, FT232R in software",
-            (),
-            ("FT232R USB UART", "ftdi_sio", "latency timer 16 ms"),
-            frozenset({"break", "errors", "overrun"}),
-            tuned={"latency timer": ("16", "1")},
-        )
+    def __init__(self, name: str, chip: str, latency: str = "", **more: Any) -> None:
+        """Create two adapters with a chip of guest/chips.py. Before the comma, the name is the driver's in sysfs."""
+        sysfs = name.partition(",")[0]
+        tells = driver(sysfs)
+        described = (CHIPS[chip].product, sysfs, latency, tells.place.value)
+        super().__init__(name, (), described, tells, ALL | {"break", "errors", "overrun"}, **more)
+        self._chip, self._module = chip, sysfs.partition("-")[0]
 
     def start(self, guest: Guest) -> None:
         """Plug both in."""
         _module(guest, "vhci_hcd")
-        self.lines = [ProgramLine(*self._plugged(guest, number), has_status=True) for number in range(2)]
+        _module(guest, self._module)
+        self.lines = [ProgramLine(*self._plugged(guest, number)) for number in range(2)]
+
+    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - QEMU's adapter needs it
+        """Return the observer of the first adapter."""
+        return ToldWatch(self.lines[0])
 
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
@@ -410,23 +462,64 @@ class SoftwareFtdi(Usb):
         """Put it in again."""
         self.lines[0].renew(self._plugged(guest, 0)[0])
 
+    def end(self, guest: Guest) -> None:
+        """Pull both out: the next driver has the same ports of the controller."""
+        for line in self.lines:
+            line.program.kill()
+            _goes(guest, line.port)
+
     def _plugged(self, guest: Guest, number: int) -> tuple[Program, str]:
-        program = guest.start("ft232r", str(number))
+        serial = f"{self._chip}{number}"
+        program = guest.start("adapter", self._chip, str(number), serial)
         program.until("{}")
-        return program, _by_id(guest, f"*{self.SERIALS[number]}*")
+        return program, _by_id(guest, f"*{serial}*")
+
+
+class ModuleUart(Driver):
+    """8250 with the UART of guest/uart.c: QEMU's has no line errors, and a break has no place in its FIFO.
+
+    pyserial does not list a port on the platform bus.
+    """
+
+    def __init__(self) -> None:
+        """Create it."""
+        super().__init__(
+            "8250, errors in the FIFO",
+            (),
+            ("16550A UART", "FIFO trigger 8", UART.place.value),
+            UART,
+            frozenset({"break", "errors", "overrun"}),
+            tuned={"FIFO trigger": ("8", "1"), "low latency": (False, True)},
+        )
+
+    def start(self, guest: Guest) -> None:
+        """Load the module."""
+        before = set(guest.find("/sys/class/tty/ttyS*/type"))
+        known = {name for name in before if guest.read(name).strip() != b"0"}
+        done = guest.run("insmod", "/guest/uart.ko")
+        assert done.code == 0, f"no module of this kernel (it needs gcc and make): {done.said}"
+        found = [name for name in before - known if guest.read(name).strip() != b"0"]
+        assert found, "the driver 8250 does not take the UART"
+        program = guest.start("uart")
+        program.until("{}")
+        self.lines = [ProgramLine(program, f"/dev/{Path(found[0]).parent.name}")]
+
+    def watch(self, guest: Guest, usbmon: Program) -> Watch:  # noqa: ARG002 - QEMU's adapter needs it
+        """Return the observer of the UART."""
+        return ToldWatch(self.lines[0])
 
 
 class Cdc(Usb):
-    """cdc_acm; its adapter with two ports is the guest itself (g_serial on dummy_hcd)."""
+    """cdc_acm; its adapter with two ports is the guest itself (g_serial on dummy_hcd). For record.py."""
 
     def __init__(self) -> None:
         """Create an adapter."""
-        super().__init__("cdc_acm", (), ("Gadget Serial", "cdc_acm"), frozenset({"break"}), apart=False)
+        super().__init__("cdc_acm", (), ("Gadget Serial", "cdc_acm"), driver("cdc_acm"), apart=False)
 
     def start(self, guest: Guest) -> None:
         """Plug it in."""
         _module(guest, "dummy_hcd")
-        self.lines = [ProgramLine(*end, has_status=False) for end in self._plugged(guest)]
+        self.lines = [GadgetLine(*end) for end in self._plugged(guest)]
 
     def unplug(self, guest: Guest) -> None:
         """Pull it out."""
@@ -500,10 +593,15 @@ def all_drivers() -> list[Driver]:
     isa = "-device isa-serial,chardev=isa0,index=1 -device isa-serial,chardev=isa1,index=2,irq=5"
     pci = "-chardev null,id=none2 -chardev null,id=none3 -device pci-serial-4x,chardev1=pci0,chardev2=pci1,"
     pci += "chardev3=none2,chardev4=none3"
+    timer = {"latency timer": ("16", "1")}
     return [
         Uart("8250, 16550A (ISA)", ("isa0", "isa1"), isa, "pnp", ("/dev/ttyS1", "/dev/ttyS2")),
         Uart("8250, pci-serial-4x", ("pci0", "pci1"), pci, "pci", ("/dev/ttyS4", "/dev/ttyS5")),
+        ModuleUart(),
         QemuFtdi(),
-        SoftwareFtdi(),
-        Cdc(),
+        Software("ftdi_sio, FT232R", "ft232r", "latency timer 16 ms", tuned=timer),
+        Software("cp210x, CP2102", "cp2102"),
+        Software("ch341-uart, CH340", "ch340"),
+        Software("pl2303, PL2303", "pl2303"),
+        Software("cdc_acm, CDC", "cdc"),
     ]

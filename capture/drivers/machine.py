@@ -104,6 +104,10 @@ class Program:
             self._take("")
         return self.said
 
+    def lines(self) -> list[str]:
+        """Return the complete lines of its output so far."""
+        return self.look().rpartition("\n")[0].splitlines()
+
     def say(self, text: str) -> None:
         """Write a line to it."""
         self._guest.agent(do="say", to=self._number, text=text)
@@ -144,7 +148,8 @@ class Guest:
             (folder / name).unlink(missing_ok=True)
         command = [
             *"setpriv --pdeathsig KILL".split(),  # however this ends, no virtual machine stays
-            *"qemu-system-x86_64 -nodefaults -display none -no-reboot -machine pc -m 512 -smp 1 -accel".split(),
+            *"qemu-system-x86_64 -nodefaults -display none -no-reboot -machine pc -m 512 -smp 1".split(),
+            *"-msg timestamp=on -accel".split(),
             accelerator,
             *("-cpu", "qemu64", "-kernel", "vmlinuz", "-initrd", "guest.cpio", "-append"),
             "console=ttyS0 rdinit=/init mitigations=off 8250.nr_uarts=8 quiet earlyprintk=ttyS0",

@@ -28,6 +28,7 @@ _SLACK = (
     f"and {OF_SYNC_S:g} s because the emulated disk writes slowly."
 )
 CHARACTERS_S = 870  # at 9600 Bd
+UNBROKEN = "silence:400"  # no such silence comes: a frame is cut when it is long enough
 PACE_S = 0.1  # interval between looks: constant looking would leave no time to the capture
 BURST = bytes(range(256)) * 256  # no stretch of 87 characters repeats in a row
 
@@ -118,7 +119,7 @@ def _until_pulled(guest: Guest, seconds: float) -> Pull:
     guest.run("sync")
     line = SocketLine(guest, "isa0", PORT)
     # Without real-time priority: on an emulated processor the capture would starve the kernel's threads.
-    program = guest.start("sistap", "capture", "--force", "-i", PORT, "--framing", "silence:20", "-w", FILE, user="tap")
+    program = guest.start("sistap", "capture", "--force", "-i", PORT, "--framing", UNBROKEN, "-w", FILE, user="tap")
     program.until("capturing on")
     first = received(guest, PORT)
     pull = Pull(b"", [], [])

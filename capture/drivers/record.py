@@ -11,6 +11,7 @@ import lzma
 import signal
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,8 +19,9 @@ CAPTURE = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(CAPTURE))
 
 from machine import Guest, Program, accelerator, eventually  # noqa: E402
+from truth import BREAK, FRAMING, LOST, PARITY  # noqa: E402
 
-from drivers import BREAK, FRAMING, OVERRUN, PARITY, Cdc, Line, QemuFtdi, SoftwareFtdi, Usb  # noqa: E402
+from drivers import Cdc, Line, QemuFtdi, Software, Usb  # noqa: E402
 
 PLACE = CAPTURE / "tests/real-captures"
 RECORDED = "/tmp/usbmon.pcap"
@@ -29,7 +31,7 @@ EVERY_VALUE = bytes(range(256))
 CLEAN = [(ANSWERED, 0)] * 20 + [(EVERY_VALUE[start : start + 32], 0) for start in range(0, 256, 32)]
 DAMAGED = [
     *CLEAN,
-    *[(ANSWERED, PARITY), (ANSWERED, 0), (ANSWERED, FRAMING), (b"\x55", PARITY), (ANSWERED, OVERRUN)],
+    *[(ANSWERED, PARITY), (ANSWERED, 0), (ANSWERED, FRAMING), (b"\x55", PARITY), (ANSWERED, LOST)],
     *[(b"\0", BREAK | FRAMING), (ANSWERED, 0)],
 ]
 
@@ -46,7 +48,7 @@ class Recording(NamedTuple):
 
 RECORDINGS = (
     Recording("usbmon-ftdi-38400-8n1", QemuFtdi, 38400, "8N1", CLEAN),
-    Recording("usbmon-ft232r-115200-8e1", SoftwareFtdi, 115200, "8E1", DAMAGED),
+    Recording("usbmon-ft232r-115200-8e1", partial(Software, "ftdi_sio, FT232R", "ft232r"), 115200, "8E1", DAMAGED),
     Recording("usbmon-cdc-115200-8n1", Cdc, 115200, "8N1", CLEAN),
 )
 
@@ -60,7 +62,7 @@ def recorded(folder: Path, runs_on: str, wanted: Recording) -> tuple[bytes, dict
         usbmon.until("{}")
         adapter.start(guest)
         line: Line = adapter.lines[0]
-        if isinstance(adapter, SoftwareFtdi):
+        if isinstance(adapter, Software):
             adapter.lines[0].say(idle=True)
         terminal = guest.start("terminal", line.port, str(wanted.baud), wanted.format)
         terminal.until("{}")

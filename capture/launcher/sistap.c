@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* sistap.exe: starts `python -P -m sistap extcap` with the arguments with which Wireshark has started it. With COMMAND
- * empty it is the command `sistap`.
+/* sistap.exe: starts `python -P -X utf8 -m sistap extcap` with the arguments with which Wireshark has started it. With
+ * COMMAND empty it is the command `sistap`. Wireshark reads UTF-8, whatever the code page is.
  *
  * A .bat cannot: cmd.exe cuts a capture filter such as link[5]==0x10&&link[6]==16 at &&, and drops what stands between
  * two % signs. Which Python, and where the package is, say the two lines of sistap.cfg beside it (UTF-8); without it,
@@ -20,7 +20,10 @@ enum { LONGEST = 32767 }; /* characters of a command line, and of a path */
 
 static int fail(const char *what, const wchar_t *which)
 {
-    fprintf(stderr, "sistap: %s %ls: run `sistap install` again\n", what, which);
+    static char path[4 * LONGEST]; /* in UTF-8: printf stops at a letter that the code page lacks */
+
+    WideCharToMultiByte(CP_UTF8, 0, which, -1, path, sizeof path, NULL, NULL);
+    fprintf(stderr, "sistap: %s %s: run `sistap install` again\n", what, path);
     return 1;
 }
 
@@ -116,7 +119,7 @@ int wmain(void)
         append(file, LONGEST, L"python\\python.exe");
     }
     SetEnvironmentVariableW(L"PYTHONPATH", package);
-    if (!append_quoted(command, LONGEST, python) || !append(command, LONGEST, L" -P -m sistap " COMMAND) ||
+    if (!append_quoted(command, LONGEST, python) || !append(command, LONGEST, L" -P -X utf8 -m sistap " COMMAND) ||
         !append(command, LONGEST, arguments(GetCommandLineW())))
         return fail("too many arguments for", python);
     return run(python, command);

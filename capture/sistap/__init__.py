@@ -5,21 +5,28 @@ It has a room for each job. A room may use those named beside it, and what these
 
     room                    may use                    what is in it
     terminal                nothing                    what a command has to do with whoever started it
-    sis                     nothing                    telegrams, names, rates, what the bus is told of them
+    sis                     nothing                    telegrams, rates, what the bus is told of them
     line                    terminal, sis              ports, settings, clocks, and readers: characters with times
     records                 line, sis                  characters are cut into records, put in order, counted, shown
-    files                   records                    pcapng files and rings of them, written and read
-    wireshark               terminal                   tshark: run, its rows, its folders
+    files                   records                    pcapng files and rings of them, written
+    capture                 files                      `sistap capture`
+    draw                    nothing                    pictures as SVG
+    common                  terminal                   output files, temporary files, programs that are started
+    captures                files, common              captures that are there: read, several as one, in memory
+    wire                    line                       the line over a socket: a virtual bus, a tap on another computer
+    analyser                line, common               the line by a logic analyser
+    ports                   analyser                   `sistap ports`
+    wireshark               common                     tshark: run, its rows, its folders
     accesses                wireshark                  what was read and written of parameters, and the list of them
-    packets                 accesses, records          packets and telegrams as the dissector says them, and their times
+    packets                 accesses, captures         packets and telegrams as the dissector says them, and their times
+    episodes                packets                    what happened: faults, silences, changes, with their times
     explain                 files, wireshark           what tshark says of records, also while they come
-    recorder                explain                    `sistap capture --keep`: what matters, in files of its own
-    capture                 recorder                   `sistap capture`
-    serve                   capture                    `sistap serve`: a line of this computer, heard at others
-    bus                     files, records, line, sis  `sistap bus` and `replay`: a bus in software
-    beside                  files, wireshark           two captures of the same traffic compared
-    selftest                line, beside               `sistap selftest`
-    doctor                  capture, wireshark         `sistap doctor`
+    recorder                capture, explain           `sistap record`: what matters, in files of its own
+    serve                   capture, wire              `sistap serve`: a line of this computer, heard at others
+    bus                     captures, wire             `sistap bus` and `replay`: a bus in software
+    beside                  captures, wireshark, draw  two captures of the same traffic compared
+    selftest                analyser, beside           `sistap selftest`
+    doctor                  analyser, capture, explain  `sistap doctor`
     extcap                  all above                  Wireshark's interfaces
     install                 all above                  `sistap install` and `uninstall`
     imports                 all above                  `sistap import`
@@ -28,10 +35,59 @@ It has a room for each job. A room may use those named beside it, and what these
     parameters              all above                  `sistap parameters`
     compare                 all above                  `sistap compare`
     tables                  all above                  `sistap tables`
+    web                     everything                 sistap in the page of a browser
+    library                 everything                 sistap for other programs: `import sistap`
     cli, __main__           everything                 the command `sistap`
 
-The rooms with "all above" are products: no product uses another. A character flows from a reader through framer and
-assembler to a writer, and never back. On that way, nothing behind the reader knows what a serial port is.
+The first six are the tap. It uses nothing else of sistap: readers of other ports, and the text of a live capture, are
+imported where they are asked for. The rooms with "all above" are products: no product uses another. A character flows
+from a reader through framer and assembler to a writer, and never back. On that way, nothing behind the reader knows
+what a serial port is.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sistap.library import (
+        Character,
+        Event,
+        Flag,
+        Framing,
+        LineSettings,
+        PortError,
+        PortLost,
+        Record,
+        Tap,
+        Type,
+        Writer,
+        play,
+        read,
+    )
+
 __version__ = "0.1.0"
+__all__ = [
+    "Character",
+    "Event",
+    "Flag",
+    "Framing",
+    "LineSettings",
+    "PortError",
+    "PortLost",
+    "Record",
+    "Tap",
+    "Type",
+    "Writer",
+    "play",
+    "read",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Load the library when something of it is used: the command starts without it."""
+    if name in __all__:
+        from sistap import library
+
+        return getattr(library, name)
+    raise AttributeError(f"module 'sistap' has no attribute '{name}'")

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import os
+import re
 import sys
 from collections.abc import Container, Sequence
 from difflib import get_close_matches
@@ -13,19 +15,18 @@ from typing import NoReturn
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.advice import examples, no_pyserial
-from sistap.terminal.console import Console
+from sistap.terminal.console import Console, end_standard_output, is_reader_gone, leave_standard_output, visible
 from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
-from sistap.terminal.streams import end_standard_output, is_reader_gone, leave_standard_output
-from sistap.terminal.visible import visible
 
 # The module of each command, imported only when it is called, and its line in the list of commands.
 COMMANDS = {
-    "ports": ("sistap.line.ports", "list the serial ports of this computer"),
+    "ports": ("sistap.ports", "list the serial ports of this computer"),
     "capture": ("sistap.capture.command", "record a bus into a pcapng file, or show it as text"),
+    "record": ("sistap.recorder.command", "run for months, and keep only what matters: faults, writes, a filter"),
     "serve": ("sistap.serve.command", "share the bus at this computer with other computers"),
-    "report": ("sistap.report.command", "summarize a capture on one page, with pictures and the worst moments"),
+    "web": ("sistap.web.command", "open the page for a browser, also with the tap of this computer"),
+    "report": ("sistap.report.command", "say what happened in a capture, on one page with pictures"),
     "parameters": ("sistap.parameters.command", "list the parameters that were read and written, and their changes"),
     "compare": ("sistap.compare.command", "show what changed between a good capture and a bad one"),
     "tables": ("sistap.tables.command", "collect captures in tables, to query months of many machines"),
@@ -38,6 +39,7 @@ COMMANDS = {
     "selftest": ("sistap.selftest", "measure how exact the times of this computer are"),
     "extcap": ("sistap.extcap.command", "serve as an interface of Wireshark; only Wireshark calls this"),
     "bus": ("sistap.bus.command", "simulate a bus, to try everything without a drive"),
+    "help": ("sistap.web.help", "open the handbook in a browser"),
     "replay": ("sistap.bus.replay", "play a capture again with its original timing"),
 }
 
@@ -62,6 +64,11 @@ exit status:
 """
 
 
+# Help texts have the ports of Linux and, in commands, single quotes, which cmd.exe does not know.
+_TYPED = "  sistap "
+_OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '"'}}
+
+
 def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> int:
     """Run `sistap` with these arguments (default: those of the process); return the exit code.
 
@@ -84,12 +91,20 @@ def _failed(error: Exception) -> int:
     if isinstance(error, OSError):
         leave_standard_output()
         if not is_reader_gone(error, is_file=error.filename is not None):
-            Console().say(str(error))
+            Console().say(_words(error))
         return FAILED
     if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] == "serial":
-        Console().say(f"pyserial is {no_pyserial()}")
+        from sistap.common.packages import missing
+
+        Console().say(missing("pyserial"))
         return FAILED
     raise error
+
+
+def _words(error: OSError) -> str:
+    """Describe an error. Commands catch those of their files: a full disk without a name has what they print."""
+    is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG) and error.filename is None
+    return f"standard output is incomplete: {error.strerror}; make room" if is_full else str(error)
 
 
 def _stopped(stop: Stop) -> int:
@@ -167,3 +182,17 @@ def _open_standard_streams() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for as long as the process lives
+
+
+def examples(text: str, system: str = "") -> str:
+    """Return a help text with the ports of a system; text after two blanks keeps its column."""
+    words = _OF_EXAMPLES.get(system or sys.platform, {})
+    return "".join(_translated(line, words) for line in text.splitlines(keepends=True))
+
+
+def _translated(line: str, words: dict[str, str]) -> str:
+    new = line
+    for word, other in words.items():
+        if len(word) > 1 or line.startswith(_TYPED):
+            new = new.replace(word, other)
+    return re.sub(r"(?<=\S)  ", " " * (2 + len(line) - len(new)), new, count=1)

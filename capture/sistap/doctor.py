@@ -9,18 +9,23 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+from sistap.analyser import probe
 from sistap.capture.filter import Filter, FilterError
-from sistap.line import analyser, measurement, ports, priority
+from sistap.common.packages import missing
+from sistap.line import drivers, measurement, ports, priority
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
-from sistap.terminal.advice import advice, no_pyserial
+from sistap.terminal import programs
+from sistap.terminal.advice import advice
+from sistap.terminal.console import visible
 from sistap.terminal.exits import DONE, FAILED, PORT
 from sistap.terminal.state import is_root
-from sistap.terminal.visible import visible
-from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, program, version
+from sistap.wireshark import folders, profile
+from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 
 DESCRIPTION = """\
 Check what a capture needs. Print one line for each point. With -i, check the port as well.
@@ -88,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
             print(point, flush=True)
             if point.mark == "bad":
                 code = FAILED
-    if args.port and (analyser.is_analyser(args.port) or _has_pyserial()):
+    if args.port and (probe.is_analyser(args.port) or _has_pyserial()):
         for point in port_points(args.port):
             print(point, flush=True)
             if point.mark == "bad":
@@ -101,9 +106,9 @@ def port_points(port: str) -> Iterator[Point]:
     if ports.is_own_terminal(port):
         yield Point("bad", "port", f"{port} is the terminal that sistap itself reads or writes: choose another port")
         return
-    if analyser.is_analyser(port):
+    if probe.is_analyser(port):
         yield from _before_samples(port)
-    device = "://" not in port and not analyser.is_analyser(port)
+    device = "://" not in port and not probe.is_analyser(port)
     try:
         reader = open_reader(port, LineSettings())
     except PortError as error:
@@ -114,9 +119,13 @@ def port_points(port: str) -> Iterator[Point]:
         for subject, text, _ in _hurdles():
             yield Point("good", subject, text)
     yield Point("good", "adapter", reader.adapter)
-    yield Point("poor" if reader.notes else "good", "times", reader.timing)
-    for note in reader.notes:
+    tells = ports.adapter(port).tells if device else drivers.UNKNOWN
+    notes = [note for note in reader.notes if note != tells.doubt(port)]
+    yield Point("poor" if notes else "good", "times", reader.timing)
+    for note in notes:
         yield Point("poor", "times", note)
+    if tells.told:
+        yield Point("good" if tells.breaks else "poor", "errors", tells.told)
 
 
 # What can keep a device from being opened, in this order: subject, text when it is well, and the check. A port of
@@ -142,14 +151,14 @@ def _up_to_the_trouble(port: str, trouble: str) -> Iterator[Point]:
 
 def _before_samples(port: str) -> Iterator[Point]:
     """Yield what an analyser needs before it can be opened."""
-    path = analyser.program()
-    yield Point("good", "sigrok-cli", path) if path else Point("bad", "sigrok-cli", analyser.MISSING)
-    if port.removeprefix(analyser.PREFIX).startswith(analyser.DRIVER) and not any(_analysers()):
-        yield Point("bad", "analyser", f"none on USB that the driver {analyser.DRIVER} knows: plug it in")
+    path = probe.program()
+    yield Point("good", "sigrok-cli", path) if path else Point("bad", "sigrok-cli", probe.MISSING)
+    if port.removeprefix(probe.PREFIX).startswith(probe.DRIVER) and not any(_analysers()):
+        yield Point("bad", "analyser", f"none on USB that the driver {probe.DRIVER} knows: plug it in")
 
 
 def _analysers() -> Iterator[Point]:
-    for found in analyser.plugged_in():
+    for found in probe.plugged_in():
         trouble = found.missing
         text = f"{found.name} ({found.port})"
         yield Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text)
@@ -165,7 +174,7 @@ def _has_pyserial() -> bool:
 
 def _pyserial() -> Iterator[Point]:
     if not _has_pyserial():
-        yield Point("bad", "pyserial", no_pyserial())
+        yield Point("bad", "pyserial", missing("pyserial"))
         return
     import serial
 
@@ -234,10 +243,29 @@ def _wireshark() -> Iterator[Point]:
         with Tshark() as tshark:
             yield _version(tshark.output("--version"))
             done = tshark.run(["-G", "plugins"])
+            named = tshark.output("-G", "folders")
     except (TsharkError, OSError) as error:
         yield Point("bad", "tshark", f"{error}")
         return
     yield _plugin(done.stdout, done.stderr)
+    if not is_root():  # for whom tshark runs as somebody else
+        with suppress(folders.FoldersError, OSError):
+            own, everybodys = (folders.parse(named, for_all=for_all).profiles for for_all in (False, True))
+            yield _profile(own / profile.NAME, everybodys / profile.NAME)
+
+
+def _profile(own: Path, everybodys: Path) -> Point:
+    """Compare the profile that Wireshark uses with that of this version. May raise OSError."""
+    if not own.is_dir():
+        if everybodys.is_dir():
+            return Point("good", "profile", f"{profile.NAME}, for all users")
+        return Point("poor", "profile", f"there is no profile {profile.NAME}: `sistap install` puts it there")
+    found = profile.look(own, sorted((profile.FOLDER / profile.NAME).iterdir()))
+    if found.outdated:
+        names = ", ".join(found.outdated)
+        return Point("poor", "profile", f"of another version of sistap in {own}: {names}: run `sistap install`")
+    yours = f"; changed by you, so an update leaves them: {', '.join(found.changed)}" if found.changed else ""
+    return Point("good", "profile", f"{profile.NAME}{yours}")
 
 
 def _version(text: str) -> Point:
@@ -246,7 +274,7 @@ def _version(text: str) -> Point:
         return Point("bad", "tshark", "it does not print its version: install tshark 4.0 or later")
     if (found.major, found.minor) < OLDEST_WIRESHARK:
         return Point("bad", "tshark", f"{found.text} is too old: install 4.0 or later")
-    if not program("wireshark"):
+    if not programs.of_wireshark("wireshark"):
         return Point("poor", "tshark", f"{found.text}, but no Wireshark: {advice().wireshark}")
     return Point("good", "tshark", f"{found.text}, with Wireshark")
 
@@ -269,7 +297,8 @@ def _recorder() -> Iterator[Point]:
 
 def _dumpcap() -> Iterator[Point]:
     """Check whether Wireshark may start dumpcap, which it needs for serial ports, too."""
-    path = shutil.which("dumpcap", mode=os.F_OK)  # F_OK: find one that this user may not run as well
+    # F_OK: find one that this user may not run as well
+    path = programs.of_wireshark("dumpcap") if sys.platform == "win32" else shutil.which("dumpcap", mode=os.F_OK)
     if sys.platform != "win32" and path and not os.access(path, os.X_OK):
         group = Path(path).group()
         cure = f"`sudo usermod -aG {group} $USER`, then log in again"

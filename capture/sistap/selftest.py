@@ -13,17 +13,16 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sistap.analyser.probe import is_analyser
 from sistap.beside.lateness import quantile
+from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.line import measurement, ports, priority
-from sistap.line.analyser import is_analyser
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.sis.rates import RATES
 from sistap.terminal import state
-from sistap.terminal.advice import no_matplotlib
-from sistap.terminal.console import Console
+from sistap.terminal.console import Console, visible
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
-from sistap.terminal.stop import held
-from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.terminal.writing import FORCE
 
 if TYPE_CHECKING:  # loaded only where it is needed
     from sistap.beside.comparing import Comparison
@@ -50,7 +49,7 @@ examples:
   sistap selftest --duration 60                         a minute; finds rare long delays, too
   sistap selftest -i /dev/ttyUSB0 --transmit --baud 115200
                                                         an adapter whose wires are joined
-  sistap selftest --beside analyser.pcapng adapter.pcapng --plot late.png
+  sistap selftest --beside analyser.pcapng adapter.pcapng --plot late.svg
                                                         how exact the times of an adapter are
 
 exit status:
@@ -86,7 +85,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")
     add("--format", default="8E1", metavar="FORMAT", help="data bits, parity and stop bits of PORT (8E1)")
     add("--beside", nargs=2, type=Path, metavar=("TRUE", "OTHER"), help="compare two captures instead of measuring")
-    add("--plot", type=Path, metavar="FILE", help="with --beside: draw the times into FILE (.png or .svg)")
+    add("--plot", type=Path, metavar="FILE", help="with --beside: draw the times into FILE (.svg)")
+    add("--force", action="store_true", help=FORCE)
     add("--duration", type=float, default=5, metavar="SECONDS", help="how long to measure (5)")
 
 
@@ -120,38 +120,37 @@ def _beside(args: argparse.Namespace, console: Console) -> int:
     try:
         if args.port or args.transmit or not args.beside:
             raise UsageError("--beside compares two captures, and --plot draws that: leave out -i and --transmit")
-        draw = _drawing(args.plot) if args.plot else None
-        comparison = Comparison(*args.beside)
-    except (UsageError, ValueError) as error:
+        with _drawing(args) as draw:
+            comparison = Comparison(*args.beside)
+            draw(comparison)
+    except (UsageError, ValueError, NotOpened) as error:
         console.say(str(error))
         return USAGE
-    except ImportError:
-        console.say(f"{no_matplotlib()}; without --plot it is not needed")
+    except Incomplete as error:
+        console.say(str(error))
         return FAILED
     for line in comparison.lines():
         print(line)
-    if draw:
-        try:
-            draw(comparison)
-        except (NotOpened, Incomplete) as error:
-            console.say(str(error))
-            return USAGE if isinstance(error, NotOpened) else FAILED
+    if args.plot:
         console.say(f"{args.plot} written")
     return DONE
 
 
-def _drawing(path: Path) -> Callable[[Comparison], None]:
-    """Return a function that draws into a file. ImportError without matplotlib; ValueError for an unknown kind."""
-    with held():
-        from sistap.beside.plot import kind_of, picture
-    kind = kind_of(path)
+@contextmanager
+def _drawing(args: argparse.Namespace) -> Iterator[Callable[[Comparison], object]]:
+    """Return a function that draws into the file of --plot."""
+    if not args.plot:
+        yield lambda _: None
+        return
+    from sistap.beside.lateness import drawing
+    from sistap.draw.svg import stacked
 
-    def draw(comparison: Comparison) -> None:
-        written = picture(comparison.lateness, "How late the times are", kind)
-        with opened(str(path), "name another file with --plot") as file:
-            file.write(written)
-
-    return draw
+    if args.plot.suffix.lower() != ".svg":
+        raise UsageError(f"'{args.plot}' does not say what to draw: end it in .svg")
+    with opened(str(args.plot), args.beside, force=args.force, cure="name another file with --plot") as file:
+        yield lambda comparison: file.write(
+            stacked(visible(args.beside[1].name), [drawing(comparison.lateness)]).encode()
+        )
 
 
 def _checked(args: argparse.Namespace) -> LineSettings:
@@ -182,10 +181,10 @@ def _measure(
     """Return what was measured, the conditions, and the delays in ns. May raise PortError or OSError."""
     duration_ns = int(args.duration * 1e9)
     if sys.platform == "win32":
-        from sistap.line.reader import loopback
+        from sistap.line.reader import latency
 
         with _undisturbed():
-            return measurement.MACHINE, measurement.conditions(), loopback.through_socket(duration_ns)
+            return measurement.MACHINE, measurement.conditions(), latency.through_socket(duration_ns)
     from sistap.line.reader import delay  # imported here: Windows has no such modules
     from sistap.line.reader.latency import port_conditions
     from sistap.line.reader.opening import open_device

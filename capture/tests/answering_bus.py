@@ -9,9 +9,9 @@ from __future__ import annotations
 import os
 import sys
 
-from sistap.bus.real.answering import BusTime, serve
 from sistap.bus.stations.making import make
-from sistap.bus.wires.pty_port import PseudoTerminalPort
+from sistap.bus.wires.answering import BusTime, serve
+from sistap.bus.wires.pseudo_terminal import PseudoTerminalPort
 from sistap.line.settings import LineSettings
 
 STATIONS: list[dict[str, object]] = [

@@ -25,7 +25,7 @@ MARK = "attack"
 
 def known() -> Iterator[tuple[str, str]]:
     """Yield each attack and its expected result, as the tests state them."""
-    for file in sorted(file for folder in FOLDERS for file in folder.glob("test_*.py")):
+    for file in sorted(file for folder in FOLDERS for file in folder.rglob("test_*.py")):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == MARK:
                 tried, result = (ast.literal_eval(argument) for argument in node.args)

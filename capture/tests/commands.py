@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Runs a command of sistap in a process of its own, and checks how it refuses.
 
-The process is a fork of one that has imported sistap and matplotlib, because importing takes longer than most commands.
+The process is a fork of one that has imported sistap, because importing takes longer than most commands.
 Windows has no fork, so there it is a new process.
 """
 

@@ -68,7 +68,6 @@ def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
     monkeypatch.setattr(
         sistap.terminal.state, "ROOT", getattr(os, "getuid", lambda: 0)()
     )  # whoever runs the tests can play root
-    monkeypatch.setattr(sistap.terminal.state, "HOME_OF_ROOT", str(folder / "root"))
     return folder
 
 

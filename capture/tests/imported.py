@@ -11,7 +11,7 @@ from typing import NamedTuple
 import pytest
 
 from sistap import cli
-from sistap.files.reading import packets, record_of
+from sistap.captures.reading import packets, record_of
 from sistap.records.record import Record, Type
 from sistap.wireshark.tshark import Tshark
 

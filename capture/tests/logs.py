@@ -27,6 +27,7 @@ def _shared(*times_ms: float) -> list[Expected]:
 
 
 NO_TIMES = [Expected(SET_RATE), Expected(READ_PHASE), Expected(PHASE)]
+EVEN = NO_TIMES[1:]
 SENT_AND_RECEIVED = [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 100), Expected(PHASE, RECEIVED, 136)]
 MARKED = [Expected(SET_RATE, SENT), Expected(READ_PHASE, SENT), Expected(PHASE, RECEIVED)]
 
@@ -273,6 +274,39 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         + "".join(f"0.641000000000000,0x{byte:02X},,\n" for byte in READ_PHASE)
         + "".join(f"0.677000000000000,0x{byte:02X},,\n" for byte in PHASE),
         _shared(0, 100, 136),
+    ),
+    "docklight, settings": (
+        "COM3: 9600,e,8,1\n02 D7 03 03 00 03 10 03 04 07 00\n02 6C 00 00 00 92 00 00\n02 56 02 02 10 92 00 00 00 02\n",
+        NO_TIMES,
+    ),
+    "step 7, bytes": (
+        "DB10\n"
+        + "".join(f"DB10.DBB {place:4}   HEX   B#16#{byte:02X}\n" for place, byte in enumerate(SET_RATE + READ_PHASE))
+        + "".join(f"  {place}.0  DATA[{place}]  BYTE  B#16#{byte:02X}\n" for place, byte in enumerate(PHASE)),
+        NO_TIMES,
+    ),
+    "step 7, words": (
+        "FETCH DB10 DW0\nDB10.DBW 0 HEX W#16#026C\nMW 2: W#16#0000\nW#16#0092\nW#16#0000\n"
+        "SEND DB10\nDW#16#0256_0202 DW#16#1092_0000\nWORD#16#0002\n",
+        EVEN,
+    ),
+    "step 7, words in a line": (
+        "W#16#026C W#16#0000, W#16#0092 W#16#0000\nDB10 02 56 02 02 10 92 00 00 00 02\n",
+        EVEN,
+    ),
+    "a byte a line, iec 61131": ("".join(f"16#{byte:X}\n" for byte in SET_RATE + READ_PHASE + PHASE), NO_TIMES),
+    "s5, words": (
+        "DB 10\n0:      KH = 026C;\n1:      KH = 0000;\n2:      KH = 0092;\n3:      KH = 0000;\n"
+        "DW  4:  KH=0256\nDW  5:  KH=0202\nDW  6:  KH=1092 KH=0000\nDW  8:  KH 0002\n",
+        EVEN,
+    ),
+    "tia portal": (
+        "".join(
+            f'"Frame".Data[{place}];%DB10.DBB{place};Hex;16#{byte:02X}\n'
+            for place, byte in enumerate(SET_RATE + READ_PHASE)
+        )
+        + "10 16#0256\n11 16#0202\n12 16#1092\n13 16#0000\n14 16#0002\n",
+        NO_TIMES,
     ),
     "tabs and columns": (
         "1\t0.541000\tout\t02 D7 03 03 00 03 10 03 04 07 00\n"

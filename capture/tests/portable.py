@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ast
 import ctypes
-import importlib.util
+import importlib
 import os
 import signal
 import sys
@@ -44,7 +44,6 @@ modes = posix("files have no modes")
 libpcap = pytest.mark.skipif(
     WINDOWS and not Path(os.environ.get("SYSTEMROOT", ""), "System32/Npcap/wpcap.dll").exists(), reason="no Npcap"
 )
-drawing = pytest.mark.skipif(WINDOWS and not importlib.util.find_spec("matplotlib"), reason="no matplotlib")
 unpackaged = pytest.mark.skipif(
     Path("/usr/bin/sistap").exists(), reason="the package sistap is installed here: Wireshark loads its dissector"
 )

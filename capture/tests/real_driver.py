@@ -14,9 +14,11 @@ from sistap.line import ports
 class Driver:
     """The driver of a real port instead of a pseudo terminal's, which supports no format."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, size: int | None = None) -> None:
+    def __init__(
+        self, monkeypatch: pytest.MonkeyPatch, size: int | None = None, name: str = "CP2102", driver: str = "cp210x"
+    ) -> None:
         """`size` is the only number of data bits that it accepts; it silently ignores others."""
-        monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter("CP2102", "cp210x"))
+        monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter(name, driver))
         monkeypatch.setattr(termios, "tcsetattr", self._set)
         monkeypatch.setattr(termios, "tcgetattr", self._get)
         self.asked: list[list[int]] = []

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from sistap.files import pcapng
 from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Event, Framing, Record, Type, event
+from sistap.records.record import INTERVAL_MAX, Event, Framing, Record, Type, event
 from sistap.sis.telegram import build
 
 LINE = LineSettings()  # 9600 8E1
@@ -78,6 +78,9 @@ def records(sent: Iterable[Sent]) -> list[Record]:
             flags[0] |= Flag.INTERVAL_UNKNOWN
         first_ns = last_ns + intervals[0]
         last_ns = first_ns + sum(intervals[1:])
+        if intervals[0] > INTERVAL_MAX:
+            intervals[0] = INTERVAL_MAX
+            flags[0] |= Flag.INTERVAL_SATURATED
         record = Record(first_ns, item.type, 0, LINE, item.data, intervals, bytes(flags), item.uncertainty_ns)
         made.append(record._replace(framing=item.framing))
     return made

@@ -9,21 +9,25 @@ import gzip
 import importlib
 import lzma
 import re
+import sys
+import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import sistap
-from sistap.cli import COMMANDS
-from sistap.terminal.advice import advice, examples, shell_word, unpack
+from sistap.cli import COMMANDS, examples
+from sistap.common.packages import missing
+from sistap.common.packed import unpack
+from sistap.terminal.advice import advice, shell_word
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
 
 # Where else such words may stand: in modules that Windows never loads, and where the programs of Linux are named.
 LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}
-LINUX_FILES = {"analyser.py"}  # of what is found in sysfs, and of a program that other systems get elsewhere
+LINUX_FILES = {"probe.py", "packages.py"}  # of sysfs, of a program that others get elsewhere, of Python
 
 
 @pytest.mark.parametrize(
@@ -44,6 +48,38 @@ def test_what_is_not_packed(tmp_path: Path, beginning: bytes) -> None:
     assert unpack(path) == unpack(tmp_path / "none") == ""
 
 
+@pytest.fixture
+def python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The system's own Python of a Linux, in a folder with a blank in its name."""
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "a b/python3"))
+    monkeypatch.setattr(sys, "prefix", sys.base_prefix)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(sysconfig, "get_path", lambda name: str(tmp_path))
+    (tmp_path / "a b").mkdir()
+    return tmp_path / "a b/python3"
+
+
+def test_how_to_get_a_package(python: Path) -> None:
+    assert missing("pyarrow") == f"pyarrow is missing for {python}: `'{python}' -m pip install pyarrow`"
+
+
+def test_debians_python_takes_debians_packages(python: Path) -> None:
+    """It has no pip, and takes nothing from it."""
+    (python.parents[1] / "EXTERNALLY-MANAGED").touch()
+    assert missing("pyserial").endswith(": `sudo apt-get install python3-serial`")
+    said = missing("pyarrow")  # Debian has none
+    assert "`~/sistap-python/bin/pip install pyarrow`" in said
+    assert f"`PYTHONPATH={PACKAGE.parent} ~/sistap-python/bin/python3 -m sistap`" in said
+
+
+def test_the_bundle_for_windows_has_no_pip(python: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert missing("pyarrow").endswith(" -m pip install pyarrow")
+    (python.parent / "python314._pth").touch()
+    assert "pip install" not in missing("pyarrow")
+    assert "full.zip has pyarrow" in missing("pyarrow")
+
+
 def test_windows_is_told_nothing_of_linux() -> None:
     assert not WORDS.search(" ".join(advice("win32")))
     assert not re.search("sudo|/dev/|/sys/|`", " ".join(advice("win32")))
@@ -58,11 +94,12 @@ def texts(file: Path) -> list[str]:
     return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
 
 
-@pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda file: str(file.relative_to(PACKAGE)))
-def test_such_words_stand_in_the_table_alone(file: Path) -> None:
-    if file.name != "advice.py" and file.name not in LINUX_FILES:
-        allowed = LINUX_ALONE.get(file.name, "\0")
-        assert not [text for text in texts(file) if WORDS.search(text) and allowed not in text]
+@pytest.mark.style
+def test_such_words_stand_in_the_table_alone() -> None:
+    for file in PACKAGE.rglob("*.py"):
+        if file.name != "advice.py" and file.name not in LINUX_FILES:
+            allowed = LINUX_ALONE.get(file.name, "\0")
+            assert not [text for text in texts(file) if WORDS.search(text) and allowed not in text], file
 
 
 @pytest.mark.parametrize("module", ["sistap.cli", *(module for module, _ in COMMANDS.values())])

@@ -26,6 +26,7 @@ from sistap import cli
 from sistap.annotate import command
 from sistap.annotate.annotating import LONGEST_LINE
 from sistap.annotate.explaining import WholeCapture
+from sistap.explain.fields import Fields
 from sistap.records.record import Record, Type
 from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import Tshark
@@ -95,14 +96,26 @@ def test_what_is_written_to_a_log_meanwhile_is_left_out(
     before = capfdbinary.readouterr().out
 
     class Growing(WholeCapture):
-        def __init__(self, tshark: Tshark, capture: Path) -> None:
+        def __init__(self, tshark: Tshark, fields: Fields, capture: Path) -> None:
             with log.open("ab") as file:
                 file.write(b"\r\n" + f"{PHASE.hex(' ')}\r\n".encode() * 1000)
-            super().__init__(tshark, capture)
+            super().__init__(tshark, fields, capture)
 
     monkeypatch.setattr(command, "WholeCapture", Growing)
     assert cli.main(["annotate", str(log), "--format", form]) == 0
     assert capfdbinary.readouterr() == (before, b"")
+
+
+def test_a_log_with_faults_ends_with_what_happened(log: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
+    """Its checksum is wrong; the last line has no ending, and what is added does not change that."""
+    damaged = PHASE[:-1] + bytes([PHASE[-1] ^ 1])
+    times = (f"2026-03-14 03:12:0{second}.000 " for second in range(9))
+    lines = (f"{time}{data.hex(' ')}" for time, data in zip(times, (READ_PHASE, damaged), strict=False))
+    log.write_text("\n".join(lines))
+    assert cli.main(["annotate", str(log)]) == 0
+    *told, last = capfdbinary.readouterr().out.decode().splitlines(keepends=True)
+    assert told[-4] == "^-- NOT OK, 03:12:00 to 03:12:01.\n"
+    assert last == "^-- Limits: Damaged telegram station 0, its checksum is wrong, 03:12:01."
 
 
 @pytest.mark.thorough
@@ -285,7 +298,7 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes(b"nothing to see here\n")
     done = run(tmp_path, "x")
     assert done.stdout == b"nothing to see here\n"
-    refused(done, 2, "x has no bytes in hexadecimal", "--regex")
+    refused(done, 2, "no bytes were found in x", "--regex")
     (tmp_path / "x").write_text("01 03 00 00 00 0A C5 CD\n")
     done = run(tmp_path, "x")
     refused(done, 0, "x has 8 bytes, but no telegram of SIS")
@@ -296,7 +309,7 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     ("content", "words"),
     [
         (bytes.fromhex("0a0d0d0a1c000000"), "x is a capture, not a log: `sistap log x` explains it"),
-        (b"MZ\x90\0\x03\0\0\0", "x is no text: name a log that an editor can show"),
+        (b"MZ\x90\0\x03\0\0\0", "x is no text, and its bytes are no telegrams: name a log that an editor can show"),
     ],
 )
 def test_a_file_of_bytes_is_no_log(tmp_path: Path, content: bytes, words: str) -> None:
@@ -343,7 +356,7 @@ def test_an_empty_log(tmp_path: Path) -> None:
     (tmp_path / "x").touch()
     done = run(tmp_path, "x")
     assert done.stdout == b""
-    refused(done, 2, "x has no bytes")
+    refused(done, 2, "no bytes were found in x")
     assert run(tmp_path, "-").returncode == 2
 
 
@@ -373,7 +386,10 @@ def test_a_full_disk(tmp_path: Path, log: Path, full: Path) -> None:
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
+    """Known before a line is read: the last one would be reported."""
     (tmp_path / "plugins").mkdir()
+    with log.open("ab") as file:
+        file.write(b"0" * 19)
     for name, stdin in ((log, b""), ("-", log.read_bytes())):
         refused(run(tmp_path, name, stdin=stdin, PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark)
         refused(run(tmp_path, name, stdin=stdin, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")
@@ -423,4 +439,4 @@ def test_the_help_is_a_page() -> None:
 def test_a_file_of_one_long_line_comes_to_an_end(tmp_path: Path, piece: str) -> None:
     """Within minutes, though a naive search would look at the rest of the line again and again."""
     (tmp_path / "long.txt").write_text(piece * (300_000 // len(piece)))
-    assert run(tmp_path, "long.txt").stderr.startswith(b"sistap: long.txt has ")
+    assert run(tmp_path, "long.txt").stderr.startswith(b"sistap: no bytes were found in long.txt: ")

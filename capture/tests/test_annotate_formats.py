@@ -103,6 +103,12 @@ def test_a_line_of_a_dump_has_at_most_256_bytes(width: int, of_a_dump: bool) -> 
     assert found == data + (b"" if of_a_dump else b"\x12\x34\x56\x78")
 
 
+@pytest.mark.parametrize("line", ["DR 02 6C 00 00 00 92 00 00", "IB 02 6C 00 00 00 92 00 00", "02 6C DB 10 00 00"])
+def test_bytes_that_look_like_addresses(line: str) -> None:
+    data = re.sub("^[DI][RB]|[^0-9A-F]", "", line)
+    assert b"".join(record.data for record in records(line)) == bytes.fromhex(data)
+
+
 def test_a_wrong_checksum_is_a_frame() -> None:
     [record] = records("02 57 02 02 10 92 00 00 00 02")
     assert record.type == Type.FRAME
@@ -114,6 +120,15 @@ def test_a_wrong_checksum_is_a_frame() -> None:
     [
         "Port 10 opened at 9600 Bd, 8 data bits",
         "Axis 3 added, dead band 00 be",
+        "COM3: 9600,e,8,1",
+        "/dev/ttyUSB0 at 19200 8E1",
+        "Rate 115200 Bd, N-8-1",
+        "DB10",
+        "DB 10",
+        "FETCH DB10 DW5",
+        "SEND DB10",
+        "FB 20",
+        "RET_VAL W#16#8180",
         "  ^-- 3 -> 16  Reaction  Read parameter S-0-0047, 4 bytes: 39 30 00 00",
         "2013-03-14 08:21:14.541 timeout 05",
         "10.0.0.12 192.168.10.20",
@@ -160,6 +175,20 @@ def test_a_regular_expression_says_where_bytes_are() -> None:
     assert [Expected(record.data, record.line, (record.time_ns - found[0].time_ns) / 1e6) for record in found] == LOGS[
         "docklight"
     ][1]
+
+
+def test_where_each_byte_of_a_word_stands() -> None:
+    text = "DW#16#0256_0202 KH = 1092, W#16#0000 16#0002"
+    [run] = hexadecimal.runs(text)
+    assert [text[start:end] for start, end in run.spans()] == [
+        *("DW#16#02", "56", "_02", "02", "KH = 10", "92", "W#16#00", "00", "16#00", "02"),
+    ]
+
+
+@pytest.mark.parametrize("data", ["16#02 B#16#6C", "W#16#026C", "KH = 026C", "DW#16#026C_0000"])
+def test_a_regular_expression_finds_the_notations_of_controls(data: str) -> None:
+    [record] = records(f"x={data};", PatternReader("x=(?<data>.*);"))
+    assert record.data in (b"\x02l", b"\x02l\0\0")
 
 
 @pytest.mark.parametrize(

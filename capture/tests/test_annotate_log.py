@@ -38,9 +38,9 @@ def test_a_log(tmp_path: Path) -> None:
         "2023-11-14 23:13:20.058020831+0100  02 56 02 02 10 92 00 00 00 02",
         f"{indent}0 -> 0  Reaction  Read phase (SYNAX): phase 2 (parameter mode)  25.000 ms after the command",
         f"2023-11-14 23:13:20.093333328+0100  {read}",
-        f"{indent}16 -> 3  Command  [no reaction]  Read parameter S-0-0040",
+        f"{indent}16 -> 3  Command  [no reaction]  Read parameter S-0-0040 (Velocity feedback value 1)",
         f"2023-11-14 23:13:20.132083324+0100  {read}",
-        f"{indent}16 -> 3  Command  [repeat]  Read parameter S-0-0040",
+        f"{indent}16 -> 3  Command  [repeat]  Read parameter S-0-0040 (Velocity feedback value 1)",
         "2023-11-14 23:13:20.170833320+0100  41 30 33 0D",
         f'{indent}4 other characters  41 30 33 0d  "A03\\r"',
     ]

@@ -7,6 +7,7 @@ import io
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import cast
 
 import pytest
 from hypothesis import given
@@ -15,13 +16,14 @@ from logs import LOGS
 from specification import TELEGRAMS
 
 from sistap.annotate.annotating import Passage, record, weave, weave_recorded
+from sistap.annotate.explaining import WholeCapture
 from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
 from sistap.annotate.textlog import LogLine, lines
 from sistap.annotate.weaving import TextWeaver
+from sistap.common.writing import Incomplete
 from sistap.explain.fields import Said, sentence
 from sistap.records.record import Record
-from sistap.terminal.writing import Incomplete
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 
@@ -39,6 +41,9 @@ class Sayer:
         told = self.records.pop(0)
         return Said(f"{told.type.name} {told.data.hex()}", True, None, False)
 
+    def answer(self) -> list[str]:
+        return []
+
 
 def woven(batches: Iterable[list[LogLine]]) -> bytes:
     output = io.BytesIO()
@@ -54,7 +59,7 @@ def kept_and_woven(batches: list[list[LogLine]]) -> bytes:
     sayer.records = [cut.record for cut in [*cuts, *reading.end()]]
     with Spool() as spool:
         record(batches, Passage(AnyReader()), "a log", lambda _: None, spool)
-        weave_recorded(spool.batches(lambda _: None), sayer, TextWeaver(output.write), output.flush)
+        weave_recorded(spool.batches(lambda _: None), cast(WholeCapture, sayer), TextWeaver(output.write), output.flush)
     return output.getvalue()
 
 

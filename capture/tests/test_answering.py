@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.bus.real.answering import Answering, BusTime, serve
-from sistap.bus.real.receiver import Receiver
 from sistap.bus.stations.making import make
+from sistap.bus.wires.answering import Answering, BusTime, serve
+from sistap.bus.wires.receiver import Receiver
 from sistap.line.settings import LineSettings
 from sistap.sis.telegram import build, checksum_good
 

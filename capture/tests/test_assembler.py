@@ -20,14 +20,32 @@ class Assembled:
 
     def __init__(self, cut: Cut = SIS) -> None:
         self.written: list[Record] = []
-        self.assembler = Assembler(self.written.append, cut)
+        self.assembler = Assembler(cut)
         for line in (1, 2):
             self.assembler.add_line(line, SETTINGS, 0)
 
     def take(
         self, time_ns: int, data: bytes, line: int = 1, settings: LineSettings | None = None, why: str = ""
     ) -> list[Record]:
-        return self.assembler.take(Read(line, time_ns, data, bytes(len(data)), 1000, settings), time_ns, why)
+        taken = self.assembler.take(Read(line, time_ns, data, bytes(len(data)), 1000, settings), time_ns, why)
+        self.write(time_ns)
+        return taken
+
+    def flush(self, line: int, now_ns: int) -> None:
+        self.assembler.flush([line], now_ns)
+        self.write(now_ns)
+
+    def write(self, now_ns: int) -> None:
+        self.written += self.assembler.due(now_ns)
+
+    def idle(self, now_ns: int) -> list[tuple[int, list[Record]]]:
+        completed = self.assembler.idle(now_ns)
+        self.write(now_ns)
+        return completed
+
+    def restart(self, line: int, now_ns: int) -> None:
+        self.assembler.restart(line, now_ns)
+        self.write(now_ns)
 
     @property
     def texts(self) -> list[str]:
@@ -49,7 +67,7 @@ def test_settings_that_a_read_brings_are_an_event_before_it() -> None:
     made.take(1 * MS, b"A")
     made.take(2 * MS, b"B", settings=FASTER, why="it is said")
     made.take(3 * MS, b"C", settings=FASTER, why="it is said")
-    made.assembler.flush([1], 4 * MS)
+    made.flush(1, 4 * MS)
     assert [(record.event, record.settings, record.data) for record in made.written] == [
         (Event.NONE, SETTINGS, b"A"),
         (Event.SETTINGS_CHANGED, FASTER, b"19200 Bd 8E1: it is said"),
@@ -79,7 +97,7 @@ def test_idle_tells_which_line_has_completed_what() -> None:
     made = Assembled()
     made.take(1 * MS, b"\x02A")
     made.take(900 * MS, b"\x02B", line=2)
-    completed = made.assembler.idle(1001 * MS)
+    completed = made.idle(1001 * MS)
     assert [(line, [record.data for record in records]) for line, records in completed] == [(1, [b"\x02A"]), (2, [])]
     assert not made.assembler.empty
 
@@ -98,27 +116,33 @@ def test_silence_cuts_frames_where_it_is_said() -> None:
 def test_a_line_with_a_time_of_its_own_is_silent_only_by_that() -> None:
     """A network may delay for seconds what came without a pause."""
     written: list[Record] = []
-    assembler = Assembler(written.append)
+    assembler = Assembler()
     assembler.add_line(0, SETTINGS, 0, own_time=True)
     assembler.take(Read(0, 10 * MS, TELEGRAM[:4], bytes(4)), 0, "")
+    written += assembler.due(0)
     assembler.idle(5000 * MS)
+    written += assembler.due(5000 * MS)
     assert not written
     assembler.take(Read(0, 1009 * MS, b"", b""), 5001 * MS, "")
+    written += assembler.due(5001 * MS)
     assert not written
     assembler.take(Read(0, 11 * MS, TELEGRAM[4:], bytes(len(TELEGRAM) - 4)), 5002 * MS, "")
+    written += assembler.due(5002 * MS)
     assert [record.data for record in written] == [TELEGRAM]
     assembler.take(Read(0, 12 * MS, TELEGRAM[:4], bytes(4)), 5003 * MS, "")
+    written += assembler.due(5003 * MS)
     assembler.take(Read(0, 1012 * MS, b"", b""), 5004 * MS, "")
+    written += assembler.due(5004 * MS)
     assert [record.data for record in written] == [TELEGRAM, TELEGRAM[:4]]
 
 
 def test_another_clock_begins_without_an_interval() -> None:
     made = Assembled()
     made.take(5000 * MS, TELEGRAM[:4])
-    made.assembler.restart(1, 5000 * MS)
+    made.restart(1, 5000 * MS)
     made.take(7 * MS, TELEGRAM)
-    made.assembler.restart(1, 8 * MS)
-    made.assembler.restart(1, 8 * MS)  # nothing is left
+    made.restart(1, 8 * MS)
+    made.restart(1, 8 * MS)  # nothing is left
     unfinished, telegram = made.written
     assert (unfinished.time_ns, unfinished.data) == (5000 * MS, TELEGRAM[:4])
     assert (telegram.time_ns, telegram.data, telegram.intervals[0]) == (7 * MS, TELEGRAM, 0)

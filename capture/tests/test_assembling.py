@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,8 +12,8 @@ import pytest
 from specification import TELEGRAMS
 
 from sistap.capture import session
-from sistap.capture.remote import Marker, Remote
-from sistap.capture.session import Capture, Conditions
+from sistap.capture.session import Capture
+from sistap.capture.tap import Conditions
 from sistap.files.output import Limits, Output
 from sistap.line.reader import PortLost, Reader
 from sistap.line.settings import LineSettings, Read
@@ -131,7 +131,12 @@ class Running:
     """A capture, of one port by default."""
 
     def __init__(
-        self, folder: Path, conditions: Conditions, *, output: Output | None = None, remote: Remote | None = None
+        self,
+        folder: Path,
+        conditions: Conditions,
+        *,
+        output: Output | None = None,
+        remote: Callable[[Capture], None] | None = None,
     ) -> None:
         self.clock = Clock()
         self.sink, self.console, self.counters = Sink(self.clock), Told(self.clock), Counters()
@@ -383,15 +388,12 @@ def test_settings_that_are_only_tried_are_noted_but_not_told(tmp_path: Path) -> 
 class Listener:
     """A program that controls the capture, and asks for a marker at once."""
 
-    def __init__(self) -> None:
-        self._requests = [Marker("the axis stopped")]
+    asked = False
 
-    def requests(self) -> list[Marker]:
-        requests, self._requests = self._requests, []
-        return requests
-
-    def show(self, counters: Counters, settings: LineSettings) -> None:
-        pass
+    def __call__(self, capture: Capture) -> None:
+        if not self.asked:
+            capture.mark("the axis stopped")
+        self.asked = True
 
 
 def test_a_marker_is_an_event(tmp_path: Path) -> None:

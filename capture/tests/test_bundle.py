@@ -3,6 +3,7 @@
 
 import os
 import re
+import shutil
 import struct
 import sys
 import zipfile
@@ -28,13 +29,16 @@ DOWNLOADED = (
     "python/lib/_socket.pyd python/lib/_ssl.pyd python/lib/libcrypto-3.dll python/lib/vcruntime140.dll "
     "python/lib/libffi-8.dll python/lib/test/test_os.py python/lib/tkinter/__init__.py "
     "python/lib/encodings/__pycache__/x.pyc wheel/serial/__init__.py "
-    "doc/libpython3.11-minimal/copyright doc/python3-serial/copyright"
+    "python/lib/pyexpat.pyd wheel/pyarrow/lib.pyd wheel/pyarrow/arrow.lib wheel/pyarrow.libs/msvcp140.dll "
+    "wheel/pyarrow-1.dist-info/licenses/LICENSE.txt doc/mingw-w64-common/copyright doc/python3-serial/copyright "
+    "checkout/build/course/index.html checkout/build/sis.html checkout/build/docs/index.html"
 ).split()
 USED = (
     "python.exe python3.dll python314.dll python314._pth vcruntime140.dll lib/os.py lib/encodings/utf_8.py "
-    "lib/_socket.pyd lib/libffi-8.dll"
+    "lib/_socket.pyd lib/pyexpat.pyd lib/libffi-8.dll"
 ).split()
-OURS = "sistap.exe app/sistap/sistap.exe app/sistap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll"
+OURS = "sistap.exe app/sistap/sistap.exe app/sistap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll "
+OURS += "source.zip demo.cmd CHECKLIST.html course/index.html docs/index.html sis.html"
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +51,12 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         source = CHECKOUT / name
         contents.put(place / "checkout" / name, source.read_bytes() if source.exists() else b"x")
     contents.put(place / "checkout" / contents.MODULES / "4.4/sis.dll", b"x")
+    for name in contents.SOURCES:
+        source = CHECKOUT / name
+        if source.is_dir():
+            shutil.copytree(source, place / "checkout" / name, dirs_exist_ok=True)
+        else:
+            shutil.copy(source, place / "checkout" / name)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(contents, "CHECKOUT", place / "checkout")
         patch.setattr(contents, "DOCUMENTS", place / "doc")
@@ -69,6 +79,25 @@ def test_the_bundle_runs_by_itself(made: Path) -> None:
     python = {name.removeprefix("python/") for name in names if name.startswith("python/")}
     assert python == set(USED)
     assert set(OURS.split()) <= names
+
+
+def test_the_full_zip_has_what_tables_needs_besides(made: Path) -> None:
+    names = []
+    for kind in ("", "-full"):
+        with zipfile.ZipFile(made / f"{contents.NAME}-windows{kind}.zip") as archive:
+            names.append({name.removeprefix(f"{contents.NAME}/") for name in archive.namelist()})
+    assert names[1] - names[0] == {"app/pyarrow/lib.pyd", "app/pyarrow.libs/msvcp140.dll", "licences/pyarrow.txt"}
+
+
+def test_it_has_the_source_of_its_programs_and_every_licence(made: Path) -> None:
+    with zipfile.ZipFile(made / contents.NAME / "source.zip") as archive:
+        names = set(archive.namelist())
+    plugin = {file.relative_to(CHECKOUT).as_posix() for file in (CHECKOUT / "plugin").rglob("*.[ch]")}
+    assert plugin | {"LICENSE", "capture/launcher/sistap.c", "capture/bundle/build", "capture/bundle/module"} <= names
+    page = (made / contents.NAME / "README.html").read_text("utf-8")
+    licences = {file.name for file in (made / contents.NAME / "licences").iterdir()}
+    assert licences == {"hacl.txt", "microsoft.txt", "mingw-w64.txt", "pyserial.txt", "python.txt"}
+    assert all(f"licences\\{name}" in page for name in licences)
 
 
 def test_it_has_no_other_path_than_its_own(made: Path) -> None:
@@ -94,7 +123,7 @@ def test_a_zip_has_the_same_bytes_each_time(made: Path, tmp_path: Path) -> None:
 
 
 def test_a_missing_licence_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    contents.put(tmp_path / "libpython3.13-minimal/copyright", b"x")
+    contents.put(tmp_path / "mingw-w64-common/copyright", b"x")
     monkeypatch.setattr(contents, "DOCUMENTS", tmp_path)
     with pytest.raises(FileNotFoundError, match="Debian's package python3-serial is missing: install it"):
         list(contents.licences())
@@ -109,12 +138,13 @@ def test_the_uninstaller_removes_what_was_installed_and_no_more(made: Path) -> N
     assert removed == folders
 
 
-def test_the_page_names_what_is_there(made: Path) -> None:
-    page = (made / contents.NAME / "README.html").read_text("utf-8")
+@pytest.mark.parametrize(("name", "count"), [("README.html", 12), ("CHECKLIST.html", 2)])
+def test_a_page_names_what_is_there(made: Path, name: str, count: int) -> None:
+    page = (made / contents.NAME / name).read_text("utf-8")
     named = re.findall(r'src="([^"]+)"', page) + [
-        name.replace("\\", "/") for name in re.findall(r"<code>([\w.\\]+\.(?:cmd|txt|lua|zip|dll))</code>", page)
+        name.replace("\\", "/") for name in re.findall(r"<code>([\w.\\-]+\.(?:cmd|txt|lua|zip|dll|html))</code>", page)
     ]
-    assert len(named) > 8
+    assert len(named) > count
     assert [name for name in named if not (made / contents.NAME / name).exists()] == []
 
 

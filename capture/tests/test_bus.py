@@ -25,18 +25,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from portable import WINDOWS, posix, signals, sockets, terminals
 
-from sistap.bus.playing.hearing import hear
-from sistap.bus.playing.played import Character, Played, reads, uncertainty
-from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
-from sistap.bus.playing.times import Times
+from sistap.bus.playing.characters import NO_FAULTS, Character, Faults, Played, hear, reads, uncertainty
+from sistap.bus.playing.player import Times
 from sistap.bus.scenarios.demo import commands, read_parameter
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
 from sistap.bus.wires import taps as wires
-from sistap.bus.wires.pace import Pace
 from sistap.bus.wires.taps import Taps
-from sistap.line import bus_socket
+from sistap.bus.wires.wire import Pace
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.sis.telegram import build, checksum_good, parse
+from sistap.wire import protocol
 
 if sys.platform != "win32":
     from sistap.bus.wires.pseudo_terminal import PseudoTerminal
@@ -324,13 +322,13 @@ def connect(name: str, tap: LineSettings | None = LINE) -> socket.socket:
         host, _, port = where.rpartition(":")
         connection = socket.create_connection((host, int(port)), timeout=TIMEOUT_S)
     if tap:
-        connection.sendall(bus_socket.pack_settings(tap))
+        connection.sendall(protocol.pack_settings(tap))
     return connection
 
 
 def listen(connection: socket.socket) -> list[Read]:
     """Yield reads until the bus ends."""
-    decoder, heard = bus_socket.Decoder(), []
+    decoder, heard = protocol.Decoder(), []
     while data := connection.recv(65536):
         heard += [message for message in decoder.feed(data) if isinstance(message, Read)]
     connection.close()
@@ -491,16 +489,16 @@ def test_a_tap_that_changes_its_settings_hears_better_and_is_told_from_where_on(
     wrong = LINE._replace(parity="N")
     with running("--listen", "127.0.0.1:0", "--fast") as (_, name):
         connection = connect(name, wrong)
-        decoder = bus_socket.Decoder()
-        heard: list[bus_socket.Message] = []
+        decoder = protocol.Decoder()
+        heard: list[protocol.Message] = []
         while not any(isinstance(message, Read) for message in heard):
             heard += decoder.feed(connection.recv(65536))
-        connection.sendall(bus_socket.pack_settings(LINE))
+        connection.sendall(protocol.pack_settings(LINE))
         while LINE not in heard[:-100]:
             heard += decoder.feed(connection.recv(65536))  # the socket's time-out fails the test
         connection.close()
     place = heard.index(LINE)
-    assert isinstance(heard[0], bus_socket.Hello)
+    assert isinstance(heard[0], protocol.Hello)
     assert heard[1] == wrong
     assert any(any(message.flags) for message in heard[:place] if isinstance(message, Read))
     assert not any(any(message.flags) for message in heard[place:] if isinstance(message, Read))
@@ -511,20 +509,20 @@ def test_simulated_time_waits_for_a_tap_that_asks_for_it() -> None:
     played = list(bus(LINE, 1, 1))
     with running("--listen", "127.0.0.1:0", "--fast", "--cycles", "1") as (process, name):
         connection = connect(name, None)
-        connection.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(LINE))  # with the settings the bus begins
-        decoder, count, pieces = bus_socket.Decoder(), 0, [b""]
+        connection.sendall(protocol.pack_time(0) + protocol.pack_settings(LINE))  # with the settings the bus begins
+        decoder, count, pieces = protocol.Decoder(), 0, [b""]
         times: list[int] = []
         while data := connection.recv(65536):
             for message in decoder.feed(data):
                 if isinstance(message, Read):
                     pieces[-1] += message.data
                     times.append(message.time_ns)
-                elif isinstance(message, bus_socket.Time):
+                elif isinstance(message, protocol.Time):
                     assert not times or message.time_ns >= times[-1]
                     times.append(message.time_ns)
                     pieces += [b""] if pieces[-1] else []
                     count += 1
-                    connection.sendall(bus_socket.pack_settings(LINE) + bus_socket.pack_time(message.time_ns))
+                    connection.sendall(protocol.pack_settings(LINE) + protocol.pack_time(message.time_ns))
         connection.close()
         assert finish(process) == (0, "")
     assert [piece for piece in pieces if piece] == [one.sent for one in played]
@@ -570,7 +568,7 @@ def test_what_is_no_tap_is_sent_away() -> None:
 
 def test_simulated_time_ends_with_the_last_tap() -> None:
     with running("--listen", "127.0.0.1:0", "--fast") as (process, name):
-        connection, decoder = connect(name), bus_socket.Decoder()
+        connection, decoder = connect(name), protocol.Decoder()
         while LINE not in decoder.feed(connection.recv(100)):  # until then it is no tap
             pass
         connection.close()
@@ -586,7 +584,7 @@ def test_a_silent_tap_is_let_go_and_the_others_hear_everything(
     monkeypatch.setattr(wires, "PATIENCE_S", 0.2)
     taps = Taps(Pace(simulated=True), "127.0.0.1:0", 1, 1)
     silent = connect(taps.name, None)
-    silent.sendall(bus_socket.pack_time(0) + bus_socket.pack_settings(LINE))  # and it never says a time again
+    silent.sendall(protocol.pack_time(0) + protocol.pack_settings(LINE))  # and it never says a time again
     other = connect(taps.name)
     taps.wait_for_listener()
     while sum(bool(tap.settings) for tap in taps._peers) < 2:
@@ -846,7 +844,7 @@ def test_a_tap_that_goes_on_talking_does_not_hold_up_the_end() -> None:
         until = time.monotonic() + TIMEOUT_S
         with contextlib.suppress(OSError):  # until the bus has gone
             while process.poll() is None:
-                connection.sendall(bus_socket.pack_settings(LINE))
+                connection.sendall(protocol.pack_settings(LINE))
                 assert time.monotonic() < until
         assert finish(process) == (0, "")
 

@@ -23,9 +23,11 @@ from portable import SIGNALS, WINDOWS, libpcap, posix, terminals
 from specification import TELEGRAMS
 
 from sistap import cli
-from sistap.capture import live, session
-from sistap.capture import ports as capture_ports
-from sistap.capture.sinks import PlainText
+from sistap.capture import running as capture_ports
+from sistap.capture import session
+from sistap.capture.tap import Conditions
+from sistap.explain import live
+from sistap.explain.plain import PlainText
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
@@ -217,6 +219,16 @@ def test_everything_is_written_and_counted(run: Run, tmp_path: Path, capfd: pyte
     )
 
 
+def test_where_no_errors_are_reported_none_are_counted(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(FakeReader, "timing", "uncertainty 1 ms; no line errors are reported")
+    path = tmp_path / "x.pcapng"
+    assert run(FakeReader(reads(b"abc")), "-w", str(path)) == 0
+    assert "(0 telegrams, 0 of them damaged, 3 characters, no line errors are reported)" in capfd.readouterr().err
+    assert "no line errors are reported" in records(path)[0].data.decode()
+
+
 @pytest.mark.attack(
     "the disk becomes full at different moments", "only whole packets are saved; the last line on stderr counts them"
 )
@@ -336,9 +348,10 @@ def test_limits_that_the_user_tells_are_in_each_file(run: Run, tmp_path: Path) -
     files = sorted(tmp_path.iterdir())
     assert len(files) > 1
     for file in files:
-        _, told, first, *_ = records(file)
+        _, told, *rest = records(file)
         assert (told.event, told.data) == (Event.LIMITS_TOLD, b"TzA = 8 ms, TrS = 40 ms")
-        assert first.event == Event.NONE
+        assert (rest[0].event == Event.TOLD_BEFORE) == (file != files[0])
+        assert all(record.event == Event.NONE for record in rest[1:])
 
 
 def test_files_stops(run: Run, tmp_path: Path) -> None:
@@ -632,7 +645,7 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
 
     stop = Stop()
     output = Output(str(tmp_path / "x"))
-    conditions = session.Conditions(duration_s=7)
+    conditions = Conditions(duration_s=7)
     made = session.Capture(
         [Slow([])], PlainText(output), output, Counters(), Console(), conditions, progress=True, clock_ns=clock
     )
@@ -648,32 +661,40 @@ def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str
     assert clock.ns == 7_000_000_000
 
 
-def test_a_wall_clock_that_is_set_is_an_event(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    clock = FakeClock()
-    path = tmp_path / "x.pcapng"
+def marked_in_silence(clock: FakeClock, path: Path, duration_s: float) -> list[str]:
+    """Capture silence; return the texts of the markers in the file."""
 
     class Idle(FakeReader):
         def read(self, timeout_s: float) -> Read | None:
             clock.ns += 500_000_000
             return None
 
+    output, counters = Output(str(path)), Counters()
+    sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
+    conditions = Conditions(duration_s=duration_s)
+    session.Capture([Idle([])], sink, output, counters, Console(), conditions, clock_ns=clock).run(Stop())
+    output.close()
+    return [record.data.decode() for record in records(path) if record.event == Event.MARKER]
+
+
+def test_a_wall_clock_that_is_set_is_an_event(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    clock = FakeClock()
     hour = 3_600_000_000_000
     monkeypatch.setattr(
         "sistap.capture.tap.CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0))
     )
-    output = Output(str(path))
-    reader, counters = Idle([]), Counters()
-    sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
-    session.Capture([reader], sink, output, counters, Console(), session.Conditions(duration_s=4), clock_ns=clock).run(
-        Stop()
-    )
-    output.close()
-    _, event = records(path)
-    assert (event.type, event.event) == (Type.EVENT, Event.MARKER)
-    assert event.data.decode().startswith("the wall clock moved by +3600.000 s (it was set, or the computer slept); ")
+    (said,) = marked_in_silence(clock, tmp_path / "x.pcapng", duration_s=4)
+    assert said.startswith("the wall clock moved by +3600.000 s (it was set, or the computer slept); ")
     assert capfd.readouterr().err.count("the wall clock moved") == 1
+
+
+def test_a_hint_is_an_event(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Whoever opens the capture later does not see the messages."""
+    (said,) = marked_in_silence(FakeClock(), tmp_path / "x.pcapng", duration_s=7)
+    assert said == "nothing received for 5 s: check the wiring (A, B and ground) and the port"
+    assert capfd.readouterr().err.count("nothing received for 5 s") == 1
 
 
 def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
@@ -693,7 +714,7 @@ def test_one_silent_line_does_not_wait_for_a_busy_one(tmp_path: Path) -> None:
             )
 
     output = Output(str(path))
-    conditions = session.Conditions(duration_s=3)
+    conditions = Conditions(duration_s=3)
     session.Capture([Busy([])], PlainText(output), output, Counters(), Console(), conditions, clock_ns=clock).run(
         Stop()
     )

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The clock: right intervals, no jumps, never backwards, and finally the wall clock."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -80,7 +81,12 @@ def test_a_step_is_told_once_and_drift_never() -> None:
     assert clock.step_ns() == 0  # not more than a second
 
 
-@given(st.lists(st.tuples(st.integers(0, 5 * SECOND), st.integers(-3 * SECOND, 3 * SECOND)), max_size=40))
+# Of seconds, and of years: as of a computer whose clock has no battery.
+JUMPS = st.integers(-3 * SECOND, 3 * SECOND) | st.integers(-50, 200).map(lambda years: years * 365 * 86_400 * SECOND)
+
+
+@pytest.mark.attack("the clock of this computer jumps by seconds or years", "times go on; intervals stay right")
+@given(st.lists(st.tuples(st.integers(0, 5 * SECOND), JUMPS), max_size=40))
 def test_never_backwards_and_intervals_within_500_ppm(steps: list[tuple[int, int]]) -> None:
     machine = Machine()
     clock = machine.clock()

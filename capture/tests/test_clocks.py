@@ -12,28 +12,28 @@ from typing import Any
 
 import pytest
 
-from sistap.line import clocks
+from sistap.line import clock
 from sistap.line.settings import LineSettings
 
 TICK_S = 0.015625
 
 
-def described(coarse: str = "") -> Callable[[str], clocks.Info]:
+def described(coarse: str = "") -> Callable[[str], clock.Info]:
     """Describe clocks as Python does; those named in `coarse` move in ticks."""
     return lambda name: SimpleNamespace(resolution=TICK_S if name in coarse.split() else 1e-7)
 
 
 def test_a_fine_monotonic_clock_is_taken() -> None:
-    clock = clocks.steady(described())
-    assert clock.now_ns is time.monotonic_ns
-    assert str(clock) == "clock monotonic, in steps of 100 ns"
+    found = clock.steady(described())
+    assert found.now_ns is time.monotonic_ns
+    assert str(found) == "clock monotonic, in steps of 100 ns"
 
 
 def test_the_performance_counter_stands_in_for_a_coarse_one() -> None:
-    clock = clocks.steady(described("monotonic"))
-    assert clock.now_ns is time.perf_counter_ns
-    assert str(clock) == "clock perf_counter, in steps of 100 ns"
-    assert "in steps of 15.6 ms" in str(clocks.steady(described("monotonic perf_counter")))
+    found = clock.steady(described("monotonic"))
+    assert found.now_ns is time.perf_counter_ns
+    assert str(found) == "clock perf_counter, in steps of 100 ns"
+    assert "in steps of 15.6 ms" in str(clock.steady(described("monotonic perf_counter")))
 
 
 class Kernel:
@@ -45,28 +45,28 @@ class Kernel:
 
 
 def test_the_wall_clock_of_windows_is_the_precise_one() -> None:
-    assert clocks.wall(described(), Kernel()) is time.time_ns
-    assert clocks.wall(described("time"), Kernel())() == 1_795_176_000_123_456_700
-    assert clocks.wall(described("time"), object()) is time.time_ns  # Windows 7 has none
+    assert clock.wall(described(), Kernel()) is time.time_ns
+    assert clock.wall(described("time"), Kernel())() == 1_795_176_000_123_456_700
+    assert clock.wall(described("time"), object()) is time.time_ns  # Windows 7 has none
 
 
 def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sistap.bus.wires import pace
+    from sistap.bus.wires import wire
     from sistap.capture import session
-    from sistap.line.reader import loopback, several, url, windows
+    from sistap.line.reader import latency, pyserial, several, windows
 
-    modules: list[ModuleType] = [pace, session, loopback, several, url, windows]
+    modules: list[ModuleType] = [wire, session, latency, several, pyserial, windows]
     if sys.platform != "win32":
         from sistap.line.reader import delay, device
 
         modules += [delay, device]
     for module in modules:
-        assert module.__dict__["monotonic_ns"] is clocks.monotonic_ns, module
+        assert module.__dict__["monotonic_ns"] is clock.monotonic_ns, module
 
 
 def test_what_a_url_says_of_its_times_names_the_clock() -> None:
-    from sistap.line.reader.url import UrlReader
+    from sistap.line.reader.pyserial import UrlReader
 
     reader = UrlReader("loop://", LineSettings())
     reader.close()
-    assert str(clocks.STEADY) in reader.timing
+    assert str(clock.STEADY) in reader.timing

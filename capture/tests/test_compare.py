@@ -101,7 +101,7 @@ def test_five_lines_say_what_happened_in_the_night(tmp_path: Path, bus: dict[str
     assert told["Stations, services"] == "new: Write parameter (0x1f) of station 4, once (may be chance)"
     # The write is the tenth packet: the event, three settings of limits with their two reactions, a reading.
     assert told["Parameters"].endswith("was 00 2d 31 01, written by 16 in packet 10 of night.pcapng")
-    assert told["Parameters"].startswith("station 4 S-0-0091 0a 00 00 00,")
+    assert told["Parameters"].startswith("station 4 S-0-0091 (Bipolar velocity limit value) 0a 00 00 00,")
     assert told["Times"].startswith("station 4 answers Read parameter (0x10) slower: half within ")
     assert "Command without a reaction 2, was 0" in told["Errors"]
     assert told["Line, limits"] == "nothing differs"
@@ -213,8 +213,8 @@ def test_what_cannot_be_compared(tmp_path: Path, bus: dict[str, Path]) -> None:
     for wrong in ([evening], [evening] * 3, ["--good", evening], ["--good", evening, "--bad", evening, "--", evening]):
         refused(run(tmp_path, "compare", *wrong), 2, "two captures", "--good")
     refused(run(tmp_path, "compare", evening, "none.pcapng"), 2, "cannot read none.pcapng")
-    refused(run(tmp_path, "compare", evening, "."), 2, ". is not a file")
+    refused(run(tmp_path, "compare", evening, "."), 2, ". has no captures")
     (tmp_path / "junk").write_text("this is no capture\n" * 9)
     refused(run(tmp_path, "compare", evening, "junk"), 2, "junk is not a capture")
-    refused(run(tmp_path, "compare", evening, evening, "-o", evening), 2, "is one of the captures")
+    refused(run(tmp_path, "compare", evening, evening, "-o", evening), 2, "is the capture itself", "-o")
     refused(run(tmp_path, "compare", evening, evening, "-o", "/no/such/file"), 2, "cannot write")

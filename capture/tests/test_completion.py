@@ -69,10 +69,10 @@ def in_help(name: str) -> set[str]:
     ("typed", "offered"),
     [
         ("sistap cap", {"capture"}),
-        ("sistap capture --framing ", {"sis", "3964r"}),
+        ("sistap capture --framing ", {"sis", "3964r", "ascii"}),
         ("sistap capture --baud = a", {"auto"}),
         ("sistap capture --baud =", {"auto"}),
-        ("sistap report --format p", {"png"}),
+        ("sistap report --format s", {"svg"}),
         ("sistap bus lat", {"late-reaction"}),
         ("sistap capture -w ", set()),  # then bash has names of files
         ("sistap replay ", set()),
@@ -130,7 +130,7 @@ def test_zsh_completes(tmp_path: Path) -> None:
         "sistap capture --fol": "capture --follow-baud",
         "sistap capture --framing 39": "capture --framing 3964r",
         "sistap bus lat": "bus late-reaction",
-        "sistap report --format=pn": "report --format=png",
+        "sistap report --format=sv": "report --format=svg",
         "sistap replay a-f": "replay a-file.pcapng",
         "sistap uninst": "uninstall",
     }

@@ -19,9 +19,10 @@ import serial
 from real_driver import Driver
 
 from sistap import cli, doctor
+from sistap.analyser import probe, reader
+from sistap.analyser.probe import Analyser
 from sistap.doctor import Point
-from sistap.line import analyser, measurement, ports, priority
-from sistap.line.analyser import Analyser
+from sistap.line import measurement, ports, priority
 from sistap.line.reader import latency
 from sistap.wireshark.tshark import TsharkError
 
@@ -46,8 +47,7 @@ class FakeTshark:
     def __exit__(self, *error: object) -> None: ...
 
     def output(self, *arguments: str) -> str:
-        assert arguments == ("--version",)
-        return self.version
+        return {("--version",): self.version, ("-G", "folders"): ""}[arguments]
 
     def run(self, arguments: list[str]) -> subprocess.CompletedProcess[str]:
         assert arguments == ["-G", "plugins"]
@@ -252,6 +252,35 @@ def test_times_whose_bound_is_not_known_are_poor(
     assert f"`sistap selftest -i {port} --transmit` measures it" in times[1]
 
 
+@pytest.mark.parametrize(
+    ("driver", "mark", "said"),
+    [
+        ("cp210x", "good", "line errors at their character. Some copies of the CP2102 report nothing"),
+        (
+            "pl2303",
+            "poor",
+            "their USB packet. A break looks like any other error. Lost characters are not reported",
+        ),
+        (
+            "ch341-uart",
+            "poor",
+            "no line errors are reported. A damaged character looks like a good one. FTDI",
+        ),
+        ("unheard-of", "", ""),
+    ],
+)
+def test_what_the_driver_says_about_line_errors(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, port: str, driver: str, mark: str, said: str
+) -> None:
+    Driver(monkeypatch, driver=driver)
+    assert cli.main(["doctor", "-i", port]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    found = [line for line in lines if line[6:].startswith("errors")]
+    assert [line[:4] for line in found] == ([mark] if mark else [])
+    assert not any("Lost characters" in line or "looks like" in line for line in lines if line not in found)
+    assert said in "".join(found)
+
+
 @pytest.fixture
 def timer(monkeypatch: pytest.MonkeyPatch, port: str, tmp_path: Path) -> Path:
     """The latency timer of the port, as if it were an FTDI adapter; at 16 ms."""
@@ -355,7 +384,7 @@ def test_without_pyserial() -> None:
     command = [sys.executable, "-c", WITHOUT_PYSERIAL, "doctor", "-i", "/dev/ttyUSB0"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert f"bad   pyserial   missing for {sys.executable}: " in done.stdout
+    assert f"bad   pyserial   pyserial is missing for {sys.executable}: " in done.stdout
     assert f"{sys.executable} -m pip install pyserial" in done.stdout
     assert done.stderr == ""
 
@@ -377,13 +406,13 @@ def test_the_service_of_a_recorder(
 
 
 def plug(monkeypatch: pytest.MonkeyPatch, device: Path) -> None:
-    monkeypatch.setattr(analyser, "plugged_in", lambda: [Analyser("Logic", "1.2", device)])
+    monkeypatch.setattr(probe, "plugged_in", lambda: [Analyser("Logic", "1.2", device)])
 
 
 def test_analyser(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     device = tmp_path / "002"
     plug(monkeypatch, device)
-    monkeypatch.setattr(analyser, "FIRMWARE", tmp_path)
+    monkeypatch.setattr(probe, "FIRMWARE", tmp_path)
 
     def point() -> tuple[str, str]:
         return examined(capsys)[1]["analyser"]
@@ -394,14 +423,15 @@ def test_analyser(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Monkey
     assert "sigrok-firmware-fx2lafw" in point()[1]
     (tmp_path / "fx2lafw-saleae-logic.fw").touch()
     assert point() == ("good", "Logic (sigrok:fx2lafw:conn=1.2?rx=D0)")
-    monkeypatch.setattr(analyser, "program", lambda: None)
+    monkeypatch.setattr(probe, "program", lambda: None)
     assert point()[0] == "poor"
     assert "apt-get install sigrok-cli" in point()[1]
 
 
 def test_analyser_that_is_not_there(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(analyser, "plugged_in", list)
-    monkeypatch.setattr(analyser, "program", lambda: None)
+    monkeypatch.setattr(probe, "plugged_in", list)
+    for module in (probe, reader):
+        monkeypatch.setattr(module, "program", lambda: None)
     code, points = examined(capsys, "-i", "sigrok:fx2lafw?rx=D0")
     assert code == 3
     assert points["sigrok-cli"][0] == points["analyser"][0] == points["port"][0] == "bad"

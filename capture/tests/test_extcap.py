@@ -14,9 +14,10 @@ import pytest
 from portable import WINDOWS, libpcap, posix
 
 from sistap import cli
+from sistap.analyser import probe
 from sistap.extcap import command, interfaces, started
-from sistap.install.launching import launcher
-from sistap.line import analyser, ports
+from sistap.install.shell import launcher
+from sistap.line import ports
 from sistap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
@@ -42,7 +43,7 @@ def parsed(text: str) -> list[Sentence]:
 
 @pytest.fixture(autouse=True)
 def _without_analyser(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(analyser, "program", lambda: None)
+    monkeypatch.setattr(probe, "program", lambda: None)
 
 
 @pytest.fixture
@@ -50,8 +51,8 @@ def plugged(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Plug two adapters in, one with a name of its own; return the folder of names."""
     monkeypatch.setattr(interfaces, "BY_ID", tmp_path)
     if not WINDOWS:
-        (tmp_path / "usb-FTDI_FT232R_A1-if00-port0").symlink_to("/dev/ttyUSB0")
-    found = [("/dev/ttyS0", Adapter("16550A UART")), ("/dev/ttyUSB0", Adapter("FT{232}R"))]
+        (tmp_path / "usb-FTDI_FT232R_A1-if00-port0").symlink_to("/nowhere/ttyUSB0")
+    found = [("/nowhere/ttyS0", Adapter("16550A UART")), ("/nowhere/ttyUSB0", Adapter("FT{232}R"))]
     monkeypatch.setattr(ports, "found", lambda: found)
     return tmp_path
 
@@ -91,11 +92,11 @@ def test_ports_and_the_demo_bus_are_interfaces(capsys: pytest.CaptureFixture[str
 @posix("no names by /dev/serial/by-id")
 def test_an_adapter_keeps_its_name_where_it_is_plugged_in_again(plugged: Path) -> None:
     name = interfaces.found()[1].name
-    assert interfaces.port_of(name) == "/dev/ttyUSB0"
+    assert interfaces.port_of(name) == "/nowhere/ttyUSB0"
     link = plugged / name.removeprefix("sistap-")
     link.unlink()
-    link.symlink_to("/dev/ttyUSB7")
-    assert interfaces.port_of(name) == "/dev/ttyUSB7"
+    link.symlink_to("/nowhere/ttyUSB7")
+    assert interfaces.port_of(name) == "/nowhere/ttyUSB7"
     assert interfaces.port_of("sistap-ttyS0") == "/dev/ttyS0"
 
 
@@ -152,7 +153,7 @@ def test_rate_and_format_are_chosen_from_what_sis_and_the_field_have(capsys: pyt
     number = {field["call"]: field["number"] for field in of_kind("arg", sentences)}
     assert choices(sentences, number["--baud"]) == [*RATES, "auto"]
     assert choices(sentences, number["--format"]) == ["", "8E1", "8N1"]
-    assert choices(sentences, number["--framing"]) == ["sis", "3964r"]
+    assert choices(sentences, number["--framing"]) == ["sis", "3964r", "ascii"]
 
 
 @pytest.mark.usefixtures("plugged")
@@ -250,13 +251,13 @@ def test_the_launcher_of_windows_is_a_batch_file() -> None:
     lines = launcher(r"C:\Program Files\Python\python.exe", Path("D:/100% SIS"), windows=True).split("\r\n")
     assert lines[0] == "@echo off"
     assert f'set "PYTHONPATH={Path("D:/100%% SIS")}"' in lines
-    assert lines[-2:] == [r'"C:\Program Files\Python\python.exe" -P -m sistap extcap %*', ""]
+    assert lines[-2:] == [r'"C:\Program Files\Python\python.exe" -P -X utf8 -m sistap extcap %*', ""]
 
 
 def test_an_analyser_is_an_interface(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(analyser, "program", lambda: "/usr/bin/sigrok-cli")
-    found = analyser.Analyser("Logic {8}", "1.2", Path("/dev/bus/usb/001/002"))
-    monkeypatch.setattr(analyser, "plugged_in", lambda: [found])
+    monkeypatch.setattr(probe, "program", lambda: "/usr/bin/sigrok-cli")
+    found = probe.Analyser("Logic {8}", "1.2", Path("/dev/bus/usb/001/002"))
+    monkeypatch.setattr(probe, "plugged_in", lambda: [found])
     listed = of_kind("interface", asked(capsys, "--extcap-interfaces"))
     assert {"value": "sistap-sigrok", "display": "SIS tap: logic analyser (Logic (8))"} in listed
     shown = fields(capsys, "sistap-sigrok")
@@ -271,4 +272,4 @@ def test_the_dialog_of_an_analyser_is_its_address() -> None:
     args = parser.parse_args(["--extcap-interface", "sistap-sigrok", "--fifo", "pipe", *chosen])
     (port,) = started._options(args).ports
     assert port == "sigrok:fx2lafw:conn=1.2?rx=D0&tx=D1&samplerate=8m&invert=tx"
-    assert analyser.Probe.parse(port).inverted == (False, True)
+    assert probe.Probe.parse(port).inverted == (False, True)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import sistap
-from sistap.install.launching import launcher
+from sistap.install.shell import launcher
 from sistap.wireshark.tshark import Tshark
 
 NOT_LONGER = ["-a", "duration:60"]

@@ -6,10 +6,10 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.capture.steering import Steering
+from sistap.capture.rate import Steering
 from sistap.line.settings import LineSettings, Read
 from sistap.records.framer import SisFramer
-from sistap.sis.follow import Follow
+from sistap.sis.initialization import Follow
 from sistap.sis.telegram import build
 
 MS = 1_000_000

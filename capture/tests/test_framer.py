@@ -412,6 +412,17 @@ def test_a_pause_as_long_as_the_silence_cuts() -> None:
     assert kinds(feed(framer, later)) == [(FRAME, b"a")]
 
 
+def test_a_frame_without_silence_is_cut_after_half_a_second() -> None:
+    """So a power cut costs at most a second. The interval before the second piece shows that it goes on."""
+    framer = SilenceFramer(0, SETTINGS, 5_000_000)
+    traffic = one_by_one(bytes(1200), gap_ns=1_000_000)
+    records = feed(framer, traffic) + framer.flush()
+    assert [len(record.data) for record in records] == [501, 501, 198]
+    assert [record.intervals[0] for record in records[1:]] == [1_000_000, 1_000_000]
+    patient = SilenceFramer(0, SETTINGS, 2 * SILENCE_NS)  # nobody can tell before how long such a frame is
+    assert feed(patient, traffic) == []
+
+
 def test_a_frame_without_silence_is_cut_at_the_limit() -> None:
     framer = SilenceFramer(0, SETTINGS, 5_000_000)
     assert [len(record.data) for record in feed(framer, reads(*[bytes(1000)] * 9))] == [RUN_LIMIT, RUN_LIMIT]

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sistap.explain.plain import lines
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.framer_3964r import BLOCK_LIMIT, Framer3964R
 from sistap.records.record import Framing, Record, Type
-from sistap.records.text import lines
 
 SILENCE_NS = 1_000_000_000
 START_NS = 1_700_000_000_000_000_000
@@ -29,16 +29,23 @@ DOUBLED = bytes.fromhex("10 10 10 03 13")
 WRONG = ASKED[:-1] + b"\x13"
 
 
-def came(text: str, line: int = SHARED, gap_ns: int = 1_000_000) -> list[Read]:
-    """Read characters one by one; "-" is a pause of 1 s."""
+CHARACTER_NS = SETTINGS.character_ns
+ANSWER_NS = 4_000_000  # a partner takes that long for its answer
+PAUSES_NS = {"-": SILENCE_NS, "~": 242_000_000}  # the second is a little longer than ZVZ
+
+
+def came(text: str, line: int = SHARED, gap_ns: int = CHARACTER_NS, uncertainty_ns: int = 1000) -> list[Read]:
+    """Read characters one by one. Each word comes at once, after a partner's time for an answer.
+
+    "<" before a word: it comes on the other line. "." before it: without any pause. "=" before a character: at the same
+    time as the one before it.
+    """
     reads, time_ns = [], START_NS
     for word in text.split():
-        if word == "-":
-            time_ns += SILENCE_NS
-            continue
-        for value in bytes.fromhex(word):
-            time_ns += gap_ns
-            reads.append(Read(line, time_ns, bytes([value]), b"\0", 1000))
+        time_ns += PAUSES_NS.get(word, 0 if "." in word or "=" in word else ANSWER_NS)
+        for value in bytes.fromhex(word.strip("-~<.=")):
+            time_ns += 0 if "=" in word else gap_ns
+            reads.append(Read(3 - line if "<" in word else line, time_ns, bytes([value]), b"\0", uncertainty_ns))
     return reads
 
 
@@ -49,9 +56,16 @@ def kinds(records: list[Record]) -> list[tuple[str, str]]:
     ]
 
 
-def cut(text: str, line: int = SHARED, *, to_the_end: bool = True) -> list[tuple[str, str]]:
+def heard(reads: list[Read], line: int) -> tuple[Framer3964R, list[Record]]:
+    """Return the framer of a line and what it has completed."""
     framer = Framer3964R(line, SETTINGS)
-    records = [record for read in came(text, line) for record in framer.feed(read)]
+    return framer, [
+        record for read in reads for record in (framer.feed(read) if read.line == line else framer.beside(read))
+    ]
+
+
+def cut(text: str, line: int = SHARED, *, to_the_end: bool = True, uncertainty_ns: int = 1000) -> list[tuple[str, str]]:
+    framer, records = heard(came(text, line, uncertainty_ns=uncertainty_ns), line)
     return kinds(records + (framer.flush() if to_the_end else []))
 
 
@@ -60,6 +74,7 @@ def frames(*texts: str) -> list[tuple[str, str]]:
 
 
 A, D, W = ASKED.hex(), DOUBLED.hex(), WRONG.hex()
+BLOCK = "41 43 10 03 11".replace(" ", "")  # 41 ^ 43 ^ 10 ^ 03
 
 
 # -- Both partners on one line --------------------------------------------------------------------------------------
@@ -82,15 +97,18 @@ def test_a_request_and_its_reaction() -> None:
         ("02 10 - " + A, frames("02", "10", A)),
         # The grant was not heard.
         ("02 " + A, frames("02", A)),
-        # A block breaks off: its receiver says NAK; the sender asks again, soon or later.
-        (f"02 10 000045 15 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("15", "02", "10", A)]),
-        (f"02 10 000045 15 - 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("15", "02", "10", A)]),
+        # A block breaks off: after ZVZ its receiver says NAK; the sender asks again, soon or later.
+        (f"02 10 000045 ~ 15 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("15", "02", "10", A)]),
+        (f"02 10 000045 ~ 15 - 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("15", "02", "10", A)]),
+        # Before ZVZ, 15 can be data. A request with a pause before it and a grant after it is one.
+        (f"02 10 000045 15 02 10 {A}", [*frames("02", "10"), (OTHER, "00004515"), *frames("02", "10", A)]),
+        (f"02 10 00 .02 .10 {A}", [*frames("02", "10"), (OTHER, "000210" + A)]),
         (f"02 10 000045 - 02 10 {A}", [*frames("02", "10"), (OTHER, "000045"), *frames("02", "10", A)]),
         ("02 10 000045", [*frames("02", "10"), (OTHER, "000045")]),
         ("02 10 000045 10 03", [*frames("02", "10"), (OTHER, "0000451003")]),  # BCC is missing
-        ("02 10 15 02 10 " + A, frames("02", "10", "15", "02", "10", A)),  # nothing came of it
+        ("02 10 ~ 15 02 10 " + A, frames("02", "10", "15", "02", "10", A)),  # nothing came of it
         # A block that begins with a doubled DLE is asked for again after one that broke off.
-        ("02 10 41 02 10 10 10 41 10 03 52", [*frames("02", "10"), (OTHER, "41"), *frames("02", "10", "101041100352")]),
+        ("02 10 41 02 10 101041100352", [*frames("02", "10"), (OTHER, "41"), *frames("02", "10", "101041100352")]),
         # DLE is followed by what may not follow it.
         (
             f"02 10 41 10 42 43 10 03 55 02 10 {A}",
@@ -104,8 +122,18 @@ def test_a_request_and_its_reaction() -> None:
         ("02 10 15 10 41 10 03 55", [*frames("02", "10"), (OTHER, "151041100355")]),
         # A pair is over: 42 ^ 10 ^ 03 = 51.
         ("02 10 10 10 42 10 03 51", frames("02", "10", "101042100351")),
+        # An STX without a pause before it is data, though a DLE comes after one: 41 ^ 02 ^ 42 ^ 10 ^ 03 = 12.
+        ("02 10 41 .02 10 .1042100312", frames("02", "10", "4102101042100312")),
         # On one line a request inside a block would have been granted there: 42 ^ 10 ^ 03 = 51.
-        ("02 10 41 02 42 10 03 51", [*frames("02", "10"), (BAD, "410242100351")]),
+        ("02 10 41 02 42100351", [*frames("02", "10"), (BAD, "410242100351")]),
+        # Noise after a request: the sender asks again.
+        ("02 41 02 10 " + A, [(FRAME, "02"), (OTHER, "41"), *frames("02", "10", A)]),
+        # Also a complete block ends at a pause above ZVZ: 41 ^ 10 ^ 03 = 52.
+        ("02 10 41 ~ 100352", [*frames("02", "10"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
+        # Without its grant, what follows an STX is a block only if the STX stands apart.
+        ("02 .41100352", [(FRAME, "02"), (OTHER, "41100352")]),
+        ("42 .02 41100352", [(OTHER, "42"), (FRAME, "02"), (OTHER, "41100352")]),
+        (f"02 {W} 02 {A}", [(FRAME, "02"), (BAD, W), *frames("02", A)]),
         # Outside of blocks.
         ("41 42 02 10 " + A, [(OTHER, "4142"), *frames("02", "10", A)]),
         ("41 10 42 15 43", [(OTHER, "41"), (FRAME, "10"), (OTHER, "42"), (FRAME, "15"), (OTHER, "43")]),
@@ -121,49 +149,111 @@ def test_on_one_line(text: str, expected: list[tuple[str, str]]) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("02 " + A, frames("02", A)),
-        (f"02 {A} 10 10 02 {D}", frames("02", A, "10", "10", "02", D)),
+        ("02 <10 " + A, frames("02", A)),
+        (f"02 <10 {A} <10 <02 10 <41 10 02 <10 {D}", frames("02", A, "10", "10", "02", D)),
         ("10 10 10 10", frames("10", "10", "10", "10")),
-        ("02 " + W, [(FRAME, "02"), (BAD, W)]),
+        ("02 <10 " + W, [(FRAME, "02"), (BAD, W)]),
         # The grant takes longer than a second; a repeated request, too.
-        ("02 - " + A, frames("02", A)),
-        ("02 - - 02 " + A, frames("02", "02", A)),
-        # Refused, and asked again within the second: BCC tells.
-        ("02 02 " + A, frames("02", "02", A)),
+        ("02 - <10 " + A, frames("02", A)),
+        ("02 - - 02 <10 " + A, frames("02", "02", A)),
+        # Refused, with a damaged answer, too, and asked again.
+        ("02 <15 02 <10 " + A, frames("02", "02", A)),
+        ("02 <55 02 <10 " + A, frames("02", "02", A)),
+        ("02 <15 41 02 <10 " + A, [(FRAME, "02"), (OTHER, "41"), *frames("02", A)]),
         # A block may begin with 02: 02 ^ 41 ^ 10 ^ 03 = 50.
-        ("02 02 41 10 03 50", frames("02", "0241100350")),
-        # Both asked; this one gave way, granted and acknowledged (or refused), then asked again.
-        ("02 10 10 02 " + A, frames("02", "10", "10", "02", A)),
-        ("02 10 15 02 " + A, frames("02", "10", "15", "02", A)),
-        ("02 10 10 -", frames("02", "10", "10")),
-        ("02 - 10 10 02 " + A, frames("02", "10", "10", "02", A)),
-        # Broken off, and asked again: within the second, and after it.
-        ("02 000045 02 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
-        ("02 000045 - 02 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
-        ("02 4142 - 41 10 03 52", [(FRAME, "02"), (OTHER, "4142"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
-        ("02 41 10 42 02 " + A, [(FRAME, "02"), (OTHER, "411042"), *frames("02", A)]),
-        ("02 41 10 42 43 10 03 55", [(FRAME, "02"), (OTHER, "41104243100355")]),
-        # A block without data: its BCC is 10 ^ 03 = 13.
-        ("02 41 02 10 03 13", [(FRAME, "02"), (OTHER, "41"), *frames("02", "100313")]),
-        # STX among the last three characters is none: here it is BCC, and wrong.
-        ("02 41 10 03 02", [(FRAME, "02"), (BAD, "41100302")]),
-        # No block with a right BCC begins at the STX inside, or the whole is good already.
-        ("02 41 02 42 10 03 00", [(FRAME, "02"), (BAD, "410242100300")]),
-        ("02 02 02 41 10 03 52", frames("02", "020241100352")),
-        ("02 41 02 10 42 10 03 55", [(FRAME, "02"), (OTHER, "41021042100355")]),
+        ("02 <10 0241100350", frames("02", "0241100350")),
+        # Both asked, at once or one after the other; this one gave way, granted and answered, then asked again.
+        ("02 <02 10 <41 10 02 <10 " + A, frames("02", "10", "10", "02", A)),
+        ("<02 02 10 <41 15 02 <10 " + A, frames("02", "10", "15", "02", A)),
+        ("02 <02 10 <41 10 -", frames("02", "10", "10")),
+        ("02 - 10 10 02 <10 " + A, frames("02", "10", "10", "02", A)),
+        # Or the other one gave way.
+        ("02 <02 <10 1010100313", frames("02", "1010100313")),
+        # Broken off, and asked again: after ZVZ, or when the other one said NAK before.
+        ("02 <10 000045 ~ <15 02 <10 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
+        ("02 <10 000045 <15 02 <10 " + A, [(FRAME, "02"), (OTHER, "000045"), *frames("02", A)]),
+        ("02 <10 000010 <15 02 <10 " + A, [(FRAME, "02"), (OTHER, "000010"), *frames("02", A)]),
+        ("02 <10 411003 <15 02 <10 " + A, [(FRAME, "02"), (OTHER, "411003"), *frames("02", A)]),
+        ("02 <10 000045 <15 02 <02 10", [(FRAME, "02"), (OTHER, "000045"), *frames("02", "10")]),
+        ("02 <10 41 .10 .42 <15 02 <10 " + A, [(FRAME, "02"), (OTHER, "411042"), *frames("02", A)]),
+        ("02 <10 4142 - 41100352", [(FRAME, "02"), (OTHER, "4142"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
+        ("02 <10 4110424310 .0355", [(FRAME, "02"), (OTHER, "41104243100355")]),
+        # BCC did not come: the STX after the pause is none, though it would be right (11 ^ 10 ^ 03 = 02).
+        ("02 <10 111003 ~ <15 02 <10 " + A, [(FRAME, "02"), (OTHER, "111003"), *frames("02", A)]),
+        # The same block sent on, although noise came on the other line: 41 ^ 02 ^ 42 ^ 10 ^ 03 = 12. NAK would end it.
+        ("02 <10 41 <55 .02 .42100312", frames("02", "410242100312")),
+        ("02 <10 41 <15 .02 .42100312", [(FRAME, "02"), (OTHER, "41"), (FRAME, "02"), (OTHER, "42100312")]),
+        # That STX is data, too: NAK came after it.
+        ("02 <10 41 .02 <15 .42100312", frames("02", "410242100312")),
+        # A request with noise after it ends a block, too: 41 ^ 02 ^ 43 is 0, so the XOR of all is right.
+        (
+            f"02 <10 41 <15 02 .43 <10 {BLOCK}",
+            [(FRAME, "02"), (OTHER, "41"), (FRAME, "02"), (OTHER, "43"), (FRAME, BLOCK)],
+        ),
+        # An STX inside is data, whatever is right after it.
+        ("02 <10 4102100313", [(FRAME, "02"), (BAD, "4102100313")]),
+        ("02 <10 41100302", [(FRAME, "02"), (BAD, "41100302")]),
+        ("02 <10 410242100300", [(FRAME, "02"), (BAD, "410242100300")]),
+        ("02 <10 41021042100355", [(FRAME, "02"), (OTHER, "41021042100355")]),
         # After a pause a DLE is an answer to the partner, and no grant.
-        ("02 - 10 41 10 03 52", [*frames("02", "10"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
-        ("02 10 15 41 42", [*frames("02", "10", "15"), (OTHER, "4142")]),
+        ("02 - 10 41100352", [*frames("02", "10"), (OTHER, "41"), (FRAME, "10"), (OTHER, "0352")]),
+        ("02 <02 10 <41 15 4142", [*frames("02", "10", "15"), (OTHER, "4142")]),
         # What ends a block that broke off is no partner's NAK: that is on the other line.
-        ("02 000015 -", [(FRAME, "02"), (OTHER, "000015")]),
+        ("02 <10 000015 -", [(FRAME, "02"), (OTHER, "000015")]),
+        # 41 42 02 43: the capture begins inside a block, or its end was damaged: 43 ^ 10 ^ 03 = 50.
+        ("4142 .0243100350", [(OTHER, "41420243100350")]),
+        (".0243100350", [(FRAME, "02"), (OTHER, "43100350")]),
+        ("02 <10 41100355 .420243100350 <15", [(FRAME, "02"), (BAD, "41100355"), (OTHER, "420243100350")]),
+        # The other one said NAK while the last character came: the next one may be a request.
+        (f"02 <10 4110035542 <15 .02 <10 {A}", [(FRAME, "02"), (BAD, "41100355"), (OTHER, "42"), *frames("02", A)]),
+        # A sender that goes on after a pause was not granted what follows an 02.
+        ("02 <10 41 ~ <15 .0243100350", [(FRAME, "02"), (OTHER, "41"), (FRAME, "02"), (OTHER, "43100350")]),
+        # One character of noise before a request or after it.
+        ("FF .02 .FF <10 " + A, [(OTHER, "ff"), (FRAME, "02"), (OTHER, "ff"), (FRAME, A)]),
+        # A block that seems to begin with requests.
+        (f"02 <10 02 02 <10 {A}", frames("02", "02", "02", A)),
     ],
 )
 def test_on_a_line_of_its_own(text: str, expected: list[tuple[str, str]]) -> None:
     assert cut(text, OWN) == expected
 
 
+LIST = "000241440102000 1ffff0005100311".replace(" ", "")  # what follows its first 02 has a right BCC
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        # Two conflicts, then a block. The XOR of all from the first DLE on is right, too.
+        (f"02 <02 10 <55 10 02 <02 10 <55 10 02 <10 {BLOCK}", frames("02", "10", "10", "02", "10", "10", "02", BLOCK)),
+        (f"02 <15 02 <02 10 <55 10 02 <10 {BLOCK}", frames("02", "02", "10", "10", "02", BLOCK)),
+        (f"02 10 10 ~ 02 {BLOCK}", frames("02", "10", "10", "02", BLOCK)),
+        # A DLE in a block of the other one grants nothing. 02 02 before a block leaves the sum as it was.
+        (
+            f"<41 .<42 .<43 =02 .<10 02 .02 <10 {BLOCK}",
+            [*frames("02", "02"), (OTHER, "02"), (FRAME, BLOCK)],
+        ),
+        # Nobody granted it, and NAK ends it.
+        ("02 41 <15 .43100311", [(FRAME, "02"), (OTHER, "41"), (OTHER, "43"), (FRAME, "10"), (OTHER, "0311")]),
+        # Damaged ones.
+        (f"02 <10 {LIST} <15", [(FRAME, "02"), (BAD, LIST)]),
+        (f"02 {LIST}", [(FRAME, "02"), (BAD, LIST)]),
+    ],
+)
+def test_a_right_sum_makes_no_block(text: str, expected: list[tuple[str, str]]) -> None:
+    assert cut(text, OWN) == expected
+
+
+def test_an_answer_may_be_read_late() -> None:
+    """Each port has its own delay: a grant, a refusal, or the request of the other one comes after what followed it."""
+    late = 5 * SETTINGS.character_ns
+    assert cut("02 42 <10 .100351", OWN, uncertainty_ns=late) == frames("02", "42100351")
+    assert cut(f"02 02 <15 <10 {A}", OWN, uncertainty_ns=late) == frames("02", "02", A)
+    assert cut(f"02 10 <02 <41 10 02 <10 {A}", OWN, uncertainty_ns=late) == frames("02", "10", "10", "02", A)
+
+
 def test_a_broken_block_is_given_at_its_end() -> None:
-    assert cut("02 41 10 42 43 10 03 55", OWN, to_the_end=False) == [(FRAME, "02"), (OTHER, "41104243100355")]
+    assert cut("02 41104243100355", OWN, to_the_end=False) == [(FRAME, "02"), (OTHER, "41104243100355")]
 
 
 # -- On any line ----------------------------------------------------------------------------------------------------
@@ -192,8 +282,15 @@ def test_what_waited_while_we_were_stopped_is_not_cut(line: int, uncertainty_ns:
 def test_a_block_without_an_end_is_given_up(line: int) -> None:
     framer = Framer3964R(line, SETTINGS)
     assert BLOCK_LIMIT == 2 * 4096 + 3  # so that the longest block fits
-    data = b"\x02" + b"A" * BLOCK_LIMIT + b"\x15"
-    records = framer.feed(Read(line, START_NS, data, bytes(len(data)), 1000))
+    reads = [
+        Read(line, START_NS + time_ns, data, bytes(len(data)), 1000)
+        for data, time_ns in (
+            (b"\x02", 0),
+            (b"A" * BLOCK_LIMIT, 20 * SILENCE_NS),
+            (b"\x15", 20 * SILENCE_NS + ANSWER_NS),
+        )
+    ]
+    records = [record for read in reads for record in framer.feed(read)]
     assert [len(record.data) for record in records] == [1, 4096, 4096, BLOCK_LIMIT - 8192, 1]
     assert records[-1].type == Type.FRAME
     assert framer.empty
@@ -274,7 +371,7 @@ def test_frames_are_handshakes_or_blocks(reads: list[Read]) -> None:
 
 @given(PIECES, st.integers(1, 20), st.sampled_from([SHARED, OWN]))
 def test_it_does_not_care_how_it_was_read(data: bytes, size: int, line: int) -> None:
-    whole = Read(line, START_NS, data, bytes(len(data)), 1000)
+    whole = Read(line, START_NS, data, bytes(len(data)), SILENCE_NS)
     parts = [data[at : at + size] for at in range(0, len(data), size)]
     pieces = [whole._replace(data=part, flags=bytes(len(part))) for part in parts]
     assert kinds(framed(pieces)) == kinds(framed([whole] if data else []))
@@ -323,7 +420,7 @@ def test_what_a_description_says() -> None:
     ],
 )
 def test_what_the_option_may_not_be(text: str) -> None:
-    with pytest.raises(ValueError, match=f"'{text}' is not sis, 3964r or silence:MILLISECONDS"):
+    with pytest.raises(ValueError, match=f"'{text}' is not sis, 3964r, ascii or silence:MILLISECONDS"):
         Cut.parse(text)
 
 

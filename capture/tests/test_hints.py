@@ -7,7 +7,7 @@ import pytest
 from specification import TELEGRAMS
 
 from sistap.capture.hints import Hints
-from sistap.capture.scan import Scan
+from sistap.capture.rate import Scan
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.framer import SisFramer
@@ -75,6 +75,19 @@ def test_plenty_of_characters_and_no_telegram() -> None:
     assert "no valid telegram" in hint and "--baud auto" in hint
     assert hints(seen(b"x" * 500 + TELEGRAMS["6-24"])) == []
     assert hints(seen(b"x" * 500), framing=Framing.SILENCE) == []
+
+
+def test_damage_that_no_line_error_explains() -> None:
+    """An adapter that reports errors would have: parity finds most damage."""
+    good = TELEGRAMS["6-24"]
+    damaged = good[:-1] + bytes([good[-1] ^ 1])
+    counters = seen(damaged * 5)
+    assert counters.damaged == 5
+    assert hints(counters) == []
+    (hint,) = Hints(E81, Framing.SIS, errors_reported=True).look(counters, 1)
+    assert hint.startswith("5 damaged telegrams, and not one line error")
+    counters.add_read(Read(0, 0, b"x", bytes([Flag.UNLOCATED_ERROR])))
+    assert list(Hints(E81, Framing.SIS, errors_reported=True).look(counters, 1)) == []
 
 
 def test_while_the_settings_are_searched_no_others_are_recommended() -> None:

@@ -19,15 +19,15 @@ from logs import PHASE
 from report_capture import BUS, records
 
 from sistap import doctor
+from sistap import ports as command
 from sistap.extcap import interfaces
-from sistap.extcap.sentences import plain
+from sistap.extcap.interfaces import plain
 from sistap.files import pcapng
 from sistap.line import ports
 from sistap.line.ports import Adapter
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, event
-from sistap.terminal.console import Console
-from sistap.terminal.visible import visible
+from sistap.terminal.console import Console, visible
 
 # A title for the window of a terminal, C1 controls, what turns the direction round, what nobody sees, what ends lines,
 # and what a page, a picture and a format take for their own.
@@ -152,7 +152,7 @@ def test_an_adapter_that_somebody_has_named(
     """A USB device states its own name."""
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", Adapter(name=HOSTILE))])
     shown: list[Callable[[], object]] = [
-        lambda: ports.run(Namespace(json=False)),
+        lambda: command.run(Namespace(json=False)),
         lambda: print(*interfaces.found()),
         lambda: print(*doctor._pyserial()),
     ]

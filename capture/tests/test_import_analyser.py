@@ -8,15 +8,19 @@ a break of 14 bits, 55. Those of Saleae follow the source of its analyser and it
 
 from __future__ import annotations
 
+import subprocess
 from contextlib import ExitStack
+from fractions import Fraction
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 from imported import Imported, run
+from sampled_wire import Sent, needs_sigrok, sampled
 
 from sistap.imports.formats import opened
 from sistap.imports.source import Told
-from sistap.line.settings import Flag
+from sistap.line.settings import Flag, LineSettings
 from sistap.records.record import Framing, Type
 from sistap.terminal.exits import UsageError
 
@@ -155,6 +159,73 @@ def test_saleae_with_two_analysers(tmp_path: Path, text: str) -> None:
     done = imported(tmp_path, text)
     assert rows(done) == [(1, 0x02, 0), (1, 0xFA, BAD), (2, 0x03, BAD)]
     assert times_ms(done) == pytest.approx([1 + TO_STOP_MS, 1 + CHARACTER_MS + TO_STOP_MS, 10 + TO_STOP_MS], abs=1e-5)
+
+
+RATE = 1_000_000
+
+
+def session(folder: Path, *lines: list[Sent]) -> Path:
+    """Let sigrok-cli save samples: line n is channel n, counted from 0."""
+    raw, saved = folder / "samples.bin", folder / "x.sr"
+    raw.write_bytes(sampled(lines, RATE, 40_000_000))
+    form = f"binary:numchannels=8:samplerate={RATE}"
+    subprocess.run(["sigrok-cli", "-i", raw, "-I", form, "-o", saved], check=True)
+    return saved
+
+
+def sent(data: str, begin_ms: float, settings: str = "8E1", baud: int = 9600) -> list[Sent]:
+    line = LineSettings.parse(baud, settings)
+    length_ns = Fraction(11 * 10**9, baud)
+    begin_ns = Fraction(begin_ms) * 10**6
+    return [Sent(begin_ns + place * length_ns, value, line) for place, value in enumerate(bytes.fromhex(data))]
+
+
+COMMAND, REACTION = "02e30202000010030301", "02c30202101210030002"
+
+
+@needs_sigrok
+def test_a_session_of_sigrok(tmp_path: Path) -> None:
+    """Both directions, the rate from the pulses, each time to a sample."""
+    path = session(tmp_path, sent(COMMAND, 5), sent(REACTION, 25))
+    done = run(path)
+    assert done.code == 0
+    assert [(record.line, record.data) for record in done.records if record.type == Type.FRAME] == [
+        (1, bytes.fromhex(COMMAND)),
+        (2, bytes.fromhex(REACTION)),
+    ]
+    assert {record.settings.baud for record in done.records} == {9600}
+    assert times_ms(done)[::10] == pytest.approx([5, 25], abs=0.002)
+    assert {record.uncertainty_ns for record in done.records} == {1000}
+
+
+@needs_sigrok
+def test_a_session_with_more_channels_asks_which(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = session(tmp_path, sent(COMMAND, 5), sent(REACTION, 25), sent("55", 3))
+    assert run(path).code == 2
+    assert "3 channels that change (0, 1, 2): name those of the bus, such as --device 0 or" in capfd.readouterr().err
+    done = run(path, "--device", "0")
+    assert [(record.line, record.data) for record in done.records if record.type == Type.FRAME] == [
+        (0, bytes.fromhex(COMMAND))
+    ]
+
+
+@pytest.mark.parametrize(
+    ("metadata", "why"),
+    [
+        ("", "no session of sigrok with samples of logic"),
+        ("[device 1]\nunitsize=x\n", "no session of sigrok with samples of logic"),
+        ("[device 1]\nunitsize=1\nprobe1=D0\n", "add --samplerate HZ"),
+        ("[device 1]\nsamplerate=1 MHz\nunitsize=1\ntotal analog=1\n", "no samples of logic channels"),
+        ("[device 1]\nsamplerate=1 MHz\nunitsize=1\nprobe1=D0\n", "no channel that changes"),
+        ("[device 1]\nsamplerate=1 MHz\nunitsize=1\nprobe1=D0\nprobe2=D1\n", "no channel that changes"),
+    ],
+)
+def test_a_session_without_a_bus(tmp_path: Path, capfd: pytest.CaptureFixture[str], metadata: str, why: str) -> None:
+    with ZipFile(tmp_path / "x.sr", "w") as archive:
+        for name, content in {"version": "2", "metadata": metadata, "logic-1-1": "\xff" * 99}.items():
+            archive.writestr(name, content.encode("latin-1"))
+    assert run(tmp_path / "x.sr").code == 2
+    assert why in capfd.readouterr().err
 
 
 def test_blocks_of_3964r(tmp_path: Path) -> None:

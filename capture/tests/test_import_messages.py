@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
+from sistap.captures.reading import packets
 from sistap.files import pcapng
 from sistap.files.pcapng import PacketFlags
-from sistap.files.reading import packets
 from sistap.imports import messages
 
 TABLE = """\

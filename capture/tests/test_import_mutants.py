@@ -132,6 +132,9 @@ def old_format(path: Path) -> Path:
 OTHERS = (cdc, old_format)
 
 
+@pytest.mark.attack(
+    "damaged captures of USB, RTAC and logic analysers", "imported up to the damage, or refused in a line"
+)
 @pytest.mark.parametrize("count", [1, pytest.param(20, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("original", [rtac, usb, *(pytest.param(one, marks=pytest.mark.thorough) for one in OTHERS)])
 def test_damaged_captures(

@@ -6,6 +6,7 @@ Expected times are worked out by hand from the times of the transfers, in ms sin
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -465,3 +466,38 @@ def test_a_capture_that_is_cut_anywhere(tmp_path: Path, capfd: pytest.CaptureFix
 @pytest.mark.parametrize("seconds", ["-1.5", "18446744073709551615.000000000"])
 def test_times_that_no_file_can_hold(seconds: str) -> None:
     assert 0 <= nanoseconds(seconds) <= 1 << 63
+
+
+def at_one_baud(host: Host) -> None:
+    host.request(3, CLASS_REQUEST, SET_LINE_CODING, 0, 0, line_coding(1, 0, 2, 8))
+
+
+def with_one_number(host: Host) -> None:
+    """All transfers have the same number, and are completed before they begin."""
+    for packet in range(20):
+        host.packets += [
+            Usbmon().complete(10 + packet, BULK, 0x04, 7, b"", 99),
+            Usbmon().submit(10.5 + packet, BULK, 0x04, 7, b"B" * 40),
+        ]
+
+
+def late_settings(host: Host) -> None:
+    """Years between two transfers."""
+    host.packets = [(time_ms - 1e12, packet) for time_ms, packet in host.packets]
+
+
+def never_taken(host: Host) -> None:
+    host.packets += [Usbmon().submit(20 + number, BULK, 0x04, 900 + number, b"A" * 400) for number in range(50)]
+
+
+@pytest.mark.attack("a USB capture of what no adapter does", "all characters are imported; no traceback")
+@pytest.mark.parametrize("what", [at_one_baud, with_one_number, late_settings, never_taken])
+def test_what_no_adapter_does(tmp_path: Path, capfd: pytest.CaptureFixture[str], what: Callable[[Host], None]) -> None:
+    host = cdc()
+    what(host)
+    host.send(30, 30.2, COMMAND)
+    host.receive(40, 41, REACTION)
+    done = run(host.save(tmp_path / "usb.pcap"))
+    assert (done.code, "Traceback" in capfd.readouterr().err) == (0, False)
+    assert characters(done.records, SENT).count(COMMAND) == 1
+    assert characters(done.records, RECEIVED) == REACTION

@@ -19,26 +19,25 @@ from test_import_mutants import PIECES, damaged_bytes
 
 from sistap import cli
 from sistap.bus import scenarios
-from sistap.capture.remote import Marker
 from sistap.extcap.toolbar import Toolbar
 from sistap.install.ledger import Ledger, LedgerError
-from sistap.line import bus_socket
-from sistap.line.bus_socket import Decoder, Hello, Kind
 from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.terminal import state
 from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.wire import protocol
+from sistap.wire.protocol import Decoder, Hello, Kind
 
 PATIENCE_S = 60
 ONE_LINE, MANY_LINES = 1, 10**6
 FEW = {"log": 1, "scenario": 8, "ledger": 50, "wire": 200, "toolbar": 10}  # mutants: what a second allows
 HELLO = Hello(Kind.TAP, 10**18, 10**18, 7, "ttyUSB0", "FT232R", "uncertainty 1 ms", ("a note",))
 WIRE = [
-    bus_socket.pack_hello(HELLO),
-    bus_socket.pack_settings(LineSettings()),
-    bus_socket.pack_read(Read(1, 10**18, b"abc", bytes(3), 5)),
-    bus_socket.pack_notice(Notice(Happening.MARKER, "a marker")),
-    bus_socket.pack_lost(9),
-    bus_socket.pack_time(10**18 + 1),
+    protocol.pack_hello(HELLO),
+    protocol.pack_settings(LineSettings()),
+    protocol.pack_read(Read(1, 10**18, b"abc", bytes(3), 5)),
+    protocol.pack_notice(Notice(Happening.MARKER, "a marker")),
+    protocol.pack_lost(9),
+    protocol.pack_time(10**18 + 1),
 ]
 TOOLBAR = [
     struct.pack(">cBHBB", b"T", 0, len(text) + 2, control, command) + text
@@ -90,6 +89,18 @@ def heard(path: Path) -> int:
     return DONE
 
 
+class Asked:
+    """A capture that checks what it is asked for."""
+
+    settings = None
+
+    def mark(self, text: str) -> None:
+        assert text.strip()
+
+    def set_rate(self, baud: int | None) -> None:
+        assert baud is None or baud > 0
+
+
 def asked(path: Path) -> int:
     """Take what a toolbar says, to its end."""
     ended = threading.Event()
@@ -97,8 +108,7 @@ def asked(path: Path) -> int:
     toolbar.when_left(ended.set)
     with toolbar:
         assert ended.wait(PATIENCE_S)
-        for request in toolbar.requests():
-            assert not isinstance(request, Marker) or request.text.strip()
+        toolbar.attend(Asked())  # type: ignore[arg-type]
     return DONE
 
 

@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from portable import WINDOWS, links, posix
+from portable import WINDOWS, fifos, links, posix
 
 import sistap.terminal.state
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
@@ -174,6 +174,20 @@ def test_a_list_that_is_something_else(text: str) -> None:
         Ledger(for_all=False)
 
 
+@fifos
+@pytest.mark.attack("a pipe in the place of a file of install, or of its list", "never waited for; a message names it")
+@pytest.mark.timeout(20)
+def test_pipes(place: Path) -> None:
+    place.mkdir()
+    os.mkfifo(place / "sis.lua")
+    ledger = Ledger(for_all=False)
+    assert ledger.put(place / "sis.lua", b"ours").startswith(f"kept     {place / 'sis.lua'}: ")
+    ledger.path.parent.mkdir()
+    os.mkfifo(ledger.path)
+    with pytest.raises(LedgerError, match="is not what `sistap install` writes"):
+        Ledger(for_all=False)
+
+
 def listed(*files: Path, folders: tuple[Path, ...] = (), at: Path | None = None) -> Path:
     """Write a list as an attacker could: with the right sums of the files."""
     path = at or Ledger(for_all=False).path
@@ -257,33 +271,10 @@ def test_root_does_not_take_a_list_of_somebody_else(root: Path, state: Path, pla
     old.parent.chmod(0o777)
     ledger = Ledger(for_all=True)
     assert ledger.files == []
-    (note,) = ledger.notes
-    assert note.startswith(f"{old} is not used, because others than root could have written it: look at what is in it")
-    assert f"`sudo install -D -m 644 {old} {root}/installed-for-all.json`" in note
     ledger.put(place / "sistap", b"")
     ledger.save()
     assert tree(root) == {"installed-for-all.json"}
     assert old.exists()
-
-
-@no_root
-def test_root_hears_nothing_of_a_list_that_is_not_there(root: Path, state: Path) -> None:
-    state.chmod(0o777)
-    ledger = Ledger(for_all=True)
-    assert (ledger.files, ledger.notes) == ([], [])
-
-
-@no_root
-def test_root_takes_over_a_list_that_only_root_could_write(root: Path, state: Path, place: Path) -> None:
-    place.mkdir()
-    (place / "sis.so").touch()
-    old = listed(place / "sis.so", at=state / "root/.local/state/sistap/installed-for-all.json")
-    ledger = Ledger(for_all=True)
-    assert (ledger.files, ledger.notes) == ([place / "sis.so"], [])
-    ledger.save()
-    assert not old.exists()
-    assert Ledger(for_all=True).files == [place / "sis.so"]
-    assert tree(root) == {"installed-for-all.json"}
 
 
 @pytest.mark.attack(

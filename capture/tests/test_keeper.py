@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import pytest
 
 from sistap.explain.relay import Entry
+from sistap.line.settings import LineSettings
 from sistap.recorder import keeper
 from sistap.recorder.keeper import Around, Beginning, Keeper
+from sistap.records.before import Heard
 from sistap.sis import telegram
 
 SECOND = 1_000_000_000
@@ -42,9 +44,10 @@ class Kept:
         assert not self.complete
         self.blocks.append(block)
 
-    def close(self) -> None:
+    def close(self, reasons: Collection[str]) -> None:
         assert not self.complete
         self.complete = True
+        self.reasons = list(reasons)
 
     @property
     def written(self) -> list[int]:
@@ -77,21 +80,25 @@ def test_what_matters_first_has_nothing_before_it(files: Files) -> None:
     assert files.contents == [[0, 1, 2, 3]]
 
 
-TOLD = telegram.build(0x03, 16, 255, b"\0\1\0\2")  # a limit, to all
-NAME = [telegram.build(0x10, 16, 3, b"\x14\x03\x24\0"), telegram.build(0x10, 3, 16, b"\0\x14\x03N", reaction=True)]
-VALUE = [telegram.build(0x10, 16, 3, b"\x3c\x03\x24\0"), telegram.build(0x10, 3, 16, b"\0\x3c\x03V", reaction=True)]
+TOLD = telegram.build(0x03, 16, 255, b"\0\1\x28\0")  # TrS, to all
+ACCEPTED = telegram.build(0x03, 16, 255, b"\0\xff")
+ASKED = b"\x03\0\x24\0"  # device and parameter
+NAME = [telegram.build(0x10, 16, 3, b"\x14" + ASKED), telegram.build(0x10, 16, 3, b"\0\x14\x03N", reaction=True)]
+VALUE = [telegram.build(0x10, 16, 3, b"\x3c" + ASKED), telegram.build(0x10, 16, 3, b"\0\x3c\x03V", reaction=True)]
 
 
 def test_a_file_begins_with_what_was_told_before_it(files: Files) -> None:
     """Limits and names, not values; and not what the file has itself."""
     keeper = keep(files)
-    telegrams = {1: TOLD, 2: NAME[0], 3: NAME[1], 4: VALUE[0], 5: VALUE[1], 20: VALUE[0], 49: TOLD}
+    telegrams = {1: TOLD, 2: NAME[0], 3: NAME[1], 4: VALUE[0], 5: VALUE[1], 20: VALUE[0], 49: ACCEPTED}
     for second in range(60):
-        entry = Entry(second * SECOND, b"%d " % second, telegrams.get(second, b""))
-        keeper.take(entry, "late" if second in (3, 30, 50) else "")
-    assert [kept.known for kept in files.begun] == [b"", b"1 2 3 ", b"1 2 3 "]
+        heard = Heard(0, LineSettings(), second * SECOND, telegrams.get(second, b""), is_disturbed=False)
+        keeper.take(Entry(second * SECOND, b"%d " % second, heard), "late" if second in (3, 30, 50) else "")
     keeper.take(Entry(90 * SECOND, b"90 "), "late")
-    assert files.begun[-1].known == b"2 3 49 "
+    name = "3 device 3 S-0-0036 name N"
+    texts = ["", *[f"all TrS 40 ms not accepted\n{name}"] * 2, f"all TrS 40 ms\n{name}"]
+    assert [b"".join(record.data for record in kept.known).decode() for kept in files.begun] == texts
+    assert [record.time_ns // SECOND for record in files.begun[1].known] == [files.begun[1].first]
 
 
 @pytest.mark.parametrize(
@@ -130,6 +137,15 @@ def test_a_file_goes_on_in_the_next_when_it_is_too_large(files: Files, monkeypat
     assert len(files.contents) > 2
     assert sum(files.contents, []) == list(range(17, 62))
     assert all(len(content) <= 11 for content in files.contents)
+
+
+def test_a_file_knows_all_its_reasons(files: Files) -> None:
+    """The last one came before the next file; a file that goes on has that of the file before."""
+    keeper = keep(files)
+    for second in range(30):
+        reason = {10: "write", 11: "late", 12: "write", 20: "late"}.get(second, "")
+        keeper.take(Entry(second * SECOND, b"%d" % second), reason)
+    assert [(kept.reason, kept.reasons) for kept in files.begun] == [("write", ["write", "late"]), ("late", ["late"])]
 
 
 def test_what_waits_is_bounded(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -85,10 +86,10 @@ def test_python_gets_what_wireshark_passed(tail: ctypes.CDLL, words: list[str]) 
     started = subprocess.list2cmdline([r"C:\Program Files\extcap\sistap.exe", *words, FILTER])
     buffer = ctypes.create_unicode_buffer(5000)
     assert tail.append_quoted(buffer, 5000, r"C:\Program Files\Python\python.exe")
-    assert tail.append(buffer, 5000, " -P -m sistap extcap ")
+    assert tail.append(buffer, 5000, " -P -X utf8 -m sistap extcap ")
     assert tail.append(buffer, 5000, tail.arguments(started))
-    assert argv(buffer.value)[5:] == [*words, FILTER]
-    assert argv(buffer.value)[:5] == [r"C:\Program Files\Python\python.exe", "-P", "-m", "sistap", "extcap"]
+    assert argv(buffer.value)[7:] == [*words, FILTER]
+    assert argv(buffer.value)[1:7] == ["-P", "-X", "utf8", "-m", "sistap", "extcap"]
 
 
 def test_a_folder_may_end_with_a_backslash(tail: ctypes.CDLL) -> None:
@@ -112,3 +113,18 @@ def test_lines_of_the_settings(tail: ctypes.CDLL, ends: str) -> None:
     rest = ctypes.c_void_p(ctypes.addressof(text))
     lines = [tail.next_line(ctypes.byref(rest)) for _ in range(3)]
     assert lines == ["C:\\Python 3\\python.exe", "D:\\Übung", None]
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(not shutil.which("x86_64-w64-mingw32-gcc"), reason="no gcc-mingw-w64-x86-64")
+def test_the_programs_have_the_same_bytes_wherever_they_are_built(tmp_path: Path) -> None:
+    built = []
+    for place in (tmp_path / "a", tmp_path / "another/place"):
+        shutil.copytree(LAUNCHER, place / "capture/launcher")
+        (place / "capture/sistap").mkdir()
+        shutil.copy(LAUNCHER.parent / "sistap/__init__.py", place / "capture/sistap")
+        subprocess.run([place / "capture/launcher/build"], check=True)
+        built.append([file.read_bytes() for file in sorted((place / "build/windows").rglob("*.exe"))])
+    assert built[0] == built[1]
+    assert len(built[0]) == 2
+    assert all("The authors of sistap".encode("utf-16-le") in program for program in built[0])

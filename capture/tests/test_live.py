@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.capture import live
-from sistap.capture.live import IN_COLOUR, PLAIN, LiveText, colours
+from sistap.captures.reading import records
+from sistap.explain import live
+from sistap.explain.live import IN_COLOUR, PLAIN, LiveText, colours
 from sistap.explain.running import Running
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
-from sistap.files.reading import records
 from sistap.records.record import Record, Type
 from sistap.wireshark.tshark import Tshark
 

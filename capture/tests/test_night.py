@@ -7,6 +7,8 @@ At 03:12 master 17 writes 200 rpm where 2000 rpm were meant. From then on drive 
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import signal
 import subprocess
@@ -18,12 +20,12 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.files import reading
-from sistap.files.output import Output
+from sistap.captures import reading
+from sistap.files.output import Limits, Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
 from sistap.records.counters import Counters
-from sistap.records.record import Record
+from sistap.records.record import Event, Record
 from sistap.sis import telegram
 
 LINE = {0: Interface(252, "a line of a test")}
@@ -38,6 +40,22 @@ def night(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("night") / "night.pcapng"
     assert cli.main(["bus", "night", "-w", str(path)]) == 0
     return path
+
+
+@pytest.fixture(scope="module")
+def ring(night: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The same night in several files, as a ring has them. The command gets them in the wrong order."""
+    folder = tmp_path_factory.mktemp("ring")
+    output = Output(str(folder / "night.pcapng"), Limits(size=night.stat().st_size // 5, several=True))
+    first, *rest = reading.records(night)
+    writer = PcapngWriter(output, LINE, Counters())
+    writer.begin(first)
+    for record in rest:
+        writer.write(record)
+    output.close()
+    files = sorted(map(str, folder.iterdir()), reverse=True)
+    assert len(files) > 4
+    return files
 
 
 def written(records: Sequence[Record]) -> int:
@@ -105,6 +123,58 @@ def test_the_report_has_the_least_and_the_greatest(night: Path, capsys: pytest.C
     assert (limit["first"], limit["last"], limit["written_by"]) == ("2000.0000 rpm", "200.0000 rpm", 17)
 
 
+def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    capsys.readouterr()
+    assert cli.main(list(arguments)) == 0
+    return capsys.readouterr().out
+
+
+def test_a_ring_has_the_parameters_of_the_whole(
+    night: Path, ring: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole, cut = (
+        list(csv.DictReader(io.StringIO(output(capsys, "parameters", "--csv", *files))))
+        for files in ([str(night)], ring)
+    )
+    for one, other in zip(whole, cut, strict=True):
+        for row in (one, other):
+            row.update(port="", written_in_packet="", written_in_file="")
+        assert one == other
+    assert any(row["name"] and row["least"] for row in whole)
+
+
+@pytest.mark.thorough
+def test_a_ring_has_the_report_of_the_whole(night: Path, ring: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """All figures; only the numbers of the packets count the events with which each file begins."""
+    whole, cut = (json.loads(output(capsys, "report", "--format", "json", *files)) for files in ([str(night)], ring))
+    for report in (whole, cut):
+        for name in ("capture", "ports", "windows"):
+            del report[name]
+        del report["silences"]["longest_before_packet"]
+        for row in (*report["episodes"], *report["parameters"], *report["events"]):
+            for name in ("packet", "packets", "port", "written_in"):
+                row.pop(name, None)
+    assert cut == whole
+    assert whole["faults"]["unanswered"] and whole["limits"]["trs"]["ok"]
+
+
+@pytest.mark.thorough
+def test_a_ring_has_the_tables_of_the_whole(night: Path, ring: list[str], tmp_path: Path) -> None:
+    duckdb = pytest.importorskip("duckdb", reason="duckdb asks the tables: pip install duckdb")
+    pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install pyarrow")
+    for folder, files in (("whole", [str(night)]), ("ring", ring)):
+        assert cli.main(["tables", "--tap", "x", *files, "-o", str(tmp_path / folder)]) == 0
+    for table in ("telegrams", "values", "events"):
+        whole, cut = (
+            f"SELECT * EXCLUDE (time, port, file, packet{', command_packet' * (table == 'telegrams')}) "
+            f"FROM read_parquet('{tmp_path}/{folder}/{table}/*/*/*.parquet')"
+            for folder in ("whole", "ring")
+        )
+        assert duckdb.sql(whole).fetchall()
+        for one, other in ((whole, cut), (cut, whole)):
+            assert duckdb.sql(f"({one}) EXCEPT ALL ({other})").fetchall() == []
+
+
 @pytest.mark.thorough
 def test_duckdb_finds_the_minutes(night: Path, tmp_path: Path) -> None:
     duckdb = pytest.importorskip("duckdb", reason="duckdb asks the tables: pip install duckdb")
@@ -129,7 +199,7 @@ def test_the_recorder_keeps_three_files(tmp_path: Path) -> None:
     assert bus.stdout and bus.stdout.readline()
     keep = ["--keep", "writes", "--keep", "faults", "-w", "kept", "-c", "4700", "-q"]
     done = subprocess.run(
-        [*command, "capture", "-i", f"bus://{address}", *keep],
+        [*command, "record", "-i", f"bus://{address}", *keep],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -141,7 +211,7 @@ def test_the_recorder_keeps_three_files(tmp_path: Path) -> None:
     files = sorted((tmp_path / "kept").iterdir())
     assert [path.name.split("_")[2] for path in files] == ["write.pcapng", "unanswered.pcapng", "unanswered.pcapng"]
     assert "3 files kept" in done.stderr
-    begun, *kept = reading.records(files[0])
-    assert seconds(begun) == BEGIN.timestamp()  # not the time of this machine
-    assert telegram.parse(kept[0].data).service == 0x03 and seconds(kept[0]) < BEGIN.timestamp() + 60
+    begun, told, *kept = reading.records(files[0])
+    assert WRITE.timestamp() - 60 < seconds(begun) < WRITE.timestamp() + 1  # not the time of this machine
+    assert told.event == Event.TOLD_BEFORE and b"all TrS 50 ms" in told.data
     assert WRITE.timestamp() - 60 < seconds(kept[-1]) < WRITE.timestamp() + 60

@@ -11,10 +11,9 @@ from portable import terminals
 from test_answering import LINE, MS, READ_PHASE, Over, Script
 from test_bus import BUS, TIMEOUT_S, logged, octets, running
 
-from sistap.bus.real.answering import serve
-from sistap.bus.real.noting import Noting
 from sistap.bus.stations.making import make
-from sistap.bus.wires.log import Log
+from sistap.bus.wires.answering import Noting, serve
+from sistap.bus.wires.wire import Log
 from sistap.sis.telegram import build
 
 PHASE_4 = octets("02 C1 02 02 10 12 10 03 00 04")  # checksum by hand: the other bytes add up to 3F
@@ -28,7 +27,7 @@ Line = tuple[float, bytes, list[str]]  # ms, bytes, marks
 
 def log_of(path: Path, *arrivals: tuple[float, bytes]) -> list[Line]:
     """Let a station answer what arrives; return what the log has then."""
-    log, script = Log(path), Script(*arrivals)
+    log, script = Log(path.open("wb")), Script(*arrivals)
     with pytest.raises(Over):
         serve(script, make([{"address": 3}], 1), script, Noting(log, LINE))
     log.close()
@@ -56,7 +55,7 @@ def test_all_that_came_is_there(tmp_path: Path) -> None:
 
 
 def test_what_breaks_off_is_noted_after_a_second_and_before_an_answer(tmp_path: Path) -> None:
-    noting = Noting(Log(tmp_path / "log"), LINE)
+    noting = Noting(Log((tmp_path / "log").open("wb")), LINE)
     noting.heard(READ_PHASE[:5], 100 * MS)
     noting.heard(b"", 1099 * MS)
     assert logged(tmp_path / "log") == []

@@ -28,7 +28,7 @@ def test_defaults_are_those_of_the_command() -> None:
     parser = argparse.ArgumentParser()
     command.add_arguments(parser)
     told = vars(parser.parse_args(["-i", PORT]))
-    for name, value in vars(replace(PLAIN, ports=[PORT], autostop=[], ring=[], keep=[])).items():  # type: ignore[arg-type]
+    for name, value in vars(replace(PLAIN, ports=[PORT], autostop=[], ring=[])).items():  # type: ignore[arg-type]
         assert told[name] == value, name
 
 

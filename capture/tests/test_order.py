@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sistap.line.settings import LineSettings
-from sistap.records.order import HOLD_NS, Order
+from sistap.records.assembler import HOLD_NS, Order
 from sistap.records.record import Record, Type
 
 MS = 1_000_000

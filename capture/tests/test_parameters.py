@@ -19,29 +19,29 @@ CAPTURE = HOUSE / "test-captures" / "accesses.pcapng"
 OTHER = CAPTURE.with_name("values.pcapng")
 
 LIST = """\
-Station  Device  Parameter  Name                                 Unit  Reads  Writes  Errors  First        \
+Station  Device  Parameter  Name                             Unit  Reads  Writes  Errors  First        \
 Last         Least     Greatest  Written by  In packet
-3        5       P-0-0012   Limit                                Nm        2       3       2  5.00 Nm      \
+3        5       P-0-0012   Limit                            Nm        2       3       2  5.00 Nm      \
 -3.00 Nm     -3.00 Nm  7.50 Nm           17         18
-3        5       S-0-0047                                                  1       1       0  01 02 03 04  \
+3        5       S-0-0047   Position command value                     1       1       0  01 02 03 04  \
 05 02 03 04                              16         28
-3        5       S-0-0048                                                  1       1       0               \
+3        5       S-0-0048   Additive position command value            1       1       0               \
                                          16         34
-3        6       S-0-0047                                                  0       1       0  11 22 33 44  \
+3        6       S-0-0047   Position command value                     0       1       0  11 22 33 44  \
 11 22 33 44                              16         32
-4/8      0       P-0-0012   C300 Command set absolute measuring            0       1       0  01 00        \
+4/8      0       P-0-0012                                              0       1       0  01 00        \
 01 00                                    16         38
-4/8      0       S-0-0047                                                  0       0       1
+4/8      0       S-0-0047   Position command value                     0       0       1
 """
 
 # Packet 14 writes what is there already; in packet 34 it is a part of a list.
 CHANGES = [
     ("16", "3", "5", "P-0-0012", "Limit", "Nm", "5.00 Nm", "7.50 Nm", "16"),
     ("17", "3", "5", "P-0-0012", "Limit", "Nm", "7.50 Nm", "-3.00 Nm", "18"),
-    ("16", "3", "5", "S-0-0047", "", "", "01 02 03 04", "05 02 03 04", "28"),
-    ("16", "3", "6", "S-0-0047", "", "", "", "11 22 33 44", "32"),
-    ("16", "3", "5", "S-0-0048", "", "", "", "", "34"),
-    ("16", "4/8", "0", "P-0-0012", "C300 Command set absolute measuring", "", "", "01 00", "38"),
+    ("16", "3", "5", "S-0-0047", "Position command value", "", "01 02 03 04", "05 02 03 04", "28"),
+    ("16", "3", "6", "S-0-0047", "Position command value", "", "", "11 22 33 44", "32"),
+    ("16", "3", "5", "S-0-0048", "Additive position command value", "", "", "", "34"),
+    ("16", "4/8", "0", "P-0-0012", "", "", "", "01 00", "38"),
 ]
 COLUMNS = ("master", "station", "device", "parameter", "name", "unit", "from", "to", "packet")
 
@@ -73,7 +73,9 @@ def test_changes_as_text(tmp_path: Path) -> None:
     lines = run(tmp_path, "parameters", "--changes", CAPTURE, TZ="CET-1").stdout.splitlines()
     assert len(lines) == len(CHANGES)
     assert lines[1].endswith("+01:00  17 -> 3 device 5  P-0-0012 (Limit)  7.50 Nm -> -3.00 Nm  packet 18")
-    assert lines[4].endswith("  16 -> 3 device 5  S-0-0048  unknown -> unknown  packet 34")
+    assert lines[4].endswith(
+        "  16 -> 3 device 5  S-0-0048 (Additive position command value)  unknown -> unknown  packet 34"
+    )
 
 
 def test_the_list_as_csv(tmp_path: Path) -> None:
@@ -87,6 +89,7 @@ def test_the_list_as_csv(tmp_path: Path) -> None:
         **{"minimum": "-10.00 Nm", "maximum": "10.00 Nm", "reads": "2", "writes": "3", "errors": "2"},
         **{"first": "5.00 Nm", "last": "-3.00 Nm", "least": "-3.0", "greatest": "7.5"},
         **{"written_by": "17", "written_in_packet": "18", "written_in_file": "accesses.pcapng"},
+        "bytes": "0",
     }
 
 

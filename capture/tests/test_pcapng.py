@@ -18,7 +18,7 @@ from specification import TELEGRAMS
 
 from sistap.files import pcapng, writer
 from sistap.files.output import Output
-from sistap.files.pcapng import Interface, Statistics
+from sistap.files.pcapng import LINK_TYPES, Interface, Statistics
 from sistap.line.settings import Flag, LineSettings
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type, event
@@ -55,13 +55,12 @@ def write(path: Path, link_type: str = "upper-pdu") -> Path:
     counters = Counters()
     output = Output(str(path))
     interface = Interface(
-        writer.LINK_TYPES[link_type], "/dev/ttyUSB0", "9600 Bd 8E1", 9600, "FT232R USB UART", "link[5] == 0x10"
+        LINK_TYPES[link_type], "/dev/ttyUSB0", "9600 Bd 8E1", 9600, "FT232R USB UART", "link[5] == 0x10"
     )
     file = writer.PcapngWriter(output, {0: interface}, counters)
     file.begin(event(START_NS, 0, SETTINGS, Event.CAPTURE_STARTED, "latency timer 16 ms"))
     for record, _ in RECORDS:
         counters.add_record(record)
-        counters.accepted[record.line] += 1
         file.write(record)
     counters.accepted[0] -= 1
     counters.gaps[0] += 1

@@ -16,7 +16,7 @@ from independent import records
 from specification import TELEGRAMS
 
 from sistap.capture.options import CaptureOptions
-from sistap.capture.ports import Ports
+from sistap.capture.running import Ports
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, Type

@@ -12,7 +12,7 @@ from portable import lacking
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("import os, sistap.line.ports\nfrom sistap.line.reader import open_reader, url", ""),
+        ("import os, sistap.line.ports\nfrom sistap.line.reader import open_reader, pyserial", ""),
         ("from no_such_module import x", "needs no_such_module: No module named 'no_such_module'"),
         ("import os.no_such", "needs os.no_such: "),
         ("from sistap.line import no_such", "needs sistap.line: "),

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is behind a port, read from a sysfs that the test builds, and the table of ports."""
+"""What is behind a port, read from a sysfs that the test builds, and the table of ports.
+
+The ports are in a folder that no computer has: what is plugged into this one must not matter.
+"""
 
 import argparse
 import json
@@ -14,7 +17,10 @@ from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
 from sistap import cli
-from sistap.line import analyser, ports
+from sistap import ports as command
+from sistap.analyser import probe
+from sistap.line import drivers, ports
+from sistap.line.drivers import Place
 
 
 def put(file: Path, text: str) -> None:
@@ -29,8 +35,9 @@ def link(place: Path, target: Path) -> None:
 
 
 @pytest.fixture
-def sysfs(tmp_path: Path) -> Path:
+def sysfs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An FTDI adapter as ttyUSB0, a CDC ACM one as ttyACM0, a UART as ttyS0, no hardware as ttyS1 (Linux 6.5 on)."""
+    monkeypatch.setattr(probe, "plugged_in", list)
     usb = tmp_path / "devices/usb1/1-1"
     put(usb / "product", "FT232R USB UART")
     link(usb / "1-1:1.0/ttyUSB0/driver", tmp_path / "bus/usb-serial/drivers/ftdi_sio")
@@ -57,32 +64,44 @@ def sysfs(tmp_path: Path) -> Path:
 
 
 def test_adapters(sysfs: Path) -> None:
-    ftdi = ports.adapter("/dev/ttyUSB0", sysfs)
+    ftdi = ports.adapter("/nowhere/ttyUSB0", sysfs)
     assert ftdi == ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=16)
     assert str(ftdi) == "FT232R USB UART (ftdi_sio, latency timer 16 ms)"
-    assert str(ports.adapter("/dev/ttyACM0", sysfs)) == "USB-RS485 Cable (cdc_acm)"
-    uart = ports.adapter("/dev/ttyS0", sysfs)
-    assert uart == ports.Adapter("16550A UART", "serial", fifo_trigger=8)
+    assert str(ports.adapter("/nowhere/ttyACM0", sysfs)) == "USB-RS485 Cable (cdc_acm)"
+    uart = ports.adapter("/nowhere/ttyS0", sysfs)
+    assert uart == ports.Adapter("16550A UART", "serial", fifo_trigger=8, is_uart=True)
     assert str(uart) == "16550A UART (serial, FIFO trigger 8)"
-    assert str(ports.adapter("/dev/ttyNONE0", sysfs)) == "unknown adapter"
+    assert str(ports.adapter("/nowhere/ttyNONE0", sysfs)) == "unknown adapter"
+
+
+def test_what_a_driver_says_about_line_errors(sysfs: Path) -> None:
+    link(sysfs / "class/tty/ttyUSB1/device", sysfs / "devices/usb1/1-3/1-3:1.0/ttyUSB1")
+    link(sysfs / "devices/usb1/1-3/1-3:1.0/ttyUSB1/driver", sysfs / "bus/usb-serial/drivers/ch341-uart")
+    told = {
+        name: ports.adapter(f"/nowhere/{name}", sysfs).tells.place
+        for name in ("ttyUSB0", "ttyUSB1", "ttyACM0", "ttyS0")
+    }
+    assert list(told.values()) == [Place.PACKET, Place.NOWHERE, Place.READ, Place.CHARACTER]
+    assert ports.adapter("/nowhere/ttyNONE0", sysfs).tells is drivers.UNKNOWN
 
 
 def test_adapter_behind_a_link(sysfs: Path, tmp_path: Path) -> None:
     by_id = tmp_path / "usb-FTDI-if00"
-    by_id.symlink_to("/dev/ttyUSB0")
+    by_id.symlink_to("/nowhere/ttyUSB0")
     assert ports.adapter(str(by_id), sysfs).driver == "ftdi_sio"
 
 
 def test_identity(sysfs: Path, tmp_path: Path) -> None:
     put(tmp_path / "devices/usb1/serial", "0000:00:14.0")  # of the host controller, not of what is plugged in
-    assert ports.identity("/dev/ttyUSB0", ports.adapter("/dev/ttyUSB0", sysfs)) == "FT232R USB UART at /dev/ttyUSB0"
+    without_serial = ports.adapter("/nowhere/ttyUSB0", sysfs)
+    assert ports.identity("/nowhere/ttyUSB0", without_serial) == "FT232R USB UART at /nowhere/ttyUSB0"
     put(tmp_path / "devices/usb1/1-1/serial", "A50285BI")
     by_id = tmp_path / "usb-FTDI-if00"
-    by_id.symlink_to("/dev/ttyUSB0")
-    for port in ("/dev/ttyUSB0", str(by_id)):
+    by_id.symlink_to("/nowhere/ttyUSB0")
+    for port in ("/nowhere/ttyUSB0", str(by_id)):
         assert ports.identity(port, ports.adapter(port, sysfs)) == "FT232R USB UART A50285BI"
-    assert ports.identity("/dev/ttyS0", ports.adapter("/dev/ttyS0", sysfs)) == "16550A UART at /dev/ttyS0"
-    assert ports.identity("/dev/ttyNONE0", ports.Adapter()) == "unknown adapter at /dev/ttyNONE0"
+    assert ports.identity("/nowhere/ttyS0", ports.adapter("/nowhere/ttyS0", sysfs)) == "16550A UART at /nowhere/ttyS0"
+    assert ports.identity("/nowhere/ttyNONE0", ports.Adapter()) == "unknown adapter at /nowhere/ttyNONE0"
 
 
 def test_pseudo_terminal(sysfs: Path, tmp_path: Path) -> None:
@@ -97,20 +116,20 @@ def test_pseudo_terminal(sysfs: Path, tmp_path: Path) -> None:
 
 
 def show(monkeypatch: pytest.MonkeyPatch, sysfs: Path, names: list[str]) -> int:
-    monkeypatch.setattr(list_ports, "comports", lambda: [ListPortInfo(f"/dev/{name}") for name in names])
+    monkeypatch.setattr(list_ports, "comports", lambda: [ListPortInfo(f"/nowhere/{name}") for name in names])
     monkeypatch.setattr(ports.found, "__defaults__", (sysfs,))
     parser = argparse.ArgumentParser()
-    ports.add_arguments(parser)
-    return ports.run(parser.parse_args([]))
+    command.add_arguments(parser)
+    return command.run(parser.parse_args([]))
 
 
 def test_table(monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert show(monkeypatch, sysfs, ["ttyUSB0", "ttyS1", "ttyS0", "ttyACM0"]) == 0
     assert capsys.readouterr().out.splitlines() == [
-        "port          adapter          driver    latency",
-        "/dev/ttyACM0  USB-RS485 Cable  cdc_acm   -",
-        "/dev/ttyS0    16550A UART      serial    FIFO trigger 8",
-        "/dev/ttyUSB0  FT232R USB UART  ftdi_sio  latency timer 16 ms",
+        "port              adapter          driver    latency              line errors",
+        "/nowhere/ttyACM0  USB-RS485 Cable  cdc_acm   -                    somewhere in a read",
+        "/nowhere/ttyS0    16550A UART      serial    FIFO trigger 8       at the character",
+        "/nowhere/ttyUSB0  FT232R USB UART  ftdi_sio  latency timer 16 ms  somewhere in a USB packet",
     ]
 
 
@@ -131,18 +150,18 @@ def test_where_there_is_no_sysfs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 def test_analysers_are_listed(
     monkeypatch: pytest.MonkeyPatch, sysfs: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(analyser, "plugged_in", lambda: [analyser.Analyser("Logic", "1.2", tmp_path)])
+    monkeypatch.setattr(probe, "plugged_in", lambda: [probe.Analyser("Logic", "1.2", tmp_path)])
     assert show(monkeypatch, sysfs, []) == 0
     assert capsys.readouterr().out.splitlines() == [
-        "port                           adapter  driver   latency",
-        "sigrok:fx2lafw:conn=1.2?rx=D0  Logic    fx2lafw  samples the bus",
+        "port                           adapter  driver   latency          line errors",
+        "sigrok:fx2lafw:conn=1.2?rx=D0  Logic    fx2lafw  samples the bus  at the character",
     ]
 
 
 def test_ports_for_programs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     adapter = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=16, serial="A1")
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", adapter), ("/dev/ttyS0", ports.Adapter())])
-    monkeypatch.setattr(analyser, "plugged_in", list)
+    monkeypatch.setattr(probe, "plugged_in", list)
     assert cli.main(["ports", "--json"]) == 0
     first, second = json.loads(capsys.readouterr().out)
     assert first == {
@@ -152,9 +171,10 @@ def test_ports_for_programs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
         "latency_timer_ms": 16,
         "fifo_trigger": None,
         "serial": "A1",
+        "line_errors": "somewhere in a USB packet",
     }
     assert second["port"] == "/dev/ttyS0"
-    assert second["adapter"] is None
+    assert second["adapter"] is second["line_errors"] is None
 
 
 @pytest.mark.parametrize(

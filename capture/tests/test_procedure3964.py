@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import random
 import re
 import subprocess
 import sys
@@ -11,21 +10,17 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from foreign_partner import ForeignPartner
-from hypothesis import given
-from hypothesis import strategies as st
 
 from sistap import cli
-from sistap.bus.playing.played import Played
+from sistap.bus.playing.characters import Played
 from sistap.bus.procedure3964 import rk512
-from sistap.bus.procedure3964.heads import Head
+from sistap.bus.procedure3964.controls import Memory
 from sistap.bus.procedure3964.partner import MS, Occasion, Partner, Saying, Trouble, packed
-from sistap.bus.procedure3964.ppc import Memory, Ppc
-from sistap.bus.procedure3964.rk512 import Error, Reaction
+from sistap.bus.procedure3964.procedure import _KINDS, _STEPS
+from sistap.bus.procedure3964.rk512 import Error, Head
 from sistap.bus.scenarios import scenario
-from sistap.bus.scenarios.procedure3964 import _KINDS, _STEPS
 from sistap.bus.scenarios.scenario import Playing, load
-from sistap.files.reading import records
+from sistap.captures.reading import records
 from sistap.line.settings import Flag
 from sistap.records.record import Framing, Record, Type
 
@@ -467,6 +462,18 @@ def test_an_s5_of_low_priority_gives_way(tmp_path: Path) -> None:
     assert len(blocks(played)) == 4
 
 
+def test_a_reaction_that_comes_again_answers_no_new_command(tmp_path: Path) -> None:
+    """The acknowledgment of the first reaction is lost, and the S5 gives way to its repetition."""
+    fault = MINE[MINE.index("[[fault]]") :]
+    again = MINE.replace(fault, '[[fault]]\nkind = "lost"\nof = "s5"\nwhich = 1\n')
+    mine = again.replace(", axis = 2 }]", ", axis = 3 }]").replace(
+        "word = 7 }", 'word = 7 }, { ident = "S-0-0237", axis = 3, word = 8 }'
+    )
+    first, second = octets(READ), octets(READ[:-11] + "03 00 00 ED")
+    said = [first, octets(IS_7), octets(IS_7), second, octets("00 00 00 00 00 08")]
+    assert blocks(play(written(tmp_path, mine))) == said
+
+
 @pytest.mark.parametrize(
     ("old", "new", "wrong"),
     [
@@ -479,7 +486,7 @@ def test_an_s5_of_low_priority_gives_way(tmp_path: Path) -> None:
         ("word = 7", 'data = "07"', "data has 1 bytes: use whole words"),
         ('"both"', '"noise"', "use one of refused, unheard, lost, late, bcc, broken, both"),
         ('"both"', '"late"', "[[fault]] 1: of is missing"),
-        ("[ppc]", "[pcc]", "ppc is missing"),
+        ("[ppc]", "[pcc]", "[[fault]] needs [s5] and [ppc]"),
         ("which", "station = 3\nwhich", "unknown key station"),
     ],
 )
@@ -495,69 +502,3 @@ def test_the_readme_names_steps_and_faults(tmp_path: Path) -> None:
     example = re.search(r"```toml\n(.*?)```", text, re.DOTALL)
     assert example
     assert "".join(_letter(one) for one in play(written(tmp_path, example[1]))) == "SnSdBdsDbD" + "SdBdsDbD"
-
-
-# -- A partner of other make ----------------------------------------------------------------------------------------
-
-
-class Meeting:
-    """The PPC of the virtual bus and a foreign partner, on a line in memory."""
-
-    def __init__(self, reaction_ms: int = 5) -> None:
-        parameters = {(axis, octets("00 00 ED")): bytes(2) for axis in range(1, 33)}
-        self.ppc = Ppc(Partner(high=False), Memory(parameters, frozenset()), reaction_ms * MS, {})
-        self.other = ForeignPartner()
-        self.now_ns = 0
-
-    def exchange(self, command: bytes) -> bytes:
-        """Send a command, wait for the reaction."""
-        expected = len(self.other.came) + 1
-        self.other.transmit(command)
-        for _ in range(10_000):
-            if not self._pass() and not self.other.busy and len(self.other.came) == expected:
-                return self.other.came[-1]
-        raise AssertionError("no reaction")
-
-    def _pass(self) -> bool:
-        """Let a millisecond pass, or let each send what is due; return whether anything was sent."""
-        self.ppc.look(self.now_ns)
-        said = self._of_ppc(self.ppc.partner.look(self.now_ns))
-        for value in (characters := self.other.say()):
-            self.now_ns += MS
-            said |= self._of_ppc(self.ppc.partner.hear(value, self.now_ns))
-        if not said and not characters:
-            self.now_ns += MS
-            self.other.wait(1)
-        return said or bool(characters)
-
-    def _of_ppc(self, saying: Saying | None) -> bool:
-        for value in saying.said if saying else b"":
-            self.now_ns += MS
-            self.other.hear(value)
-        if saying:
-            self.ppc.partner.said(self.now_ns)
-        return saying is not None
-
-
-def test_a_partner_of_other_make_exchanges_a_thousand_blocks() -> None:
-    """500 commands and 500 reactions. Values are random, so that 02, 03, 10 and 15 hex are among them."""
-    scatter, meeting = random.Random(3964), Meeting()
-    for _ in range(250):
-        axis, value = scatter.randint(1, 32), bytes(scatter.choices(b"\x02\x03\x10\x15\x41\xff", k=2))
-        where = bytes([axis]) + octets("00 00 ED")
-        writing = octets("00 00 41 44 00 00 00 04 00 00 00 03") + where + value
-        reading = octets("00 00 45 44 00 00 00 01 00 00 00 02") + where
-        assert meeting.exchange(writing) == octets("00 00 00 00")
-        assert meeting.exchange(reading) == octets("00 00 00 00") + value
-    assert meeting.other.errors == []
-    assert (meeting.other.delivered, len(meeting.other.came)) == (500, 500)
-
-
-@given(st.binary(min_size=10, max_size=200))
-def test_any_block_comes_over(data: bytes) -> None:
-    """What is not a command of RK512 is answered, too."""
-    meeting = Meeting()
-    reaction = meeting.exchange(data)
-    assert reaction[:1] in (b"\x00", b"\xff")
-    assert meeting.other.errors == []
-    assert Reaction(False, 0, b"") == rk512.read_reaction(bytes(4))

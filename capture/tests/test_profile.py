@@ -16,7 +16,6 @@ from pathlib import Path
 import pytest
 
 import sistap
-from sistap import cli
 from sistap.wireshark.tshark import Tshark
 
 PROFILE = Path(sistap.__file__).parent / "profile" / "SIS"
@@ -119,6 +118,10 @@ def test_plots_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
 
 
 COLUMNS = re.findall(r'^\t"([^"]+)", "([^"]+)"', (PROFILE / "preferences").read_text(), re.MULTILINE)
+WIDTHS = {
+    form: int(width)
+    for form, width in re.findall(r'^\t"([^"]+)", (-?\d+)', (PROFILE / "recent").read_text(), re.MULTILINE)
+}
 
 
 def test_columns(tshark: Run) -> None:
@@ -127,21 +130,29 @@ def test_columns(tshark: Run) -> None:
     assert dict(zip(titles, [value.strip() for value in packet], strict=True)) == {
         "No.": "6",
         "Time": "0.198333312",
+        "Telegram": "3 -> 16  Reaction  Read parameter S-0-0047 (Position command value) = -12.3450",
+        "From": "3",
+        "To": "16",
         "Silence (ms)": "25.000",
         "Interval (ms)": "1.146",
         "Reaction (ms)": "25.000",
         "Parameter": "S-0-0047",
         "Value": "-12.3450",
-        "Telegram": "3 -> 16  Reaction  Read parameter S-0-0047 = -12.3450",
     }
+
+
+def test_a_small_window_shows_what_was_said_and_a_large_one_whole_values() -> None:
+    """Wireshark begins with a packet list of 700 pixels, and gives the last column what a larger one has left."""
+    assert [title for title, _ in COLUMNS][:3] == ["No.", "Time", "Telegram"]
+    assert 500 <= WIDTHS["%i"] <= 600
+    assert COLUMNS[-1][0] == "Value"
 
 
 def test_the_widths_are_of_all_columns_in_their_order() -> None:
     """Otherwise Wireshark 4.4 ignores them; they are keyed by format, without the occurrence and the display of a
     value.
     """
-    widths = re.findall(r'^\t"([^"]+)", -1', (PROFILE / "recent").read_text(), re.MULTILINE)
-    assert widths == [":".join(form.split(":")[:2]) for _, form in COLUMNS]
+    assert list(WIDTHS) == [":".join(form.split(":")[:2]) for _, form in COLUMNS]
 
 
 def test_milliseconds_are_at_the_right() -> None:
@@ -150,10 +161,14 @@ def test_milliseconds_are_at_the_right() -> None:
     assert to_the_right == [form.split(":")[1] for title, form in COLUMNS if title.endswith("(ms)")]
 
 
-def test_the_toolbar_that_is_shown_is_that_of_the_extcap(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["extcap", "--extcap-interfaces"]) == 0
-    (name,) = re.findall(r"^extcap .*{display=([^}]+)}", capsys.readouterr().out, re.MULTILINE)
-    assert f'gui.interface_toolbar_show: "{name}"' in lines("recent")
+def test_follow_shows_bytes() -> None:
+    """Telegrams are not text; Wireshark would show dots. The word is that of Wireshark 4.4; 4.0 ignores the line."""
+    assert "gui.follow_show: HEX_DUMP" in lines("recent")
+
+
+def test_no_toolbar_is_shown_for_captures_that_it_is_not_for() -> None:
+    """Wireshark shows the name and the fields of the first interface, also for a pipe and for a file."""
+    assert not [line for line in lines("recent") if "toolbar" in line]
 
 
 # What statistics.txt, records.txt and timing-reactions.txt say of these frames.

@@ -158,7 +158,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
 
     def run(reader: FakeReader, *arguments: str) -> int:
-        monkeypatch.setattr("sistap.capture.ports.open_reader", lambda port, settings, line: reader)
+        monkeypatch.setattr("sistap.capture.running.open_reader", lambda port, settings, line: reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     yield run

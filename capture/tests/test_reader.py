@@ -14,6 +14,8 @@ import time
 import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import serial
@@ -21,13 +23,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from real_driver import Driver
 
-from sistap.line import bus_socket, ports
-from sistap.line.clocks import STEADY
-from sistap.line.reader import PortError, PortLost, Reader, delay, device, latency, open_reader
+from sistap.line import ports
+from sistap.line.clock import STEADY
+from sistap.line.reader import PortError, PortLost, Reader, delay, device, latency, open_reader, opening, several
 from sistap.line.reader.contract import READ_SIZE
 from sistap.line.reader.device import MarkDecoder, PosixReader
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.wire import protocol
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
@@ -267,9 +270,21 @@ def test_characters_that_another_program_took_are_no_loss_of_the_port(
     bus: Pty, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = open_reader(bus.port, SETTINGS)
-    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)])  # there was something
-    assert source.read(PATIENCE_S) is None
+    polls(source, lambda timeout_ms: [(descriptor(source), select.POLLIN)])  # there was something
+    assert source.read(0.05) is None
     source.close()
+
+
+def descriptor(source: Reader) -> int:
+    assert isinstance(source, several.Pollable)
+    return source.fileno()
+
+
+def polls(source: Reader, poll: Callable[[float], list[tuple[int, int]]]) -> None:
+    """Let a reader of a device poll with this."""
+    alone = several.PolledReaders([source])  # type: ignore[list-item]
+    alone._poll = SimpleNamespace(poll=poll)  # type: ignore[assignment]
+    source._alone = alone  # type: ignore[attr-defined]
 
 
 class SteppedTime:
@@ -277,7 +292,8 @@ class SteppedTime:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic_ns()
-        monkeypatch.setattr(device, "monotonic_ns", lambda: self.now)
+        for module in (device, several):
+            monkeypatch.setattr(module, "monotonic_ns", lambda: self.now)
 
 
 def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -299,38 +315,62 @@ def test_a_reader_that_is_late_says_so(bus: Pty, monkeypatch: pytest.MonkeyPatch
     source.close()
 
 
-def test_a_reader_that_waited_is_not_late(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+class Asleep:
+    """Replaces poll: nothing is there at once; while the process sleeps, time passes and something comes."""
+
+    def __init__(self, source: Reader, clock: SteppedTime, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.sleep_ns = 0
+        self._clock = clock
+        self._source = source
+        polls(source, self._poll)
+
+    def _poll(self, timeout_ms: float) -> list[tuple[int, int]]:
+        if not timeout_ms:
+            return []
+        self._clock.now += self.sleep_ns
+        return [(descriptor(self._source), select.POLLIN)]
+
+
+def test_a_busy_process_keeps_the_kernel_from_passing_characters_on(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At real-time priority on one processor: a worker of the kernel moves them from the driver to the terminal."""
+    clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
-    asked = threading.Event()
-    assert isinstance(source, PosixReader)
-    poll = source._poll
-
-    def announced(timeout_ms: float) -> list[tuple[int, int]]:
-        answer = poll(0)
-        if timeout_ms and not answer:
-            asked.set()  # nothing was there; now let it come
-            answer = poll(timeout_ms)
-        return answer
-
-    monkeypatch.setattr(source, "_poll", announced)
-
-    def answer_when_asked() -> None:
-        asked.wait(PATIENCE_S)
+    asleep = Asleep(source, clock, monkeypatch)
+    for busy_ns, sleep_ns, uncertainty_ns in (
+        (0, 1_000_000, LATENCY),
+        (2_000_000, 20_000, LATENCY + 2_020_000),  # passed on as soon as this process slept
+        (2_000_000, LATENCY, LATENCY),  # the worker had the time to pass on what had come before
+    ):
+        clock.now += busy_ns
+        asleep.sleep_ns = sleep_ns
         bus.write(b"A")
+        wait_until_readable(bus.port)
+        read = source.read(PATIENCE_S)
+        assert read and read.uncertainty_ns == uncertainty_ns
+    monkeypatch.undo()
+    source.close()
 
-    writer = threading.Thread(target=answer_when_asked)
-    writer.start()
-    read = source.read(PATIENCE_S)
-    writer.join()
-    assert read is not None
-    assert (read.data, read.uncertainty_ns) == (b"A", LATENCY)
+
+def test_what_comes_without_a_sleep_may_have_come_before_the_last_read(
+    bus: Pty, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The kernel has passed something on since that read: then, or just now."""
+    clock = SteppedTime(monkeypatch)
+    source = open_reader(bus.port, SETTINGS)
+    for since_ns in (3_000_000, 6_000_000, 6_000_000):  # since the opening, then since the read before the last
+        clock.now += 3_000_000
+        bus.write(b"A")
+        wait_until_readable(bus.port)
+        (read,) = collect(source, 1)
+        assert read.uncertainty_ns == LATENCY + since_ns
     source.close()
 
 
 def test_several_at_once_were_not_read_in_time(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
     monkeypatch.setattr(os, "read", lambda fd, size: b"AB")
-    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)] if timeout_ms else [])
+    Asleep(source, clock, monkeypatch).sleep_ns = LATENCY
     read = source.read(PATIENCE_S)
     assert read is not None
     # The next one was not there yet: so B had been there for less than the 11 bits of a character.
@@ -357,14 +397,7 @@ def test_a_process_that_was_stopped_says_so(
 ) -> None:
     clock = SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
-
-    def poll(timeout_ms: float) -> list[tuple[int, int]]:
-        if not timeout_ms:
-            return []
-        clock.now += slept_ns
-        return [(0, select.POLLIN)]
-
-    monkeypatch.setattr(source, "_poll", poll)
+    Asleep(source, clock, monkeypatch).sleep_ns = slept_ns
     bus.write(data)
     read = source.read(PATIENCE_S)
     assert read is not None
@@ -382,12 +415,12 @@ def test_a_silent_line_makes_nothing_uncertain(bus: Pty, monkeypatch: pytest.Mon
         clock.now += int(timeout_ms * 1_000_000)
         return []
 
-    with monkeypatch.context() as patched:
-        patched.setattr(source, "_poll", silence)
-        began = clock.now
-        for _ in range(50):
-            assert source.read(0.1) is None
-        assert clock.now - began == 5_000_000_000
+    polls(source, silence)
+    began = clock.now
+    for _ in range(50):
+        assert source.read(0.1) is None
+    assert clock.now - began == 5_000_000_000
+    source._alone = None  # type: ignore[attr-defined] # it polls as ever
     bus.write(b"A")
     wait_until_readable(bus.port)
     clock.now += 1_000_000
@@ -423,13 +456,12 @@ def test_the_rest_of_a_cut_mark_is_as_old_as_its_beginning(bus: Pty, monkeypatch
     source = open_reader(bus.port, SETTINGS)
     pieces = iter([b"\xff", b"\xff"])
     monkeypatch.setattr(os, "read", lambda fd, size: next(pieces))
-    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)] if timeout_ms else [])  # in time
+    Asleep(source, clock, monkeypatch).sleep_ns = LATENCY
     clock.now += 1_000
-    assert source.read(PATIENCE_S) is None
-    clock.now += 2_000
     read = source.read(PATIENCE_S)
     assert read is not None
-    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + 2_000)  # at 1_000 there was still nothing
+    since_ns = 2 * LATENCY  # at 1_000 there was still nothing
+    assert (read.data, read.uncertainty_ns) == (b"\xff", LATENCY + since_ns)
     monkeypatch.undo()
     source.close()
 
@@ -439,7 +471,7 @@ def test_what_a_full_read_left_behind_is_as_old_as_that_read(bus: Pty, monkeypat
     source = open_reader(bus.port, SETTINGS)
     pieces = iter([bytes(READ_SIZE), b"rest"])
     monkeypatch.setattr(os, "read", lambda fd, size: next(pieces))
-    monkeypatch.setattr(source, "_poll", lambda timeout_ms: [(0, select.POLLIN)])
+    polls(source, lambda timeout_ms: [(descriptor(source), select.POLLIN)])
     began = clock.now
     for elapsed in (1_000, 3_000):  # since everything had been read, and the second time still since then
         clock.now = began + elapsed
@@ -552,6 +584,30 @@ def test_a_change_to_any_rate(bus: Pty) -> None:
         assert speed(bus.port) == baud
         assert termios.tcgetattr(bus.master)[0] & termios.PARMRK
         assert source.settings == LineSettings(baud)
+    source.close()
+
+
+@pytest.mark.parametrize(
+    ("asked", "true"),
+    [(300, 300), (9600, 9600), (115_200, 115_385), (921_600, 923_077), (2_500_000, 2_000_000), (5_000_000, 3_000_000)],
+)
+def test_the_true_rate_of_a_ch340(asked: int, true: int) -> None:
+    """48 MHz through the dividers of ch341.c; low rates are exact enough."""
+    assert opening.ch341_rate(asked) == true
+
+
+def test_a_ch340_runs_no_faster_than_3_million(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    Driver(monkeypatch, driver="ch341-uart")
+    with pytest.raises(PortError, match=r"4000000 Bd 8E1 \(its driver sets 3000000 Bd 8E1\)"):
+        open_reader(bus.port, LineSettings(4_000_000))
+
+
+def test_a_driver_that_reports_no_line_errors(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    Driver(monkeypatch, driver="ch341-uart")
+    source = open_reader(bus.port, LineSettings(9600))
+    assert source.timing.endswith("; ordinary priority; no line errors are reported")
+    (note,) = (note for note in source.notes if "line errors" in note)
+    assert note.startswith(f"{bus.port}: no line errors are reported. A damaged character looks like a good one.")
     source.close()
 
 
@@ -673,9 +729,9 @@ def test_a_port_that_is_lost_delivers_first_what_was_held_back(bus: Pty, monkeyp
     bus.write(b"A")
     wait_until_readable(bus.port)
     assert isinstance(source, PosixReader)
-    assert source.take(in_time=True) == []
+    assert source.read_now(0) == []
     bus.hang_up()
-    (read,) = source.take(in_time=True)
+    (read,) = source.read_now(0)
     assert (read.data, list(read.flags)) == (b"A", [SOMEWHERE])
     with pytest.raises(PortLost):
         source.read(PATIENCE_S)
@@ -716,7 +772,7 @@ def test_latency_of_adapters(
     Driver(monkeypatch)
     monkeypatch.setattr(ports, "adapter", lambda port: behind._replace(pseudo_terminal=False))
     source = open_reader(bus.port, LineSettings(9600))
-    assert source.timing == f"{phrase}; ordinary priority"
+    assert source.timing == "; ".join(filter(None, [phrase, "ordinary priority", behind.tells.words]))
     clock = SteppedTime(monkeypatch)
     assert isinstance(source, PosixReader)
     source._emptied_ns = clock.now  # not late
@@ -754,6 +810,24 @@ def test_the_uncertainty_is_that_of_the_tuned_port(bus: Pty, tuned: Path, monkey
     assert tuned.read_text() == "16"
 
 
+def test_what_came_before_the_port_was_tuned_is_dropped(bus: Pty, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Setting the trigger of a FIFO clears the FIFO: after that there would be a gap without a flag."""
+    clock = SteppedTime(monkeypatch)
+
+    def tuning(*arguments: Any) -> Tuning:
+        bus.write(b"before the gap")
+        assert select.select([arguments[1]], [], [], PATIENCE_S)[0]
+        clock.now += 5_000_000
+        return Tuning(*arguments)
+
+    monkeypatch.setattr(device, "Tuning", tuning)
+    source = open_reader(bus.port, SETTINGS)
+    bus.write(b"A")
+    (read,) = collect(source, 1)
+    assert (read.data, read.uncertainty_ns) == (b"A", LATENCY)  # it cannot be older than the end of tuning
+    source.close()
+
+
 def test_a_port_that_cannot_be_tuned_is_captured_all_the_same(
     bus: Pty, tuned: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -777,24 +851,6 @@ def test_a_lost_port_is_put_back_too(bus: Pty, tuned: Path) -> None:
         collect(source, 1)
     source.close()
     assert tuned.read_text() == "16"
-
-
-def test_what_came_while_a_port_was_tuned_can_be_as_old_as_its_opening(
-    bus: Pty, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    clock = SteppedTime(monkeypatch)
-
-    class Slow(Tuning):
-        def __init__(self, port: str, descriptor: int, settings: LineSettings) -> None:
-            bus.write(b"A")
-            clock.now += 5_000_000
-            super().__init__(port, descriptor, settings)
-
-    monkeypatch.setattr(device, "Tuning", Slow)
-    source = open_reader(bus.port, SETTINGS)
-    (read,) = collect(source, 1)
-    assert read.uncertainty_ns == LATENCY + 5_000_000
-    source.close()
 
 
 def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -949,7 +1005,8 @@ def test_socket_url(server: socket.socket) -> None:
     url = f"socket://127.0.0.1:{server.getsockname()[1]}"
     source = open_reader(url, SETTINGS, line=1)
     connection, _ = server.accept()
-    assert source.timing == f"times are those of arrival at this program over socket://; {STEADY}; uncertainty unknown"
+    times = f"times are those of arrival at this program over socket://; {STEADY}; uncertainty unknown"
+    assert source.timing == f"{times}; no line errors are reported"
     (note,) = source.notes
     assert "no verdict on its times is possible" in note
     assert source.adapter == url
@@ -1014,7 +1071,7 @@ def test_no_bus_at_the_socket(tmp_path: Path) -> None:
     assert refused(f"bus://{tmp_path}/bus").startswith("nothing listens at bus:///")
 
 
-HELLO = bus_socket.Hello(bus_socket.Kind.BUS, START_NS, START_NS, 0, "bus", "virtual bus", "as the bus says")
+HELLO = protocol.Hello(protocol.Kind.BUS, START_NS, START_NS, 0, "bus", "virtual bus", "as the bus says")
 
 
 def accept(listening: socket.socket, connections: list[socket.socket], said: bytes) -> None:
@@ -1030,7 +1087,7 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
         listening.bind(str(tmp_path / "bus"))
         listening.listen()
         connections: list[socket.socket] = []
-        bus = threading.Thread(target=accept, args=(listening, connections, bus_socket.pack_hello(HELLO)))
+        bus = threading.Thread(target=accept, args=(listening, connections, protocol.pack_hello(HELLO)))
         bus.start()
         source = open_reader(f"bus://{tmp_path}/bus", LineSettings(19200, 7, "O", 4))
         bus.join()
@@ -1047,8 +1104,8 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
             b"HTTP/1.1 400 Bad Request\r\n",
             "is not a sistap bus or tap: give the address",
         ),
-        (bus_socket.pack_settings(LineSettings()), "it does not say what it is"),
-        (bus_socket.pack_hello(HELLO._replace(version=2)), "version 2 of the wire, and this sistap 1"),
+        (protocol.pack_settings(LineSettings()), "it does not say what it is"),
+        (protocol.pack_hello(HELLO._replace(version=2)), "version 2 of the wire, and this sistap 1"),
         (b"", "the other end closes the connection at once"),
     ],
 )
@@ -1071,13 +1128,13 @@ def test_a_stranger_at_the_socket(tmp_path: Path, said: bytes, cure: str) -> Non
 def test_wire(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
     settings = LineSettings(19200, 7, "O", 4)
-    assert bus_socket.Decoder().feed(connection.recv(100)) == [bus_socket.Time(0), settings]
+    assert protocol.Decoder().feed(connection.recv(100)) == [protocol.Time(0), settings]
     assert source.read(0) is None
     sent = [
         Read(0, 1_700_000_000_123_456_789, b"\x02\xff\x00", b"\x00\x02\x04", 1_000_000, settings),
         Read(2, 1_700_000_000_223_456_789, b"A", b"\x18", settings=settings),
     ]
-    stream = b"".join(map(bus_socket.pack_read, sent))
+    stream = b"".join(map(protocol.pack_read, sent))
     connection.sendall(stream[:20])
     assert source.read(0) is None  # half a message is not delivered
     connection.sendall(stream[20:])
@@ -1092,9 +1149,9 @@ def test_a_bus_says_from_where_on_it_is_heard_otherwise(tapped: tuple[Reader, so
     before, after = LineSettings(19200, 7, "O", 4), LineSettings(38400)
     connection.recv(100)
     source.change(after)
-    assert bus_socket.Decoder().feed(connection.recv(100)) == [after]
+    assert protocol.Decoder().feed(connection.recv(100)) == [after]
     on_its_way, later = Read(0, START_NS, b"A", b"\0", 0), Read(0, START_NS + 1, b"B", b"\0", 0)
-    connection.sendall(bus_socket.pack_read(on_its_way) + bus_socket.pack_settings(after) + bus_socket.pack_read(later))
+    connection.sendall(protocol.pack_read(on_its_way) + protocol.pack_settings(after) + protocol.pack_read(later))
     assert source.read(PATIENCE_S) == on_its_way._replace(settings=before)
     assert source.read(PATIENCE_S) == later._replace(settings=after)
 
@@ -1102,7 +1159,7 @@ def test_a_bus_says_from_where_on_it_is_heard_otherwise(tapped: tuple[Reader, so
 def test_simulated_time_goes_on_only_when_the_reader_may_wait(tapped: tuple[Reader, socket.socket]) -> None:
     source, connection = tapped
     connection.recv(100)
-    connection.sendall(bus_socket.pack_time(START_NS))
+    connection.sendall(protocol.pack_time(START_NS))
     read = source.read(PATIENCE_S)
     assert read and (read.time_ns, read.data) == (START_NS, b"")
     assert source.read(0) is None
@@ -1110,7 +1167,7 @@ def test_simulated_time_goes_on_only_when_the_reader_may_wait(tapped: tuple[Read
     with pytest.raises(BlockingIOError):
         connection.recv(100)
     assert source.read(0.001) is None
-    assert bus_socket.Decoder().feed(connection.recv(100)) == [bus_socket.Time(START_NS)]
+    assert protocol.Decoder().feed(connection.recv(100)) == [protocol.Time(START_NS)]
 
 
 def test_not_a_wire(tapped: tuple[Reader, socket.socket]) -> None:

@@ -58,10 +58,10 @@ def records(draw: st.DrawFn) -> Record:
     return Record(time_ns, kind, line, settings, data, intervals, flags, uncertainty_ns, draw(st.sampled_from(Framing)))
 
 
-# The codes of the layout in plugin/README.md, which files that exist already hold.
+# The codes of the layout in plugin/docs/record.md, which files that exist already hold.
 CODES = {
     Type: {"FRAME": 0, "OTHER": 1, "EVENT": 2},
-    Framing: {"SIS": 0, "PROCEDURE_3964R": 1, "SILENCE": 255},
+    Framing: {"SIS": 0, "PROCEDURE_3964R": 1, "ASCII": 2, "SILENCE": 255},
     Event: {
         "NONE": 0,
         "CAPTURE_STARTED": 1,
@@ -70,6 +70,7 @@ CODES = {
         "ADAPTER_LOST": 4,
         "MARKER": 5,
         "LIMITS_TOLD": 6,
+        "TOLD_BEFORE": 7,
     },
 }
 WIRESHARKS_LARGEST_PACKET = 262_144

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""`sistap capture --keep`: files around what matters, on a virtual bus whose time does not wait."""
+"""`sistap record`: files around what matters, on a virtual bus whose time does not wait."""
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -18,10 +19,12 @@ from pcapng.blocks import InterfaceDescription, SectionHeader
 from portable import posix, sockets
 
 from sistap import cli
+from sistap.captures import reading
 from sistap.explain import signs
 from sistap.explain.relay import Seams
-from sistap.files import reading
-from sistap.files.output import Limits, Output
+from sistap.explain.running import ordinary_children
+from sistap.files import output as output_module
+from sistap.files.output import Limits, Output, OutputError
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line import priority
@@ -118,12 +121,11 @@ def test_each_file_has_its_window_and_each_record_once(
     for file, (since, until) in zip(files, windows, strict=True):
         started, *content = map(identity, reading.records(file))
         inside = [identity(record) for record in traffic[1:] if since <= record.time_ns <= until]
-        earlier = content[: -len(inside)]
-        assert content == earlier + inside
-        assert earlier == [old for old in map(identity, traffic) if old in earlier and old[0] < since]
-        assert started[0] == (traffic[0].time_ns if earlier else inside[0][0])
+        told = [one for one in reading.records(file) if one.event == Event.TOLD_BEFORE]
+        assert content == [*map(identity, told), *inside]
+        assert bool(told) == (inside[0] != identity(traffic[1]))
+        assert {started[0], *(one.time_ns for one in told)} == {inside[0][0]}
         assert b"; kept: sis.checksum.status-0 at " in started[1]
-        assert started[1].endswith(b"set limits or read names") is bool(earlier)
 
 
 @pytest.mark.thorough
@@ -140,10 +142,10 @@ def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
 def test_it_is_named_by_time_and_reason(keep: Keep, traffic: list[Record], tmp_path: Path) -> None:
     keep("faults")
     names = [file.name for file in kept(tmp_path)]
-    assert all(
-        re.fullmatch(r"kept_\d{14}\.\d{3}_(damaged|unanswered|error|repeated)\.pcapng", name) for name in names
-    ), names
+    word = "(_(damaged|unanswered|error-reaction|repeated))+"
+    assert all(re.fullmatch(rf"kept_\d{{14}}\.\d{{3}}{word}\.pcapng", name) for name in names), names
     assert any(name.endswith("_damaged.pcapng") for name in names)
+    assert any("_damaged_" in name for name in names) and len(names) == len({name[:22] for name in names})
 
 
 @pytest.mark.thorough
@@ -166,6 +168,29 @@ def test_files_of_an_earlier_ring_go_too(tmp_path: Path) -> None:
         "20260101000003.pcapng",
         "20260101000004.pcapng",
     ]
+
+
+def test_repeats_go_before_the_first_of_each_reason(tmp_path: Path) -> None:
+    """A wrong value is written twice, and late reactions follow."""
+    names = ["write", "write_trs-exceeded", *["trs-exceeded"] * 9, "lost", "trs-exceeded"]
+    for number, name in enumerate(names):
+        shelf.new_name(tmp_path, number * SECOND, name).touch()
+    for at_most, left in ((20, range(13)), (6, [0, 1, 9, 10, 11, 12]), (4, [0, 1, 11, 12]), (1, [12])):
+        shelf.kept(tmp_path, at_most, lambda said: pytest.fail(said)).tidy()
+        assert [int(path.name[17:19]) for path in kept(tmp_path)] == [*left]
+
+
+def test_a_second_name_in_a_moment_is_no_reason(tmp_path: Path) -> None:
+    for _ in range(3):
+        shelf.new_name(tmp_path, 0, "lost").touch()
+    shelf.kept(tmp_path, 2, lambda said: pytest.fail(said)).tidy()
+    assert [path.name.rpartition("_")[2] for path in kept(tmp_path)] == ["lost-2.pcapng", "lost.pcapng"]
+
+
+def test_of_several_reasons_the_worst_is_the_word() -> None:
+    """Whatever the order of the options."""
+    refused = {"sis.service": "31", "sis.status": "1"}
+    assert {Reasons(keep).word(refused) for keep in (("writes", "faults"), ("faults", "writes"))} == {"error-reaction"}
 
 
 def test_two_files_of_one_moment_have_two_names(tmp_path: Path) -> None:
@@ -219,7 +244,8 @@ def test_commands_that_never_end_are_not_started_for_ever(tmp_path: Path, monkey
 def test_a_disk_that_is_full_is_told_once_and_the_capture_goes_on(
     tshark: Tshark, traffic: list[Record], full: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shelf, "new_name", lambda *_: full)
+    monkeypatch.setattr(output_module, "_open", lambda *_, **__: (os.open(full, os.O_WRONLY), False))
+    monkeypatch.setattr(shelf, "new_name", lambda *_: tmp_path / "kept.pcapng")
     said: list[str] = []
     wanted = Wanted(tmp_path, Reasons(["sis.checksum.status == 0"]), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, said.append)
@@ -238,8 +264,38 @@ def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path)
     output.close()
     files = sorted(tmp_path.glob("ring_*.pcapng"))
     assert len(files) > 1
-    content = [identity(record) for file in files for record in list(reading.records(file))[1:]]
-    assert content == [identity(record) for record in traffic[1:]]
+    content = [record for file in files for record in list(reading.records(file))[1:]]
+    assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+
+
+@pytest.mark.attack("the folder of a recorder is moved away", "a message; the capture goes on, the ring too")
+def test_a_folder_that_is_moved_away_ends_nothing(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
+    said: list[str] = []
+    output = Output(str(tmp_path / "ring.pcapng"))
+    wanted = Wanted(tmp_path / "kept", Reasons(["sis.checksum.status == 0"]), Around(SECOND, SECOND), 5)
+    wanted.folder.mkdir()
+    recorder = Recorder(wanted, tshark, LINE, said.append, ring=PcapngWriter(output, LINE, Counters()))
+    wanted.folder.rename(tmp_path / "elsewhere")
+    play(recorder, traffic)
+    output.close()
+    assert sum(" until it is back" in text for text in said) == 1, said
+    assert all("No such file or directory" in text for text in said), said
+    assert len(list(reading.records(tmp_path / "ring.pcapng"))) == len(traffic)
+
+
+def test_a_recorder_that_fails_leaves_the_ring(
+    tshark: Tshark, traffic: list[Record], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    output = Output(str(tmp_path / "ring.pcapng"))
+    wanted = Wanted(tmp_path, Reasons(["faults"]), Around(SECOND, SECOND), 5)
+    recorder = Recorder(wanted, tshark, LINE, said.append, ring=PcapngWriter(output, LINE, Counters()))
+    monkeypatch.setattr(recorder, "_keep", lambda _: 1 // 0)
+    with pytest.raises(OutputError, match="ZeroDivisionError"):
+        play(recorder, traffic)
+    output.close()
+    assert len(said) == 1 and said[0].endswith("; the ring goes on")
+    assert len(list(reading.records(tmp_path / "ring.pcapng"))) == len(traffic)
 
 
 def test_a_disk_that_does_not_answer_holds_nobody_up(
@@ -300,15 +356,24 @@ def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp
         for line in tshark.lines(["-r", str(path), *reasons.arguments(None)]):
             found.add(reasons.word(reasons.columns(line)))
     assert "found" not in found  # what a filter finds shows its sign
-    assert found >= {"damaged", "gap", "line-error", "slow-characters", "late-reaction", "error", "unanswered", "write"}
-    assert {sign.reason for sign in signs.FAULTS} - found <= {"late-cycle", "repeated"}
+    assert found >= {
+        "damaged",
+        "lost",
+        "line-error",
+        "tza-exceeded",
+        "trs-exceeded",
+        "error-reaction",
+        "unanswered",
+        "write",
+    }
+    assert {sign.reason for sign in signs.FAULTS} - found <= {"tmas-exceeded", "system-error", "repeated"}
 
 
 def test_tshark_has_ordinary_priority(tshark: Tshark, monkeypatch: pytest.MonkeyPatch) -> None:
     if sys.platform != "linux" or not _may_be_real_time():
         pytest.skip("real-time priority is not permitted here")
     with priority.real_time():
-        with priority.ordinary_children():
+        with ordinary_children():
             done = subprocess.run(["chrt", "-p", "0"], capture_output=True, text=True, check=False)
         assert priority.is_real_time()
     assert "SCHED_FIFO" not in done.stdout
@@ -336,7 +401,7 @@ def test_small_seams_change_nothing(tshark: Tshark, traffic: list[Record], tmp_p
 UNIT = Path(recorder_module.__file__).with_name("sistap-recorder.service")
 
 
-def test_the_unit_calls_a_capture_as_it_is() -> None:
+def test_the_unit_calls_the_recorder_as_it_is() -> None:
     """Its command line is one that the command takes."""
     lines = [line for line in UNIT.read_text().splitlines() if line and not line.startswith("#")]
     environment = dict(
@@ -349,7 +414,7 @@ def test_the_unit_calls_a_capture_as_it_is() -> None:
         words += environment[variable].split() if word_.startswith("$") else [word_]
     assert words[:2] == ["/usr/bin/env", "sistap"]
     args = cli.parser().parse_args(words[2:])
-    assert (args.keep, args.wait_for_port, args.file) == (["faults"], True, "/var/lib/sistap-recorder")
+    assert (args.keep, args.wait_for_port, args.folder) == (["faults"], True, "/var/lib/sistap-recorder")
 
 
 @pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd-analyze is not installed")
@@ -365,13 +430,11 @@ def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
     ("arguments", "code", "said"),
     [
         (["--keep", "sis.foo", "-w", "k"], 2, "--keep 'sis.foo': "),
-        (["--keep", "faults"], 2, "--keep needs a folder for its files: say it with -w"),
-        (["--keep", "faults", "-w", "-"], 2, "--keep needs a folder"),
+        (["--keep", "faults"], 2, "a recorder needs a folder for its files: say it with -w"),
+        (["--keep", "faults", "-w", "-"], 2, "a recorder needs a folder"),
         (["--keep", "faults", "-w", "file"], 2, "file is no folder"),
-        (["--keep", "faults", "-w", "k", "--link-type", "rtac"], 2, "leave out --link-type rtac"),
         (["--keep", "faults", "-w", "k", "-a", "filesize:5"], 2, "-a filesize: is for the full ring"),
-        (["--before", "3", "-w", "x"], 2, "--before is for --keep"),
-        (["--on-keep", "mail", "-w", "x"], 2, "--on-keep is for --keep"),
+        (["-w", "k", "-b", "files:5"], 2, "-b files: does not say when a file is full"),
     ],
 )
 def test_what_cannot_be_kept_is_refused_at_once(
@@ -385,10 +448,17 @@ def test_what_cannot_be_kept_is_refused_at_once(
     """Also where the port is waited for."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").touch()
-    assert cli.main(["capture", "-i", str(tmp_path / "no-port"), "--wait-for-port", *arguments]) == code
+    assert cli.main(["record", "-i", str(tmp_path / "no-port"), "--wait-for-port", *arguments]) == code
     err = capfd.readouterr().err
     assert said in err and err.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_capture_says_where_keep_went(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["capture", "-i", "x", "--keep", "faults", "--before", "3", "-w", "kept"])
+    err = capfd.readouterr().err
+    assert ended.value.code == 2 and "`sistap record`" in err and err.count("\n") == 1
 
 
 @pytest.mark.thorough
@@ -405,7 +475,7 @@ def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.M
     options = ["--framing", "3964r", "--keep", "sertap.type == 1", "--before", "1", "--after", "1", "-w", "kept"]
     options += ["-b", "filesize:1000", "-c", "2000", "-q"]
     done = subprocess.run(
-        [*command, "capture", "-i", f"bus://{address}", *options],
+        [*command, "record", "-i", f"bus://{address}", *options],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -421,4 +491,4 @@ def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.M
     for file in kept(tmp_path / "kept"):
         started, *content = reading.records(file)
         assert started.event == Event.CAPTURE_STARTED and content
-        assert set(map(identity, content)) <= known
+        assert {identity(record) for record in content if record.event != Event.TOLD_BEFORE} <= known

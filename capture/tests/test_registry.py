@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from sistap.line import ports, registry
+from sistap.line import ports
 
 FTDI = r"SYSTEM\CurrentControlSet\Enum\FTDIBUS"
 
@@ -59,11 +59,11 @@ def test_a_port_above_9() -> None:
 
 
 def test_what_the_registry_does_not_say() -> None:
-    assert registry.ftdi("COM7", ADAPTERS) == registry.Ftdi("", "", "X1", None)
+    assert ports.ftdi("COM7", ADAPTERS) == ports.Ftdi("", "", "X1", None)
     assert ports.of_windows("COM1", ADAPTERS) == ports.Adapter()
     assert ports.of_windows("COM5", Values({})) == ports.Adapter()
 
 
 def test_a_system_without_a_registry(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "winreg", None)
-    assert registry.ftdi("COM5", None) is None
+    assert ports.ftdi("COM5", None) is None

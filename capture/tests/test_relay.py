@@ -8,20 +8,22 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from queue import SimpleQueue
+from typing import cast
 
 import pytest
 from portable import signals
 
 from sistap import cli
-from sistap.explain.memory import MOST_OPEN, MOST_READ, Memory
+from sistap.captures.reading import records
 from sistap.explain.relay import Entry, Judged, Relay, Seams
 from sistap.explain.running import Running
-from sistap.files.blocks import Blocks
 from sistap.files.pcapng import Interface
-from sistap.files.reading import records
+from sistap.files.writer import Blocks
 from sistap.recorder.reasons import Reasons
+from sistap.records.before import heard
 from sistap.records.record import Record
-from sistap.sis.telegram import build
+from sistap.terminal.console import visible
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 60
@@ -81,14 +83,12 @@ class Watched:
         return next(self._seconds)
 
     def play(self, traffic: list[Record]) -> None:
-        heading = self._blocks.section()
-        self.relay.begin(heading, [self._blocks.packet(traffic[0])])
+        self.relay.begin(self._blocks, self._blocks.section(), traffic[:1])
         self.put(traffic[1:])
 
     def put(self, traffic: list[Record]) -> None:
         for record in traffic:
-            telegram = record.data if record.is_good_frame else b""
-            self.relay.put(Entry(record.time_ns, self._blocks.packet(record), telegram))
+            self.relay.put(Entry(record.time_ns, self._blocks.packet(record), heard(record)))
             self.look()
 
     def look(self) -> None:
@@ -179,32 +179,29 @@ def test_one_that_is_too_slow_is_told_and_the_next_goes_on(tshark: Tshark, traff
         tested.relay.close()
 
 
-def exchange(number: int, body: bytes, service: int = 0x10) -> tuple[bytes, bytes]:
-    command = build(service, 16, 3, body, number=number)
-    return command, build(service, 16, 3, b"\0" + body, reaction=True, number=number)
+class Lying:
+    """A tshark that prints a line which nobody has asked for, and then nothing."""
+
+    def __init__(self, line: str) -> None:
+        self.lines: SimpleQueue[str | None] = SimpleQueue()
+        self.lines.put(line)
+        self.ended_well = False
+
+    def put(self, data: bytes) -> None:
+        pass
+
+    end = kill = lambda self: None
 
 
-def test_the_memory_has_the_last_exchange_of_each_command_in_their_order() -> None:
-    memory = Memory()
-    for number, body in enumerate([b"name", b"unit", b"name"]):
-        command, reaction = exchange(number, body)
-        memory.take(command, b"c%d" % number)
-        memory.take(reaction, b"r%d" % number)
-    assert list(memory.blocks()) == [b"c1", b"r1", b"c2", b"r2"]
-
-
-def test_the_memory_has_what_the_bus_was_told_also_without_reaction() -> None:
-    memory = Memory()
-    memory.take(build(0x03, 16, 255, b"\xff"), b"accept")
-    memory.take(build(0x1F, 16, 3, b"\0value"), b"write")
-    assert list(memory.blocks()) == [b"accept"]
-
-
-def test_the_memory_is_bounded() -> None:
-    memory = Memory()
-    for number in range(MOST_READ + 10):
-        for telegram in exchange(number % 256, number.to_bytes(4, "little")):
-            memory.take(telegram, number.to_bytes(4, "little"))
-    for station in range(MOST_OPEN + 10):
-        memory.take(build(0x10, 1, station, b"x"), b"command")
-    assert len(list(memory.blocks())) == 2 * MOST_READ
+@pytest.mark.parametrize("line", ["", "nonsense", "-3\t", "99999\t", "12345678901234567890\t", "²\t", "0\t"])
+@pytest.mark.attack("tshark prints lines that are none of its answers", "another one goes on; nothing is lost")
+def test_a_tshark_that_prints_nonsense_is_replaced(
+    tested: Watched, traffic: list[Record], expected: list[int], line: str
+) -> None:
+    tsharks = [cast(Running, Lying(line))]
+    tested.relay._start = lambda token: tsharks.pop() if tsharks else tested.start(token)
+    tested.play(traffic)
+    assert tested.end() == expected
+    (said,) = tested.said
+    assert said == f"tshark has printed what was not asked for: {visible(line)}; another one goes on"
+    assert not tested.relay.unjudged

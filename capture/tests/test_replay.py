@@ -17,8 +17,8 @@ from portable import posix, terminals
 from test_bus import BUS, TIMEOUT_S, drain, finish, listening_only_if_asked
 
 from sistap.bus.replay import look, played
+from sistap.captures.reading import NotCaptured, records
 from sistap.files import pcapng
-from sistap.files.reading import NotCaptured, records
 from sistap.line.settings import Flag, LineSettings
 from sistap.records import record
 from sistap.records.record import Event, Record, Type

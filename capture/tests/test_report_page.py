@@ -9,13 +9,11 @@ from html.parser import HTMLParser
 from itertools import accumulate
 from pathlib import Path
 
-import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
 from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, write
 
+from sistap.draw.panel import Bar, Strokes, Text
+from sistap.draw.svg import stacked, svg
 from sistap.line.settings import Flag
 from sistap.report import plots
 from sistap.report.gather import Report, gather
@@ -94,22 +92,19 @@ def test_a_window_with_nothing_in_it_says_so(text: str) -> None:
 
 
 class Drawn:
-    """The window around a packet that is one of the worst, as it was drawn; times in ms since its beginning."""
+    """A window that shows a packet, as it was drawn; times in ms since its beginning."""
 
     def __init__(self, report: Report, number: int) -> None:
-        self.window = next(window for window in report.windows if window.title.startswith(f"Packet {number}:"))
+        self.window = next(
+            window for window in report.windows if number in [packet.number for packet in window.packets]
+        )
         drawing = plots.window(self.window)
         assert drawing
-        figure = Figure()
-        drawing.draw(figure)
-        (axes,) = figure.axes
-        self.words = [text.get_text() for text in axes.texts]
-        paths = [patch.get_path() for patch in axes.patches if isinstance(patch, PathPatch)]
-        self.strokes = sorted(float(x) for path in paths for x in np.asarray(path.vertices)[::2, 0])
-        red = to_rgb(plots.COLOURS["bad"])
-        coloured = [(area, np.asarray(area.get_facecolor())) for area in axes.collections]
-        areas = [area for area, colours in coloured if len(colours) and np.allclose(colours[:, :3], red)]
-        self.red = [area.get_paths()[0].get_extents().intervalx.tolist() for area in areas]
+        ((panel,),) = drawing.draw()
+        self.words = [mark.words for mark in panel.marks if isinstance(mark, Text)]
+        self.strokes = sorted(x for mark in panel.marks if isinstance(mark, Strokes) for x in mark.at)
+        bars = [mark for mark in panel.marks if isinstance(mark, Bar)]
+        self.red = [[bar.begin, bar.end] for bar in bars if bar.role == "bad" and not bar.is_outline]
 
 
 def test_a_pause_that_exceeds_tza_is_red_from_character_to_character(report: Report) -> None:
@@ -125,7 +120,7 @@ def test_every_pause_that_exceeds_tza_is_red(tmp_path: Path) -> None:
     in_one_read = Sent(READ, silence_ms=500, pauses_ms={3: 6.0, 9: 9.0}, flags={4: Flag.SAME_READ})
     capture = write(tmp_path / "two.pcapng", [Sent(SET_TZA), Sent(ACCEPT), two, in_one_read])
     with Tshark() as tshark:
-        report = gather(tshark, capture, [], lambda text: None)
+        report = gather(tshark, capture, [parse("0+0.3"), parse("0.4+1")], lambda text: None)
     widths = {number: [end - begin for begin, end in Drawn(report, number).red] for number in (4, 5)}
     assert widths[4] == pytest.approx([6.0, 9.0], abs=1e-3)
     assert widths[5] == pytest.approx([9.0], abs=1e-3)  # the other one the dissector does not name
@@ -156,18 +151,18 @@ def test_limits_are_drawn(report: Report) -> None:
     intervals, reactions = plots.intervals(report), plots.reactions(report)
     assert intervals
     assert reactions
-    assert "TzA 5 ms" in plots.svg_for_page(intervals, "x")
-    assert "0x10 Read parameter" in plots.svg_for_page(reactions, "x")
+    assert "TzA 5 ms" in svg(intervals, "x")
+    assert "0x10 Read parameter" in svg(reactions, "x")
 
 
 def test_the_overview_names_stations_and_faults(report: Report) -> None:
     drawing = plots.overview(report)
     assert drawing
-    svg = plots.svg_for_page(drawing, "x")
+    drawn = svg(drawing, "x")
     for name in ("station 3", "station 4", "station 16", "TzA exceeded", "TrS exceeded", "no reaction"):
-        assert f">{name}<" in svg
-    assert ">Tmas exceeded<" not in svg
-    assert "bus load" not in svg  # the capture is shorter than the second that it needs
+        assert f">{name}<" in drawn
+    assert ">Tmas exceeded<" not in drawn
+    assert "bus load" not in drawn  # the capture is shorter than the second that it needs
 
 
 def test_the_load_is_drawn_from_its_first_whole_second_on(tmp_path: Path) -> None:
@@ -181,10 +176,7 @@ def test_the_load_is_drawn_from_its_first_whole_second_on(tmp_path: Path) -> Non
         assert load == pytest.approx(100 * 13 * 1.1458 / (100 + 12 * 1.1458), abs=2.0)
 
 
-@pytest.mark.parametrize("kind", ["svg", pytest.param("png", marks=pytest.mark.thorough)])
-def test_pictures_are_files_of_their_kind(report: Report, kind: str, tmp_path: Path) -> None:
-    data = plots.picture(report, kind)
-    if kind == "png":
-        assert data.startswith(b"\x89PNG\r\n\x1a\n")
-    else:
-        assert ET.fromstring(data).tag == "{http://www.w3.org/2000/svg}svg"
+def test_the_file_of_all_pictures_is_svg(report: Report) -> None:
+    root = ET.fromstring(stacked(report.name, plots.drawings(report)).partition("\n")[2])
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    assert {"a <b> & c.pcapng", "The whole capture"} <= {text.text for text in root.iter() if text.text}

@@ -6,15 +6,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 
 from sistap.accesses.access import Access, Parameter
+from sistap.draw.panel import Dots, Line, Panel
 from sistap.report import plain, plots, tables
 from sistap.report.curves import MOST_CURVES, MOST_POINTS, Curve, Curves
 from sistap.report.gather import Report, gather
@@ -68,31 +65,31 @@ def test_json(report: Report) -> None:
 
 def test_refused_ones_are_found(report: Report) -> None:
     """Packets 20, 38 and 40."""
-    assert "reactions with an error: 3" in tables.headline(report)
+    assert sum(episode.count for episode in report.episodes if episode.kind == "error") == 3
     (row,) = (row for row in tables.faults(report).rows if row[0] == "Reaction with an error")
     assert row[1] == "3"
-    assert [moment.number for moment in report.worst if moment.kind.name == "error_reaction"] == [20, 38, 40]
+    errors = (episode for episode in report.episodes if episode.kind == "error")
+    assert sorted(packet for episode in errors for packet in episode.packets) == [20, 38, 40]
 
 
 @pytest.fixture
-def axes(report: Report) -> Axes:
+def panel(report: Report) -> Panel:
     """The curve of P-0-0012: of all values, its are the only numbers."""
     drawing = plots.values(report)
     assert drawing
-    figure = Figure()
-    drawing.draw(figure)
-    (shown,) = (axes for axes in figure.axes if axes.axison)
+    (shown,) = (panel for row in drawing.draw() for panel in row if panel.marks)
     return shown
 
 
-def test_the_curve_has_all_values_and_limits(axes: Axes) -> None:
-    lines = {to_hex(line.get_color()): [] for line in axes.lines}  # type: dict[str, list[list[float]]]
-    for line in axes.lines:
-        lines[to_hex(line.get_color())].append(np.asarray(line.get_ydata()).tolist())
-    assert lines[plots.COLOURS["reaction"]] == [[5.0, 5.0, 7.5, -3.0, -3.0]]
-    assert lines[plots.COLOURS["command"]] == [[5.0, 7.5, -3.0]], "what was written has a dot"
-    assert lines[plots.COLOURS["bad"]] == [[-10.0, -10.0], [10.0, 10.0]]
-    assert axes.get_title(loc="left").splitlines() == [
+def test_the_curve_has_all_values_and_limits(panel: Panel) -> None:
+    lines: dict[str, list[list[float]]] = {}
+    for mark in panel.marks:
+        assert isinstance(mark, Line | Dots)
+        lines.setdefault(mark.role, []).append([y for _, y in mark.points])
+    assert lines["reaction"] == [[5.0, 5.0, 7.5, -3.0, -3.0]]
+    assert lines["command"] == [[5.0, 7.5, -3.0]], "what was written has a dot"
+    assert lines["bad"] == [[-10.0, -10.0], [10.0, 10.0]]
+    assert panel.title == [
         "P-0-0012 Limit in Nm",
         "station 3, device 5",
         "at least -10.00 Nm, at most 10.00 Nm",

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.capture.scan import Scan
+from sistap.capture.rate import Scan
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.framer import SisFramer
 

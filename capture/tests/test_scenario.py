@@ -19,12 +19,12 @@ from portable import WINDOWS, signals, terminals
 from sharkd import Sharkd
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
-from sistap.bus.playing.played import Played
+from sistap.bus.playing.characters import Played
 from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.faults import _KINDS
 from sistap.bus.scenarios.scenario import Playing, Scenario, load
 from sistap.bus.scenarios.steps import _STEPS
-from sistap.files.reading import records
+from sistap.captures.reading import records
 from sistap.line.settings import Flag
 from sistap.records.record import Event, Type
 from sistap.sis.telegram import parse

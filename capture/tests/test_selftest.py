@@ -116,6 +116,23 @@ def test_the_time_on_the_line_is_no_delay(monkeypatch: pytest.MonkeyPatch) -> No
         os.close(descriptor)
 
 
+def test_what_the_port_does_not_take_is_not_awaited(no_pauses: None) -> None:
+    """As of cdc_acm, while 16 characters are on their way: here the pipe is full until somebody reads."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with pytest.raises(BlockingIOError):
+        while True:
+            os.write(writing, bytes(1 << 16))
+    written = array("q")
+    delay._write(os.dup(writing), written, 0, 0)
+    assert not written
+    os.read(reading, 1 << 20)
+    delay._write(writing, written, 0, 0)
+    assert len(written) == 1
+    assert os.read(reading, 9) == b"@"
+    os.close(reading)
+
+
 def test_through_a_pseudo_terminal(no_pauses: None) -> None:
     delays = delay.through_pty(50 * MS)
     assert len(delays) > 10

@@ -23,15 +23,14 @@ from commands import refused, run
 from independent import records
 from test_passive import assert_only_listens
 
-from sistap.line import bus_socket, peers, sockets
-from sistap.line.bus_socket import Decoder, Hello, Kind, Lost, Message, Time
-from sistap.line.reader import PortError, Reader, distant, open_reader
+from sistap.line.reader import PortError, Reader, open_reader
 from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
 from sistap.records.assembler import Assembler
 from sistap.records.record import Event, Record, Type
 from sistap.serve import listeners as module
-from sistap.serve.listeners import Listeners
-from sistap.serve.published import PublishedReader
+from sistap.serve.listeners import Listeners, PublishedReader
+from sistap.wire import distant, protocol, server
+from sistap.wire.protocol import Decoder, Hello, Kind, Lost, Message, Time
 
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
@@ -151,8 +150,8 @@ def test_other_settings_come_before_the_first_character_with_them(served: Listen
 
 def test_what_a_listener_says_is_thrown_away(served: Listeners, told: list[str]) -> None:
     said = [
-        bus_socket.pack_settings(LineSettings(38400)),
-        bus_socket.pack_read(reads(1, 100)[0]),
+        protocol.pack_settings(LineSettings(38400)),
+        protocol.pack_read(reads(1, 100)[0]),
         b"GET / HTTP/1.1\r\n\r\n",
         b"\xff" * 100_000,
         b"R\x00\xff\xff" + b"\0" * 50,
@@ -187,7 +186,7 @@ def test_a_listener_that_goes_away_is_forgotten(served: Listeners) -> None:
 def test_who_never_answers_makes_room(served: Listeners, told: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     with connect(served) as silent, connect(served) as other:
         monkeypatch.setattr(module, "PATIENCE_NS", -1)
-        other.sendall(bus_socket.pack_time(1))
+        other.sendall(protocol.pack_time(1))
         (first, second) = served._peers
         second.heard_ns = 1 << 62  # it has just answered
         served.attend(1 << 61)
@@ -201,7 +200,7 @@ def test_who_never_answers_makes_room(served: Listeners, told: list[str], monkey
 
 @pytest.mark.attack("more connections than `sistap serve` allows (32)", "the next one is refused")
 def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peers, "MOST", 2)
+    monkeypatch.setattr(server, "MOST", 2)
     with ExitStack() as opened:
         some = [opened.enter_context(connect(served)) for _ in range(5)]
         assert len(list(served._peers)) == 2
@@ -232,8 +231,8 @@ def test_only_whom_allow_names_is_let_in(
     networks = [*map(_network, ("192.168.7.0/24", "10.0.0.1", "fd00::/8"))]
     with closing(Listeners("127.0.0.1:0", networks, told.append)) as listeners:
         listeners.begin(ABOUT, LINE)
-        real = sockets.plain_ip
-        monkeypatch.setattr(sockets, "plain_ip", lambda _: real(address))
+        real = server.plain_ip
+        monkeypatch.setattr(server, "plain_ip", lambda _: real(address))
         port = int(listeners.name.rpartition(":")[2])
         with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as connection:
             listeners.attend(0)
@@ -329,7 +328,7 @@ class Tap:
 
         def accept() -> None:
             connection, _ = self.listening.accept()
-            connection.sendall(bus_socket.pack_hello(hello) + bus_socket.pack_settings(settings))
+            connection.sendall(protocol.pack_hello(hello) + protocol.pack_settings(settings))
             self.connection = connection
             self.came.set()
 
@@ -394,25 +393,25 @@ def test_reads_are_those_of_the_tap(listening: tuple[Reader, Tap]) -> None:
     sent = reads(40, 3)
     other = LineSettings(38400)
     later = reads(1, start=40)[0]
-    tap.say(*map(bus_socket.pack_read, sent), bus_socket.pack_settings(other), bus_socket.pack_read(later))
+    tap.say(*map(protocol.pack_read, sent), protocol.pack_settings(other), protocol.pack_read(later))
     assert [next_read(reader) for _ in sent] == sent
     assert next_read(reader) == later._replace(settings=other)
 
 
 def test_the_time_is_passed_on_and_answered(listening: tuple[Reader, Tap]) -> None:
     reader, tap = listening
-    tap.say(bus_socket.pack_time(START_NS + 5))
+    tap.say(protocol.pack_time(START_NS + 5))
     while (read := reader.read(PATIENCE_S)) is None:
         pass
     assert (read.time_ns, read.data) == (START_NS + 5, b"")
     assert tap.connection
-    assert Decoder(bus_socket.FROM_LISTENER).feed(tap.connection.recv(100)) == [Time(START_NS + 5)]
+    assert Decoder(protocol.FROM_LISTENER).feed(tap.connection.recv(100)) == [Time(START_NS + 5)]
 
 
 def test_missing_characters_are_told_with_their_number(listening: tuple[Reader, Tap]) -> None:
     reader, tap = listening
     first, second = reads(2)
-    tap.say(bus_socket.pack_read(first), bus_socket.pack_lost(123), bus_socket.pack_read(second))
+    tap.say(protocol.pack_read(first), protocol.pack_lost(123), protocol.pack_read(second))
     assert next_read(reader) == first
     told = notice(reader)
     assert told.happening == Happening.LOST
@@ -433,7 +432,7 @@ def test_after_a_lost_connection_it_goes_on(
 ) -> None:
     reader, tap = listening
     before, after = reads(2, 10)
-    tap.say(bus_socket.pack_read(before))
+    tap.say(protocol.pack_read(before))
     assert next_read(reader) == before
     tap.end()
     gone = next_read(reader)
@@ -445,7 +444,7 @@ def test_after_a_lost_connection_it_goes_on(
     assert back.time_ns == START_NS + 10**9
     assert back.notices[0].happening == happening
     assert text in back.notices[0].text
-    tap.say(bus_socket.pack_read(after))
+    tap.say(protocol.pack_read(after))
     again = next_read(reader)
     assert again.data == after.data
     assert bool(again.flags[0] & Flag.LOST_BEFORE) is (happening == Happening.LOST)
@@ -459,7 +458,7 @@ def test_a_tap_that_was_started_anew_has_another_clock(listening: tuple[Reader, 
     told = notice(reader)
     assert told.happening == Happening.ANEW
     assert "how many characters are missing is not known" in told.text
-    tap.say(bus_socket.pack_read(reads(1)[0]))
+    tap.say(protocol.pack_read(reads(1)[0]))
     read = next_read(reader)
     assert read.settings == LineSettings(38400)
     assert read.flags[0] & Flag.LOST_BEFORE
@@ -471,7 +470,7 @@ def test_a_tap_that_says_nothing_is_lost(listening: tuple[Reader, Tap], monkeypa
     assert "nothing was heard for 0 s" in notice(reader).text
 
 
-@pytest.mark.parametrize("junk", [b"HTTP/1.1 200 OK", b"\xff" * 100, bus_socket.pack_time(2**63), b"N\x09\x00\x00"])
+@pytest.mark.parametrize("junk", [b"HTTP/1.1 200 OK", b"\xff" * 100, protocol.pack_time(2**63), b"N\x09\x00\x00"])
 def test_a_tap_that_says_something_else_is_left(listening: tuple[Reader, Tap], junk: bytes) -> None:
     reader, tap = listening
     tap.say(junk)
@@ -480,10 +479,10 @@ def test_a_tap_that_says_something_else_is_left(listening: tuple[Reader, Tap], j
 
 def test_nothing_that_a_tap_says_controls_a_terminal_or_makes_up_lines(listening: tuple[Reader, Tap]) -> None:
     reader, tap = listening
-    tap.say(bus_socket.pack_notice(Notice(Happening.MARKER, "a\x1b[2Jb\u202ec\nd")))
+    tap.say(protocol.pack_notice(Notice(Happening.MARKER, "a\x1b[2Jb\u202ec\nd")))
     assert notice(reader).text == "a\\u001b[2Jb\\u202ec\\u000ad"
     strange = reads(1)[0]._replace(line=77, flags=b"\xff")
-    tap.say(bus_socket.pack_read(strange))
+    tap.say(protocol.pack_read(strange))
     read = next_read(reader)
     assert (read.line, read.flags) == (0, bytes([Flag.FROM_READER]))
 
@@ -492,13 +491,12 @@ def test_nothing_that_a_tap_says_controls_a_terminal_or_makes_up_lines(listening
 
 
 def recorded(taken: list[Read]) -> list[Record]:
-    written: list[Record] = []
-    assembler = Assembler(written.append)
+    assembler = Assembler()
     assembler.add_line(0, LINE, 0)
     for read in taken:
         assembler.take(read, 0, "")
     assembler.flush([0], 0)
-    return written
+    return list(assembler.due(0))
 
 
 def test_records_are_those_of_a_local_capture(served: Listeners) -> None:

@@ -23,9 +23,9 @@ from portable import posix
 from sampled_wire import NS, SIGROK, Sent, needs_sigrok, of_records, play, sampled
 
 from sistap import cli
-from sistap.files.reading import records
-from sistap.line.analyser import Probe, hertz, plugged_in
-from sistap.line.reader.sigrok import SampleClock
+from sistap.analyser.probe import Probe, hertz, plugged_in
+from sistap.analyser.reader import SampleClock
+from sistap.captures.reading import records
 from sistap.line.settings import Flag, LineSettings
 from sistap.records.record import Event, Record, Type
 from sistap.wireshark.tshark import Tshark

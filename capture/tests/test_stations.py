@@ -27,12 +27,10 @@ from sistap.bus.devices.parameters import (
     ident,
     text,
 )
+from sistap.bus.stations.flash import module
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.making import make
-from sistap.bus.stations.memory import module
-from sistap.bus.stations.routing import Router
-from sistap.bus.stations.slave import Slave
-from sistap.bus.stations.station import Station
+from sistap.bus.stations.slave import Router, Slave, Station
 from sistap.sis.telegram import build, parse
 
 MS = 1_000_000

@@ -27,8 +27,8 @@ README = HOUSE / "capture" / "sistap" / "tables" / "README.md"
 QUESTIONS = dict(re.findall(r"### (.+?)\n.*?```sql\n(.*?)```", README.read_text("utf-8"), re.DOTALL))
 DAY_S = 86_400
 BEFORE_MIDNIGHT_S = 6398  # after the first capture: 2 s
-NAMES = ("telegrams", "values", "events")
-SLOWER, MINUTE, CHANGED, LINE, RANGE = QUESTIONS
+NAMES = ("telegrams", "values", "events", "episodes")
+SLOWER, HAPPENED, MINUTE, CHANGED, LINE, RANGE = QUESTIONS
 
 
 def command(service: int, data: str, master: int = 16) -> Sent:
@@ -160,6 +160,14 @@ ANSWERS: dict[str, list[dict[str, Any]]] = {
         {**PRESS, **DAYS[0], "reactions": 4, "nearly_all_within_s": pytest.approx(0.025)},
         {**PRESS, **DAYS[1], "reactions": 4, "nearly_all_within_s": pytest.approx(0.025 + 0.97 * 0.055)},
     ],
+    HAPPENED: [
+        {"tap": "press", "severity": "warning", "text": text}
+        for text in (
+            "Sent again, station 3: a command without a reaction",
+            "Line error, station 3: in a telegram that is not damaged",
+            "Damaged telegram, station 3: its checksum is wrong",
+        )
+    ],
     MINUTE: [
         {"tap": "press", "began": FIRST.replace(second=0) + timedelta(days=1)}
         | {"faults": 2, "unanswered": 1, "damaged": 1, "late": 0}
@@ -188,7 +196,7 @@ def check(rows: list[dict[str, Any]], answer: list[dict[str, Any]]) -> None:
 
 
 @pytest.mark.parametrize("question", QUESTIONS)
-def test_five_questions(made: Path, question: str) -> None:
+def test_the_questions(made: Path, question: str) -> None:
     check(asked(made, QUESTIONS[question]), ANSWERS[question])
 
 
@@ -286,7 +294,7 @@ def test_what_cannot_be_put(tmp_path: Path, days: list[Path]) -> None:
     (tmp_path / "junk").write_text("this is no capture\n" * 9)
     refused(run(tmp_path, "tables", "junk", "-o", "t"), 2, "junk is not a capture")
     refused(run(tmp_path, "tables", "none", "-o", "t"), 2, "cannot read none")
-    refused(run(tmp_path, "tables", ".", "-o", "t"), 2, "is not a file")
+    refused(run(tmp_path, "tables", ".", "-o", "t"), 2, ". has no captures")
     refused(run(tmp_path, "tables", days[0], "-o", "junk"), 2, "cannot write junk", "-o")
     refused(run(tmp_path, "tables", days[0], "-o", "junk/t"), 2, "cannot write junk/t", "-o")
 
@@ -300,7 +308,7 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, days: list[Path
     file.mkdir()
     done = run(tmp_path, "tables", days[0], "-o", "t")
     refused(done, 1, "t is incomplete", "run it again")
-    assert not list((tmp_path / "t").rglob("*.new"))
+    assert not list((tmp_path / "t").rglob(".sistap-*"))
 
 
 @pytest.mark.thorough

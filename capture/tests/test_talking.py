@@ -16,11 +16,10 @@ import pytest
 from portable import terminals
 from test_bus import BUS, TIMEOUT_S, octets, running
 
-from sistap.bus.playing.conducting import conduct
-from sistap.bus.playing.played import Played
-from sistap.bus.playing.script import Script, repeating
-from sistap.bus.playing.times import Times
-from sistap.bus.real.talking import UNASKED, RealLine
+from sistap.bus.playing.characters import Played
+from sistap.bus.playing.conducting import Script, conduct, repeating
+from sistap.bus.playing.player import Times
+from sistap.bus.wires.talking import UNASKED, RealLine
 from sistap.line.settings import LineSettings
 from sistap.sis.telegram import build
 

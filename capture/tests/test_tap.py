@@ -99,6 +99,25 @@ def test_a_sink_begins_with_how_each_line_is_taken(both: Tapped) -> None:
     ]
 
 
+def test_limits_that_the_user_told_stand_behind_the_beginning_of_each_line(both: Tapped) -> None:
+    both.tap.begin({1: "one", 2: "two"}, "TzA = 8 ms")
+    assert [(record.line, record.event, record.data) for record in both.sink.started[2:]] == [
+        (1, Event.LIMITS_TOLD, b"TzA = 8 ms"),
+        (2, Event.LIMITS_TOLD, b"TzA = 8 ms"),
+    ]
+
+
+def test_a_port_that_comes_back_with_other_settings(both: Tapped) -> None:
+    again = Port(1)
+    again.settings = LineSettings(19200)
+    both.tap.replace(both.ports[0], again)
+    both.take(20, HALF, 1)
+    both.tap.end()
+    (changed,) = (record for record in both.sink.records if record.event == Event.SETTINGS_CHANGED)
+    assert (changed.line, changed.settings.baud) == (1, 19200)
+    assert changed.data == b"19200 Bd 8E1: set when the port came back"
+
+
 def test_the_end_writes_what_is_left(both: Tapped) -> None:
     both.take(1, HALF, 1)
     both.take(2, b"\x02", 2)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from portable import modes, posix
 
-from sistap.terminal import temporary
+from sistap.common import temporary
 from sistap.wireshark.tshark import NOBODY, Tshark
 
 pytestmark = posix("no locks of folders, and no SIGKILL")
@@ -40,7 +40,7 @@ def left(folder: Path) -> Path:
 @pytest.mark.attack("SIGKILL while tshark has a copy of a capture", "the next start removes the copy")
 def test_what_a_killed_process_leaves(folder: Path) -> None:
     """It is removed by the next one, but not while it lives."""
-    program = "from sistap.terminal import temporary; made = temporary.Folder(); print(made.path, flush=True); input()"
+    program = "from sistap.common import temporary; made = temporary.Folder(); print(made.path, flush=True); input()"
     with subprocess.Popen(
         [sys.executable, "-c", program],
         env=os.environ | {"TMPDIR": str(folder)},

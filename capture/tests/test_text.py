@@ -9,9 +9,10 @@ import pytest
 from portable import take_over_zone
 from specification import TELEGRAMS
 
+from sistap.explain.plain import lines
 from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Framing, Record, Type
-from sistap.records.text import lines
+from sistap.records.counters import Counters
+from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
 from sistap.sis.telegram import build
 
 NOON_NS = 1_700_049_600_000_000_000  # 2023-11-15 12:00:00 UTC
@@ -60,7 +61,7 @@ def test_an_error_status_is_told() -> None:
 
 
 def test_a_broadcast_is_for_all() -> None:
-    assert "  16 -> all   Command   Initialization" in lines(record(TELEGRAMS["6-24"]))
+    assert "  16 -> 255 (all)  Command   Initialization" in lines(record(TELEGRAMS["6-24"]))
 
 
 def test_what_is_wrong_is_marked() -> None:
@@ -74,6 +75,15 @@ def test_intervals_inside_one_read_are_not_known() -> None:
     telegram = TELEGRAMS["8-23"]
     one_read = record(telegram)._replace(intervals=[5_000_000] + [0] * (len(telegram) - 1))
     assert "longest interval not known, all in one read" in lines(one_read)
+
+
+def test_an_interval_longer_than_can_be_stored() -> None:
+    telegram = TELEGRAMS["8-23"]
+    longer = record(telegram)._replace(intervals=[0, INTERVAL_MAX] + [1_200_000] * (len(telegram) - 2))
+    assert "longest interval more than 4294.967 ms" in lines(longer)
+    counters = Counters()
+    counters.add_record(longer)
+    assert "longest interval more than 4294.967 ms" in str(counters)
 
 
 def test_other_characters_are_folded() -> None:

@@ -58,6 +58,19 @@ def test_no_room_for_the_copy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -
             shell.output("-r", "day.pcapng")
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root needs a copy")
+def test_no_room_for_the_plugins(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(shutil, "copyfileobj", full)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    with pytest.raises(TsharkError, match=r"no room for a copy of the plugins .* TMPDIR$"):
+        Tshark("sh")
+    assert not list(tmp_path.iterdir())
+
+
 only_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root runs tshark as somebody else")
 SECRET = b"of root alone"
 
@@ -121,3 +134,45 @@ def test_the_room_is_tshark_that_sees_the_plugin() -> None:
     command = [sys.executable, "-m", "sistap.wireshark", "-G", "plugins"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, "sis.so" in done.stdout) == (0, True), done.stderr
+
+
+@only_root
+@pytest.mark.attack("as root: WIRESHARK_PLUGIN_DIR names links, devices, pipes and folders of others", "not copied")
+def test_only_regular_plugins_of_root_are_copied(tmp_path: Path) -> None:
+    """A link led to a copy of /etc/shadow for nobody; /dev/zero filled the disk; a pipe held the command for ever."""
+    folder = tmp_path / "plugins"
+    (folder / "theirs").mkdir(parents=True)
+    (tmp_path / "shadow").write_text("secret")
+    for name in ("sis.so", "sis.lua", "notes.txt", "theirs/x.so", "foreign.lua"):
+        (folder / name).write_text(name)
+    (folder / "link.so").symlink_to(tmp_path / "shadow")
+    (folder / "links").symlink_to(tmp_path)
+    os.mkfifo(folder / "pipe.so")
+    os.mknod(folder / "zero.so", 0o20444, os.makedev(1, 5))
+    os.chown(folder / "theirs", NOBODY, NOBODY)
+    (folder / "foreign.lua").chmod(0o666)
+    with Tshark("sh", plugins=folder) as shell:
+        found = shell.output("-c", 'cd "$WIRESHARK_PLUGIN_DIR" && find . ! -type d')
+    assert sorted(found.split()) == ["./sis.lua", "./sis.so"]
+
+
+@only_root
+@pytest.mark.attack("as root: WIRESHARK_PLUGIN_DIR names links, devices, pipes and folders of others", "not copied")
+def test_a_folder_in_which_others_write_is_ignored(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "plugins").mkdir()
+    (tmp_path / "plugins/evil.so").touch()
+    (tmp_path / "plugins").chmod(0o777)
+    with Tshark("sh", plugins=tmp_path / "plugins") as shell:
+        assert shell.output("-c", "echo $WIRESHARK_PLUGIN_DIR") == "\n"
+    assert "WIRESHARK_PLUGIN_DIR is ignored, because others than root can write to" in capfd.readouterr().err
+
+
+@pytest.mark.attack("tshark floods its standard error", "the end of it is kept")
+def test_a_flood_on_stderr_fills_no_disk() -> None:
+    with Tshark("sh") as shell:
+        lines = shell.lines(["-c", "head -c 50000000 /dev/zero | tr '\\0' x >&2; echo; echo why >&2; exit 3"])
+        assert next(lines) == ""
+        with pytest.raises(TsharkError) as error:
+            next(lines)
+    size, end = len(str(error.value)), str(error.value)[-5:]
+    assert end == "xxwhy" and size < 100_000

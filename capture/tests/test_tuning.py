@@ -75,7 +75,7 @@ def trigger(tmp_path: Path) -> Path:
 
 def test_low_latency_mode_is_enough_for_ftdi(tmp_path: Path, timer: Path, descriptor: int) -> None:
     driver = Driver(timer=timer)
-    tuning = Tuning("/dev/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
+    tuning = Tuning("/nowhere/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
     assert driver.flags == OTHER_FLAGS | LOW_LATENCY
     assert timer.read_text() == "1"
     assert tuning.done == ["low latency mode"]
@@ -86,8 +86,8 @@ def test_low_latency_mode_is_enough_for_ftdi(tmp_path: Path, timer: Path, descri
 
 
 def test_numbers_of_sysfs(tmp_path: Path, timer: Path, trigger: Path, descriptor: int) -> None:
-    usb = Tuning("/dev/ttyUSB0", descriptor, SETTINGS, tmp_path, no_driver)
-    uart = Tuning("/dev/ttyS0", descriptor, SETTINGS, tmp_path, no_driver)
+    usb = Tuning("/nowhere/ttyUSB0", descriptor, SETTINGS, tmp_path, no_driver)
+    uart = Tuning("/nowhere/ttyS0", descriptor, SETTINGS, tmp_path, no_driver)
     assert (timer.read_text(), trigger.read_text()) == ("1", "1")
     assert (usb.done, uart.done) == (["latency timer 16 -> 1 ms"], ["FIFO trigger 8 -> 1"])
     assert usb.missed == uart.missed == []
@@ -98,7 +98,7 @@ def test_numbers_of_sysfs(tmp_path: Path, timer: Path, trigger: Path, descriptor
 
 def test_a_link_to_a_port(tmp_path: Path, timer: Path, descriptor: int) -> None:
     by_id = tmp_path / "usb-FTDI-if00"
-    by_id.symlink_to("/dev/ttyUSB0")
+    by_id.symlink_to("/nowhere/ttyUSB0")
     Tuning(str(by_id), descriptor, SETTINGS, tmp_path, no_driver).undo()
     assert timer.read_text() == "16"  # written, so it was found
 
@@ -107,7 +107,7 @@ def test_what_is_best_already_is_let_be(tmp_path: Path, timer: Path, descriptor:
     timer.write_text("1\n")
     driver = Driver()
     driver.flags |= LOW_LATENCY
-    tuning = Tuning("/dev/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
+    tuning = Tuning("/nowhere/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
     assert tuning.done == tuning.missed == []
     tuning.undo()
     assert driver.sets == 0
@@ -122,15 +122,15 @@ def test_what_cannot_be_set_is_said_with_its_cost_and_cure(
         raise PermissionError(errno.EACCES, "Permission denied")
 
     monkeypatch.setattr(Path, "write_text", refuse)
-    usb = Tuning("/dev/ttyUSB0", descriptor, SETTINGS, tmp_path, no_driver)
-    uart = Tuning("/dev/ttyS0", descriptor, SETTINGS, tmp_path, no_driver)
+    usb = Tuning("/nowhere/ttyUSB0", descriptor, SETTINGS, tmp_path, no_driver)
+    uart = Tuning("/nowhere/ttyS0", descriptor, SETTINGS, tmp_path, no_driver)
     assert usb.done == uart.done == []
     (line,) = usb.missed
-    assert line.startswith("/dev/ttyUSB0: its latency timer stays at 16 ms, so times are up to 16.0 ms late: ")
+    assert line.startswith("/nowhere/ttyUSB0: its latency timer stays at 16 ms, so times are up to 16.0 ms late: ")
     assert f"`echo 1 | sudo tee {timer}`" in line
     assert 'ATTR{latency_timer}="1"' in line
     (line,) = uart.missed  # 8 - 2 + 4 characters of 11 bits at 9600 Bd are 11.46 ms
-    assert line.startswith("/dev/ttyS0: its FIFO trigger stays at 8, so times are up to 11.5 ms late: ")
+    assert line.startswith("/nowhere/ttyS0: its FIFO trigger stays at 8, so times are up to 11.5 ms late: ")
     assert f"`echo 1 | sudo tee {trigger}`" in line
     usb.undo()
     uart.undo()
@@ -145,7 +145,7 @@ def test_what_cannot_be_set_is_said_with_its_cost_and_cure(
     ],
 )
 def test_low_latency_mode_that_does_not_come(tmp_path: Path, descriptor: int, driver: Driver, missed: int) -> None:
-    tuning = Tuning("/dev/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
+    tuning = Tuning("/nowhere/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
     assert tuning.done == []
     assert len(tuning.missed) == missed
     assert all("run sistap with sudo" in line and "\n" not in line for line in tuning.missed)
@@ -155,7 +155,7 @@ def test_low_latency_mode_that_does_not_come(tmp_path: Path, descriptor: int, dr
 def test_undone_when_the_port_has_gone(tmp_path: Path, timer: Path, descriptor: int) -> None:
     open_before = len(list(Path("/proc/self/fd").iterdir()))
     driver = Driver()
-    tuning = Tuning("/dev/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
+    tuning = Tuning("/nowhere/ttyUSB0", descriptor, SETTINGS, tmp_path, driver.ioctl)
     timer.unlink()
     timer.parent.rmdir()
     driver._refuse = errno.EIO
@@ -169,7 +169,7 @@ import os, sys
 from pathlib import Path
 from sistap.line.settings import LineSettings
 from sistap.line.reader.tuning import Tuning
-Tuning("/dev/ttyUSB0", 0, LineSettings(), Path(sys.argv[1]))
+Tuning("/nowhere/ttyUSB0", 0, LineSettings(), Path(sys.argv[1]))
 print(Path(sys.argv[2]).read_text(), flush=True)
 sys.stdin.read()
 """

@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 from sampled_wire import NS, Sent, sampled
 
+from sistap.analyser.uart import Sampled, Uart, rate_of
 from sistap.line.settings import Flag, LineSettings
-from sistap.line.uart import Sampled, Uart, rate_of
 
 RATE = 1_000_000
 BAD, BREAK, GOOD = Flag.CHARACTER_ERROR, Flag.BREAK, Flag(0)

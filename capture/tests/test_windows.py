@@ -4,32 +4,38 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import ctypes
 import errno
 import os
 import re
 import socket
+import subprocess
 import sys
 import threading
+import types
 from array import array
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
 from sistap import cli
-from sistap.bus.wires import choice, transmitting
+from sistap.analyser import probe
+from sistap.bus.wires import place, port
 from sistap.capture.filter import FilterError, candidates, opened
 from sistap.files.output import Output, ReaderGone
+from sistap.install import shell, userpath
 from sistap.line import measurement, ports
-from sistap.line.reader import PortError, PortLost, loopback, open_reader
+from sistap.line.reader import PortError, PortLost, latency, open_reader
 from sistap.line.settings import LineSettings
-from sistap.terminal import state
-from sistap.terminal.console import Console
+from sistap.terminal import programs, state
+from sistap.terminal.advice import shell_word
+from sistap.terminal.console import Console, is_reader_gone
 from sistap.terminal.stop import Stop
-from sistap.terminal.streams import is_reader_gone
+from sistap.wireshark.tshark import Tshark, TsharkError, environment
 
 PATIENCE_S = 20
 
@@ -76,9 +82,9 @@ def test_a_port_that_cannot_be_written_to(monkeypatch: pytest.MonkeyPatch, why: 
     def refuse(name: str, settings: LineSettings) -> None:
         raise OSError(f"could not open port '{name}': {why}")
 
-    monkeypatch.setattr(transmitting, "closed_serial", refuse)
+    monkeypatch.setattr(port, "closed_serial", refuse)
     with pytest.raises(PortError, match=f"^{said}"):
-        transmitting.TransmittingPort("COM7", LineSettings())
+        port.TransmittingPort("COM7", LineSettings())
 
 
 NO_SOCKETS = "Windows has no sockets that are files: .* HOST:PORT"
@@ -154,21 +160,21 @@ def places(**given: object) -> argparse.Namespace:
 )
 def test_without_pseudo_terminals_a_bus_is_at_a_socket(given: dict[str, object], listen: str | None) -> None:
     args = places(**given)
-    choice.settle(args, has_ptys=False)
+    place.settle(args, has_ptys=False)
     assert args.listen == listen
 
 
 def test_a_pseudo_terminal_is_used_or_refused() -> None:
     args = places()
-    choice.settle(args, has_ptys=True)
+    place.settle(args, has_ptys=True)
     assert args.listen is None
     with pytest.raises(ValueError, match="omit --pty"):
-        choice.settle(places(pty=True), has_ptys=False)
+        place.settle(places(pty=True), has_ptys=False)
 
 
 def test_a_bus_says_where_it_listens_by_itself(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The whole command, with the socket instead of a pseudo terminal; a tap hears it to its end."""
-    monkeypatch.setattr(choice.settle, "__kwdefaults__", {"has_ptys": False})
+    monkeypatch.setattr(place.settle, "__kwdefaults__", {"has_ptys": False})
     said: SimpleQueue[str] = SimpleQueue()
     monkeypatch.setattr("builtins.print", lambda *text, **_: said.put(str(text[0])))
     command = threading.Thread(target=cli.main, args=(["bus", "--cycles", "1", "--fast"], Deaf()))
@@ -210,7 +216,7 @@ def test_the_libpcap_of_windows_is_that_of_npcap(monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.usefixtures("windows")
 def test_a_self_test_is_through_a_socket(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(loopback, "through_socket", lambda duration_ns: array("q", range(1000, 3000)))
+    monkeypatch.setattr(latency, "through_socket", lambda duration_ns: array("q", range(1000, 3000)))
     assert cli.main(["selftest", "--duration", "1"]) == 0
     (result,) = measurement.load()[0]
     assert (result.place, result.characters, result.longest_ns) == (measurement.MACHINE, 2000, 2999)
@@ -231,3 +237,122 @@ def test_progress_is_cut_to_a_terminal_that_windows_knows_by_its_number_alone(
     monkeypatch.setattr(os, "get_terminal_size", size)
     Console().progress("0123456789abc")
     assert capfd.readouterr().err == "\r\x1b[K012345678"
+
+
+def put(file: Path) -> str:
+    """Make a program; return its path."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.touch(0o755)
+    return str(file)
+
+
+@pytest.fixture
+def registry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> dict[object, str]:
+    """Where Wireshark is installed, by hive, for a Windows without any; and no state of this user."""
+    known: dict[object, str] = {}
+
+    def key(hive: object, name: str, *_: object) -> contextlib.nullcontext[object]:
+        if not name.endswith(r"App Paths\Wireshark.exe") or hive not in known:
+            raise FileNotFoundError
+        return contextlib.nullcontext(hive)
+
+    fake: Any = types.SimpleNamespace(
+        HKEY_CURRENT_USER="user", HKEY_LOCAL_MACHINE="machine", KEY_READ=1, KEY_WOW64_64KEY=2, OpenKey=key
+    )
+    fake.QueryValue = lambda opened, _: known[opened]
+    monkeypatch.setitem(sys.modules, "winreg", fake)
+    monkeypatch.setattr(state, "folder", lambda: tmp_path / "state")
+    monkeypatch.setenv("PROGRAMFILES", str(tmp_path / "Program Files"))
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"))
+    monkeypatch.setenv("PATHEXT", ".COM;.EXE;.BAT")
+    return known
+
+
+@pytest.mark.usefixtures("windows", "registry")
+def test_no_program_is_taken_from_the_current_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    put(tmp_path / "here/sistap.exe")
+    put(tmp_path / "here/tshark.exe")
+    put(tmp_path / "here/sigrok-cli.exe")
+    monkeypatch.chdir(tmp_path / "here")
+    assert shell.foreign([]) == ""
+    assert programs.of_wireshark("tshark") is None
+    assert probe.program() is None
+    monkeypatch.setenv("PATH", os.pathsep.join(["", ".", str(tmp_path / "bin")]))
+    assert programs.on_path("sistap") is None
+    there = put(tmp_path / "bin/sistap.bat")
+    assert programs.on_path("sistap") == shell.foreign([]) == there
+
+
+@pytest.mark.usefixtures("windows")
+def test_wireshark_is_found_where_its_installer_has_put_it(registry: dict[object, str], tmp_path: Path) -> None:
+    with pytest.raises(TsharkError, match="^no Wireshark was found: .* sistap install --wireshark FOLDER$"):
+        Tshark()
+    default = put(tmp_path / "Program Files/Wireshark/wireshark.exe")
+    with pytest.raises(TsharkError, match="^tshark is not on PATH; .* tick TShark$"):
+        Tshark()
+    put(Path(default).with_name("tshark.exe"))
+    assert programs.of_wireshark("tshark") == str(Path(default).with_name("tshark.exe"))
+    registry["machine"] = put(tmp_path / "D/Wire shark/Wireshark.exe")
+    elsewhere = put(tmp_path / "D/Wire shark/tshark.exe")
+    assert programs.of_wireshark("tshark") == elsewhere
+    on_path = put(tmp_path / "bin/tshark.exe")
+    assert programs.of_wireshark("tshark") == on_path
+
+
+@pytest.mark.usefixtures("windows", "registry")
+def test_a_portable_wireshark_is_used_with_its_own_settings(tmp_path: Path) -> None:
+    portable = tmp_path / "WiresharkPortable64"
+    tshark = put(portable / "App/Wireshark/tshark.exe")
+    put(tmp_path / "bin/tshark.exe")
+    (portable / "Data").mkdir()
+    with pytest.raises(SystemExit):
+        cli.main(["install", "--wireshark", str(tmp_path / "bin/none")])
+    programs.remember(portable)
+    assert programs.of_wireshark("tshark") == tshark
+    assert environment(tshark)["WIRESHARK_APPDATA"] == str(portable / "Data")
+    assert "WIRESHARK_APPDATA" not in environment(str(tmp_path / "bin/tshark.exe"))
+    programs.forget()
+    assert programs.of_wireshark("tshark") == str(tmp_path / "bin/tshark.exe")
+    assert not (tmp_path / "state").exists()
+
+
+def test_what_was_written_is_opened_with_the_wireshark_that_is_there(
+    registry: dict[object, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    registry["machine"] = put(tmp_path / "Program Files/Wireshark/wireshark.exe")
+    monkeypatch.setattr("sistap.files.output.shell_word", partial(shell_word, system="win32"))
+    output = Output(str(tmp_path / "my day.pcapng"))
+    output.begin()
+    output.write(b"block")
+    output.close()
+    day = subprocess.list2cmdline([str(tmp_path / "my day.pcapng")])
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert output.written.endswith(f"; open it with: wireshark -C SIS {day}")
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert output.written.endswith(f'; open it with: "{registry["machine"]}" -C SIS "{tmp_path / "my day.pcapng"}"')
+
+
+def test_state_is_in_the_folder_for_this_computer(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(state, "WINDOWS", True)
+    monkeypatch.setattr(state, "is_root", lambda: False)
+    monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    assert state.folder() == tmp_path / "local/sistap"
+
+
+@pytest.mark.parametrize(
+    ("path", "added"),
+    [
+        ("", r"C:\sistap"),
+        (r"C:\a;%USERPROFILE%\b", r"C:\a;%USERPROFILE%\b;C:\sistap"),
+        (r"C:\a;", r"C:\a;;C:\sistap"),
+        (r'"c:\SISTAP\";C:\a', r"C:\a;C:\sistap"),
+        ("C:\\long;" * 300 + "C:\\a", "C:\\long;" * 300 + "C:\\a;C:\\sistap"),
+    ],
+)
+def test_the_installer_changes_nothing_else_of_a_path(path: str, added: str) -> None:
+    assert userpath.changed(path, "add", r"C:\sistap") == added
+    assert userpath.changed(added, "add", r"C:\sistap") == added
+    without = userpath.changed(added, "remove", r"C:\sistap")
+    assert without == added.removesuffix(r";C:\sistap").removesuffix(r"C:\sistap")

@@ -10,8 +10,8 @@ import pytest
 
 from sistap.line import measurement
 from sistap.line.ports import Adapter
-from sistap.line.reader import PortError, PortLost, latency, loopback, windows
-from sistap.line.reader.comm import CommPort, flags
+from sistap.line.reader import PortError, PortLost, latency, windows
+from sistap.line.reader.windows import CommPort, flags
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
 
 SETTINGS = LineSettings()
@@ -52,6 +52,7 @@ class Win32:
         self.errors = 0
         self.time_outs: list[tuple[int, int, int]] = []
         self.is_gone = False
+        self.why_gone = 5
         self.last_error = 0
         self.is_timed_out = False  # wine says that a read of nothing failed
 
@@ -75,6 +76,7 @@ class Win32:
     def ClearCommError(self, handle: int, errors: Any, status: Any) -> bool:
         errors._obj.value, self.errors = self.errors, 0
         status._obj.cbInQue = len(self.waiting)
+        self.last_error = self.why_gone if self.is_gone else 0
         return not self.is_gone
 
     def ReadFile(self, handle: int, buffer: Any, size: int, count: Any, overlapped: object) -> bool:
@@ -90,7 +92,7 @@ class Win32:
 
     def GetOverlappedResult(self, handle: int, overlapped: object, count: Any, wait: bool) -> bool:
         count._obj.value = self.count
-        self.last_error = 5 if self.is_gone else 1460
+        self.last_error = self.why_gone if self.is_gone else 1460
         return not (self.is_gone or self.is_timed_out)
 
 
@@ -236,17 +238,52 @@ def test_a_port_that_is_unplugged(device: Device) -> None:
             source.read(0.01)
 
 
-def test_a_port_that_cannot_be_opened(device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("number", "words"), [(31, "does not work"), (121, "does not answer")])
+def test_an_adapter_that_hangs(device: Device, number: int, words: str) -> None:
+    api = Win32(Came(b"A"))
+    source = opened(api)
+    assert source.read(0.01)
+    api.is_gone, api.why_gone = True, number
+    with pytest.raises(PortLost, match=rf"{words} \(Windows error {number}\): unplug it, .* start a new capture$"):
+        source.read(0.01)
+
+
+@pytest.mark.parametrize(
+    ("why", "said"),
+    [
+        (
+            "could not open port 'COM5': PermissionError(13, 'Zugriff verweigert', None, 5)",
+            "is in use by another program: close that program first",
+        ),
+        (
+            "could not open port 'COM5': FileNotFoundError(2, 'Das System ...', None, 2)",
+            "does not exist: `sistap ports` lists the ports there are",
+        ),
+        (
+            "could not open port 'COM5': OSError(22, 'Das Zeitlimit (Semaphor)', None, 121)",
+            r"is there, but its adapter does not answer \(Windows error 121\): unplug it, and plug it in again",
+        ),
+        (
+            "Cannot configure port, something went wrong. Original message: OSError(22, 'Ein Gerät', None, 31)",
+            r"is there, but its adapter does not work \(Windows error 31\): unplug it, and plug it in again",
+        ),
+        (
+            "Cannot configure port, something went wrong. Original message: OSError(22, 'Falsch', None, 87)",
+            "cannot do 9600 Bd 8E1: choose another --baud or --format",
+        ),
+    ],
+)
+def test_a_port_that_cannot_be_opened(device: Device, monkeypatch: pytest.MonkeyPatch, why: str, said: str) -> None:
     def refuse() -> None:
-        raise OSError("could not open port 'COM5': PermissionError(13, 'Access is denied.', None, 5)")
+        raise OSError(why)
 
     monkeypatch.setattr(device, "open", refuse)
-    with pytest.raises(PortError, match="^COM5 is in use by another program: close that program first$"):
+    with pytest.raises(PortError, match=f"^COM5 {said}$"):
         opened(Win32())
 
 
 def test_the_machine_is_measured_through_a_socket() -> None:
-    measured = (loopback.through_socket(50 * MS) for _ in range(100))  # a busy machine may sleep for longer than that
+    measured = (latency.through_socket(50 * MS) for _ in range(100))  # a busy machine may sleep for longer than that
     delays = next(delays for delays in measured if len(delays) > 10)
     assert min(delays) > 0
 

@@ -10,12 +10,14 @@ import independent
 import pytest
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 
+from sistap.files import writer
 from sistap.files.output import Limits, Output
-from sistap.files.pcapng import LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.files.writer import LINK_TYPES, PcapngWriter
+from sistap.files.pcapng import LINK_TYPES, LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.writer import PcapngWriter
 from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type, event
+from sistap.sis.telegram import build
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
@@ -69,7 +71,9 @@ def test_each_file_describes_both_lines_though_one_is_silent(tmp_path: Path) -> 
         names = [block.options["if_name"] for block in blocks[1:3]]  # before all packets
         assert names == ["/dev/ttyS1", "/dev/ttyS2"]
         assert len(of(InterfaceDescription, blocks)) == 2
-        assert [block.interface_id for block in of(EnhancedPacket, blocks)] == [0, 1, 1]
+        codes = [(block.interface_id, independent.record_of(block).event) for block in of(EnhancedPacket, blocks)]
+        before = [(1, Event.TOLD_BEFORE)] if blocks is not files[0] else []
+        assert codes == [(0, Event.CAPTURE_STARTED), (1, Event.CAPTURE_STARTED), *before, (1, Event.NONE)]
         assert [block.interface_id for block in of(InterfaceStatistics, blocks)] == [0, 1]
 
 
@@ -80,6 +84,48 @@ def test_after_the_last_file_no_other_is_begun(tmp_path: Path) -> None:
     writing.writer.look(LATER_NS)
     (blocks,) = writing.files()
     assert [record.event for record in records(blocks)] == [Event.CAPTURE_STARTED] * 2 + [Event.NONE] * 2
+
+
+def telegram(data: bytes, time_ns: int) -> Record:
+    return Record(time_ns, Type.FRAME, 1, SLOW, data, [0] * len(data), bytes(len(data)))
+
+
+def test_no_file_ends_between_a_command_and_its_reaction(tmp_path: Path) -> None:
+    """Nor inside long data: bit 2 of the control byte 38 says that more follows."""
+    writing = Writing(tmp_path)
+    writing.writer.write(frame(1, SECOND_NS))  # the file is full
+    read = build(0x10, 16, 3, b"\x3c\3\0\x24\0")
+    long = [read, build(0x10, 16, 3, b"\0\x38\3A", reaction=True), read]
+    last = build(0x10, 16, 3, b"\0\x3c\3B", reaction=True)
+    for data in [*long, last, read]:
+        writing.writer.write(telegram(data, NOW_NS))
+    contents = [[one.data for one in records(blocks) if one.type == Type.FRAME] for blocks in writing.files()]
+    assert contents == [[b"x" * 2000], [*long, last], [read]]
+
+
+def test_a_file_does_not_wait_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """For a reaction, some records."""
+    monkeypatch.setattr(writer, "MOST_AWAITED", 10)
+    writing = Writing(tmp_path)
+    command = build(0x12, 16, 3)
+    for _ in range(100):
+        writing.writer.write(telegram(command, NOW_NS))
+    counts = [sum(one.type == Type.FRAME for one in records(blocks)) for blocks in writing.files()]
+    assert len(counts) > 4 and max(counts) <= 20
+
+
+def test_what_was_told_leaves_room_for_records(tmp_path: Path) -> None:
+    """It takes at most a quarter of a file; the newest stays."""
+    writing = Writing(tmp_path)
+    for number in range(40):
+        ident = bytes([0, number, 0])
+        writing.writer.write(telegram(build(0x10, 16, 3, b"\x14\3" + ident), NOW_NS))
+        writing.writer.write(telegram(build(0x10, 16, 3, b"\0\x14\3Name", reaction=True), NOW_NS))
+    *_, blocks = writing.files()
+    (told,) = (one for one in records(blocks) if one.event == Event.TOLD_BEFORE)
+    *facts, more = told.data.decode().splitlines()
+    assert 1 < len(facts) < 10 and len(told.data) < 300
+    assert more == f"and {int(more.split()[1])} more, which are older"
 
 
 def test_what_an_older_capture_left_is_gone(tmp_path: Path) -> None:
@@ -103,9 +149,9 @@ def test_a_file_begins_with_the_settings_of_now(tmp_path: Path) -> None:
     writing.writer.write(frame(2, SECOND_NS, FAST))
     writing.writer.look(NOW_NS)
     _, blocks = writing.files()
-    assert [(record.line, record.settings) for record in records(blocks)] == [(1, SLOW), (2, FAST)]
+    assert [(record.line, record.settings) for record in records(blocks)] == [(1, SLOW), (2, FAST), (2, FAST)]
     times = [block.timestamp_high << 32 | block.timestamp_low for block in of(EnhancedPacket, blocks)]
-    assert times == [NOW_NS, NOW_NS]
+    assert times == [NOW_NS] * 3
 
 
 def start_and_end_ns(statistics: Any) -> tuple[int, ...]:

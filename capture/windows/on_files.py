@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wine import ROOT, TIMEOUT_S, Wine, drive, emptied, here
 
-from sistap.files.reading import records
+from sistap.captures.reading import records
 from sistap.records.record import Type
 
 DAY = ROOT / "test-captures/commands.pcapng"

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from wine import TIMEOUT_S, Wine, drive, until
 
-from sistap.files.reading import records
+from sistap.captures.reading import records
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 from sistap.records.record import Record, Type
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from wine import CAPTURE, Wine, drive, emptied
 
-from sistap.files.reading import records
-from sistap.install.launching import settings
+from sistap.captures.reading import records
+from sistap.install.shell import settings
 from sistap.records.record import Event, Type
 
 FILTER = 'link[5]==0x10&&link[6]==16 %PATH% "a  b" \\'

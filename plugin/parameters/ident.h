@@ -6,8 +6,6 @@
 
 #include "parameters/parameters.h"
 
-extern int hf_sis_parameter;
-
 #define SIS_NO_TYPE_BYTE UINT_MAX
 
 /* The place of an ident: all of it, its type byte (SIS_NO_TYPE_BYTE: known from elsewhere) and its number
@@ -21,7 +19,5 @@ typedef struct {
 /* Adds sis.parameter, the parts of the ident, name, unit and limits. Returns its item. */
 proto_item *sis_add_ident(proto_tree *tree, wmem_allocator_t *scope, tvbuff_t *tvb,
                           const sis_ident_place_t *place, sis_ident_t ident, const sis_known_t *known);
-
-void sis_ident_register(void);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Text of drives, in readable form. */
-
 #include "parameters/text.h"
 
 /* Latin-1, because drives are older than UTF-8. Control characters are shown as their pictures (U+2400 and

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The elements of a parameter: attribute bit by bit, values scaled and with their unit, lists element by
  * element. The SIS documents do not describe them; SERCOS, IEC 61491, does. */
-
 #include "parameters/values.h"
 
 #include <math.h>
 
-#include "parameters/fields.h"
 #include "parameters/text.h"
+#include "protocol/fields.h"
 
 #define ATTRIBUTE_SIZE 4
 #define LIST_HEADER    4 /* actual and maximum length, two bytes each */
@@ -20,36 +19,16 @@
 #define DECIMALS(attribute)    ((attribute) >> 24 & 15)
 #define UNDEFINED_BITS         0x80800000u
 
-typedef enum { BINARY, UNSIGNED, SIGNED, HEXADECIMAL, TEXT, IDENT, FLOATING } format_t;
-
-static int hf_value = -1;
-static int hf_name = -1;
-static int hf_unit = -1;
-static int hf_attribute = -1;
-static int hf_factor = -1;
-static int hf_length = -1;
-static int hf_command = -1;
-static int hf_format = -1;
-static int hf_decimals = -1;
-static int hf_protected_2 = -1;
-static int hf_protected_3 = -1;
-static int hf_protected_4 = -1;
-static int hf_list_actual = -1;
-static int hf_list_maximum = -1;
-
-static int ett_attribute = -1;
-static int ett_list = -1;
-static int ett_value = -1;
-
 /* How to read the elements of some data; made from an attribute. */
 typedef struct {
     unsigned size; /* of one value: 1, 2, 4 or 8 bytes */
     bool is_list;
     bool is_command;
-    format_t format;
+    sis_format_t format;
     unsigned decimals;
     unsigned factor;
     const char *unit;  /* NULL: none or unknown */
+    const char *bits;  /* their names; NULL: unknown */
     unsigned encoding; /* ENC_LITTLE_ENDIAN or ENC_BIG_ENDIAN */
 } layout_t;
 
@@ -69,6 +48,7 @@ read_layout(const sis_known_t *known, unsigned encoding, layout_t *layout)
     layout->decimals = DECIMALS(attribute);
     layout->factor = MAX(FACTOR(attribute), 1u);
     layout->unit = known->unit;
+    layout->bits = known->bits;
     layout->encoding = encoding;
     return layout->size > 0;
 }
@@ -152,25 +132,60 @@ command_text(uint64_t raw)
     return raw <= UINT32_MAX ? try_val_to_str((uint32_t)raw, requests) : NULL;
 }
 
+/* An ident of two bytes, or of four: two of its structure in the upper half. False: it is something else. */
+static bool
+read_ident(const layout_t *layout, uint64_t raw, sis_ident_t *ident)
+{
+    *ident = (sis_ident_t){.number = (uint16_t)raw, .structure = (uint16_t)(raw >> 16)};
+    return layout->format == SIS_FORMAT_IDENT && (layout->size == 2 || layout->size == 4);
+}
+
+#define NS_IN_SECOND 1000000000u
+
+/* Four bytes of seconds since 1970 (UTC), four of nanoseconds. NULL: it is no time. */
+static const char *
+time_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+{
+    uint32_t ns =
+        layout->size == 8 ? (uint32_t)get_number(tvb, offset + 4, 4, layout->encoding) : NS_IN_SECOND;
+    GDateTime *utc;
+    const char *text;
+
+    if (ns >= NS_IN_SECOND)
+        return NULL;
+    utc = g_date_time_new_from_unix_utc((int64_t)get_number(tvb, offset, 4, layout->encoding));
+    text = wmem_strdup_printf(scope, "%04d-%02d-%02d %02d:%02d:%02d.%09u", g_date_time_get_year(utc),
+                              g_date_time_get_month(utc), g_date_time_get_day_of_month(utc),
+                              g_date_time_get_hour(utc), g_date_time_get_minute(utc),
+                              g_date_time_get_second(utc), ns);
+    g_date_time_unref(utc);
+    return text;
+}
+
 /* A number without its unit. */
 static const char *
 number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {
     uint64_t raw = get_number(tvb, offset, layout->size, layout->encoding);
-    sis_ident_t ident = {0, (uint16_t)raw};
+    const char *utc;
+    sis_ident_t ident;
 
     switch (layout->format) {
-    case BINARY:
+    case SIS_FORMAT_BINARY:
         return binary_text(scope, raw, layout->size);
-    case UNSIGNED:
+    case SIS_FORMAT_UNSIGNED:
         return decimal_text(scope, raw, false, layout);
-    case SIGNED:
+    case SIS_FORMAT_SIGNED:
         return signed_text(scope, raw, layout);
-    case IDENT:
-        if (layout->size == 2)
+    case SIS_FORMAT_IDENT:
+        if (read_ident(layout, raw, &ident))
             return sis_ident_text(scope, ident);
         break;
-    case FLOATING:
+    case SIS_FORMAT_TIME:
+        if ((utc = time_text(scope, tvb, offset, layout)) != NULL)
+            return utc;
+        break;
+    case SIS_FORMAT_FLOATING:
         if (layout->size >= 4)
             return float_text(scope, tvb, offset, layout);
         break;
@@ -188,8 +203,9 @@ value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout
     if (layout->is_command &&
         (request = command_text(get_number(tvb, offset, layout->size, layout->encoding))) != NULL)
         return wmem_strdup_printf(scope, "%s (%s)", number, request);
-    if (layout->unit == NULL || layout->unit[0] == '\0' || layout->format == BINARY ||
-        layout->format == IDENT || layout->format == HEXADECIMAL)
+    if (layout->unit == NULL || layout->unit[0] == '\0' || layout->format == SIS_FORMAT_BINARY ||
+        layout->format == SIS_FORMAT_IDENT || layout->format == SIS_FORMAT_HEXADECIMAL ||
+        layout->format == SIS_FORMAT_TIME)
         return number;
     return wmem_strdup_printf(scope, "%s %s", number, layout->unit);
 }
@@ -197,8 +213,9 @@ value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout
 static bool
 is_number(const layout_t *layout)
 {
-    return layout->format == UNSIGNED || layout->format == SIGNED ||
-           (layout->format == FLOATING && layout->size >= 4);
+    return layout->format == SIS_FORMAT_UNSIGNED || layout->format == SIS_FORMAT_SIGNED ||
+           layout->format == SIS_FORMAT_HEXADECIMAL ||
+           (layout->format == SIS_FORMAT_FLOATING && layout->size >= 4);
 }
 
 /* The number in the text of a value, up to `unit`. Bits, idents and infinity have no number. */
@@ -211,23 +228,59 @@ read_number(const layout_t *layout, const char *value, double *number, char **un
     return isfinite(*number);
 }
 
+/* The name of the parameter that a value names. Only tables: what the bus says of it comes and goes. */
+static void
+add_name_of_ident(proto_item *item, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+{
+    sis_ident_t ident;
+    sis_known_t known;
+
+    if (!read_ident(layout, get_number(tvb, offset, layout->size, layout->encoding), &ident))
+        return;
+    known = sis_known_from_tables(NULL, ident);
+    if (known.name != NULL)
+        proto_item_append_text(item, " (%s)", known.name);
+}
+
+/* The bits that are set and have a name. */
+static void
+add_named_bits(proto_item *item, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+{
+    uint64_t raw = get_number(tvb, offset, layout->size, layout->encoding);
+    const char *bits = layout->bits;
+    proto_tree *tree;
+    sis_bit_t bit;
+
+    if (bits == NULL || item == NULL)
+        return;
+    tree = proto_item_add_subtree(item, ett_sis_value);
+    while (sis_bit_take(&bits, &bit)) {
+        if (raw >> bit.number & 1)
+            proto_tree_add_string_format(tree, hf_sis_value_bit, tvb, offset, layout->size,
+                                         wmem_strndup(PNODE_POOL(tree), bit.name, bit.length), "Bit %u: %.*s",
+                                         bit.number, (int)bit.length, bit.name);
+    }
+}
+
 /* A value as text, and the number in this text: a filter compares what a person reads. */
 static void
 add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t *layout, const char *value,
                const char *label)
 {
-    proto_item *item = proto_tree_add_string(tree, hf_value, tvb, offset, layout->size, value);
+    proto_item *item = proto_tree_add_string(tree, hf_sis_value, tvb, offset, layout->size, value);
     double number;
     char *unit;
 
     if (label != NULL)
         proto_item_set_text(item, "%s", label);
-    if (!proto_field_is_referenced(tree, hf_sis_number) || !read_number(layout, value, &number, &unit))
+    add_name_of_ident(item, tvb, offset, layout);
+    add_named_bits(item, tvb, offset, layout);
+    if (!proto_field_is_referenced(tree, hf_sis_value_number) || !read_number(layout, value, &number, &unit))
         return;
     /* With the digits of the value: Wireshark 4.0 writes a comma in some locales. */
-    item =
-        proto_tree_add_double_format_value(proto_item_add_subtree(item, ett_value), hf_sis_number, tvb,
-                                           offset, layout->size, number, "%.*s", (int)(unit - value), value);
+    item = proto_tree_add_double_format_value(proto_item_add_subtree(item, ett_sis_value),
+                                              hf_sis_value_number, tvb, offset, layout->size, number, "%.*s",
+                                              (int)(unit - value), value);
     proto_item_set_generated(item);
 }
 
@@ -261,8 +314,8 @@ add_list_header(proto_tree *tree, const sis_element_data_t *data)
     unsigned size = data->is_whole ? list_header_size(data) : 0;
 
     if (size > 0) {
-        proto_tree_add_item(tree, hf_list_actual, data->tvb, 0, 2, data->encoding);
-        proto_tree_add_item(tree, hf_list_maximum, data->tvb, 2, 2, data->encoding);
+        proto_tree_add_item(tree, hf_sis_list_actual, data->tvb, 0, 2, data->encoding);
+        proto_tree_add_item(tree, hf_sis_list_maximum, data->tvb, 2, 2, data->encoding);
     }
     return size;
 }
@@ -280,12 +333,14 @@ add_text(proto_tree *tree, packet_info *pinfo, int hf, const sis_element_data_t 
 static const char *
 add_attribute(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data)
 {
-    static int *const bits[] = {&hf_protected_4, &hf_protected_3, &hf_protected_2, &hf_decimals, &hf_format,
-                                &hf_command,     &hf_length,      &hf_factor,      NULL};
+    static int *const bits[] = {
+        &hf_sis_attribute_protected_4, &hf_sis_attribute_protected_3, &hf_sis_attribute_protected_2,
+        &hf_sis_attribute_decimals,    &hf_sis_attribute_format,      &hf_sis_attribute_command,
+        &hf_sis_attribute_length,      &hf_sis_attribute_factor,      NULL};
 
     if (tvb_captured_length(data->tvb) != ATTRIBUTE_SIZE)
         return NULL;
-    proto_tree_add_bitmask(tree, data->tvb, 0, hf_attribute, ett_attribute, bits, data->encoding);
+    proto_tree_add_bitmask(tree, data->tvb, 0, hf_sis_attribute, ett_sis_attribute, bits, data->encoding);
     return wmem_strdup_printf(pinfo->pool, "0x%08x",
                               (unsigned)get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding));
 }
@@ -302,13 +357,14 @@ add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, c
     tvbuff_t *tvb = data->tvb;
     unsigned offset = add_list_header(tree, data), length = tvb_captured_length(tvb) - offset;
     unsigned count = length / layout->size, rest = length % layout->size;
-    bool is_wanted = tree != NULL && (proto_field_is_referenced(tree, hf_value) ||
-                                      proto_field_is_referenced(tree, hf_sis_number) ||
+    bool is_wanted = tree != NULL && (proto_field_is_referenced(tree, hf_sis_value) ||
+                                      proto_field_is_referenced(tree, hf_sis_value_number) ||
+                                      proto_field_is_referenced(tree, hf_sis_value_bit) ||
                                       proto_field_is_referenced(tree, hf_sis_raw));
     proto_tree *subtree = NULL;
 
     if (is_wanted)
-        subtree = proto_tree_add_subtree_format(tree, tvb, offset, length, ett_list, NULL, "%u element%s",
+        subtree = proto_tree_add_subtree_format(tree, tvb, offset, length, ett_sis_list, NULL, "%u element%s",
                                                 count, plurality(count, "", "s"));
     for (unsigned i = 0; i < MIN(count, is_wanted ? SHOWN_IN_TREE : SHOWN_IN_LIST); i++) {
         unsigned at = offset + i * layout->size;
@@ -341,8 +397,8 @@ add_value(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, 
         return NULL;
     if (element != SIS_ELEMENT_DATA && length == layout.size)
         layout.is_list = false;
-    if (layout.is_list && layout.format == TEXT)
-        return add_text(tree, pinfo, hf_value, data);
+    if (layout.is_list && layout.format == SIS_FORMAT_TEXT)
+        return add_text(tree, pinfo, hf_sis_value, data);
     if (layout.is_list)
         return add_list(tree, pinfo, data, &layout);
     if (length != layout.size)
@@ -372,15 +428,15 @@ add_ident(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, 
 
     if (length != 2 || asked == NULL)
         return NULL;
-    ident = (sis_ident_t){asked->type, (uint16_t)get_number(data->tvb, 0, 2, data->encoding)};
+    ident =
+        (sis_ident_t){.type = asked->type, .number = (uint16_t)get_number(data->tvb, 0, 2, data->encoding)};
     text = sis_ident_text(pinfo->pool, ident);
-    proto_tree_add_string(tree, hf_value, data->tvb, 0, length, text);
+    proto_tree_add_string(tree, hf_sis_value, data->tvb, 0, length, text);
     return text;
 }
 
 const char *
-sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_element_t element,
-                   const sis_known_t *known)
+sis_element_misfit(const sis_element_data_t *data, sis_element_t element, const sis_known_t *known)
 {
     unsigned length = tvb_captured_length(data->tvb), rest;
     layout_t layout;
@@ -392,12 +448,9 @@ sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_
         length == layout.size)
         return NULL;
     if (!layout.is_list)
-        return wmem_strdup_printf(scope, "%u byte%s, its attribute says %u", length,
-                                  plurality(length, "", "s"), layout.size);
+        return "another length than its attribute says";
     rest = (length - (data->is_whole ? list_header_size(data) : 0)) % layout.size;
-    return rest == 0 ? NULL
-                     : wmem_strdup_printf(scope, "%u byte%s of an incomplete element", rest,
-                                          plurality(rest, "", "s"));
+    return rest == 0 ? NULL : "the last element is incomplete";
 }
 
 const char *
@@ -413,11 +466,11 @@ sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *
     case SIS_ELEMENT_IDENT:
         return add_ident(tree, pinfo, data, ident);
     case SIS_ELEMENT_NAME:
-        return add_text(tree, pinfo, hf_name, data);
+        return add_text(tree, pinfo, hf_sis_element_name, data);
     case SIS_ELEMENT_ATTRIBUTE:
         return add_attribute(tree, pinfo, data);
     case SIS_ELEMENT_UNIT:
-        return add_text(tree, pinfo, hf_unit, data);
+        return add_text(tree, pinfo, hf_sis_element_unit, data);
     case SIS_ELEMENT_MINIMUM:
     case SIS_ELEMENT_MAXIMUM:
     case SIS_ELEMENT_DATA:
@@ -425,56 +478,4 @@ sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *
     default:
         return NULL;
     }
-}
-
-/* clang-format off */
-static const value_string lengths[] = {
-    {0, "Not defined"},
-    {1, "2 bytes"},
-    {2, "4 bytes"},
-    {3, "8 bytes"},
-    {4, "List of single bytes"},
-    {5, "List of 2-byte elements"},
-    {6, "List of 4-byte elements"},
-    {7, "List of 8-byte elements"},
-    {0, NULL},
-};
-
-static const value_string formats[] = {
-    {BINARY, "Binary"},
-    {UNSIGNED, "Unsigned decimal"},
-    {SIGNED, "Signed decimal"},
-    {HEXADECIMAL, "Hexadecimal"},
-    {TEXT, "Text"},
-    {IDENT, "Ident number"},
-    {FLOATING, "Floating point"},
-    {7, "Not defined"},
-    {0, NULL},
-};
-
-static hf_register_info fields[] = {
-    {&hf_value, {"Value", "sis.value", FT_STRING, BASE_NONE, NULL, 0, "Scaled, with its unit where that is known", HFILL}},
-    {&hf_name, {"Name", "sis.element.name", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_unit, {"Unit", "sis.element.unit", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_attribute, {"Attribute", "sis.attribute", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_factor, {"Conversion factor", "sis.attribute.factor", FT_UINT32, BASE_DEC, NULL, 0x0000FFFF, NULL, HFILL}},
-    {&hf_length, {"Length", "sis.attribute.length", FT_UINT32, BASE_DEC, VALS(lengths), 0x00070000, NULL, HFILL}},
-    {&hf_command, {"Procedure command", "sis.attribute.command", FT_BOOLEAN, 32, NULL, 0x00080000, NULL, HFILL}},
-    {&hf_format, {"Format", "sis.attribute.format", FT_UINT32, BASE_DEC, VALS(formats), 0x00700000, NULL, HFILL}},
-    {&hf_decimals, {"Decimal places", "sis.attribute.decimals", FT_UINT32, BASE_DEC, NULL, 0x0F000000, NULL, HFILL}},
-    {&hf_protected_2, {"Write-protected in phase 2", "sis.attribute.protected_2", FT_BOOLEAN, 32, NULL, 0x10000000, NULL, HFILL}},
-    {&hf_protected_3, {"Write-protected in phase 3", "sis.attribute.protected_3", FT_BOOLEAN, 32, NULL, 0x20000000, NULL, HFILL}},
-    {&hf_protected_4, {"Write-protected in phase 4", "sis.attribute.protected_4", FT_BOOLEAN, 32, NULL, 0x40000000, NULL, HFILL}},
-    {&hf_list_actual, {"Actual length of the list", "sis.list.actual", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
-    {&hf_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
-};
-/* clang-format on */
-
-void
-sis_values_register(void)
-{
-    static int *trees[] = {&ett_attribute, &ett_list, &ett_value};
-
-    proto_register_field_array(proto_sis, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
 }

@@ -24,12 +24,10 @@ bool sis_element_number(const sis_element_data_t *data, const sis_known_t *known
                         double *number);
 
 /* Why the data of an element do not fit its attribute, in words; NULL: they fit. */
-const char *sis_element_misfit(wmem_allocator_t *scope, const sis_element_data_t *data, sis_element_t element,
-                               const sis_known_t *known);
+const char *
+sis_element_misfit(const sis_element_data_t *data, sis_element_t element, const sis_known_t *known);
 
 /* A name or a unit, without the two length words at the beginning of a list. */
 const char *sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb);
-
-void sis_values_register(void);
 
 #endif

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What is known of a line, record after record, in the first pass: what may hide a frame, and how busy it is.
  */
-
 #include "sertap/line.h"
 
 #include <math.h>
+
+#include <epan/proto_data.h>
+
+#include "kept.h"
+#include "parts.h"
 
 #define WINDOW_NS INT64_C(1000000000) /* the load is averaged over this time */
 
@@ -17,16 +21,20 @@ typedef struct {
 typedef struct {
     spell_t *spells;
     unsigned head, end, size;
-    uint64_t busy; /* the sum of all; in a damaged capture it may exceed a signed number */
-    int64_t begin; /* of the first character on the line */
+    uint64_t busy;      /* the sum of all; in a damaged capture it may exceed a signed number */
+    int64_t begin;      /* of the first character on the line, or since the clock went back */
+    bool has_restarted; /* the clock went back */
 } window_t;
 
 typedef struct sertap_line {
     uint64_t key;
-    unsigned number;
+    unsigned number; /* from 1 */
     sertap_disturbance_t disturbance;
     sertap_limits_t limits;
     window_t window;
+    int64_t last;       /* when the last character came, ns since 1970 */
+    uint8_t last_line;  /* its direction */
+    bool is_last_known; /* whether there was one, and when */
 } line_t;
 
 static wmem_map_t *lines; /* by key */
@@ -46,25 +54,29 @@ sertap_bus_key(packet_info *pinfo)
     return record != NULL && record->line == 2 && compat_interface(pinfo) > 0 ? line - 1 : line;
 }
 
+void *
+sertap_kept_of_bus(wmem_map_t *buses, packet_info *pinfo, size_t size)
+{
+    uint64_t key = sertap_bus_key(pinfo);
+
+    return kept_value(buses, &key, sizeof key, size);
+}
+
 static line_t *
 find_line(const packet_info *pinfo)
 {
     uint64_t key = sertap_line_key(pinfo);
-    line_t *line = wmem_map_lookup(lines, &key);
+    line_t *line = kept_value(lines, &key, sizeof key, sizeof *line);
 
-    if (line == NULL) {
-        line = wmem_new0(wmem_file_scope(), line_t);
-        line->key = key;
+    if (line->number == 0)
         line->number = wmem_map_size(lines);
-        wmem_map_insert(lines, &line->key, line);
-    }
     return line;
 }
 
 unsigned
 sertap_line_number(const packet_info *pinfo)
 {
-    return find_line(pinfo)->number;
+    return find_line(pinfo)->number - 1;
 }
 
 sertap_disturbance_t
@@ -82,7 +94,7 @@ note_disturbance(line_t *line, packet_info *pinfo, const sertap_record_t *record
     bool is_gap = record->type == SERTAP_EVENT &&
                   (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST);
 
-    if (is_gap || record->flags & SERTAP_LOST_BEFORE)
+    if (is_gap || record->flags & SERTAP_ERROR_LOST)
         line->disturbance.lost_in = pinfo->num;
     if (record->type == SERTAP_OTHER && record->count >= SHORTEST_FRAME)
         line->disturbance.unframed_in = pinfo->num;
@@ -120,6 +132,15 @@ make_room(window_t *window)
     window->spells = wmem_realloc(wmem_file_scope(), window->spells, window->size * sizeof *window->spells);
 }
 
+/* Drops all spells: the times of earlier ones say nothing. */
+static void
+restart(window_t *window)
+{
+    window->head = window->end = 0;
+    window->busy = 0;
+    window->has_restarted = true;
+}
+
 static void
 note_spell(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 {
@@ -129,13 +150,50 @@ note_spell(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 
     if (busy == 0)
         return;
-    if (window->size == 0)
+    if (window->head < window->end && end < window->spells[window->end - 1].end)
+        restart(window);
+    if (window->head == window->end)
         window->begin = begin;
     make_room(window);
     window->spells[window->end++] = (spell_t){begin, end, busy};
     window->busy += (uint64_t)busy;
     while (window->head + 1 < window->end && window->spells[window->head].end <= end - WINDOW_NS)
         window->busy -= (uint64_t)window->spells[window->head++].busy;
+}
+
+/* A longer time than can be stored, or the clock has changed. */
+static void
+note_silence(const line_t *line, packet_info *pinfo, const sertap_record_t *record)
+{
+    int64_t elapsed = sertap_elapsed(line->last, sertap_ns(&pinfo->abs_ts)), *silence;
+
+    if (record->is_silence_known || !line->is_last_known || line->last_line != record->line ||
+        elapsed <= UINT32_MAX)
+        return;
+    silence = wmem_new(wmem_file_scope(), int64_t);
+    *silence = elapsed;
+    p_add_proto_data(wmem_file_scope(), pinfo, proto_sertap, 0, silence);
+}
+
+static void
+note_last(line_t *line, packet_info *pinfo, const sertap_record_t *record)
+{
+    line->last = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
+    line->last_line = record->line;
+    line->is_last_known = record->is_duration_known;
+}
+
+void
+sertap_line_find_silence(packet_info *pinfo, sertap_record_t *record)
+{
+    const int64_t *silence = NULL;
+
+    if (!record->is_silence_known)
+        silence = p_get_proto_data(wmem_file_scope(), pinfo, proto_sertap, 0);
+    if (silence == NULL)
+        return;
+    record->silence = *silence;
+    record->is_silence_known = true;
 }
 
 void
@@ -149,9 +207,13 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
         note_limits(line, pinfo, record);
     if (record->type != SERTAP_EVENT)
         note_spell(&line->window, pinfo, record);
+    if (record->count > 0 && record->type != SERTAP_EVENT) {
+        note_silence(line, pinfo, record);
+        note_last(line, pinfo, record);
+    }
 }
 
-/* The window may cut the oldest spell. After the clock went back, its length is unknown. */
+/* The window may cut the oldest spell. After the clock went back, nobody knows what was in it. */
 float
 sertap_load(const sertap_record_t *record)
 {
@@ -166,7 +228,7 @@ sertap_load(const sertap_record_t *record)
     end = window->spells[window->end - 1].end;
     begin = MAX(end - WINDOW_NS, window->begin);
     span = sertap_elapsed(begin, end);
-    if (span <= 0)
+    if (span <= 0 || (window->has_restarted && span < WINDOW_NS))
         return -1;
     if (first->begin < begin)
         busy -= floor((double)first->busy * sertap_elapsed(first->begin, begin) /
@@ -177,5 +239,5 @@ sertap_load(const sertap_record_t *record)
 void
 sertap_line_register(void)
 {
-    lines = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+    lines = kept_map_of_numbers();
 }

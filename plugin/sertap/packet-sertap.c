@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The serial tap's link layer: one record a packet, with value, interval and flags of every character.
  *
- * The record is described field by field in README.md. Nothing in this file knows what travels on the line:
- * the characters of a frame go to the dissector that table "sertap.framing" names.
+ * The record is described field by field in docs/record.md. Nothing in this file knows what travels on the
+ * line: the characters of a frame go to the dissector that table "sertap.framing" names.
  */
-
-#include "sertap/packet-sertap.h"
+#include "parts.h"
 
 #include <epan/decode_as.h>
 #include <epan/expert.h>
@@ -16,93 +15,8 @@
 #define RECORD_VERSION     1
 #define RECORD_HEADER_SIZE 20
 
-static int hf_version = -1;
-static int hf_header_length = -1;
-static int hf_type = -1;
-static int hf_line = -1;
-static int hf_baud = -1;
-static int hf_format = -1;
-static int hf_data_bits = -1;
-static int hf_parity = -1;
-static int hf_stop_bits = -1;
-static int hf_framing = -1;
-static int hf_uncertainty = -1;
-static int hf_count = -1;
-static int hf_event = -1;
-static int hf_text = -1;
-static int hf_data = -1;
-static int hf_character = -1;
-static int hf_interval = -1;
-static int hf_interval_max = -1;
-static int hf_flags = -1;
-static int hf_same_read = -1;
-static int hf_error_character = -1;
-static int hf_error_break = -1;
-static int hf_error_lost = -1;
-static int hf_error_unlocated = -1;
-static int hf_interval_unknown = -1;
-static int hf_interval_saturated = -1;
-
-static int ett_sertap = -1;
-static int ett_format = -1;
-static int ett_characters = -1;
-static int ett_character = -1;
-
-static expert_field ei_version = EI_INIT;
-static expert_field ei_header_length = EI_INIT;
-static expert_field ei_count = EI_INIT;
-static expert_field ei_truncated = EI_INIT;
-static expert_field ei_error_character = EI_INIT;
-static expert_field ei_error_break = EI_INIT;
-static expert_field ei_error_lost = EI_INIT;
-static expert_field ei_error_unlocated = EI_INIT;
-static expert_field ei_event = EI_INIT;
-
-static dissector_table_t framing_table;
+static dissector_table_t framing_table, told_table;
 static int tap_sertap = -1;
-
-static const value_string types[] = {
-    {SERTAP_FRAME, "Frame"},
-    {SERTAP_OTHER, "Other characters"},
-    {SERTAP_EVENT, "Event"},
-    {0, NULL},
-};
-
-static const value_string lines[] = {
-    {0, "Shared bus"},
-    {1, "First direction"},
-    {2, "Second direction"},
-    {0, NULL},
-};
-
-static const value_string parities[] = {
-    {0, "None"}, {1, "Even"}, {2, "Odd"}, {3, "Mark"}, {4, "Space"}, {0, NULL},
-};
-
-static const value_string stop_bits[] = {
-    {2, "1"},
-    {3, "1.5"},
-    {4, "2"},
-    {0, NULL},
-};
-
-static const value_string framings[] = {
-    {0, "SIS"},
-    {1, "3964R"},
-    {255, "Silence"},
-    {0, NULL},
-};
-
-static const value_string events[] = {
-    {0, "None"},
-    {1, "Capture started"},
-    {2, "Line settings changed"},
-    {SERTAP_CHARACTERS_LOST, "Characters lost"},
-    {SERTAP_ADAPTER_LOST, "Adapter lost"},
-    {5, "Marker"},
-    {SERTAP_LIMITS_TOLD, "Limits told by the user"},
-    {0, NULL},
-};
 
 /* The name of a flag at its character, and, for an error, the text about its record. */
 typedef struct {
@@ -114,16 +28,18 @@ typedef struct {
 } flag_t;
 
 static const flag_t flags[] = {
-    {SERTAP_SAME_READ, &hf_same_read, "same read", NULL, NULL},
-    {SERTAP_CHARACTER_ERROR, &hf_error_character, "parity or framing error", &ei_error_character,
-     "parity or framing error at character %u"},
-    {SERTAP_BREAK, &hf_error_break, "break", &ei_error_break, "break at character %u"},
-    {SERTAP_LOST_BEFORE, &hf_error_lost, "characters lost before it", &ei_error_lost,
+    {SERTAP_SAME_READ, &hf_sertap_same_read, "same read", NULL, NULL},
+    {SERTAP_ERROR_CHARACTER, &hf_sertap_error_character, "parity or framing error",
+     &ei_sertap_error_character_expert, "parity or framing error at character %u"},
+    {SERTAP_ERROR_BREAK, &hf_sertap_error_break, "break", &ei_sertap_error_break_expert,
+     "break at character %u"},
+    {SERTAP_ERROR_LOST, &hf_sertap_error_lost, "characters lost before it", &ei_sertap_error_lost_expert,
      "the tap lost characters before character %u"},
-    {SERTAP_UNLOCATED_ERROR, &hf_error_unlocated, "error somewhere in this read", &ei_error_unlocated,
-     "line error, place unknown"},
-    {SERTAP_INTERVAL_UNKNOWN, &hf_interval_unknown, "interval unknown", NULL, NULL},
-    {SERTAP_INTERVAL_SATURATED, &hf_interval_saturated, "interval longer than it can be stored", NULL, NULL},
+    {SERTAP_ERROR_UNLOCATED, &hf_sertap_error_unlocated, "error somewhere in this read",
+     &ei_sertap_error_unlocated_expert, "line error, place unknown"},
+    {SERTAP_INTERVAL_UNKNOWN, &hf_sertap_interval_unknown, "interval unknown", NULL, NULL},
+    {SERTAP_INTERVAL_SATURATED, &hf_sertap_interval_saturated, "interval longer than it can be stored", NULL,
+     NULL},
 };
 
 /* "8E1" and its parts. */
@@ -132,16 +48,16 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 {
     static const char parity_letters[] = "NEOMS";
     char parity = record->parity < strlen(parity_letters) ? parity_letters[record->parity] : '?';
-    const char *stop = val_to_str_const(record->stop_half_bits, stop_bits, "?");
-    const char *text = proto_field_is_referenced(tree, hf_format)
+    const char *stop = val_to_str_const(record->stop_half_bits, sis_sertap_stop_bits, "?");
+    const char *text = proto_field_is_referenced(tree, hf_sertap_format)
                            ? wmem_strdup_printf(pinfo->pool, "%u%c%s", record->data_bits, parity, stop)
                            : "";
-    proto_item *ti = proto_tree_add_string(tree, hf_format, tvb, 8, 3, text);
-    proto_tree *subtree = proto_item_add_subtree(ti, ett_format);
+    proto_item *ti = proto_tree_add_string(tree, hf_sertap_format, tvb, 8, 3, text);
+    proto_tree *subtree = proto_item_add_subtree(ti, ett_sertap_format);
 
-    proto_tree_add_item(subtree, hf_data_bits, tvb, 8, 1, ENC_BIG_ENDIAN);
-    proto_tree_add_item(subtree, hf_parity, tvb, 9, 1, ENC_BIG_ENDIAN);
-    proto_tree_add_item(subtree, hf_stop_bits, tvb, 10, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(subtree, hf_sertap_format_data_bits, tvb, 8, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(subtree, hf_sertap_format_parity, tvb, 9, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(subtree, hf_sertap_format_stop, tvb, 10, 1, ENC_BIG_ENDIAN);
 }
 
 /* Unknown has no value: otherwise a filter for bad times would find it. */
@@ -149,9 +65,10 @@ static void
 add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
-        proto_tree_add_subtree(tree, tvb, 12, 4, ett_characters, NULL, "Uncertainty of the times: unknown");
+        proto_tree_add_subtree(tree, tvb, 12, 4, ett_sertap_characters, NULL,
+                               "Uncertainty of the times: unknown");
     else
-        sertap_add_ms(tree, hf_uncertainty, tvb, 12, 4, pinfo->pool, uncertainty);
+        sertap_add_ms(tree, hf_sertap_uncertainty, tvb, 12, 4, pinfo->pool, uncertainty);
 }
 
 static void
@@ -159,13 +76,13 @@ show_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_re
 {
     proto_item *ti;
 
-    proto_tree_add_item(tree, hf_type, tvb, 2, 1, ENC_BIG_ENDIAN);
-    proto_tree_add_item(tree, hf_line, tvb, 3, 1, ENC_BIG_ENDIAN);
-    ti = proto_tree_add_item(tree, hf_baud, tvb, 4, 4, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_sertap_type, tvb, 2, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_sertap_line, tvb, 3, 1, ENC_BIG_ENDIAN);
+    ti = proto_tree_add_item(tree, hf_sertap_baud, tvb, 4, 4, ENC_BIG_ENDIAN);
     if (record->baud == 0)
         proto_item_append_text(ti, " (unknown)");
     add_format(tree, pinfo, tvb, record);
-    proto_tree_add_item(tree, hf_framing, tvb, 11, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_sertap_framing, tvb, 11, 1, ENC_BIG_ENDIAN);
     add_uncertainty(tree, pinfo, tvb, record->uncertainty);
 }
 
@@ -178,29 +95,28 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
     proto_item *ti;
 
     if (there == 0) {
-        expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_truncated);
+        expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_sertap_truncated);
         return false;
     }
     version = compat_get_uint8(tvb, 0);
-    ti = proto_tree_add_item(tree, hf_version, tvb, 0, 1, ENC_BIG_ENDIAN);
+    ti = proto_tree_add_item(tree, hf_sertap_version, tvb, 0, 1, ENC_BIG_ENDIAN);
 
     if (version != RECORD_VERSION) {
-        expert_add_info_format(pinfo, ti, &ei_version, "Record version %u is not known here, only %u",
-                               version, RECORD_VERSION);
+        expert_add_info(pinfo, ti, &ei_sertap_version_unknown);
         return false;
     }
     if (there < RECORD_HEADER_SIZE) {
-        expert_add_info(pinfo, ti, &ei_truncated);
+        expert_add_info(pinfo, ti, &ei_sertap_truncated);
         return false;
     }
     size = compat_get_uint8(tvb, 1);
-    ti = proto_tree_add_item(tree, hf_header_length, tvb, 1, 1, ENC_BIG_ENDIAN);
+    ti = proto_tree_add_item(tree, hf_sertap_header_length, tvb, 1, 1, ENC_BIG_ENDIAN);
     if (size < RECORD_HEADER_SIZE) {
-        expert_add_info(pinfo, ti, &ei_header_length);
+        expert_add_info(pinfo, ti, &ei_sertap_header_length_short);
         return false;
     }
     if (there < size) {
-        expert_add_info(pinfo, ti, &ei_truncated);
+        expert_add_info(pinfo, ti, &ei_sertap_truncated);
         return false;
     }
     tvb_ensure_bytes_exist(tvb, 0, size); /* throws where the capture has cut the header */
@@ -216,7 +132,7 @@ dissect_header(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, sertap_recor
     record->declared = tvb_get_ntohs(tvb, 16);
     record->event = tvb_get_ntohs(tvb, 18);
     record->data_offset = size;
-    if (tree)
+    if (proto_field_is_referenced(tree, proto_sertap))
         show_header(tvb, pinfo, tree, record);
     return true;
 }
@@ -236,23 +152,20 @@ check_count(tvbuff_t *tvb, packet_info *pinfo, proto_item *ti, sertap_record_t *
     if (record->type != SERTAP_EVENT && captured > record->declared * 5)
         record->timed = MIN(captured - record->declared * 5, record->declared);
     if (bytes < expected) {
-        expert_add_info_format(pinfo, ti, &ei_truncated, "The record is cut: %u bytes of %u after its header",
-                               bytes, expected);
+        expert_add_info(pinfo, ti, &ei_sertap_truncated);
     } else if (bytes > expected) {
-        expert_add_info_format(pinfo, ti, &ei_count,
-                               "The count does not fit: %u bytes after its %u characters", bytes - expected,
-                               record->declared);
+        expert_add_info(pinfo, ti, &ei_sertap_count_wrong);
     }
     record->times_offset = record->data_offset + record->declared;
     record->flags_offset = record->times_offset + record->declared * 4;
 }
 
 static const char *
-interval_text(packet_info *pinfo, uint32_t interval, uint8_t flag)
+interval_text(packet_info *pinfo, int64_t interval, bool is_known)
 {
     const char *text = sertap_ms_text(pinfo->pool, interval);
 
-    return flag & SERTAP_INTERVAL_SATURATED ? wmem_strconcat(pinfo->pool, "more than ", text, NULL) : text;
+    return is_known ? text : wmem_strconcat(pinfo->pool, "more than ", text, NULL);
 }
 
 /* "Character 12: 0x3c": a record has hundreds, and printf() would take a third of the time. */
@@ -274,7 +187,7 @@ character_text(wmem_allocator_t *scope, unsigned number, uint8_t value, const ch
 static void
 add_flags(proto_tree *tree, proto_item *character, tvbuff_t *tvb, unsigned offset, uint8_t flag)
 {
-    proto_tree_add_item(tree, hf_flags, tvb, offset, 1, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_sertap_flags, tvb, offset, 1, ENC_BIG_ENDIAN);
     for (unsigned i = 0; flag != 0 && i < array_length(flags); i++) {
         if (!(flag & flags[i].flag))
             continue;
@@ -289,15 +202,16 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
     unsigned data_at = record->data_offset + at, time_at = record->times_offset + 4 * at;
     unsigned flags_at = record->flags_offset + at;
     uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
-    uint32_t interval = tvb_get_ntohl(tvb, time_at);
+    int64_t interval = at == 0 ? record->silence : tvb_get_ntohl(tvb, time_at);
+    bool is_known = at == 0 ? record->is_silence_known : !(flag & SERTAP_INTERVAL_SATURATED);
     nstime_t since = sertap_time(interval);
-    const char *text = flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, flag);
-    proto_item *ti = proto_tree_add_uint_format(tree, hf_character, tvb, data_at, 1, value, "%s",
+    const char *text = flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, is_known);
+    proto_item *ti = proto_tree_add_uint_format(tree, hf_sertap_character, tvb, data_at, 1, value, "%s",
                                                 character_text(pinfo->pool, at + 1, value, text));
-    proto_tree *subtree = proto_item_add_subtree(ti, ett_character);
+    proto_tree *subtree = proto_item_add_subtree(ti, ett_sertap_character);
 
     if (text != NULL)
-        proto_tree_add_time_format_value(subtree, hf_interval, tvb, time_at, 4, &since, "%s", text);
+        proto_tree_add_time_format_value(subtree, hf_sertap_interval, tvb, time_at, 4, &since, "%s", text);
     add_flags(subtree, ti, tvb, flags_at, flag);
 }
 
@@ -309,12 +223,13 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
     uint8_t flag;
     proto_item *ti;
 
-    if (!proto_field_is_referenced(tree, hf_interval_max))
+    if (!proto_field_is_referenced(tree, hf_sertap_interval_max))
         return;
     flag = compat_get_uint8(tvb, record->flags_offset + at);
-    ti = proto_tree_add_time_format_value(tree, hf_interval_max, tvb, record->times_offset + 4 * at, 4,
-                                          &longest, "%s, before character %u",
-                                          interval_text(pinfo, record->interval_max, flag), at + 1);
+    ti = proto_tree_add_time_format_value(
+        tree, hf_sertap_interval_max, tvb, record->times_offset + 4 * at, 4, &longest,
+        "%s, before character %u",
+        interval_text(pinfo, record->interval_max, !(flag & SERTAP_INTERVAL_SATURATED)), at + 1);
     proto_item_set_generated(ti);
     if (record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN)
         proto_item_append_text(ti, " (times uncertain by %s)",
@@ -326,7 +241,7 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
 static bool
 are_characters_wanted(proto_tree *tree)
 {
-    static int *const fields[] = {&hf_character, &hf_interval, &hf_flags};
+    static int *const fields[] = {&hf_sertap_character, &hf_sertap_interval, &hf_sertap_flags};
 
     for (unsigned i = 0; i < array_length(fields); i++) {
         if (proto_field_is_referenced(tree, *fields[i]))
@@ -350,7 +265,7 @@ add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap
     if (!are_characters_wanted(tree))
         return;
     subtree =
-        proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_characters, NULL,
+        proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_sertap_characters, NULL,
                                       "%u character%s", record->timed, plurality(record->timed, "", "s"));
     for (unsigned i = 0; i < record->timed; i++)
         add_character(subtree, pinfo, tvb, record, i);
@@ -362,27 +277,42 @@ report_errors(packet_info *pinfo, proto_item *ti, const sertap_record_t *record)
 {
     for (unsigned i = 0; i < array_length(flags); i++) {
         unsigned character = record->first_at[g_bit_nth_lsf(flags[i].flag, -1)] + 1;
-        const char *text;
 
         if (flags[i].ei == NULL || !(record->flags & flags[i].flag))
             continue;
-        text = wmem_strdup_printf(pinfo->pool, flags[i].mark, character);
-        expert_add_info_format(pinfo, ti, flags[i].ei, "%s", text);
-        col_append_fstr(pinfo->cinfo, COL_INFO, "  [%s]", text);
+        expert_add_info(pinfo, ti, flags[i].ei);
+        col_append_fstr(pinfo->cinfo, COL_INFO, "  [%s]",
+                        wmem_strdup_printf(pinfo->pool, flags[i].mark, character));
     }
+}
+
+/* The facts, a line each, for the dissector of what travels on the line. Half a fact would be another one. */
+static void
+hand_over_told(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
+{
+    unsigned length = record->values;
+
+    while (record->values < record->declared && length > 0 &&
+           compat_get_uint8(tvb, record->data_offset + length - 1) != '\n')
+        length--;
+    if (length > 0)
+        compat_try_uint(told_table, record->framing,
+                        tvb_new_subset_length(tvb, record->data_offset, (int)length), pinfo, tree, NULL);
 }
 
 static void
 dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
-    const char *name = val_to_str_const(record->event, events, "Event of a later version");
+    const char *name = val_to_str_const(record->event, sis_sertap_events, "Event of a later version");
     const char *text = tvb_format_text(pinfo->pool, tvb, record->data_offset, record->values);
-    proto_item *ti = proto_tree_add_item(tree, hf_event, tvb, 18, 2, ENC_BIG_ENDIAN);
+    proto_item *ti = proto_tree_add_item(tree, hf_sertap_event, tvb, 18, 2, ENC_BIG_ENDIAN);
 
-    proto_tree_add_item(tree, hf_text, tvb, record->data_offset, record->values, ENC_UTF_8);
+    proto_tree_add_item(tree, hf_sertap_text, tvb, record->data_offset, record->values, ENC_UTF_8);
     if (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST)
-        expert_add_info_format(pinfo, ti, &ei_event, "%s: %s", name, text);
+        expert_add_info_format(pinfo, ti, &ei_sertap_event_expert, "%s", name);
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
+    if (record->event == SERTAP_TOLD_BEFORE)
+        hand_over_told(tvb, pinfo, tree, record);
 }
 
 /* Whether these characters are readable text. */
@@ -410,8 +340,8 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
                  plurality(record->count, "", "s"));
     if (values == 0)
         return;
-    proto_tree_add_item(tree, hf_data, tvb, offset, values, ENC_NA);
-    proto_tree_add_item(tree, hf_text, tvb, offset, values, ENC_ASCII);
+    proto_tree_add_item(tree, hf_sertap_data, tvb, offset, values, ENC_NA);
+    proto_tree_add_item(tree, hf_sertap_text, tvb, offset, values, ENC_ASCII);
     col_append_fstr(pinfo->cinfo, COL_INFO, "  %s%s",
                     tvb_bytes_to_str_punct(pinfo->pool, tvb, offset, shown, ' '), more);
     if (is_text(tvb, offset, shown))
@@ -419,11 +349,26 @@ dissect_other(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
                         tvb_format_text(pinfo->pool, tvb, offset, shown), more);
 }
 
+/* If somebody looks at the bytes, they have a data source of their own, without the record around them. */
+static tvbuff_t *
+frame_characters(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
+{
+    tvbuff_t *part = tvb_new_subset_length_caplen(tvb, record->data_offset, (int)record->values,
+                                                  (int)record->count),
+             *own;
+
+    if (tree == NULL || !PTREE_DATA(tree)->visible || record->values == 0)
+        return part;
+    own = tvb_new_child_real_data(tvb, tvb_memdup(pinfo->pool, part, 0, record->values), record->values,
+                                  (int)record->count);
+    add_new_data_source(pinfo, own, "Characters");
+    return own;
+}
+
 static void
 dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const sertap_record_t *record)
 {
-    tvbuff_t *payload =
-        tvb_new_subset_length_caplen(tvb, record->data_offset, (int)record->values, (int)record->count);
+    tvbuff_t *payload = frame_characters(tvb, pinfo, parent, record);
 
     if (record->values > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
         return;
@@ -448,13 +393,15 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     }
 
     sertap_record_keep(pinfo, record);
-    ti = proto_tree_add_item(tree, hf_count, tvb, 16, 2, ENC_BIG_ENDIAN);
+    ti = proto_tree_add_item(tree, hf_sertap_count, tvb, 16, 2, ENC_BIG_ENDIAN);
     check_count(tvb, pinfo, ti, record);
-    proto_item_append_text(root, ", %s", val_to_str_const(record->type, types, "type of a later version"));
+    proto_item_append_text(root, ", %s",
+                           val_to_str_const(record->type, sis_sertap_types, "type of a later version"));
     if (record->type != SERTAP_EVENT)
         sertap_record_survey(record);
     if (!pinfo->fd->visited)
         sertap_line_note(pinfo, record);
+    sertap_line_find_silence(pinfo, record);
     tap_queue_packet(tap_sertap, pinfo, record); /* before a dissector finds that the capture has cut it */
     if (record->type == SERTAP_EVENT) {
         dissect_event(tvb, pinfo, tree, record);
@@ -504,53 +451,7 @@ register_decode_as_framing(void)
     register_decode_as(&decode_as);
 }
 
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_version, {"Version", "sertap.version", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_header_length, {"Header length", "sertap.header_length", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_type, {"Type", "sertap.type", FT_UINT8, BASE_DEC, VALS(types), 0, NULL, HFILL}},
-    {&hf_line, {"Line", "sertap.line", FT_UINT8, BASE_DEC, VALS(lines), 0, NULL, HFILL}},
-    {&hf_baud, {"Baud rate", "sertap.baud", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_format, {"Character format", "sertap.format", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_data_bits, {"Data bits", "sertap.format.data_bits", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_parity, {"Parity", "sertap.format.parity", FT_UINT8, BASE_DEC, VALS(parities), 0, NULL, HFILL}},
-    {&hf_stop_bits, {"Stop bits", "sertap.format.stop", FT_UINT8, BASE_DEC, VALS(stop_bits), 0, "In half bits", HFILL}},
-    {&hf_framing, {"Framing", "sertap.framing", FT_UINT8, BASE_DEC, VALS(framings), 0, "By which rule frames are cut", HFILL}},
-    {&hf_uncertainty, {"Uncertainty of the times", "sertap.uncertainty", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
-                       "How much earlier than recorded a character can have arrived", HFILL}},
-    {&hf_count, {"Count", "sertap.count", FT_UINT16, BASE_DEC, NULL, 0, "Characters, or bytes of an event's text", HFILL}},
-    {&hf_event, {"Event", "sertap.event", FT_UINT16, BASE_DEC, VALS(events), 0, NULL, HFILL}},
-    {&hf_text, {"Text", "sertap.text", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_data, {"Characters", "sertap.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_character, {"Character", "sertap.character", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_interval, {"Interval", "sertap.interval", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
-                    "Since the character before it on this line, arrival to arrival", HFILL}},
-    {&hf_interval_max, {"Longest interval", "sertap.interval.max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
-                        "Between two characters of this record", HFILL}},
-    {&hf_flags, {"Flags", "sertap.flags", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_same_read, {"Came in the same read as the one before", "sertap.same_read", FT_BOOLEAN, 8, NULL, SERTAP_SAME_READ, NULL, HFILL}},
-    {&hf_error_character, {"Parity or framing error", "sertap.error.character", FT_BOOLEAN, 8, NULL, SERTAP_CHARACTER_ERROR, NULL, HFILL}},
-    {&hf_error_break, {"Break", "sertap.error.break", FT_BOOLEAN, 8, NULL, SERTAP_BREAK, NULL, HFILL}},
-    {&hf_error_lost, {"Characters lost before it", "sertap.error.lost", FT_BOOLEAN, 8, NULL, SERTAP_LOST_BEFORE, NULL, HFILL}},
-    {&hf_error_unlocated, {"Error somewhere in its read", "sertap.error.unlocated", FT_BOOLEAN, 8, NULL, SERTAP_UNLOCATED_ERROR, NULL, HFILL}},
-    {&hf_interval_unknown, {"Interval unknown (first on the line)", "sertap.interval.unknown", FT_BOOLEAN, 8, NULL, SERTAP_INTERVAL_UNKNOWN, NULL, HFILL}},
-    {&hf_interval_saturated, {"Interval longer than it can be stored", "sertap.interval.saturated", FT_BOOLEAN, 8, NULL, SERTAP_INTERVAL_SATURATED, NULL, HFILL}},
-};
-
-static ei_register_info experts[] = {
-    {&ei_version, {"sertap.version.unknown", PI_MALFORMED, PI_ERROR, "Unknown version of the record", EXPFILL}},
-    {&ei_header_length, {"sertap.header_length.short", PI_MALFORMED, PI_ERROR, "The header is shorter than version 1 has it", EXPFILL}},
-    {&ei_count, {"sertap.count.wrong", PI_MALFORMED, PI_ERROR, "The count does not fit", EXPFILL}},
-    {&ei_truncated, {"sertap.truncated", PI_MALFORMED, PI_ERROR, "The record is cut", EXPFILL}},
-    {&ei_error_character, {"sertap.error.character.expert", PI_CHECKSUM, PI_WARN, "Parity or framing error on the line", EXPFILL}},
-    {&ei_error_break, {"sertap.error.break.expert", PI_PROTOCOL, PI_WARN, "Break on the line", EXPFILL}},
-    {&ei_error_lost, {"sertap.error.lost.expert", PI_SEQUENCE, PI_WARN, "Characters were lost before the tap could read them", EXPFILL}},
-    {&ei_error_unlocated, {"sertap.error.unlocated.expert", PI_CHECKSUM, PI_WARN, "A line error, the adapter does not say at which character", EXPFILL}},
-    {&ei_event, {"sertap.event.expert", PI_SEQUENCE, PI_WARN, "The capture has a gap", EXPFILL}},
-};
-/* clang-format on */
-
-/* Other protocols of such lines that are cut by silence. */
+/* Other protocols of such sis_sertap_lines that are cut by silence. */
 void
 sertap_handoff(void)
 {
@@ -563,15 +464,11 @@ sertap_handoff(void)
 void
 sertap_register(void)
 {
-    static int *trees[] = {&ett_sertap, &ett_format, &ett_characters, &ett_character};
-
-    proto_sertap = proto_register_protocol("Serial tap", "SERTAP", "sertap");
-    proto_register_field_array(proto_sertap, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
-    expert_register_field_array(expert_register_protocol(proto_sertap), experts, array_length(experts));
 
     framing_table =
         register_dissector_table("sertap.framing", "Serial framing", proto_sertap, FT_UINT8, BASE_DEC);
+    told_table = register_dissector_table("sertap.told", "What was told before, by framing", proto_sertap,
+                                          FT_UINT8, BASE_DEC);
     register_decode_as_framing();
     register_dissector("sertap", dissect_sertap, proto_sertap);
     tap_sertap = register_tap("sertap");

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* A record of the serial tap, for all dissectors of its payload. */
-
 #include "sertap/record.h"
 
 #include <epan/proto_data.h>
-
-int proto_sertap = -1;
 
 void
 sertap_record_keep(packet_info *pinfo, const sertap_record_t *record)
@@ -22,7 +19,10 @@ sertap_record(packet_info *pinfo)
 unsigned
 sertap_index(const sertap_record_t *record, tvbuff_t *part)
 {
-    return (unsigned)(tvb_raw_offset(part) - tvb_raw_offset(record->tvb)) - record->data_offset;
+    unsigned offset = (unsigned)tvb_raw_offset(part);
+    bool has_own_source = tvb_get_ds_tvb(part) != tvb_get_ds_tvb(record->tvb);
+
+    return has_own_source ? offset : offset - (unsigned)tvb_raw_offset(record->tvb) - record->data_offset;
 }
 
 int64_t
@@ -53,6 +53,9 @@ sertap_record_survey(sertap_record_t *record)
         return;
     intervals = tvb_get_ptr(record->tvb, record->times_offset, 4 * record->timed);
     all_flags = tvb_get_ptr(record->tvb, record->flags_offset, record->timed);
+    record->silence = big_endian(intervals);
+    record->is_silence_known = !(all_flags[0] & SERTAP_INTERVAL_SATURATED);
+    record->is_duration_known = record->timed == record->count;
     for (unsigned i = 0; i < record->timed; i++) {
         uint8_t flag = all_flags[i];
         uint32_t interval = big_endian(intervals + 4 * i);
@@ -65,7 +68,9 @@ sertap_record_survey(sertap_record_t *record)
         record->flags |= flag;
         if (i > 0)
             record->duration += interval;
-        if (i > 0 && interval > record->interval_max && !(flag & SERTAP_LOST_BEFORE)) {
+        if (i > 0 && flag & SERTAP_INTERVAL_SATURATED)
+            record->is_duration_known = false;
+        if (i > 0 && interval > record->interval_max && !(flag & SERTAP_ERROR_LOST)) {
             record->interval_max = interval;
             record->interval_max_at = i;
         }

@@ -4,24 +4,8 @@
 #ifndef SERTAP_RECORD_H
 #define SERTAP_RECORD_H
 
+#include "protocol/fields.h"
 #include "sertap/time.h"
-
-typedef enum { SERTAP_FRAME, SERTAP_OTHER, SERTAP_EVENT } sertap_type_t;
-
-/* Events that leave a gap. */
-#define SERTAP_CHARACTERS_LOST 3
-#define SERTAP_ADAPTER_LOST    4
-
-/* Its text is for the dissector of what travels on the line. */
-#define SERTAP_LIMITS_TOLD 6
-
-#define SERTAP_SAME_READ          0x01
-#define SERTAP_CHARACTER_ERROR    0x02
-#define SERTAP_BREAK              0x04
-#define SERTAP_LOST_BEFORE        0x08
-#define SERTAP_UNLOCATED_ERROR    0x10
-#define SERTAP_INTERVAL_UNKNOWN   0x20
-#define SERTAP_INTERVAL_SATURATED 0x40
 
 /* The state of a line in the first pass: line.c. */
 struct sertap_line;
@@ -50,13 +34,14 @@ typedef struct {
     uint8_t flags;             /* of all its characters, ORed */
     unsigned first_at[8];      /* for each bit of a flag: the first character that has it */
     uint64_t duration;         /* ns, from the first character to the last */
+    bool is_duration_known;    /* false: at least that */
+    int64_t silence;           /* ns, before the first character, since the one before it on the line */
+    bool is_silence_known;     /* false: at least that */
     uint32_t interval_max;     /* ns, longest between two characters of this record */
     unsigned interval_max_at;  /* before this character; 0: there is none */
 } sertap_record_t;
 
 #define SERTAP_UNCERTAINTY_UNKNOWN 0xFFFFFFFF
-
-extern int proto_sertap;
 
 /* The record of this packet; NULL if it has none. Valid while the packet is dissected. */
 const sertap_record_t *sertap_record(packet_info *pinfo);

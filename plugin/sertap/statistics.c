@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Statistics of the line itself: `tshark -z sertap,tree`, *Serial tap: characters and intervals*. */
-
-#include "sertap/statistics.h"
+#include "parts.h"
 
 #include <epan/stats_tree.h>
 
@@ -28,10 +27,10 @@ count_characters(stats_tree *tree, const sertap_record_t *record)
         uint8_t flags;
         const char *name;
     } kinds[] = {
-        {SERTAP_CHARACTER_ERROR, "With a parity or framing error"},
-        {SERTAP_BREAK, "Break"},
-        {SERTAP_LOST_BEFORE, "After lost characters"},
-        {SERTAP_UNLOCATED_ERROR, "In a read with an error"},
+        {SERTAP_ERROR_CHARACTER, "With a parity or framing error"},
+        {SERTAP_ERROR_BREAK, "Break"},
+        {SERTAP_ERROR_LOST, "After lost characters"},
+        {SERTAP_ERROR_UNLOCATED, "In a read with an error"},
         {SERTAP_SAME_READ, "In the same read as the one before"},
     };
 
@@ -53,7 +52,7 @@ count_intervals(stats_tree *tree, const sertap_record_t *record)
     for (unsigned i = 1; i < record->timed; i++) {
         int us;
 
-        if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_LOST_BEFORE)
+        if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_ERROR_LOST)
             continue;
         us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
         tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line adds up here, but does not count */
@@ -67,7 +66,8 @@ packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void
     static const char *const types[] = {"Frames", "Other characters", "Events"};
     const sertap_record_t *record = data;
 
-    if (!sertap_can_be_counted(pinfo))
+    if (!sertap_can_be_counted(pinfo) ||
+        (record->type == SERTAP_EVENT && record->event == SERTAP_TOLD_BEFORE)) /* of another file */
         return TAP_PACKET_DONT_REDRAW;
     tick_stat_node(tree, "Records", 0, TRUE);
     if (record->type < array_length(types))

@@ -3,7 +3,6 @@
  *
  * A capture may claim any time. Numbers with decimals are made from integers: printf() would write a comma
  * where the user's locale has one, and people compare and filter for these texts. */
-
 #include "sertap/time.h"
 
 #include <math.h>

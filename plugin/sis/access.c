@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Reads and writes of parameters. Nothing is computed unless a tap listens or the field is requested. */
-
 #include "sis/access.h"
 
+#include <epan/tap.h>
 #include <epan/to_str.h>
 
 #include "parameters/text.h"
 #include "parameters/values.h"
+#include "parts.h"
 #include "sis/address.h"
 
 #define SHOWN_BYTES      16u
 #define SHOWN_CHARACTERS 80u
 
-static int hf_access = -1;
+static int access_tap = -1;
 
 void
 sis_keep_written(sis_body_t *body, tvbuff_t *data)
@@ -24,9 +25,15 @@ sis_keep_written(sis_body_t *body, tvbuff_t *data)
 }
 
 static bool
-is_wanted(const sis_body_t *body)
+is_field_wanted(proto_tree *tree)
 {
-    return body->accesses != NULL || (body->tree != NULL && proto_field_is_referenced(body->tree, hf_access));
+    return tree != NULL && proto_field_is_referenced(tree, hf_sis_access);
+}
+
+bool
+sis_access_is_wanted(proto_tree *tree)
+{
+    return have_tap_listener(access_tap) || is_field_wanted(tree);
 }
 
 /* A reaction that comes twice is counted once. */
@@ -55,6 +62,7 @@ set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
     const char *text = sis_add_element(NULL, pinfo, &data, SIS_ELEMENT_DATA, &access->ident, &access->known);
 
     access->data = tvb;
+    access->is_raw = text == NULL;
     access->is_number = text != NULL && sis_element_number(&data, &access->known, text, &access->number);
     access->value =
         text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS) : bytes_text(pinfo->pool, tvb);
@@ -82,14 +90,15 @@ append_text(wmem_strbuf_t *json, const char *name, const char *text)
     wmem_strbuf_append_c(json, '"');
 }
 
-const char *
-sis_place_text(wmem_allocator_t *scope, const sis_place_t *place)
+/* JSON has decimal numbers only. */
+static void
+append_number(wmem_strbuf_t *json, const char *value)
 {
-    wmem_strbuf_t *text = wmem_strbuf_new(scope, sis_number_text(place->path[0]));
-
-    for (unsigned i = 1; i < place->path_length; i++)
-        wmem_strbuf_append_printf(text, "/%u", place->path[i]);
-    return wmem_strbuf_get_str(text);
+    wmem_strbuf_append(json, ",\"number\":");
+    if (g_str_has_prefix(value, "0x"))
+        wmem_strbuf_append_printf(json, "%" PRIu64, g_ascii_strtoull(value, NULL, 16));
+    else
+        wmem_strbuf_append_len(json, value, strspn(value, "+-.0123456789e"));
 }
 
 /* A JSON object; unknown values are left out. */
@@ -98,17 +107,18 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
 {
     wmem_strbuf_t *json = wmem_strbuf_new(scope, "");
 
-    wmem_strbuf_append_printf(json, "{\"access\":\"%s\",\"master\":%u", access->is_write ? "write" : "read",
-                              access->master);
+    wmem_strbuf_append_printf(json, "{\"access\":\"%s\"", access->is_write ? "write" : "read");
+    if (access->has_master)
+        wmem_strbuf_append_printf(json, ",\"master\":%u", access->master);
     append_text(json, "station", sis_place_text(scope, &access->place));
     wmem_strbuf_append_printf(json, ",\"device\":%u", access->place.device);
     append_text(json, "parameter", sis_ident_text(scope, access->ident));
     append_text(json, "error", access->error);
     append_text(json, "value", access->value);
-    if (access->is_number) {
-        wmem_strbuf_append(json, ",\"number\":");
-        wmem_strbuf_append_len(json, access->value, strspn(access->value, "+-.0123456789e"));
-    }
+    if (access->is_number)
+        append_number(json, access->value);
+    if (access->is_raw)
+        wmem_strbuf_append(json, ",\"raw\":true");
     if (access->data != NULL)
         append_text(json, "data", hex_text(scope, access->data));
     append_text(json, "name", access->known.name);
@@ -119,34 +129,47 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
     return wmem_strbuf_get_str(json);
 }
 
+void
+sis_access_tell(const sis_access_t *access, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree)
+{
+    if (have_tap_listener(access_tap))
+        tap_queue_packet(access_tap, pinfo, access);
+    if (is_field_wanted(tree))
+        proto_item_set_hidden(
+            proto_tree_add_string(tree, hf_sis_access, tvb, 0, 0, json_text(pinfo->pool, access)));
+}
+
+void
+sis_access_register(void)
+{
+    access_tap = register_tap("sis_access");
+}
+
 static void
 note(sis_body_t *body, bool is_write, const char *error, tvbuff_t *data)
 {
     const sis_request_t *asked = body->asked;
-    wmem_allocator_t *pool = body->pinfo->pool;
-    sis_access_t *access = wmem_new0(pool, sis_access_t);
+    sis_access_t *access = wmem_new0(body->pinfo->pool, sis_access_t);
 
     access->is_write = is_write;
     access->is_refused = error != NULL;
     access->error = error;
     access->bus = body->record->exchange->stream->bus->number;
+    access->has_master = true;
     access->master = body->telegram->listener;
     access->place = sis_station_place(body->record->exchange, asked->device);
     access->ident = asked->ident;
     access->known = sis_station_known(body, asked->ident, asked->device);
+    sis_station_complete(body, asked->ident, asked->device, &access->known);
     if (data != NULL)
         set_value(access, body->pinfo, data);
-    if (body->accesses != NULL)
-        wmem_list_append(body->accesses, access);
-    if (body->tree != NULL && proto_field_is_referenced(body->tree, hf_access))
-        proto_item_set_hidden(
-            proto_tree_add_string(body->tree, hf_access, body->tvb, 0, 0, json_text(pool, access)));
+    sis_access_tell(access, body->tvb, body->pinfo, body->tree);
 }
 
 void
 sis_note_read(sis_body_t *body, tvbuff_t *data)
 {
-    if (is_wanted(body) && is_known(body))
+    if (sis_access_is_wanted(body->tree) && is_known(body))
         note(body, false, NULL, data);
 }
 
@@ -183,22 +206,10 @@ error_text(const sis_body_t *body)
 void
 sis_note_answer(sis_body_t *body, bool is_write)
 {
-    if (!is_wanted(body) || !is_known(body))
+    if (!sis_access_is_wanted(body->tree) || !is_known(body))
         return;
     if (body->status != 0)
         note(body, is_write, error_text(body), NULL);
     else if (body->asked->is_last)
         note(body, true, NULL, written_data(body));
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_access, {"Access", "sis.access", FT_STRING, BASE_NONE, NULL, 0, "What was read or written of a parameter, as JSON: for programs", HFILL}},
-};
-/* clang-format on */
-
-void
-sis_access_register(void)
-{
-    proto_register_field_array(proto_sis, fields, array_length(fields));
 }

@@ -6,21 +6,30 @@
 
 #include "sis/learned.h"
 
-/* Received by tables and by users of the field sis.access. */
+/* Received by the tap "sis_access" and by users of the field sis.access. */
 typedef struct {
     bool is_write;
     bool is_refused;
-    uint32_t bus;   /* number of the line or connection */
+    uint32_t bus; /* number of the line or connection */
+    bool has_master;
     uint8_t master; /* the station that sent the command */
     sis_place_t place;
     sis_ident_t ident;
-    sis_known_t known; /* when the command was sent */
-    const char *value; /* as displayed, bytes if the attribute is unknown; NULL: missing or incomplete */
+    sis_known_t
+        known; /* when the command was sent; in later passes, if the attribute was unknown: afterwards */
+    const char *value; /* as displayed, bytes if its attribute is unknown; NULL: missing or incomplete */
+    bool is_raw;       /* bytes */
     bool is_number;
     double number; /* the number in `value` */
     tvbuff_t *data;
     const char *error; /* of a refused access */
 } sis_access_t;
+
+/* Whether anybody listens, or wants the field in this tree. */
+bool sis_access_is_wanted(proto_tree *tree);
+
+/* Tells it to those; `access` lives as long as the packet. */
+void sis_access_tell(const sis_access_t *access, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
 
 /* First pass: a command has all data to write. */
 void sis_keep_written(sis_body_t *body, tvbuff_t *data);
@@ -30,10 +39,5 @@ void sis_note_read(sis_body_t *body, tvbuff_t *data);
 
 /* A reaction has accepted a write, or refused a read or write. */
 void sis_note_answer(sis_body_t *body, bool is_write);
-
-/* "3" or, behind routers, "3/2/8". */
-const char *sis_place_text(wmem_allocator_t *scope, const sis_place_t *place);
-
-void sis_access_register(void);
 
 #endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Station addresses: their kinds in the two editions (fig. 2-9; ECODRIVE03 fig. 1-7), and Wireshark's address
  * type. */
-
 #include "sis/address.h"
 
 #include <epan/address_types.h>
+
+#include "parts.h"
 
 typedef struct {
     uint8_t last; /* the entry covers the addresses after the one before it, up to this one */
@@ -56,13 +57,13 @@ kind_of(const address_kind_t *table, uint8_t address)
 sis_address_kind_t
 sis_receiver_kind(uint8_t receiver)
 {
-    return kind_of(editions[sis_edition].receivers, receiver);
+    return kind_of(editions[pref_sis_edition].receivers, receiver);
 }
 
 sis_address_kind_t
 sis_sender_kind(uint8_t sender)
 {
-    return kind_of(editions[sis_edition].senders, sender);
+    return kind_of(editions[pref_sis_edition].senders, sender);
 }
 
 const char *
@@ -83,21 +84,21 @@ sis_number_text(uint8_t station)
     return numbers[station];
 }
 
+/* The number stands in all columns and statistics, and filters need it; the word says whose it is. */
 const char *
 sis_station_text(wmem_allocator_t *scope, uint8_t station)
 {
-    switch (sis_receiver_kind(station)) {
-    case SIS_GROUP:
-        return wmem_strdup_printf(scope, "group %u", station);
-    case SIS_LEVEL_BROADCAST:
-        return "all on this level";
-    case SIS_GLOBAL_BROADCAST:
-        return "all";
-    case SIS_POINT_TO_POINT:
-        return "point-to-point";
-    default:
+    static const char *const words[] = {
+        [SIS_POINT_TO_POINT] = "point-to-point",
+        [SIS_GROUP] = "group",
+        [SIS_LEVEL_BROADCAST] = "all on this level",
+        [SIS_GLOBAL_BROADCAST] = "all",
+    };
+    sis_address_kind_t kind = sis_receiver_kind(station);
+
+    if (kind >= array_length(words) || words[kind] == NULL)
         return numbers[station];
-    }
+    return wmem_strconcat(scope, numbers[station], " (", words[kind], ")", NULL);
 }
 
 #define ADDRESS_TEXT_SIZE 4 /* "255" */

@@ -17,7 +17,7 @@ bool sis_is_answered(uint8_t receiver);
 /* An address as a number: "16". */
 const char *sis_number_text(uint8_t station);
 
-/* "3", "group 201", "all": as in the info column. */
+/* "3", "201 (group)", "255 (all)": as in the info column. */
 const char *sis_station_text(wmem_allocator_t *scope, uint8_t station);
 
 /* Makes an address that points at `station`, which must live as long. */
@@ -25,7 +25,5 @@ void sis_station_address(address *addr, const uint8_t *station);
 
 /* Puts talker and listener into the packet's addresses, unless a lower layer has set them. */
 void sis_set_addresses(packet_info *pinfo, uint8_t talker, uint8_t listener);
-
-void sis_address_register(void);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The useful data of one service, read field by field (chapters 2.1 and 2.3). */
-
 #include "sis/body.h"
 
 #include "parameters/text.h"
@@ -67,7 +66,7 @@ sis_needs(sis_body_t *body, int hf, unsigned size)
         return true;
     if (!body->is_cut && !body->is_short) {
         body->item = body->root;
-        sis_mark(body, &ei_sis_missing, "%s missing", proto_registrar_get_nth(hf)->name);
+        sis_mark(body, &ei_sis_body_missing, "%s missing", proto_registrar_get_nth(hf)->name);
     }
     body->is_short = true;
     return false;
@@ -134,8 +133,9 @@ sis_request_device(sis_body_t *body, uint32_t device)
 }
 
 bool
-sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subservice)
+sis_take_subservice(sis_body_t *body, uint32_t *subservice)
 {
+    const value_string *texts = sis_subservices_of(body->service);
     const char *text;
     uint32_t device;
 
@@ -146,12 +146,94 @@ sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subse
     if (text == NULL)
         return false;
     if (try_val_to_str(*subservice, texts) == NULL)
-        sis_mark(body, &ei_sis_note, "subservice 0x%02x is not defined", *subservice);
+        sis_mark(body, &ei_sis_body_note, "subservice 0x%02x is not defined", *subservice);
     else
         sis_say_words(body, ": ", text, NULL);
     if (body->request != NULL)
         body->request->subservice = (uint8_t)*subservice;
     return true;
+}
+
+const sis_layout_t *
+sis_find_layout(const sis_layouts_t *service, uint32_t subservice)
+{
+    for (unsigned i = 0; i < service->count; i++) {
+        if (service->layouts[i].subservice == subservice)
+            return &service->layouts[i];
+    }
+    return NULL;
+}
+
+/* A code with its text, into the summary. */
+static void
+take_item_code(sis_body_t *body, const sis_item_t *item)
+{
+    uint32_t value;
+    const char *text = sis_take_code(body, *item->hf, item->size, item->codes, &value);
+
+    if (text == NULL)
+        return;
+    sis_say_words(body, ", ", text, NULL);
+    if (try_val_to_str(value, item->codes) == NULL)
+        sis_mark(body, &ei_sis_body_note, "0x%0*x is not defined", (int)item->size * 2, value);
+}
+
+/* As its field says: a code, text, bytes or a number. */
+static void
+take_item(sis_body_t *body, const sis_item_t *item)
+{
+    const header_field_info *field = proto_registrar_get_nth((unsigned)*item->hf);
+    unsigned length = sis_left(body);
+    uint32_t value;
+
+    if (item->codes != NULL) {
+        take_item_code(body, item);
+    } else if (field->type == FT_STRING) {
+        sis_take_text(body, *item->hf);
+    } else if (item->size == 0) {
+        sis_needs(body, *item->hf, 1);
+        if (sis_take_rest(body, *item->hf)) {
+            sis_say_words(body, ", ", NULL);
+            sis_say_bytes(body, length);
+        }
+    } else if (sis_take(body, *item->hf, item->size, &value)) {
+        if (field->display == BASE_HEX)
+            sis_say(body, ", 0x%0*x", (int)item->size * 2, value);
+        else
+            sis_say(body, ", %u", value);
+    }
+}
+
+void
+sis_take_layout(sis_body_t *body, const sis_layout_t *layout)
+{
+    const sis_item_t *item;
+
+    if (layout == NULL) {
+        sis_take_rest(body, hf_sis_raw);
+        return;
+    }
+    for (item = body->is_reaction ? layout->reaction : layout->command; item->hf != NULL; item++) {
+        if (item->may_be_missing && sis_left(body) < item->size)
+            continue;
+        if (item->take != NULL)
+            item->take(body, item->size);
+        else
+            take_item(body, item);
+    }
+}
+
+void
+sis_take_layout_or_error(sis_body_t *body, const sis_layouts_t *service, uint32_t subservice)
+{
+    if (!body->is_reaction || sis_is_ok(body))
+        sis_take_layout(body, sis_find_layout(service, subservice));
+    else if (sis_take_channel_error(body))
+        return;
+    else if (service->errors != NULL)
+        sis_take_error_byte(body, (uint8_t)subservice, service->errors);
+    else
+        sis_take_rest(body, hf_sis_raw); /* not documented */
 }
 
 void
@@ -175,7 +257,7 @@ sis_take_baud_mask(sis_body_t *body, bool several)
     uint32_t mask, rate = 0;
     unsigned unknown;
 
-    if (!sis_take(body, hf_sis_baud_mask, 1, &mask))
+    if (!sis_take(body, hf_sis_init_baud_mask, 1, &mask))
         return 0;
     unknown = mask;
     for (unsigned i = 0; sis_baud_masks[i].strptr != NULL; i++) {
@@ -194,14 +276,14 @@ sis_take_baud_mask(sis_body_t *body, bool several)
     proto_item_append_text(body->item, " (%s)", wmem_strbuf_get_str(text));
     sis_say_words(body, ": ", wmem_strbuf_get_str(text), NULL);
     if (!several && (mask & (mask - 1)) != 0)
-        sis_mark(body, &ei_sis_note, "more than one baud rate");
+        sis_mark(body, &ei_sis_body_note, "more than one baud rate");
     return rate;
 }
 
 static void
 mark_error(sis_body_t *body, const char *text, uint32_t code)
 {
-    sis_mark(body, &ei_sis_status, "error 0x%04x: %s", code, text);
+    sis_mark(body, &ei_sis_status_execution_error, "error 0x%04x: %s", code, text);
     body->is_explained = true;
     body->error = code;
     body->error_text = text;

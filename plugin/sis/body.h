@@ -5,7 +5,6 @@
 #define SIS_BODY_H
 
 #include "sis/exchange.h"
-#include "sis/fields.h"
 #include "sis/names.h"
 
 typedef struct {
@@ -33,7 +32,6 @@ typedef struct {
     sis_request_t *request;     /* of a command: filled in while reading */
     const sis_request_t *asked; /* as the exchange keeps it; NULL if unknown */
     sis_record_t *record;       /* of the whole telegram; NULL for a damaged one */
-    wmem_list_t *accesses;      /* of the whole telegram, filled in while reading; NULL: not needed */
 } sis_body_t;
 
 /* Whether that many bytes are left for a field; if not, adds a note once per body. */
@@ -47,11 +45,42 @@ bool sis_take(sis_body_t *body, int hf, unsigned size, uint32_t *value);
 const char *
 sis_take_code(sis_body_t *body, int hf, unsigned size, const value_string *texts, uint32_t *value);
 
-/* Device address and subservice, the first fields of the bodies of 0x00, 0x02 and 0x03. */
-bool sis_take_subservice(sis_body_t *body, const value_string *texts, uint32_t *subservice);
+/* Device address and subservice, the first fields of the bodies of services that have subservices. */
+bool sis_take_subservice(sis_body_t *body, uint32_t *subservice);
 
 /* Remembers the device of a command. */
 void sis_request_device(sis_body_t *body, uint32_t device);
+
+/* A part of the useful data. */
+typedef struct {
+    void (*take)(sis_body_t *body, unsigned size); /* NULL: as its field says */
+    int *hf;                                       /* NULL: this is the end */
+    const value_string *codes;
+    unsigned size; /* bytes; 0: the rest */
+    bool may_be_missing;
+} sis_item_t;
+
+/* What follows a subservice (protocol/services.toml). */
+typedef struct {
+    uint8_t subservice;
+    sis_item_t command[5], reaction[5];
+} sis_layout_t;
+
+typedef struct {
+    uint8_t service;
+    const value_string *errors; /* after status 1, by subservice and error byte; NULL: none is documented */
+    unsigned count;             /* of layouts */
+    const sis_layout_t *layouts;
+} sis_layouts_t;
+
+/* The layout of a subservice; NULL: there is none. */
+const sis_layout_t *sis_find_layout(const sis_layouts_t *service, uint32_t subservice);
+
+/* Takes a layout; NULL: bytes that no document defines, which are shown raw. */
+void sis_take_layout(sis_body_t *body, const sis_layout_t *layout);
+
+/* What follows a subservice in a command or a good reaction, or an error. */
+void sis_take_layout_or_error(sis_body_t *body, const sis_layouts_t *service, uint32_t subservice);
 
 /* The rest of the body as bytes; false if there is none. */
 bool sis_take_rest(sis_body_t *body, int hf);

@@ -1,86 +1,118 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Settings of the bus, for each slave and for all (chapter 6). A value counts as set with the slave's good
  * reaction, or at once if nobody answers; subservice 0xFF makes the set values valid. */
-
 #include "sis/bus.h"
 
 #include "sis/address.h"
+
+/* A timed test of a baud rate (chapter 6.1, subservice 0x08). */
+typedef struct {
+    sis_setting_t rate;
+    int64_t end; /* ns since 1970; 0: no test */
+} test_t;
 
 /* Of one station, or of all. */
 typedef struct {
     sis_settings_t told;  /* accepted_in is 0 */
     sis_settings_t valid; /* as far as this station accepted them */
+    test_t test;
+    const sis_settings_t *known; /* sis_bus_settings(); NULL: to be made */
 } station_t;
 
-/* A timed test of a baud rate (chapter 6.1, subservice 0x08). */
-typedef struct {
-    sis_setting_t rate;
-    int64_t end; /* ns since 1970 */
-} test_t;
-
+/* A TCP connection is a bus of its own, and a capture may have very many: a map costs less than an array. */
 struct sis_told {
-    station_t *stations[256];
-    test_t tests[256];
-    const sis_settings_t *known[256]; /* sis_bus_settings() of each; NULL: to be made */
-    uint32_t limits_in;               /* the event that brought the user's limits; 0: none */
+    station_t all;
+    wmem_map_t *stations; /* by address: those that were told something themselves */
+    uint32_t limits_in;   /* the event that brought the user's limits; 0: none */
+    uint32_t last_order;
 };
 
 /* The settings of the bus; made when the first is set. */
 static struct sis_told *
 told_of(sis_bus_t *bus)
 {
-    if (bus->told == NULL)
+    if (bus->told == NULL) {
         bus->told = wmem_new0(wmem_file_scope(), struct sis_told);
+        bus->told->stations = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
+    }
     return bus->told;
+}
+
+/* For a station that was told nothing itself, what all were told holds. */
+static station_t *
+find_station(struct sis_told *told, uint8_t address)
+{
+    station_t *station = wmem_map_lookup(told->stations, GUINT_TO_POINTER(address));
+
+    return station != NULL ? station : &told->all;
 }
 
 /* When a station is first told something, the values for all hold for it so far. */
 static station_t *
-find_station(struct sis_told *told, uint8_t address)
+make_station(struct sis_told *told, uint8_t address)
 {
-    const station_t *all = told->stations[SIS_ALL_STATIONS];
+    station_t *station = find_station(told, address);
 
-    if (told->stations[address] == NULL) {
-        told->stations[address] = wmem_new0(wmem_file_scope(), station_t);
-        if (all != NULL)
-            told->stations[address]->valid = all->valid;
-    }
-    return told->stations[address];
+    if (address == SIS_ALL_STATIONS || station != &told->all)
+        return station;
+    station = wmem_new0(wmem_file_scope(), station_t);
+    station->valid = told->all.valid;
+    wmem_map_insert(told->stations, GUINT_TO_POINTER(address), station);
+    return station;
+}
+
+static void
+forget_one(void *address _U_, void *station, void *data _U_)
+{
+    ((station_t *)station)->known = NULL;
 }
 
 static void
 forget_known(struct sis_told *told)
 {
-    memset(told->known, 0, sizeof told->known);
+    forget_one(NULL, &told->all, NULL);
+    wmem_map_foreach(told->stations, forget_one, NULL);
 }
 
 /* Makes the set values for a station or for all valid, if they are newer. A new rate ends a test. */
 static void
-accept(station_t *station, test_t *test, const station_t *all, uint32_t frame)
+accept(station_t *station, const station_t *all, uint32_t frame)
 {
     for (unsigned kind = 0; kind < SIS_SETTINGS; kind++) {
         sis_setting_t setting = station->told.of[kind];
 
-        if (all->told.of[kind].set_in > setting.set_in)
+        if (all->told.of[kind].order > setting.order)
             setting = all->told.of[kind];
-        if (setting.set_in <= station->valid.of[kind].set_in)
+        if (setting.order <= station->valid.of[kind].order)
             continue;
         setting.accepted_in = frame;
         station->valid.of[kind] = setting;
         if (kind == SIS_BAUD)
-            test->end = 0;
+            station->test.end = 0;
     }
+}
+
+typedef struct {
+    const station_t *all;
+    uint32_t frame;
+} accepting_t;
+
+static void
+accept_one(void *address _U_, void *station, void *data)
+{
+    const accepting_t *accepting = data;
+
+    accept(station, accepting->all, accepting->frame);
 }
 
 static void
 accept_of(struct sis_told *told, uint8_t address, uint32_t frame)
 {
-    const station_t *all = find_station(told, SIS_ALL_STATIONS);
+    accepting_t accepting = {&told->all, frame};
 
-    for (unsigned i = 0; i < array_length(told->stations); i++) {
-        if (told->stations[i] != NULL && (address == SIS_ALL_STATIONS || address == i))
-            accept(told->stations[i], &told->tests[i], all, frame);
-    }
+    accept_one(NULL, find_station(told, address), &accepting);
+    if (address == SIS_ALL_STATIONS)
+        wmem_map_foreach(told->stations, accept_one, &accepting);
 }
 
 static const struct {
@@ -98,17 +130,17 @@ static void
 learn(struct sis_told *told, uint8_t address, const sis_request_t *request, uint32_t command, uint32_t frame,
       int64_t now)
 {
-    sis_setting_t setting = {.value = request->setting, .set_in = command};
+    sis_setting_t setting = {.value = request->setting, .set_in = command, .order = ++told->last_order};
+    station_t *station = make_station(told, address);
 
     forget_known(told);
-    find_station(told, address);
     if (request->subservice == SIS_ACCEPT)
         accept_of(told, address, frame);
     if (request->subservice == SIS_TEST_BAUD)
-        told->tests[address] = (test_t){setting, now + request->test_ms * INT64_C(1000000)};
+        station->test = (test_t){setting, now + request->test_ms * INT64_C(1000000)};
     for (unsigned i = 0; i < array_length(kinds); i++) {
         if (kinds[i].subservice == request->subservice)
-            find_station(told, address)->told.of[kinds[i].kind] = setting;
+            station->told.of[kinds[i].kind] = setting;
     }
 }
 
@@ -145,6 +177,25 @@ sis_bus_learn(sis_body_t *body)
     }
 }
 
+void
+sis_bus_recall(sis_bus_t *bus, const sis_recalled_t *recalled, uint32_t event_in)
+{
+    struct sis_told *told = told_of(bus);
+    station_t *station;
+    sis_setting_t setting = {.value = recalled->value, .set_in = event_in, .order = ++told->last_order};
+
+    forget_known(told);
+    station = make_station(told, recalled->address);
+    if (recalled->test_end != 0) {
+        station->test = (test_t){setting, recalled->test_end};
+    } else if (recalled->is_accepted) {
+        setting.accepted_in = event_in;
+        station->valid.of[recalled->kind] = setting;
+    } else {
+        station->told.of[recalled->kind] = setting;
+    }
+}
+
 /* "TzA = 8 ms" in a text; 0: it is not there, or no time that a bus can be told. */
 static uint32_t
 find_limit(const char *text, const char *name)
@@ -157,16 +208,19 @@ find_limit(const char *text, const char *name)
     return value <= UINT16_MAX ? (uint32_t)value : 0;
 }
 
-static void
-learn_limit(struct sis_told *told, sis_setting_kind_t kind, uint32_t value)
-{
-    for (unsigned i = 0; i < array_length(told->stations); i++) {
-        station_t *station = told->stations[i];
-        sis_setting_t *valid = station != NULL ? &station->valid.of[kind] : NULL;
+typedef struct {
+    sis_setting_kind_t kind;
+    sis_setting_t limit;
+} limit_t;
 
-        if (valid != NULL && (valid->set_in == 0 || valid->is_by_user))
-            *valid = (sis_setting_t){value, told->limits_in, told->limits_in, true};
-    }
+static void
+learn_limit(void *address _U_, void *station, void *data)
+{
+    const limit_t *limit = data;
+    sis_setting_t *valid = &((station_t *)station)->valid.of[limit->kind];
+
+    if (valid->set_in == 0 || valid->is_by_user)
+        *valid = limit->limit;
 }
 
 void
@@ -183,35 +237,35 @@ sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits)
     told = told_of(bus);
     told->limits_in = limits->told_in;
     forget_known(told);
-    find_station(told, SIS_ALL_STATIONS);
     for (unsigned i = 0; i < array_length(names); i++) {
         uint32_t value = find_limit(limits->text, names[i].name);
+        limit_t limit = {names[i].kind, {value, limits->told_in, limits->told_in, 0, true}};
 
-        if (value != 0)
-            learn_limit(told, names[i].kind, value);
+        if (value == 0)
+            continue;
+        learn_limit(NULL, &told->all, &limit);
+        wmem_map_foreach(told->stations, learn_limit, &limit);
     }
 }
 
 static const sis_settings_t *
-make_settings(struct sis_told *told, uint8_t address)
+make_settings(const station_t *station, const station_t *all)
 {
-    const station_t *all = told->stations[SIS_ALL_STATIONS], *own = told->stations[address];
-    sis_settings_t *settings = wmem_new0(wmem_file_scope(), sis_settings_t);
+    sis_settings_t *settings = wmem_new(wmem_file_scope(), sis_settings_t);
 
-    if (own != NULL || all != NULL)
-        *settings = own != NULL ? own->valid : all->valid;
-    if (told->tests[SIS_ALL_STATIONS].end != 0)
-        settings->of[SIS_BAUD] = told->tests[SIS_ALL_STATIONS].rate;
-    if (told->tests[address].end != 0)
-        settings->of[SIS_BAUD] = told->tests[address].rate;
+    *settings = station->valid;
+    if (all->test.end != 0)
+        settings->of[SIS_BAUD] = all->test.rate;
+    if (station->test.end != 0)
+        settings->of[SIS_BAUD] = station->test.rate;
     return settings;
 }
 
 static void
-end_tests(struct sis_told *told, uint8_t address, int64_t now)
+end_test(struct sis_told *told, test_t *test, int64_t now)
 {
-    if (told->tests[address].end != 0 && now > told->tests[address].end) {
-        told->tests[address].end = 0;
+    if (test->end != 0 && now > test->end) {
+        test->end = 0;
         forget_known(told);
     }
 }
@@ -220,12 +274,14 @@ const sis_settings_t *
 sis_bus_settings(const sis_bus_t *bus, uint8_t address, int64_t now)
 {
     struct sis_told *told = bus->told;
+    station_t *station;
 
     if (told == NULL)
         return NULL;
-    end_tests(told, address, now);
-    end_tests(told, SIS_ALL_STATIONS, now);
-    if (told->known[address] == NULL)
-        told->known[address] = make_settings(told, address);
-    return told->known[address];
+    station = find_station(told, address);
+    end_test(told, &station->test, now);
+    end_test(told, &told->all.test, now);
+    if (station->known == NULL)
+        station->known = make_settings(station, &told->all);
+    return station->known;
 }

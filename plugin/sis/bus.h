@@ -7,14 +7,6 @@
 #include "sertap/line.h"
 #include "sis/body.h"
 
-/* Subservices (chapter 6.1). */
-#define SIS_SET_TRS       0x01
-#define SIS_SET_TZA       0x02
-#define SIS_SET_TMAS      0x03
-#define SIS_SET_BAUD_RATE 0x07
-#define SIS_TEST_BAUD     0x08
-#define SIS_ACCEPT        0xFF
-
 /* Instead of a station's address: valid for all. */
 #define SIS_ALL_STATIONS 255
 
@@ -24,6 +16,7 @@ typedef struct {
     uint32_t value;       /* ms or Bd */
     uint32_t set_in;      /* the command, or the event; 0: was not set */
     uint32_t accepted_in; /* 0: not yet */
+    uint32_t order;       /* of all settings of the bus, in which they were told */
     bool is_by_user;      /* told by whoever captured, not on the bus */
 } sis_setting_t;
 
@@ -34,6 +27,18 @@ typedef struct sis_settings {
 
 /* First pass: takes a decoded command or reaction of service 0x03. */
 void sis_bus_learn(sis_body_t *body);
+
+/* A setting that was told before this file began. */
+typedef struct {
+    uint8_t address; /* or SIS_ALL_STATIONS */
+    sis_setting_kind_t kind;
+    uint32_t value;
+    bool is_accepted;
+    int64_t test_end; /* of a timed test, ns since 1970; 0: it is none */
+} sis_recalled_t;
+
+/* First pass: takes over such a setting, which an event says. */
+void sis_bus_recall(sis_bus_t *bus, const sis_recalled_t *recalled, uint32_t event_in);
 
 /* First pass: takes over what the user told of this bus. It counts for stations that the bus has told
  * nothing. */

@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Chooses the file that decodes a service; decodes the status byte at the beginning; and decodes service
  * 0x04, a list of services (chapter 7), whose elements stand for telegrams. */
-
 #include "sis/dispatch.h"
 
-#include "sis/layouts.h"
+#include "protocol/services.h"
+#include "sis/names.h"
 #include "sis/sequence.h"
 #include "sis/services/services.h"
 
-#define LIST_SERVICE 0x04
-
-static int hf_text = -1;
-static int hf_element_length = -1;
-
-static int ett_element = -1;
-
-static expert_field ei_recursion = EI_INIT;
+#define LIST_SERVICE  0x04
+#define TOKEN_PASSING 0x0F
 
 static void dissect_list(sis_body_t *body);
 
@@ -47,7 +41,7 @@ take_status(sis_body_t *body)
         return;
     status = compat_get_uint8(body->tvb, body->offset);
     if (is_phase_service(body->service))
-        text = try_rval_to_str(status, sis_status_phase);
+        text = try_val_to_str(status, sis_status_phase);
     if (text == NULL)
         text = rval_to_str_const(status, sis_status, "");
     body->status = status;
@@ -57,7 +51,8 @@ take_status(sis_body_t *body)
     body->status_text = text;
     if (status != 0)
         expert_add_info_format(body->pinfo, body->item,
-                               status < 0xF0 ? &ei_sis_status : &ei_sis_status_telegram, "Status: %s", text);
+                               status < 0xF0 ? &ei_sis_status_execution_error : &ei_sis_status_telegram_error,
+                               "Status: %s", text);
 }
 
 static bool
@@ -85,18 +80,43 @@ dissect_undocumented(sis_body_t *body)
     if (body->is_reaction && sis_has_status(body->service) && sis_take_channel_error(body))
         return;
     if (sis_take_rest(body, hf_sis_raw))
-        sis_mark(body, &ei_sis_note, "no document says what is in it");
+        sis_mark(body, &ei_sis_body_note, "no document says what is in it");
+    else if (body->service < TOKEN_PASSING && !body->is_cut)
+        sis_mark(body, &ei_sis_body_note, "no document defines this service");
+}
+
+static const sis_layouts_t by_layout[] = {SIS_SERVICES_BY_LAYOUT};
+
+static const sis_layouts_t *
+find_layouts(uint8_t service)
+{
+    for (unsigned i = 0; by_layout[i].layouts != NULL; i++) {
+        if (by_layout[i].service == service)
+            return &by_layout[i];
+    }
+    return NULL;
+}
+
+static void
+dissect_by_layout(sis_body_t *body)
+{
+    uint32_t subservice = 0;
+
+    if (sis_subservices_of(body->service) == NULL || sis_take_subservice(body, &subservice))
+        sis_take_layout_or_error(body, find_layouts(body->service), subservice);
 }
 
 /* NULL: the documents do not describe its contents. */
 static body_dissector_t
 find_dissector_of(uint8_t service)
 {
+    uint8_t general = sis_general_service(service);
+
     for (unsigned i = 0; i < array_length(services); i++) {
-        if (services[i].service == sis_general_service(service))
+        if (services[i].service == general)
             return services[i].dissect;
     }
-    return NULL;
+    return find_layouts(service) != NULL ? dissect_by_layout : NULL;
 }
 
 /* Bytes that no field has used: an incomplete field, or more than the service has. */
@@ -109,8 +129,7 @@ show_leftover(sis_body_t *body)
         return;
     body->item = proto_tree_add_item(body->tree, hf_sis_raw, body->tvb, body->offset, left, ENC_NA);
     if (!body->is_short && !body->is_cut)
-        sis_mark(body, &ei_sis_unexpected, "%u byte%s more than this service has", left,
-                 plurality(left, "", "s"));
+        sis_mark(body, &ei_sis_body_unexpected, "more bytes than this service has");
     body->offset = body->end;
 }
 
@@ -120,7 +139,7 @@ sis_dissect_body(sis_body_t *body)
     body_dissector_t dissect = find_dissector_of(body->service);
 
     if (dissect == NULL && is_product_group(body->service) && is_plain_text(body)) {
-        sis_take_text(body, hf_text); /* a record of a product group, without a status */
+        sis_take_text(body, hf_sis_text); /* a record of a product group, without a status */
         return;
     }
     if (body->is_reaction && sis_has_status(body->service))
@@ -159,6 +178,7 @@ add_error(sis_body_t *list, const sis_body_t *element)
 typedef struct {
     const sis_request_t *next;
     bool is_each_answered; /* there are as many in the reaction */
+    bool is_one_unknown;   /* an element of the reaction may have failed, or has */
 } commands_t;
 
 /* Whether an element of a reaction, `length` bytes after its service, may answer this command: as whole
@@ -175,7 +195,7 @@ is_answer_to(const sis_request_t *command, const sis_body_t *list, uint8_t servi
     first = compat_get_uint8(list->tvb, list->offset + 1);
     second = compat_get_uint8(list->tvb, list->offset + 2);
     if (sis_has_control_byte(service))
-        return command->element == SIS_ELEMENT(first) && command->device == second;
+        return command->element == SIS_ELEMENT_OF(first) && command->device == second;
     return sis_may_answer_subservice(service, command->subservice, second);
 }
 
@@ -225,14 +245,13 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
                           .is_reaction = list->is_reaction,
                           .service = service,
                           .record = list->record,
-                          .accesses = list->accesses,
                           .summary = wmem_strbuf_new(pool, sis_service_name(pool, service)),
                           .marks = wmem_strbuf_new(pool, ""),
                           .asked = take_command(commands, list, service, length)};
 
     if (list->is_reaction && list->asked != NULL && element.asked == NULL) {
         list->item = root;
-        sis_mark(list, &ei_sis_note, "which element of the command this answers is unknown");
+        sis_mark(list, &ei_sis_body_note, "which element of the command this answers is unknown");
     }
     if (!list->is_reaction) {
         element.request = wmem_new0(pool, sis_request_t);
@@ -242,9 +261,10 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
     sis_dissect_body(&element);
     if (element.error_text != NULL)
         add_error(list, &element);
+    commands->is_one_unknown |= element.status != 0 || !sis_has_status(service);
     if (list->is_reaction && list->status == 0 && element.status != 0) {
         list->item = root;
-        sis_mark(list, &ei_sis_note, "the overall status is 0, that of this element is not");
+        sis_mark(list, &ei_sis_body_note, "the overall status is 0, that of this element is not");
     }
     if (list->status < 0xF0) /* else it has data of its own */
         list->is_explained |= element.is_explained || element.status != 0;
@@ -259,10 +279,11 @@ show_recursion(sis_body_t *list, unsigned length, commands_t *commands)
 {
     sis_request_t *request = wmem_new0(list->pinfo->pool, sis_request_t);
 
+    commands->is_one_unknown = true;
     take_command(commands, list, LIST_SERVICE, length);
     request->service = LIST_SERVICE;
     add_request(list, request);
-    sis_mark(list, &ei_recursion, "a list in a list");
+    sis_mark(list, &ei_sis_list_recursion, "a list in a list");
     if (length > 0)
         proto_tree_add_item(list->tree, hf_sis_raw, list->tvb, list->offset, length, ENC_NA);
 }
@@ -277,14 +298,14 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
     proto_tree *outer = list->tree;
     uint32_t service;
 
-    list->tree = proto_tree_add_subtree_format(outer, list->tvb, list->offset, end, ett_element, &root,
+    list->tree = proto_tree_add_subtree_format(outer, list->tvb, list->offset, end, ett_sis_element, &root,
                                                "Element %u", number);
-    sis_take(list, hf_element_length, 1, NULL);
+    sis_take(list, hf_sis_element_length, 1, NULL);
     if (length == 0) {
-        sis_mark(list, &ei_sis_unexpected, "element %u is empty", number);
+        sis_mark(list, &ei_sis_body_unexpected, "an element is empty");
     } else if (sis_take(list, hf_sis_service, 1, &service)) {
         if (length + 1 > there && !list->is_cut)
-            sis_mark(list, &ei_sis_missing, "element %u is cut", number);
+            sis_mark(list, &ei_sis_body_missing, "an element is cut");
         if (service == LIST_SERVICE)
             show_recursion(list, end - 2, commands);
         else
@@ -298,7 +319,7 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
 static commands_t
 commands_of(const sis_body_t *list)
 {
-    commands_t commands = {list->asked != NULL ? list->asked->list : NULL, false};
+    commands_t commands = {.next = list->asked != NULL ? list->asked->list : NULL};
     const sis_request_t *command = commands.next;
     unsigned at = list->offset;
 
@@ -316,37 +337,25 @@ commands_of(const sis_body_t *list)
     return commands;
 }
 
+/* Service 0x04 has no codes of its own, and its list follows also after an error (chapter 7.1). The code of
+ * the channel (fig. 2-19) has two bytes: the shortest element has three. */
+#define SHORTEST_ELEMENT 3
+
 static void
 dissect_list(sis_body_t *body)
 {
+    bool is_list = body->status == 0x02 && sis_left(body) >= SHORTEST_ELEMENT;
     commands_t commands;
 
-    if (body->is_reaction && sis_take_channel_error(body))
+    if (body->is_reaction && !is_list && sis_take_channel_error(body))
         return;
     if (sis_left(body) == 0 && !body->is_cut)
-        sis_mark(body, &ei_sis_note, "an empty list");
+        sis_mark(body, &ei_sis_body_note, "an empty list");
     commands = commands_of(body);
     for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++)
         dissect_element(body, number, &commands);
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_text, {"Text", "sis.text", FT_STRING, BASE_NONE, NULL, 0, "Useful data of a product group that are plain ASCII", HFILL}},
-    {&hf_element_length, {"Length", "sis.element_length", FT_UINT8, BASE_DEC, NULL, 0, "Service and body of this element", HFILL}},
-};
-
-static ei_register_info experts[] = {
-    {&ei_recursion, {"sis.list.recursion", PI_PROTOCOL, PI_ERROR, "Service 0x04 must not be in its own list", EXPFILL}},
-};
-/* clang-format on */
-
-void
-sis_dispatch_register(void)
-{
-    static int *trees[] = {&ett_element};
-
-    proto_register_field_array(proto_sis, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
-    expert_register_field_array(sis_experts, experts, array_length(experts));
+    if (body->status == 0x01 && commands.is_each_answered && !commands.is_one_unknown && !body->is_cut) {
+        body->item = body->root;
+        sis_mark(body, &ei_sis_body_note, "the overall status is 1, but nothing in the list failed");
+    }
 }

@@ -9,6 +9,4 @@
 /* Decodes a whole body, status byte first; marks bytes that are left over. */
 void sis_dissect_body(sis_body_t *body);
 
-void sis_dispatch_register(void);
-
 #endif

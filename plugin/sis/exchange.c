@@ -2,31 +2,17 @@
 /* Relations between telegrams: command and reaction, repeats (chapter 2.4), and the same exchange on two
  * levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for
  * later passes. */
-
 #include "sis/exchange.h"
 
 #include <epan/conversation.h>
 #include <epan/proto_data.h>
 
+#include "items.h"
+#include "kept.h"
+#include "parts.h"
 #include "sertap/line.h"
 #include "sis/address.h"
-#include "sis/fields.h"
-#include "sis/layouts.h"
 #include "sis/names.h"
-
-static int hf_stream = -1;
-static int hf_reaction_in = -1;
-static int hf_command_in = -1;
-static int hf_reaction_time = -1;
-static int hf_reaction_time_ms = -1;
-static int hf_repeat_of = -1;
-static int hf_gave_up = -1;
-static int hf_routed_from = -1;
-
-static expert_field ei_unanswered = EI_INIT;
-static expert_field ei_unasked = EI_INIT;
-static expert_field ei_answered_before = EI_INIT;
-static expert_field ei_repeat = EI_INIT;
 
 static wmem_map_t *buses;   /* by key */
 static wmem_map_t *streams; /* by bus and both stations */
@@ -52,45 +38,22 @@ sis_bus_t *
 sis_exchange_bus(packet_info *pinfo)
 {
     uint64_t key = bus_key(pinfo);
-    sis_bus_t *bus = wmem_map_lookup(buses, &key);
+    sis_bus_t *bus = kept_value(buses, &key, sizeof key, sizeof *bus);
 
-    if (bus == NULL) {
-        bus = wmem_new0(wmem_file_scope(), sis_bus_t);
-        bus->key = key;
-        bus->number = wmem_map_size(buses) + 1;
+    if (bus->number == 0) {
+        bus->number = wmem_map_size(buses);
         bus->is_connection = is_connection(pinfo);
-        wmem_map_insert(buses, &bus->key, bus);
+        bus->last = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
     }
     return bus;
 }
 
-/* Two stations, including the route between them: a drive behind a router is not the router. */
-typedef struct {
-    uint64_t bus;
-    uint8_t low, high;
-    uint8_t subaddress_count;
-    uint8_t subaddresses[7];
-    uint8_t zero[6];
-} stream_key_t;
+KEPT_KEY(sis_stream_key_t, 8 + 3 + 7 + 6)
 
-_Static_assert(sizeof(stream_key_t) == 8 + 3 + 7 + 6, "the key is hashed byte by byte, so it has no gaps");
-
-static unsigned
-hash_stream_key(const void *key)
-{
-    return wmem_strong_hash(key, sizeof(stream_key_t));
-}
-
-static gboolean
-are_stream_keys_equal(const void *a, const void *b)
-{
-    return memcmp(a, b, sizeof(stream_key_t)) == 0;
-}
-
-static stream_key_t
+static sis_stream_key_t
 stream_key(const sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
-    stream_key_t key = {0};
+    sis_stream_key_t key = {0};
 
     key.bus = bus->key;
     key.low = MIN(telegram->sender, telegram->receiver);
@@ -104,14 +67,12 @@ stream_key(const sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
 static sis_stream_t *
 stream_of_command(sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
-    stream_key_t key = stream_key(bus, tvb, telegram);
-    sis_stream_t *stream = wmem_map_lookup(streams, &key);
+    sis_stream_key_t key = stream_key(bus, tvb, telegram);
+    sis_stream_t *stream = kept_value(streams, &key, sizeof key, sizeof *stream);
 
-    if (stream == NULL) {
-        stream = wmem_new0(wmem_file_scope(), sis_stream_t);
-        stream->number = wmem_map_size(streams);
+    if (stream->bus == NULL) {
+        stream->number = wmem_map_size(streams) - 1;
         stream->bus = bus;
-        wmem_map_insert(streams, wmem_memdup(wmem_file_scope(), &key, sizeof key), stream);
     }
     return stream;
 }
@@ -223,6 +184,14 @@ find_route(sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, const si
     routing_of(above)->forwarded = exchange;
 }
 
+static int64_t
+wait_since(int64_t end, const sis_times_t *times)
+{
+    int64_t wait = sertap_elapsed(end, times->begin);
+
+    return sis_is_measured(wait, times) ? wait : -1;
+}
+
 /* A master sends its next command: was the one before answered, and how long did it wait (TwM, chapter 10.5)?
  */
 static void
@@ -237,9 +206,9 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
         exchange->gave_up_station = before->path[0];
     }
     if (exchange->first != NULL)
-        exchange->wait = sertap_elapsed(same->command_end, telegram->times.begin);
+        exchange->wait = wait_since(same->command_end, &telegram->times);
     else if (!sis_is_answered(before->station))
-        exchange->wait = sertap_elapsed(before->command_end, telegram->times.begin);
+        exchange->wait = wait_since(before->command_end, &telegram->times);
 }
 
 static sis_exchange_t *
@@ -248,7 +217,8 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     sis_stream_t *stream = stream_of_command(bus, tvb, telegram);
     unsigned direction = command_direction(telegram);
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
-    sis_exchange_t **master = &stream->bus->last[telegram->sender];
+    const void *master = GUINT_TO_POINTER(telegram->sender);
+    sis_exchange_t *before = wmem_map_lookup(bus->last, master);
 
     exchange->stream = stream;
     exchange->direction = (uint8_t)direction;
@@ -268,9 +238,9 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     if (exchange->needs_reaction)
         find_repeat(exchange, stream, direction, tvb, telegram);
     find_route(exchange, tvb, pinfo, telegram);
-    if (*master != NULL)
-        follow_command(exchange, *master, telegram);
-    *master = exchange;
+    if (before != NULL)
+        follow_command(exchange, before, telegram);
+    wmem_map_insert(bus->last, master, exchange);
 
     if (stream->from[direction].last != NULL)
         leave_route(stream->from[direction].last);
@@ -291,7 +261,7 @@ is_same_access(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
 
     if (!sis_has_control_byte(telegram->service) || body + 2 > length || body + 3 > telegram->declared)
         return true;
-    return ((command[body] ^ compat_get_uint8(tvb, body + 1)) & (uint8_t)~SIS_LAST_TRANSMISSION) == 0 &&
+    return ((command[body] ^ compat_get_uint8(tvb, body + 1)) & (uint8_t)~SIS_TRANSMISSION) == 0 &&
            command[body + 1] == compat_get_uint8(tvb, body + 2);
 }
 
@@ -338,7 +308,7 @@ static void
 end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
              const sis_telegram_t *telegram)
 {
-    stream_key_t key = stream_key(bus, tvb, telegram);
+    sis_stream_key_t key = stream_key(bus, tvb, telegram);
     const sis_stream_t *stream = wmem_map_lookup(streams, &key);
     unsigned kept = command_direction(telegram);
 
@@ -364,6 +334,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         leave_route(exchange);
         exchange->has_time = exchange->command_in != pinfo->num;
         exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
+        exchange->is_measured = sis_is_measured(exchange->reaction_time, &telegram->times);
         if (sis_exchange_below(exchange) != NULL)
             record->routed_from = sis_exchange_below(exchange)->reaction_in;
         return;
@@ -467,30 +438,23 @@ sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request)
 }
 
 static void
-add_frame(proto_tree *tree, tvbuff_t *tvb, int hf, uint32_t frame)
-{
-    if (frame != 0)
-        proto_item_set_generated(proto_tree_add_uint(tree, hf, tvb, 0, 0, frame));
-}
-
-static void
 show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
              proto_item *root, wmem_strbuf_t *marks)
 {
-    add_frame(tree, tvb, hf_reaction_in, exchange->reaction_in);
+    add_link(tree, hf_sis_reaction_in, tvb, exchange->reaction_in);
     if (exchange->first != NULL)
-        add_frame(tree, tvb, hf_repeat_of, exchange->first->command_in);
-    add_frame(tree, tvb, hf_gave_up, exchange->gave_up);
+        add_link(tree, hf_sis_repeat_of, tvb, exchange->first->command_in);
+    add_link(tree, hf_sis_unanswered_before, tvb, exchange->gave_up);
     if (sis_exchange_above(exchange) != NULL)
-        add_frame(tree, tvb, hf_routed_from, sis_exchange_above(exchange)->command_in);
+        add_link(tree, hf_sis_routed_from, tvb, sis_exchange_above(exchange)->command_in);
+    add_link(tree, hf_sis_next_command_in, tvb, exchange->next_command_in);
     if (exchange->first != NULL) {
-        expert_add_info_format(pinfo, root, &ei_repeat, "The command of frame %u again",
-                               exchange->first->command_in);
+        expert_add_info(pinfo, root, &ei_sis_command_repeat);
         wmem_strbuf_append(marks, "  [repeat]");
     }
     if (exchange->next_command_in != 0) {
-        expert_add_info_format(pinfo, root, &ei_unanswered,
-                               "No reaction before the next command (frame %u)%s", exchange->next_command_in,
+        expert_add_info_format(pinfo, root, &ei_sis_command_unanswered,
+                               "No reaction before the next command%s",
                                exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
         wmem_strbuf_append(marks, "  [no reaction]");
     }
@@ -501,20 +465,23 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
               proto_item *root)
 {
     const sis_exchange_t *exchange = record->exchange;
+    proto_item *command;
 
     if (exchange == NULL) {
-        expert_add_info(pinfo, root, &ei_unasked);
+        expert_add_info(pinfo, root, &ei_sis_reaction_unasked);
         return;
     }
-    add_frame(tree, tvb, hf_command_in, exchange->command_in);
-    add_frame(tree, tvb, hf_routed_from, record->routed_from);
+    command = add_link(tree, hf_sis_command_in, tvb, exchange->command_in);
+    add_link(tree, hf_sis_routed_from, tvb, record->routed_from);
+    add_link(tree, hf_sis_answered_in, tvb, record->reaction_before);
     if (record->reaction_before != 0)
-        expert_add_info_format(pinfo, root, &ei_answered_before,
-                               "The command was answered before, in frame %u", record->reaction_before);
+        expert_add_info(pinfo, root, &ei_sis_reaction_again);
+    else if (exchange->has_time && !exchange->is_measured)
+        proto_item_append_text(command, ", in the same read: the reaction time is not known");
     else if (exchange->has_time && tree != NULL) {
         proto_item_set_generated(
-            sertap_add_ms(tree, hf_reaction_time, tvb, 0, 0, pinfo->pool, exchange->reaction_time));
-        sertap_add_column_ms(tree, hf_reaction_time_ms, tvb, exchange->reaction_time);
+            sertap_add_ms(tree, hf_sis_reaction_time, tvb, 0, 0, pinfo->pool, exchange->reaction_time));
+        sertap_add_column_ms(tree, hf_sis_reaction_time_ms, tvb, exchange->reaction_time);
     }
 }
 
@@ -523,41 +490,16 @@ sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo,
                   proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks)
 {
     if (record->exchange != NULL)
-        proto_item_set_generated(
-            proto_tree_add_uint(tree, hf_stream, tvb, 0, 0, record->exchange->stream->number));
+        add_generated(tree, hf_sis_stream, tvb, record->exchange->stream->number);
     if (telegram->is_reaction)
         show_reaction(record, tvb, pinfo, tree, root);
     else if (record->exchange != NULL)
         show_command(record->exchange, tvb, pinfo, tree, root, marks);
 }
 
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_stream, {"Stream", "sis.stream", FT_UINT32, BASE_DEC, NULL, 0, "One number for each pair of stations", HFILL}},
-    {&hf_reaction_in, {"Reaction in", "sis.reaction_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, NULL, HFILL}},
-    {&hf_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
-    {&hf_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0,
-                         "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known", HFILL}},
-    {&hf_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
-    {&hf_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, NULL, HFILL}},
-    {&hf_gave_up, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
-    {&hf_routed_from, {"Routed from", "sis.routed_from", FT_FRAMENUM, BASE_NONE, NULL, 0, "The same telegram on the level it came from", HFILL}},
-};
-
-static ei_register_info experts[] = {
-    {&ei_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", EXPFILL}},
-    {&ei_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not known", EXPFILL}},
-    {&ei_answered_before, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", EXPFILL}},
-    {&ei_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", EXPFILL}},
-};
-/* clang-format on */
-
 void
 sis_exchange_register(void)
 {
-    proto_register_field_array(proto_sis, fields, array_length(fields));
-    expert_register_field_array(sis_experts, experts, array_length(experts));
-    buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
-    streams =
-        wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_stream_key, are_stream_keys_equal);
+    buses = kept_map_of_numbers();
+    streams = kept_map(hash_sis_stream_key_t, are_equal_sis_stream_key_t);
 }

@@ -29,7 +29,8 @@ typedef struct sis_request {
     uint32_t segment; /* of a list: requested offset and length; 0: all of it */
     /* Known about the parameter when the command was sent; NULL: nothing. */
     const sis_known_t *known;
-    const uint8_t *written; /* all data of a parameter, in file scope; NULL: not written, or unknown */
+    const struct sis_twin *twin; /* the same of a device of its type; NULL: nothing */
+    const uint8_t *written;      /* all data of a parameter, in file scope; NULL: not written, or unknown */
     unsigned written_length;
     struct sis_request *next; /* of the following element of service 0x04 */
     struct sis_request *list; /* of the first element of service 0x04, or the next subservice of 0x03 */
@@ -49,8 +50,8 @@ typedef struct sis_bus {
     bool is_connection;
     uint32_t damaged_in; /* the last damaged telegram, or characters that may have been one; 0: none */
     uint32_t damaged_count;
-    uint32_t lost_in;               /* the last loss of characters; 0: none */
-    struct sis_exchange *last[256]; /* command of each master */
+    uint32_t lost_in; /* the last loss of characters; 0: none */
+    wmem_map_t *last; /* command of each master */
     /* Data of other files; each owner makes its own on first use. */
     struct sis_learned *learned; /* learned.c */
     struct sis_told *told;       /* bus.c */
@@ -74,7 +75,7 @@ typedef struct sis_exchange {
     sis_request_t *request;
     int64_t command_end;   /* when its last character came, ns since 1970 */
     int64_t reaction_time; /* ns, valid if has_time */
-    int64_t wait;          /* TwM, ns: of a repeat, or after a broadcast; negative: none */
+    int64_t wait;          /* TwM, ns: of a repeat, or after a broadcast; negative: none, or not measured */
     uint32_t command_in;
     uint32_t reaction_in;      /* 0: none */
     uint32_t next_command_in;  /* the master continued without a reaction; 0: no */
@@ -88,6 +89,7 @@ typedef struct sis_exchange {
     uint8_t gave_up_station; /* the receiver of `gave_up` */
     uint8_t direction;       /* in its stream */
     bool has_time;
+    bool is_measured;         /* reaction_time: command and reaction came in different reads */
     bool is_reaction_damaged; /* uncertain: a damaged telegram came before the next command */
     bool needs_reaction;      /* no group or broadcast, and no token, which is not specified */
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
@@ -123,8 +125,18 @@ typedef struct sis_record {
     bool is_begun_anew; /* the transfer of this last piece, after a refused one */
 } sis_record_t;
 
+/* Two stations, including the route between them: a drive behind a router is not the router. */
+typedef struct {
+    uint64_t bus;
+    uint8_t low, high;
+    uint8_t subaddress_count;
+    uint8_t subaddresses[7];
+    uint8_t zero[6];
+} sis_stream_key_t;
+
 /* Two stations in contact, by the direction of the commands. */
 typedef struct sis_stream {
+    sis_stream_key_t key;
     uint32_t number;
     sis_bus_t *bus;
     struct {
@@ -159,7 +171,5 @@ void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *p
 
 /* How many pairs of stations have talked; their numbers, sis.stream, begin at 0. */
 uint32_t sis_stream_count(void);
-
-void sis_exchange_register(void);
 
 #endif

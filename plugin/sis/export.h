@@ -12,6 +12,4 @@ void sis_export_parameter(const sis_body_t *body, sis_ident_t ident, uint8_t dev
 /* Memory of a device, read or programmed: `length` bytes of the telegram. */
 void sis_export_memory(const sis_body_t *body, uint32_t address, unsigned offset, unsigned length);
 
-void sis_export_register(void);
-
 #endif

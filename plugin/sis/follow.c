@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Wireshark's tools that follow related packets: conversation filters for an exchange and for two
  * stations, and Follow for a stream (`tshark -z follow,sis,hex,0`; in Wireshark's menus from 4.4 on). */
-
-#include "sis/follow.h"
+#include "parts.h"
 
 #include <epan/conversation_filter.h>
 #include <epan/follow.h>
@@ -10,7 +9,6 @@
 
 #include "sis/address.h"
 #include "sis/exchange.h"
-#include "sis/fields.h"
 
 /* Of several telegrams in one packet, the last. */
 static const sis_telegram_t *

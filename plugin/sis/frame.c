@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Recognises a SIS telegram: start character, equal lengths, checksum (chapter 2.1). */
-
 #include "sis/frame.h"
 
 unsigned

@@ -6,16 +6,9 @@
 
 #include "compat.h"
 
-#include <epan/prefs.h>
-
 extern dissector_handle_t sis_handle; /* all telegrams of the data, one after the other */
 
 /* One telegram; `tvb` begins with it and has nothing of the next. Adds to the info column. */
 void sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
-
-/* The dissector "sis", its fields and the preference of the edition. */
-void sis_packet_register(module_t *module);
-
-void sis_packet_handoff(void);
 
 #endif

@@ -4,8 +4,10 @@
  * A router drops the first address and sends the rest on. So a waiting command is kept under the bytes that
  * the next router would send. However many wait, one look then finds the command that a router has passed
  * on. */
-
 #include "sis/routes.h"
+
+#include "kept.h"
+#include "parts.h"
 
 /* The part that a router does not change: service, count of subaddresses on the level below, whether there
  * is a number, and all bytes from the sender's address on. Two sections of a capture are two plants. */
@@ -116,5 +118,5 @@ sis_route_leave(sis_waiting_t *waiting)
 void
 sis_routes_register(void)
 {
-    routes = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_key, are_keys_equal);
+    routes = kept_map(hash_key, are_keys_equal);
 }

@@ -25,6 +25,4 @@ struct sis_exchange *sis_route_find(tvbuff_t *tvb, packet_info *pinfo, const sis
 /* A command was answered, or its master has sent the next one: ends its wait, if any. */
 void sis_route_leave(sis_waiting_t *waiting);
 
-void sis_routes_register(void);
-
 #endif

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Sequential telegrams: long data are read or written in pieces (chapters 8.2 and 8.7). Bit 2 of the
  * parameter control says whether more follow. Nothing marks the first piece or numbers the pieces. */
-
 #include "sis/sequence.h"
 
-#include <epan/reassemble.h>
-
-#include "sis/layouts.h"
+#include "items.h"
+#include "sis/names.h"
+#include "sis/pieces.h"
 
 #define SERVICE_CHANNEL_BUSY 0x8001 /* the command was not executed, and must be repeated */
 #define PARAMETER_OCCUPIED   0x800C
@@ -18,53 +17,6 @@
 #define MOST_BYTES   (0xFFFFu + LENGTH_WORDS) /* of a list: more means that its last piece was lost */
 #define MOST_PIECES  8192u /* 64 KB in pieces of 8 bytes; Wireshark searches all of them for each */
 #define MOST_OPEN    256u  /* transfers from one station to another: a device has one at a time */
-
-static int hf_pieces = -1;
-static int hf_piece = -1;
-static int hf_overlap = -1;
-static int hf_overlap_conflict = -1;
-static int hf_multiple_tails = -1;
-static int hf_too_long = -1;
-static int hf_error = -1;
-static int hf_count = -1;
-static int hf_whole_in = -1;
-static int hf_length = -1;
-
-static int ett_pieces = -1;
-static int ett_piece = -1;
-
-static expert_field ei_ended = EI_INIT;
-static expert_field ei_piece_missing = EI_INIT;
-
-static const fragment_items items = {
-    &ett_piece,           &ett_pieces,        &hf_pieces,   &hf_piece, &hf_overlap,
-    &hf_overlap_conflict, &hf_multiple_tails, &hf_too_long, &hf_error, &hf_count,
-    &hf_whole_in,         &hf_length,         NULL,         "pieces",
-};
-
-/* The number alone identifies a transfer: the stations were compared before. */
-static void *
-transfer_key(const packet_info *pinfo _U_, const uint32_t id, const void *data _U_)
-{
-    return GUINT_TO_POINTER(id);
-}
-
-static void
-free_nothing(void *key _U_)
-{
-}
-
-static reassembly_table table;
-static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
-
-static uint32_t
-next_transfer(void)
-{
-    uint32_t number = GPOINTER_TO_UINT(wmem_map_lookup(counters, NULL)) + 1;
-
-    wmem_map_insert(counters, NULL, GUINT_TO_POINTER(number));
-    return number;
-}
 
 /* A transfer under way, from one station to another. */
 typedef struct sis_transfer {
@@ -205,7 +157,7 @@ announced_by(const sis_body_t *body)
 static void
 begin_transfer(transfer_t *transfer, const sis_body_t *body)
 {
-    transfer->number = next_transfer();
+    transfer->number = sis_next_transfer();
     transfer->begun_in = transfer->last_in = body->pinfo->num;
     transfer->damaged_count = body->record->exchange->stream->bus->damaged_count;
     transfer->received = transfer->pieces = 0;
@@ -279,36 +231,26 @@ check_announced(sis_body_t *body, tvbuff_t *whole)
         return;
     announced = tvb_get_letohs(whole, 0) + LENGTH_WORDS;
     if (announced != length)
-        sis_mark(body, &ei_sis_note, "the list announces %u bytes, %u came", announced, length);
+        sis_mark(body, &ei_sis_body_note, "not as many bytes as the list announces");
 }
 
 /* The number of the piece counts only in the first pass. */
 static tvbuff_t *
-put_together(sis_body_t *body, unsigned number, bool is_last)
+put_together(sis_body_t *body, tvbuff_t *piece, unsigned number, bool is_last)
 {
     const sis_record_t *record = body->record;
-    unsigned length = sis_left(body);
-    fragment_head *head;
     tvbuff_t *whole;
 
     body->item = body->root;
     if (record->is_piece_missing)
-        sis_mark(body, &ei_piece_missing, "a piece may be missing");
+        sis_mark(body, &ei_sis_sequence_piece_missing, "a piece may be missing");
     if (record->is_piece_missing || record->is_piece_repeated)
         return NULL;
-    head = fragment_add_seq_check(&table, body->tvb, body->offset, body->pinfo, record->transfer, NULL,
-                                  number, length, !is_last);
-    if (is_last || head == NULL) {
-        whole = process_reassembled_data(body->tvb, body->offset, body->pinfo, "Data of all pieces", head,
-                                         &items, NULL, body->tree);
-        if (whole != NULL)
-            check_announced(body, whole);
-        return whole;
-    }
-    /* Not by process_reassembled_data(): the last piece may be in this packet, too. */
-    proto_item_set_generated(
-        proto_tree_add_uint(body->tree, hf_whole_in, body->tvb, 0, 0, head->reassembled_in));
-    return NULL;
+    whole = sis_put_together(SIS_PIECES_OF_SIS, body->tree, body->pinfo, piece, record->transfer, number,
+                             is_last);
+    if (whole != NULL)
+        check_announced(body, whole);
+    return whole;
 }
 
 bool
@@ -336,7 +278,7 @@ sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
 
         number = place_piece(body, &like, is_last);
     }
-    return record->transfer != 0 ? put_together(body, number, is_last) : alone;
+    return record->transfer != 0 ? put_together(body, alone, number, is_last) : alone;
 }
 
 bool
@@ -443,40 +385,6 @@ sis_sequence_watch(sis_body_t *body)
     if (record->ended == NULL)
         return;
     body->item = body->root;
-    sis_mark(body, &ei_ended, "transfer since frame %u ended unfinished: %s", record->ended->begun_in,
-             record->ended->reason);
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_pieces, {"Pieces", "sis.sequence", FT_NONE, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_piece, {"Piece", "sis.sequence.piece", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_overlap, {"Overlap", "sis.sequence.overlap", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_overlap_conflict, {"Overlap with other data", "sis.sequence.overlap.conflict", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_multiple_tails, {"Several last pieces", "sis.sequence.multiple_tails", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_too_long, {"Piece too long", "sis.sequence.too_long", FT_BOOLEAN, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_error, {"Error while putting together", "sis.sequence.error", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_count, {"Number of pieces", "sis.sequence.count", FT_UINT32, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_whole_in, {"The whole is in", "sis.sequence.whole_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_length, {"Length of the whole", "sis.sequence.length", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
-};
-
-static ei_register_info experts[] = {
-    {&ei_ended, {"sis.sequence.ended", PI_SEQUENCE, PI_NOTE, "A transfer of sequential telegrams ended unfinished", EXPFILL}},
-    {&ei_piece_missing, {"sis.sequence.piece_missing", PI_SEQUENCE, PI_NOTE, "A piece of this transfer may be missing: something that came between was damaged, lost or refused", EXPFILL}},
-};
-/* clang-format on */
-
-void
-sis_sequence_register(void)
-{
-    static const reassembly_table_functions functions = {g_direct_hash, g_direct_equal, transfer_key,
-                                                         transfer_key,  free_nothing,   free_nothing};
-    static int *trees[] = {&ett_pieces, &ett_piece};
-
-    proto_register_field_array(proto_sis, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
-    expert_register_field_array(sis_experts, experts, array_length(experts));
-    reassembly_table_register(&table, &functions);
-    counters = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), g_direct_hash, g_direct_equal);
+    add_generated(body->tree, hf_sis_sequence_begun_in, body->tvb, record->ended->begun_in);
+    sis_mark(body, &ei_sis_sequence_ended, "transfer ended unfinished: %s", record->ended->reason);
 }

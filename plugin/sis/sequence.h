@@ -29,6 +29,4 @@ bool sis_is_piece(const sis_body_t *body);
  * same device. */
 void sis_sequence_watch(sis_body_t *body);
 
-void sis_sequence_register(void);
-
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Wireshark's standard statistics: Conversations and Endpoints by station (`tshark -z conv,sis`, `-z
  * endpoints,sis`), a tree of telegrams (`-z sis,tree`), service response times (`-z sis,srt`). */
-
-#include "sis/statistics.h"
+#include "parts.h"
 
 #include <epan/conversation_table.h>
 #include <epan/srt_table.h>
@@ -10,7 +9,6 @@
 #include <epan/tap.h>
 
 #include "sis/exchange.h"
-#include "sis/fields.h"
 #include "sis/names.h"
 
 static const char *

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Tables of the timing: intervals by talker (`tshark -z sis,tza`), and the bus by station (`tshark -z
  * sis,bus`). The first row is the sum of all. */
-
-#include "sis/tables.h"
+#include "parts.h"
 
 #include <math.h>
 
-#include <epan/stat_tap_ui.h>
-#include <epan/tap.h>
-
 #include "sertap/line.h"
 #include "sis/exchange.h"
-#include "sis/quantiles.h"
+#include "sis/table.h"
 
 #define NS_PER_MS 1e6
 #define NS_PER_US INT64_C(1000)
@@ -56,9 +52,11 @@ enum {
     BUS_COLUMNS
 };
 
-/* clang-format off: a value is as wide as its column's name, so that tshark writes columns */
+/* A value is as wide as its column's name, so that tshark writes columns. The first has room for the arrow of
+ * the sorted column. */
+/* clang-format off */
 static stat_tap_table_item tza_columns[TZA_COLUMNS] = {
-    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Talker ", "%-7s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Talker    ", "%-10s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Telegrams", "%9u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Characters", "%10u"},
     {TABLE_ITEM_STRING, TAP_ALIGN_RIGHT, "p50 in ms", "%9s"},
@@ -77,7 +75,7 @@ static stat_tap_table_item tza_columns[TZA_COLUMNS] = {
 };
 
 static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
-    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Station ", "%-8s"},
+    {TABLE_ITEM_STRING, TAP_ALIGN_LEFT, "Station    ", "%-11s"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Telegrams", "%9u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Repeats", "%7u"},
     {TABLE_ITEM_UINT, TAP_ALIGN_RIGHT, "Unanswered", "%10u"},
@@ -93,45 +91,109 @@ static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
 };
 /* clang-format on */
 
+/* Quantiles of many intervals in little memory: a histogram with 32 buckets for each doubling. */
+#define BUCKETS_PER_OCTAVE 32 /* so a quantile is at most 3 % too large */
+#define BUCKETS            (BUCKETS_PER_OCTAVE * 28)
+
+/* The bucket of one quantile. Each value moves it by a few buckets at most. */
+typedef struct {
+    unsigned percent; /* share of the values that are not larger */
+    unsigned bucket;
+    uint64_t below; /* values in the buckets before */
+} quantile_t;
+
+typedef struct {
+    uint64_t count;
+    uint32_t largest;
+    uint32_t counts[BUCKETS];
+    quantile_t p50, p99;
+} quantiles_t;
+
+static void
+quantiles_init(quantiles_t *quantiles)
+{
+    memset(quantiles, 0, sizeof *quantiles);
+    quantiles->p50.percent = 50;
+    quantiles->p99.percent = 99;
+}
+
+/* Below 32 ns a bucket is 1 ns; above, the five bits after the first one select the bucket. */
+static unsigned
+bucket_of(uint32_t ns)
+{
+    int octave = g_bit_nth_msf(ns, -1) - 5;
+
+    if (octave < 0)
+        return ns;
+    return (unsigned)(octave + 1) * BUCKETS_PER_OCTAVE + (ns >> octave) - BUCKETS_PER_OCTAVE;
+}
+
+static uint32_t
+end_of_bucket(unsigned bucket)
+{
+    unsigned octave = bucket / BUCKETS_PER_OCTAVE, rest = bucket % BUCKETS_PER_OCTAVE;
+
+    if (octave == 0)
+        return bucket;
+    return (uint32_t)((((uint64_t)rest + BUCKETS_PER_OCTAVE + 1) << (octave - 1)) - 1);
+}
+
+static void
+move(quantile_t *quantile, const quantiles_t *quantiles, unsigned bucket)
+{
+    uint64_t wanted = (quantile->percent * quantiles->count + 99) / 100;
+
+    if (bucket < quantile->bucket)
+        quantile->below++;
+    while (quantile->below >= wanted)
+        quantile->below -= quantiles->counts[--quantile->bucket];
+    while (quantile->below + quantiles->counts[quantile->bucket] < wanted)
+        quantile->below += quantiles->counts[quantile->bucket++];
+}
+
+/* Takes an interval, in ns. */
+static void
+quantiles_add(quantiles_t *quantiles, uint32_t ns)
+{
+    unsigned bucket = bucket_of(ns);
+
+    quantiles->counts[bucket]++;
+    quantiles->count++;
+    quantiles->largest = MAX(quantiles->largest, ns);
+    move(&quantiles->p50, quantiles, bucket);
+    move(&quantiles->p99, quantiles, bucket);
+}
+
+/* In ns; rather too large than too small. 0 without values. */
+static uint32_t
+quantile_ns(const quantiles_t *quantiles, const quantile_t *quantile)
+{
+    return MIN(end_of_bucket(quantile->bucket), quantiles->largest);
+}
+
 /* Sums of a row beside its columns. */
 typedef struct {
+    sis_row_t lines; /* in the first row: the set of lines seen */
     int station;
-    sis_quantiles_t intervals;
-    uint64_t busy;      /* ns */
-    int64_t begin, end; /* in the first row: of all characters, ns since 1970; 0: none yet */
-    GHashTable *lines;  /* in the first row: the set of lines seen */
+    quantiles_t intervals;
+    uint64_t busy; /* ns */
+    double span;   /* ns, in the first row: from the first character on; times that went back do not count */
+    int64_t last;  /* in the first row: time of the last record, ns since 1970; 0: none yet */
+    uint64_t duration; /* and how long it took, ns */
 } row_t;
-
-static stat_tap_table *
-table_of(void *data)
-{
-    return g_array_index(((stat_data_t *)data)->stat_tap_data->tables, stat_tap_table *, 0);
-}
-
-static row_t *
-row_at(const stat_tap_table *table, unsigned number)
-{
-    return stat_tap_get_field_data(table, number, 0)->user_data.ptr_value;
-}
 
 static unsigned
 add_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
 {
-    stat_tap_table_item_type items[MAX((int)TZA_COLUMNS, (int)BUS_COLUMNS)] = {0};
-    unsigned number = table->num_elements;
     row_t *row = g_new0(row_t, 1);
+    unsigned number = sis_table_add_row(table, columns, row);
+    char text[4];
 
-    for (unsigned i = 0; i < table->num_fields; i++) {
-        items[i].type = columns[i].type;
-        if (i > 0 && columns[i].type == TABLE_ITEM_STRING)
-            items[i].value.string_value = g_strdup("");
-    }
     row->station = station;
-    row->lines = g_hash_table_new(NULL, NULL);
-    sis_quantiles_init(&row->intervals);
-    items[0].user_data.ptr_value = row;
-    items[0].value.string_value = station == ALL ? g_strdup("All") : g_strdup_printf("%3d", station);
-    stat_tap_init_table_row(table, number, table->num_fields, items);
+    row->lines.hash = g_hash_table_new(NULL, NULL);
+    quantiles_init(&row->intervals);
+    snprintf(text, sizeof text, "%3d", station);
+    sis_table_set_text(table, number, 0, station == ALL ? "All" : text);
     return number;
 }
 
@@ -139,16 +201,10 @@ static unsigned
 find_row(stat_tap_table *table, int station, const stat_tap_table_item *columns)
 {
     for (unsigned i = 0; i < table->num_elements; i++) {
-        if (row_at(table, i)->station == station)
+        if (((row_t *)sis_table_row(table, i))->station == station)
             return i;
     }
     return add_row(table, station, columns);
-}
-
-static void
-count(const stat_tap_table *table, unsigned row, unsigned column, unsigned by)
-{
-    stat_tap_get_field_data(table, row, column)->value.uint_value += by;
 }
 
 /* Decimals are text, because the windows of 4.0 and 4.4 always show six of them, with a comma in some
@@ -169,19 +225,25 @@ set_decimal(const stat_tap_table *table, unsigned row, unsigned column, unsigned
     wmem_free(NULL, text);
 }
 
+static int64_t
+rounded_us(int64_t ns)
+{
+    return (ns + NS_PER_US / 2) / NS_PER_US;
+}
+
 static void
 set_ms(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
 {
-    set_decimal(table, row, column, 3, (ns + NS_PER_US / 2) / NS_PER_US);
+    set_decimal(table, row, column, 3, rounded_us(ns));
 }
 
 /* Empty where no interval has an exact time. */
 static void
-set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const sis_quantiles_t *quantiles,
-             const sis_quantile_t *quantile)
+set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const quantiles_t *quantiles,
+             const quantile_t *quantile)
 {
     if (quantiles->count > 0)
-        set_ms(table, row, column, sis_quantile_ns(quantiles, quantile));
+        set_ms(table, row, column, quantile_ns(quantiles, quantile));
 }
 
 static bool
@@ -189,58 +251,36 @@ raise_to(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
 {
     const stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
 
-    if ((double)ns <= item->user_data.float_value * NS_PER_US)
+    if ((double)rounded_us(ns) <= item->user_data.float_value)
         return false;
     set_ms(table, row, column, ns);
     return true;
 }
 
-/* "<=12.000": an upper bound; the true time is unknown. */
+/* "<=12.000", ">4294.967": a bound; the true time is unknown. */
 static void
-mark_as_bound(const stat_tap_table *table, unsigned row, unsigned column)
+mark_as_bound(const stat_tap_table *table, unsigned row, unsigned column, const char *sign)
 {
     stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
     char *text = (char *)item->value.string_value;
 
-    item->value.string_value = g_strdup_printf("<=%s", g_strchug(text));
+    item->value.string_value = g_strconcat(sign, g_strchug(text), NULL);
     g_free(text);
 }
 
 static void
 raise_longest(const stat_tap_table *table, unsigned row, const sis_interval_t *longest)
 {
-    if (longest->at == 0 || (!longest->is_exact && longest->span.most == SIS_ANY_TIME))
+    bool is_recorded = longest->is_exact || longest->is_saturated;
+
+    if (longest->at == 0 || (!is_recorded && longest->span.most == SIS_ANY_TIME))
         return;
-    if (raise_to(table, row, TZA_LONGEST, longest->is_exact ? longest->recorded : longest->span.most) &&
-        !longest->is_exact)
-        mark_as_bound(table, row, TZA_LONGEST);
-}
-
-static void
-init_table(stat_tap_table_ui *ui, const char *title)
-{
-    stat_tap_table *table = stat_tap_find_table(ui, title);
-
-    if (table != NULL) {
-        if (ui->stat_tap_reset_table_cb != NULL)
-            ui->stat_tap_reset_table_cb(table);
+    if (!raise_to(table, row, TZA_LONGEST, is_recorded ? longest->recorded : longest->span.most))
         return;
-    }
-    table = stat_tap_init_table(title, (int)ui->nfields, 0, NULL);
-    stat_tap_add_table(ui, table);
-    add_row(table, ALL, ui->fields);
-}
-
-static void
-reset_item(stat_tap_table_item_type *item)
-{
-    if (item->type == TABLE_ITEM_STRING) {
-        g_free((char *)item->value.string_value);
-        item->value.string_value = g_strdup("");
-        item->user_data.float_value = 0;
-    } else {
-        memset(&item->value, 0, sizeof item->value);
-    }
+    if (longest->is_saturated)
+        mark_as_bound(table, row, TZA_LONGEST, ">");
+    else if (!longest->is_exact)
+        mark_as_bound(table, row, TZA_LONGEST, "<=");
 }
 
 /* Resets everything; the rows stay. */
@@ -248,30 +288,15 @@ static void
 reset_table(stat_tap_table *table)
 {
     for (unsigned i = 0; i < table->num_elements; i++) {
-        row_t *row = row_at(table, i);
+        row_t *row = sis_table_row(table, i);
 
-        sis_quantiles_init(&row->intervals);
-        row->busy = row->begin = row->end = 0;
-        g_hash_table_remove_all(row->lines);
-        for (unsigned column = 1; column < table->num_fields; column++)
-            reset_item(stat_tap_get_field_data(table, i, column));
+        quantiles_init(&row->intervals);
+        row->busy = row->duration = 0;
+        row->span = 0;
+        row->last = 0;
+        g_hash_table_remove_all(row->lines.hash);
+        sis_table_reset_row(table, i, 1);
     }
-}
-
-static void
-free_row(row_t *row)
-{
-    g_hash_table_destroy(row->lines);
-    g_free(row);
-}
-
-static void
-free_item(stat_tap_table *table _U_, unsigned row _U_, unsigned column, stat_tap_table_item_type *item)
-{
-    if (item->type == TABLE_ITEM_STRING)
-        g_free((char *)item->value.string_value);
-    if (column == 0)
-        free_row(item->user_data.ptr_value);
 }
 
 static bool
@@ -291,36 +316,36 @@ count_interval(const stat_tap_table *table, unsigned row, const sis_times_t *tim
     uint32_t ns = tvb_get_ntohl(record->tvb, record->times_offset + 4 * at);
 
     if (compat_get_uint8(record->tvb, record->flags_offset + at) &
-        (SERTAP_INTERVAL_UNKNOWN | SERTAP_LOST_BEFORE))
+        (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST))
         return;
     if (is_same_read(times, character - 1) || is_same_read(times, character) ||
         is_same_read(times, character + 1)) {
-        count(table, row, TZA_ONE_READ, 1);
+        sis_table_count(table, row, TZA_ONE_READ, 1);
         return;
     }
     while (ns >= bins_ms[bin] * NS_PER_MS)
         bin++;
-    count(table, row, TZA_BINS + bin, 1);
-    sis_quantiles_add(&row_at(table, row)->intervals, ns);
+    sis_table_count(table, row, TZA_BINS + bin, 1);
+    quantiles_add(&((row_t *)sis_table_row(table, row))->intervals, ns);
 }
 
 static void
 count_intervals(const stat_tap_table *table, unsigned row, const sis_telegram_t *telegram)
 {
     const sis_interval_t *longest = &telegram->timing.longest.interval;
-    const sis_quantiles_t *intervals = &row_at(table, row)->intervals;
+    const quantiles_t *intervals = &((row_t *)sis_table_row(table, row))->intervals;
 
-    count(table, row, TZA_TELEGRAMS, 1);
-    count(table, row, TZA_CHARACTERS, telegram->length);
+    sis_table_count(table, row, TZA_TELEGRAMS, 1);
+    sis_table_count(table, row, TZA_CHARACTERS, telegram->length);
     for (unsigned i = 1; i < telegram->times.count; i++)
         count_interval(table, row, &telegram->times, i);
     set_quantile(table, row, TZA_P50, intervals, &intervals->p50);
     set_quantile(table, row, TZA_P99, intervals, &intervals->p99);
     raise_longest(table, row, longest);
     if (telegram->timing.tza > 0 && telegram->timing.longest.verdict == SIS_TIME_EXCEEDED)
-        count(table, row, TZA_EXCEEDED, 1);
+        sis_table_count(table, row, TZA_EXCEEDED, 1);
     if (telegram->timing.tza > 0 && telegram->timing.longest.verdict == SIS_TIME_UNRESOLVED)
-        count(table, row, TZA_UNRESOLVED, 1);
+        sis_table_count(table, row, TZA_UNRESOLVED, 1);
 }
 
 /* The sender of a damaged telegram is unknown. */
@@ -329,7 +354,7 @@ tza_packet(void *data, packet_info *pinfo _U_, epan_dissect_t *edt _U_, const vo
            tap_flags_t flags _U_)
 {
     const sis_telegram_t *telegram = tapped;
-    stat_tap_table *table = table_of(data);
+    stat_tap_table *table = sis_table_of(data);
 
     if (!telegram->is_good || telegram->times.record == NULL)
         return TAP_PACKET_DONT_REDRAW;
@@ -343,7 +368,7 @@ static unsigned
 line_errors(const sertap_record_t *record, unsigned first, unsigned count_)
 {
     const uint8_t errors =
-        SERTAP_CHARACTER_ERROR | SERTAP_BREAK | SERTAP_LOST_BEFORE | SERTAP_UNLOCATED_ERROR;
+        SERTAP_ERROR_CHARACTER | SERTAP_ERROR_BREAK | SERTAP_ERROR_LOST | SERTAP_ERROR_UNLOCATED;
     unsigned found = 0;
 
     for (unsigned i = first; record->flags & errors && i < first + count_; i++)
@@ -354,16 +379,16 @@ line_errors(const sertap_record_t *record, unsigned first, unsigned count_)
 static void
 count_record(const stat_tap_table *table, packet_info *pinfo, const sertap_record_t *record)
 {
-    row_t *all = row_at(table, 0);
-    int64_t begin = sertap_ns(&pinfo->abs_ts) - sertap_character_ns(record);
+    row_t *all = sis_table_row(table, 0);
+    int64_t now = sertap_ns(&pinfo->abs_ts);
 
-    count(table, 0, BUS_CHARACTERS, record->count);
-    count(table, 0, BUS_LINE, line_errors(record, 0, record->timed));
+    sis_table_count(table, 0, BUS_CHARACTERS, record->count);
+    sis_table_count(table, 0, BUS_LINE, line_errors(record, 0, record->timed));
     all->busy += (uint64_t)sertap_character_ns(record) * record->count;
-    g_hash_table_add(all->lines, GUINT_TO_POINTER(sertap_line_number(pinfo)));
-    if (all->begin == 0)
-        all->begin = begin;
-    all->end = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
+    g_hash_table_add(all->lines.hash, GUINT_TO_POINTER(sertap_line_number(pinfo)));
+    all->span += all->last == 0 ? sertap_character_ns(record) : MAX(sertap_elapsed(all->last, now), 0);
+    all->last = now;
+    all->duration = record->duration;
 }
 
 static void
@@ -373,15 +398,17 @@ count_timing(const stat_tap_table *table, unsigned row, const sis_telegram_t *te
     const sis_exchange_t *exchange = telegram->record->exchange;
 
     if (timing->has_silence) {
-        raise_to(table, row, BUS_SILENCE, timing->silence);
-        count(table, row, BUS_SILENCES, timing->silence > SILENCE_NS);
+        if (raise_to(table, row, BUS_SILENCE, timing->silence) && !timing->is_silence_known)
+            mark_as_bound(table, row, BUS_SILENCE, ">");
+        sis_table_count(table, row, BUS_SILENCES, timing->silence > SILENCE_NS);
     }
     if (timing->has_reaction_time)
-        count(table, row, BUS_CYCLES,
-              sertap_elapsed(exchange->command_end, telegram->times.end) + exchange->command_duration >
-                  CYCLE_NS);
-    count(table, row, BUS_TZA, timing->tza > 0 && timing->longest.verdict == SIS_TIME_EXCEEDED);
-    count(table, row, BUS_TRS, timing->trs > 0 && timing->trs_verdict == SIS_TIME_EXCEEDED);
+        sis_table_count(table, row, BUS_CYCLES,
+                        sertap_elapsed(exchange->command_end, telegram->times.end) +
+                                exchange->command_duration >
+                            CYCLE_NS);
+    sis_table_count(table, row, BUS_TZA, timing->tza > 0 && timing->longest.verdict == SIS_TIME_EXCEEDED);
+    sis_table_count(table, row, BUS_TRS, timing->trs > 0 && timing->trs_verdict == SIS_TIME_EXCEEDED);
 }
 
 static void
@@ -390,14 +417,14 @@ count_talker(stat_tap_table *table, const sis_telegram_t *telegram)
     unsigned row = find_row(table, telegram->talker, bus_columns);
     const sis_times_t *times = &telegram->times;
 
-    count(table, row, BUS_TELEGRAMS, 1);
-    count(table, row, BUS_CHARACTERS, telegram->length);
+    sis_table_count(table, row, BUS_TELEGRAMS, 1);
+    sis_table_count(table, row, BUS_CHARACTERS, telegram->length);
     count_timing(table, 0, telegram);
     count_timing(table, row, telegram);
     if (times->record == NULL)
         return;
-    row_at(table, row)->busy += (uint64_t)sertap_character_ns(times->record) * times->count;
-    count(table, row, BUS_LINE, line_errors(times->record, times->first, times->count));
+    ((row_t *)sis_table_row(table, row))->busy += (uint64_t)sertap_character_ns(times->record) * times->count;
+    sis_table_count(table, row, BUS_LINE, line_errors(times->record, times->first, times->count));
 }
 
 /* The station that the master had to ask again, or in vain. */
@@ -405,12 +432,12 @@ static void
 count_asked(stat_tap_table *table, const sis_exchange_t *exchange)
 {
     if (exchange->first != NULL) {
-        count(table, 0, BUS_REPEATS, 1);
-        count(table, find_row(table, exchange->path[0], bus_columns), BUS_REPEATS, 1);
+        sis_table_count(table, 0, BUS_REPEATS, 1);
+        sis_table_count(table, find_row(table, exchange->path[0], bus_columns), BUS_REPEATS, 1);
     }
     if (exchange->gave_up != 0) {
-        count(table, 0, BUS_UNANSWERED, 1);
-        count(table, find_row(table, exchange->gave_up_station, bus_columns), BUS_UNANSWERED, 1);
+        sis_table_count(table, 0, BUS_UNANSWERED, 1);
+        sis_table_count(table, find_row(table, exchange->gave_up_station, bus_columns), BUS_UNANSWERED, 1);
     }
 }
 
@@ -419,11 +446,12 @@ count_telegram(stat_tap_table *table, const sis_telegram_t *telegram)
 {
     const sis_exchange_t *exchange = telegram->record->exchange;
 
-    count(table, 0, BUS_TELEGRAMS, 1);
+    sis_table_count(table, 0, BUS_TELEGRAMS, 1);
     if (telegram->times.record == NULL)
-        count(table, 0, BUS_CHARACTERS, tvb_reported_length(telegram->tvb)); /* and what follows it */
+        sis_table_count(table, 0, BUS_CHARACTERS,
+                        tvb_reported_length(telegram->tvb)); /* and what follows it */
     if (!telegram->is_good) {
-        count(table, 0, BUS_DAMAGED, 1);
+        sis_table_count(table, 0, BUS_DAMAGED, 1);
         return;
     }
     count_talker(table, telegram);
@@ -443,14 +471,15 @@ permille(uint64_t busy, double span)
 static void
 set_loads(const stat_tap_table *table)
 {
-    const row_t *all = row_at(table, 0);
-    int64_t span = sertap_elapsed(all->begin, all->end);
-    unsigned lines = g_hash_table_size(all->lines);
+    const row_t *all = sis_table_row(table, 0);
+    double span = all->span + (double)all->duration;
+    unsigned lines = g_hash_table_size(all->lines.hash);
 
     if (span <= 0)
         return;
     for (unsigned i = 0; i < table->num_elements; i++)
-        set_decimal(table, i, BUS_LOAD, 1, permille(row_at(table, i)->busy, span * (i == 0 ? lines : 1.0)));
+        set_decimal(table, i, BUS_LOAD, 1,
+                    permille(((row_t *)sis_table_row(table, i))->busy, span * (i == 0 ? lines : 1.0)));
 }
 
 /* Called for every packet, because the line's other characters have errors, too. */
@@ -458,7 +487,7 @@ static tap_packet_status
 bus_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped _U_,
            tap_flags_t flags _U_)
 {
-    stat_tap_table *table = table_of(data);
+    stat_tap_table *table = sis_table_of(data);
     const sertap_record_t *record = sertap_record(pinfo);
     const sis_telegram_t *telegram = sis_packet(pinfo)->last;
 
@@ -468,6 +497,15 @@ bus_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *
         count_telegram(table, telegram);
     set_loads(table);
     return TAP_PACKET_REDRAW;
+}
+
+static void
+init_table(stat_tap_table_ui *ui, const char *title)
+{
+    stat_tap_table *table = sis_table_begin(ui, title);
+
+    if (table != NULL)
+        add_row(table, ALL, ui->fields);
 }
 
 static void
@@ -482,36 +520,24 @@ init_bus(stat_tap_table_ui *ui)
     init_table(ui, "SIS bus by station");
 }
 
-static tap_param parameters[] = {{PARAM_FILTER, "filter", "Filter", NULL, TRUE}};
-
 static stat_tap_table_ui tza_table = {
-    .group = REGISTER_PACKET_STAT_GROUP_UNSORTED,
+    SIS_TABLE(tza_columns),
     .title = "SIS intervals by talker (TzA)",
     .tap_name = "sis",
     .cli_string = "sis,tza",
     .stat_tap_init_cb = init_tza,
     .packet_func = tza_packet,
     .stat_tap_reset_table_cb = reset_table,
-    .stat_tap_free_table_item_cb = free_item,
-    .nfields = array_length(tza_columns),
-    .fields = tza_columns,
-    .nparams = array_length(parameters),
-    .params = parameters,
 };
 
 static stat_tap_table_ui bus_table = {
-    .group = REGISTER_PACKET_STAT_GROUP_UNSORTED,
+    SIS_TABLE(bus_columns),
     .title = "SIS bus by station",
     .tap_name = "frame",
     .cli_string = "sis,bus",
     .stat_tap_init_cb = init_bus,
     .packet_func = bus_packet,
     .stat_tap_reset_table_cb = reset_table,
-    .stat_tap_free_table_item_cb = free_item,
-    .nfields = array_length(bus_columns),
-    .fields = bus_columns,
-    .nparams = array_length(parameters),
-    .params = parameters,
 };
 
 void

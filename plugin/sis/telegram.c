@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The header of a telegram (chapter 2.1), and the data of its packet. */
-
 #include "sis/telegram.h"
 
 #include <epan/proto_data.h>
 
-#include "sis/fields.h"
+#include "protocol/fields.h"
+
+int sis_tap = -1;
 
 sis_packet_t *
 sis_packet(packet_info *pinfo)
@@ -25,6 +26,7 @@ sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
     sis_telegram_t *telegram = wmem_new0(pinfo->pool, sis_telegram_t);
     const uint8_t *header = tvb_get_ptr(tvb, 0, SIS_STATIC_LENGTH);
     unsigned there = tvb_reported_length(tvb);
+    const sis_telegram_t *before = sis_packet(pinfo)->last;
 
     telegram->tvb = tvb;
     telegram->control = header[4];
@@ -39,7 +41,7 @@ sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
         SIS_STATIC_LENGTH + telegram->subaddress_count + ((telegram->control & SIS_CONTROL_NUMBER) ? 1 : 0);
     telegram->declared = sis_declared_length(tvb, 0);
     telegram->length = telegram->declared != 0 ? MIN(there, telegram->declared) : there;
-    telegram->times = sis_times(tvb, pinfo, telegram->length);
+    telegram->times = sis_times(tvb, pinfo, telegram->length, before != NULL ? &before->times : NULL);
     telegram->is_good = telegram->body_offset <= telegram->declared && sis_is_good(tvb, 0);
     telegram->last_address = telegram->receiver;
     if (telegram->is_good && telegram->subaddress_count > 0)

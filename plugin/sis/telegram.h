@@ -7,19 +7,17 @@
 #include "sis/frame.h"
 #include "sis/times.h"
 
-/* Telegram control (chapter 2.1). */
-#define SIS_CONTROL_SUBADDRESSES 0x07
-#define SIS_CONTROL_NUMBER       0x08
-#define SIS_CONTROL_REACTION     0x10
-
 /* Passing on the right to send commands (chapter 2.4); its contents are not specified. */
 #define SIS_TOKEN_PASSING 0x0F
 
 struct sis_record;
 
+extern int sis_tap; /* receives every sis_telegram_t */
+
 /* The timing of a telegram; times in ns. */
 typedef struct {
-    bool has_silence; /* before the telegram */
+    bool has_silence;      /* before the telegram */
+    bool is_silence_known; /* false: it was longer */
     int64_t silence;
     sis_longest_t longest; /* of its intervals; at is 0 if they are unknown or not needed */
     int64_t tza;           /* limits; 0: unknown, so there is no verdict */
@@ -61,7 +59,6 @@ typedef struct sis_telegram {
     const char *error_text;  /* NULL: there is no error code */
     uint32_t error;
     const sis_error_t *errors; /* of its elements, the last first */
-    wmem_list_t *accesses;     /* to parameters, sis_access_t; NULL: not requested */
 } sis_telegram_t;
 
 /* Several telegrams may be in one packet; kept while it is dissected. */

@@ -4,8 +4,7 @@
  * The time of a character is that of the read that delivered it. The character came no later, and earlier by
  * at most the uncertainty of the record. Characters of one read follow one another by at least a character
  * time. So the i-th of k came at least (k - i) character times before the read. If a read is longer than its
- * uncertainty, the uncertainty was too small. */
-
+ * uncertainty, the uncertainty was too small. Neighbouring reads bound each other in the same way. */
 #include "sis/times.h"
 
 #include "sis/frame.h"
@@ -38,22 +37,28 @@ read_size(const sis_times_t *times, unsigned character)
     return next - character;
 }
 
-/* A read of some of the telegram's characters: how long before it the first may have come, and how much of
- * that time the others need. */
+/* A read of some of the telegram's characters; times in ns. */
 typedef struct {
+    unsigned first; /* of the record's characters */
     unsigned size;
-    int64_t uncertainty; /* ns, of the first character */
-    int64_t others;      /* ns, from the first character to the last, at least */
+    int64_t others;   /* from the first character to the last, at least */
+    int64_t earliest; /* so long before the read the first may have come */
+    int64_t latest;   /* so long before the read the last had come, at least */
 } read_t;
+
+static int64_t
+shortest_character(const sis_times_t *times)
+{
+    return SHORTEST_CHARACTER(sertap_character_ns(times->record));
+}
 
 static read_t
 read_at(const sis_times_t *times, unsigned character)
 {
-    int64_t uncertainty = times->record->uncertainty;
-    read_t read = {.size = read_size(times, character)};
+    read_t read = {.first = character, .size = read_size(times, character)};
 
-    read.others = (read.size - 1) * SHORTEST_CHARACTER(sertap_character_ns(times->record));
-    read.uncertainty = MAX(uncertainty, read.others);
+    read.others = (read.size - 1) * shortest_character(times);
+    read.earliest = MAX(times->record->uncertainty, read.others);
     return read;
 }
 
@@ -62,7 +67,7 @@ bound_begin(sis_times_t *times)
 {
     read_t read = read_at(times, times->first);
 
-    times->begin_earliest = times->begin - read.uncertainty;
+    times->begin_earliest = times->begin - read.earliest;
     times->begin_latest = times->begin - read.others;
 }
 
@@ -75,11 +80,26 @@ bound_end(sis_times_t *times)
     while (last > times->first && flags_of(times->record, last) & SERTAP_SAME_READ)
         last--;
     read = read_at(times, last);
-    times->end_earliest = times->end - read.uncertainty + read.others;
+    times->end_earliest = times->end - read.earliest + read.others;
+}
+
+/* When a character came, counted from the telegram before: a record may hold thousands of telegrams. */
+static int64_t
+moment_of(const sertap_record_t *record, unsigned character, int64_t begin, const sis_times_t *before)
+{
+    unsigned at = 0;
+
+    if (before != NULL && before->record == record && before->first + before->count <= character) {
+        at = before->first + before->count - 1;
+        begin = before->end;
+    }
+    while (at < character)
+        begin += interval_of(record, ++at);
+    return begin;
 }
 
 sis_times_t
-sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length)
+sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t *before)
 {
     const sertap_record_t *record = sertap_record(pinfo);
     sis_times_t times = {.begin = sertap_ns(&pinfo->abs_ts)};
@@ -91,8 +111,7 @@ sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length)
     times.record = record;
     times.first = first;
     times.count = length;
-    for (unsigned i = 1; i <= first; i++)
-        times.begin += interval_of(record, i);
+    times.begin = moment_of(record, first, times.begin, before);
     times.end = times.begin + (int64_t)record->duration;
     if (length < record->timed) {
         times.end = times.begin;
@@ -107,38 +126,65 @@ sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length)
     return times;
 }
 
+static bool
+is_measured_before(const sis_times_t *times, const read_t *read)
+{
+    return !(flags_of(times->record, read->first) & (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST));
+}
+
+/* All reads of a telegram. No character came before the one before it: what is known of a read bounds its
+ * neighbours, forwards and backwards. */
+static unsigned
+find_reads(const sis_times_t *times, read_t *reads)
+{
+    int64_t shortest = shortest_character(times);
+    unsigned count = 0;
+
+    for (unsigned i = times->first; i < times->first + times->count; i += reads[count++].size)
+        reads[count] = read_at(times, i);
+    if (!times->is_bounded)
+        return count;
+    for (unsigned i = 1; i < count; i++) {
+        read_t *before = &reads[i - 1], *read = &reads[i];
+        int64_t since = interval_of(times->record, read->first) + before->earliest - before->others;
+
+        if (is_measured_before(times, read))
+            read->earliest = CLAMP(since - shortest, read->others, read->earliest);
+    }
+    for (unsigned i = count - 1; i > 0; i--) {
+        read_t *before = &reads[i - 1], *read = &reads[i];
+        int64_t until = interval_of(times->record, read->first) - read->others - read->latest;
+
+        if (is_measured_before(times, read))
+            before->latest = CLAMP(shortest - until, 0, before->earliest - before->others);
+    }
+    return count;
+}
+
 /* Between the last character of one read and the first of the next. */
 static sis_span_t
-span_before(const sis_times_t *times, const read_t *before, const read_t *read, unsigned character)
+span_before(const sis_times_t *times, const read_t *before, const read_t *read)
 {
-    uint8_t flags = flags_of(times->record, character);
-    int64_t interval = interval_of(times->record, character);
-    sis_span_t span = {interval - read->uncertainty,
-                       interval - read->others + before->uncertainty - before->others};
+    uint8_t flags = flags_of(times->record, read->first);
+    int64_t interval = interval_of(times->record, read->first);
+    sis_span_t span = {interval - read->earliest + before->latest,
+                       interval - read->others - read->latest + before->earliest - before->others};
 
-    if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_LOST_BEFORE) || span.least < 0)
+    if (!is_measured_before(times, read) || !times->is_bounded || span.least < 0)
         span.least = 0;
     if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_INTERVAL_SATURATED) || !times->is_bounded)
         span.most = SIS_ANY_TIME;
-    if (!times->is_bounded)
-        span.least = 0;
     return span;
 }
 
-/* Between any two characters of one read: bounded by the rest of its uncertainty, and by the time since
- * the read before. */
+/* Between any two characters of one read. */
 static sis_span_t
-span_inside(const sis_times_t *times, const read_t *before, const read_t *read, unsigned character)
+span_inside(const sis_times_t *times, const read_t *read)
 {
-    int64_t shortest = SHORTEST_CHARACTER(sertap_character_ns(times->record));
-    sis_span_t span = {shortest, read->uncertainty - read->others + shortest};
+    int64_t shortest = shortest_character(times);
+    int64_t rest = read->earliest - read->latest - read->others;
 
-    if (!times->is_bounded)
-        span.most = SIS_ANY_TIME;
-    else if (before->size > 0)
-        span.most = MIN(span.most, span_before(times, before, read, character).most);
-    span.most = MAX(span.most, shortest);
-    return span;
+    return (sis_span_t){shortest, times->is_bounded ? shortest + rest : SIS_ANY_TIME};
 }
 
 /* A start character and two equal lengths: a receiver restarts there after too long a pause, if the
@@ -173,7 +219,7 @@ consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interv
         longest->restart_at = interval.at;
     if (longest->verdict == SIS_TIME_OK || is_exceeded)
         longest->verdict = verdict;
-    if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_LOST_BEFORE)) {
+    if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST)) {
         if (verdict == SIS_TIME_UNRESOLVED && longest->unknown_at == 0)
             longest->unknown_at = interval.at;
         return;
@@ -189,28 +235,35 @@ sis_longest_t
 sis_longest(const sis_times_t *times, int64_t limit)
 {
     sis_longest_t longest = {0};
-    read_t before = {0};
+    read_t *reads = wmem_alloc_array(NULL, read_t, times->count);
+    unsigned count = find_reads(times, reads);
 
     if (limit == 0)
         limit = SIS_ANY_TIME; /* nothing exceeds it: the most that an interval can have been counts */
-    for (unsigned i = times->first, end = times->first + times->count; i < end; i += before.size) {
-        read_t read = read_at(times, i);
-        sis_interval_t interval = {.at = i - times->first + 1,
-                                   .recorded = interval_of(times->record, i),
-                                   .is_exact = read.size == 1 && before.size == 1};
+    for (unsigned i = 0; i < count; i++) {
+        const read_t *read = &reads[i];
+        sis_interval_t interval = {.at = read->first - times->first + 1,
+                                   .recorded = interval_of(times->record, read->first)};
 
-        if (before.size > 0) {
-            interval.span = span_before(times, &before, &read, i);
+        if (i > 0) {
+            interval.is_exact = read->size == 1 && reads[i - 1].size == 1;
+            interval.span = span_before(times, &reads[i - 1], read);
             consider(&longest, times, interval, limit);
         }
-        if (read.size > 1) {
-            interval = (sis_interval_t){.at = i - times->first + 2};
-            interval.span = span_inside(times, &before, &read, i);
+        if (read->size > 1) {
+            interval = (sis_interval_t){.at = read->first - times->first + 2};
+            interval.span = span_inside(times, read);
             consider(&longest, times, interval, limit);
         }
-        before = read;
     }
+    wmem_free(NULL, reads);
     return longest;
+}
+
+bool
+sis_is_measured(int64_t elapsed, const sis_times_t *times)
+{
+    return elapsed != 0 || times->record == NULL;
 }
 
 sis_span_t

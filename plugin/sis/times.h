@@ -13,8 +13,6 @@ typedef struct {
 
 #define SIS_ANY_TIME INT64_MAX /* upper bound, if there is none */
 
-typedef enum { SIS_TIME_OK, SIS_TIME_EXCEEDED, SIS_TIME_UNRESOLVED } sis_verdict_t;
-
 /* A telegram's characters. Times are ns since 1970. */
 typedef struct {
     const sertap_record_t *record; /* NULL: only the packet's time is known */
@@ -38,8 +36,9 @@ typedef struct {
     bool is_saturated; /* it was longer than `recorded` */
 } sis_interval_t;
 
-/* The times of the telegram at the beginning of `tvb`. */
-sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length);
+/* The times of the telegram at the beginning of `tvb`. `before`: of the telegram before it in the packet;
+ * NULL: none. */
+sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t *before);
 
 /* The interval that is, or may be, the longest of a telegram: one that exceeds the limit where any does.
  * With the verdict over all of them. at is 0 where there is none. */
@@ -53,10 +52,13 @@ typedef struct {
 /* The limit in ns; 0: none, and nothing exceeds it. Only where times->record is not NULL. */
 sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);
 
+/* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time. */
+bool sis_is_measured(int64_t elapsed, const sis_times_t *times);
+
 /* From the end of one telegram to the beginning of another. */
 sis_span_t sis_span_between(int64_t end_earliest, int64_t end, const sis_times_t *after);
 
-/* exceeded, ok or unresolved (see README.md); the limit in ns. */
+/* exceeded, ok or unresolved (see docs/verdicts.md); the limit in ns. */
 sis_verdict_t sis_judge(sis_span_t span, int64_t limit);
 
 #endif

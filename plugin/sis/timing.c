@@ -2,67 +2,23 @@
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
  * A limit comes from a preference, else from the bus (bus.c), else from the user who captured. Without a
- * limit there is no verdict, nor if only packets have times. times.c computes the verdicts. */
-
+ * limit there is no verdict, nor if only packets have times. times.c computes the sis_verdicts. */
 #include "sis/timing.h"
 
 #include <math.h>
 
 #include <epan/tap.h>
 
+#include "items.h"
 #include "sertap/line.h"
 #include "sis/address.h"
 #include "sis/bus.h"
-#include "sis/layouts.h"
+#include "sis/names.h"
 
 #define MS INT64_C(1000000) /* in ns */
 
 /* An operator terminal considers its link lost after this silence (chapter 10.1). */
 #define OPERATOR_TERMINAL_SILENCE (200 * MS)
-
-static int hf_silence_before = -1;
-static int hf_silence_before_ms = -1;
-static int hf_tza_interval_max = -1;
-static int hf_tza_interval_max_ms = -1;
-static int hf_tza_position = -1;
-static int hf_tza_limit = -1;
-static int hf_tza_set_in = -1;
-static int hf_tza_verdict = -1;
-static int hf_trs_limit = -1;
-static int hf_trs_set_in = -1;
-static int hf_trs_verdict = -1;
-static int hf_twm_wait = -1;
-static int hf_tmas_cycle = -1;
-static int hf_tmas_limit = -1;
-static int hf_tmas_set_in = -1;
-static int hf_tmas_verdict = -1;
-static int hf_bus_baud = -1;
-static int hf_bus_baud_set_in = -1;
-static int hf_bus_load = -1;
-
-static int ett_timing = -1;
-
-static expert_field ei_tza_exceeded = EI_INIT;
-static expert_field ei_tza_unresolved = EI_INIT;
-static expert_field ei_trs_exceeded = EI_INIT;
-static expert_field ei_trs_unresolved = EI_INIT;
-static expert_field ei_twm_early = EI_INIT;
-static expert_field ei_tmas_exceeded = EI_INIT;
-static expert_field ei_tmas_unresolved = EI_INIT;
-static expert_field ei_baud_differs = EI_INIT;
-
-/* Preferences; 0: use what the bus has set. */
-static unsigned tza_ms;
-static unsigned trs_ms;
-
-static const value_string verdicts[] = {
-    {SIS_TIME_OK, "ok"},
-    {SIS_TIME_EXCEEDED, "exceeded"},
-    {SIS_TIME_UNRESOLVED, "unresolved: the times are not exact enough"},
-    {0, NULL},
-};
-
-static const unit_name_string units_baud = {" Bd", NULL};
 
 /* A telegram whose timing is examined. */
 typedef struct {
@@ -82,12 +38,24 @@ typedef struct {
     expert_field *exceeded, *unresolved;
 } judgement_t;
 
-static const judgement_t tza = {"TzA",           &hf_tza_limit,    &hf_tza_set_in,
-                                &hf_tza_verdict, &ei_tza_exceeded, &ei_tza_unresolved};
-static const judgement_t trs = {"TrS",           &hf_trs_limit,    &hf_trs_set_in,
-                                &hf_trs_verdict, &ei_trs_exceeded, &ei_trs_unresolved};
-static const judgement_t tmas = {"Tmas",           &hf_tmas_limit,    &hf_tmas_set_in,
-                                 &hf_tmas_verdict, &ei_tmas_exceeded, &ei_tmas_unresolved};
+static const judgement_t tza = {"TzA",
+                                &hf_sis_tza_limit,
+                                &hf_sis_tza_set_in,
+                                &hf_sis_tza_verdict,
+                                &ei_sis_tza_exceeded,
+                                &ei_sis_tza_unresolved};
+static const judgement_t trs = {"TrS",
+                                &hf_sis_trs_limit,
+                                &hf_sis_trs_set_in,
+                                &hf_sis_trs_verdict,
+                                &ei_sis_trs_exceeded,
+                                &ei_sis_trs_unresolved};
+static const judgement_t tmas = {"Tmas",
+                                 &hf_sis_tmas_limit,
+                                 &hf_sis_tmas_set_in,
+                                 &hf_sis_tmas_verdict,
+                                 &ei_sis_tmas_exceeded,
+                                 &ei_sis_tmas_unresolved};
 
 /* More digits if three would look like a whole number of ms, as limits are. */
 static const char *
@@ -118,15 +86,6 @@ add_time(const timing_t *t, int hf, int64_t ns, const char *text)
     return item;
 }
 
-static proto_item *
-add_uint(const timing_t *t, int hf, uint32_t value)
-{
-    proto_item *item = proto_tree_add_uint(t->tree, hf, t->body->tvb, 0, 0, value);
-
-    proto_item_set_generated(item);
-    return item;
-}
-
 static const sis_setting_t *
 setting(const timing_t *t, sis_setting_kind_t kind)
 {
@@ -144,10 +103,11 @@ limit(const timing_t *t, sis_setting_kind_t kind, unsigned preference_ms)
     return told != NULL ? told->value * MS : 0;
 }
 
-/* Limit and verdict, with the words for an expert item. */
+/* Limit and verdict. The words for an expert item are the same in each packet: Wireshark groups by them. The
+ * numbers follow the verdict. */
 static void
 show_verdict(const timing_t *t, const judgement_t *judgement, const sis_setting_t *told, int64_t limit_ns,
-             sis_verdict_t verdict, const char *words)
+             sis_verdict_t verdict, const char *words, const char *numbers)
 {
     wmem_allocator_t *pool = t->pinfo->pool;
     const char *limit_text = wmem_strdup_printf(pool, "%u ms", (unsigned)(limit_ns / MS));
@@ -157,14 +117,15 @@ show_verdict(const timing_t *t, const judgement_t *judgement, const sis_setting_
     if (told != NULL && told->is_by_user)
         proto_item_append_text(item, ", told by the user");
     if (told != NULL && told->set_in != 0)
-        add_uint(t, *judgement->hf_set_in, told->set_in);
-    item = add_uint(t, *judgement->hf_verdict, verdict);
+        add_generated(t->tree, *judgement->hf_set_in, t->body->tvb, told->set_in);
+    item = add_generated(t->tree, *judgement->hf_verdict, t->body->tvb, verdict);
     if (verdict == SIS_TIME_OK)
         return;
-    expert_add_info_format(t->pinfo, item,
-                           verdict == SIS_TIME_EXCEEDED ? judgement->exceeded : judgement->unresolved,
-                           "%s = %s %s: %s", judgement->name, limit_text,
-                           verdict == SIS_TIME_EXCEEDED ? "exceeded" : "perhaps exceeded", words);
+    if (numbers[0] != '\0')
+        proto_item_append_text(item, ", %s", numbers);
+    expert_add_info_format(
+        t->pinfo, item, verdict == SIS_TIME_EXCEEDED ? judgement->exceeded : judgement->unresolved, "%s %s%s",
+        judgement->name, verdict == SIS_TIME_EXCEEDED ? "exceeded" : "perhaps exceeded", words);
     if (verdict == SIS_TIME_EXCEEDED)
         wmem_strbuf_append_printf(t->body->marks, "  [%s exceeded]", judgement->name);
 }
@@ -190,23 +151,28 @@ position_text(const timing_t *t, unsigned n)
 }
 
 /* Why a verdict is unresolved apart from the longest interval, or what a receiver does after so long a
- * pause (chapter 10.5). */
+ * pause (chapter 10.5); and the character that decides it. */
 static const char *
-verdict_words(const timing_t *t)
+verdict_words(const sis_longest_t *longest)
+{
+    if (longest->verdict != SIS_TIME_EXCEEDED)
+        return longest->unknown_at != 0 ? ": an interval is not known" : "";
+    return longest->restart_at != 0
+               ? ": a receiver begins anew at a character that looks like the start of a telegram"
+               : ": a receiver goes on";
+}
+
+static const char *
+verdict_numbers(const timing_t *t)
 {
     const sis_longest_t *longest = &t->timing->longest;
+    bool is_exceeded = longest->verdict == SIS_TIME_EXCEEDED;
+    unsigned at = is_exceeded ? longest->restart_at : longest->unknown_at;
 
-    if (longest->verdict == SIS_TIME_UNRESOLVED && longest->unknown_at != 0)
-        return wmem_strdup_printf(t->pinfo->pool, "; how long it was before character %u is not known",
-                                  longest->unknown_at);
-    if (longest->verdict != SIS_TIME_EXCEEDED)
+    if (at == 0)
         return "";
-    if (longest->restart_at != 0)
-        return wmem_strdup_printf(t->pinfo->pool,
-                                  "; character %u looks like the start of a telegram: a receiver begins anew "
-                                  "there",
-                                  longest->restart_at);
-    return "; a receiver goes on";
+    return wmem_strdup_printf(t->pinfo->pool, "%s character %u",
+                              is_exceeded ? "begins anew at" : "not known before", at);
 }
 
 static const char *
@@ -216,7 +182,7 @@ interval_text(const timing_t *t, const sis_interval_t *interval)
     uint32_t uncertainty = t->telegram->times.record->uncertainty;
 
     if (interval->is_saturated)
-        return wmem_strdup_printf(t->pinfo->pool, "at least %s", ms_text(t, interval->recorded));
+        return wmem_strdup_printf(t->pinfo->pool, "more than %s", ms_text(t, interval->recorded));
     if (!interval->is_exact)
         return span_text(t, &interval->span);
     return wmem_strdup_printf(
@@ -242,15 +208,15 @@ show_tza(const timing_t *t)
     if (is_recorded || interval->span.most != SIS_ANY_TIME) {
         int64_t most = is_recorded ? interval->recorded : interval->span.most;
 
-        add_time(t, hf_tza_interval_max, most, text);
-        sertap_add_column_ms(t->tree, hf_tza_interval_max_ms, t->body->tvb, most);
+        add_time(t, hf_sis_tza_interval_max, most, text);
+        sertap_add_column_ms(t->tree, hf_sis_tza_interval_max_ms, t->body->tvb, most);
     }
-    proto_item_append_text(add_uint(t, hf_tza_position, interval->at), " (%s)", position);
+    proto_item_append_text(add_generated(t->tree, hf_sis_tza_position, t->body->tvb, interval->at), " (%s)",
+                           position);
     if (t->timing->tza == 0)
         return;
-    show_verdict(t, &tza, tza_ms == 0 ? setting(t, SIS_TZA) : NULL, t->timing->tza, longest->verdict,
-                 wmem_strdup_printf(t->pinfo->pool, "%s before character %u (%s)%s", text, interval->at,
-                                    position, verdict_words(t)));
+    show_verdict(t, &tza, pref_sis_tza_ms == 0 ? setting(t, SIS_TZA) : NULL, t->timing->tza, longest->verdict,
+                 verdict_words(longest), verdict_numbers(t));
 }
 
 /* The reaction time of a slave on this line; behind a router it includes times of other lines. */
@@ -265,8 +231,9 @@ show_trs(const timing_t *t)
         span = sis_span_between(exchange->command_end - exchange->command_spread, exchange->command_end,
                                 &t->telegram->times);
     t->timing->trs_verdict = sis_judge(span, t->timing->trs);
-    show_verdict(t, &trs, trs_ms == 0 ? setting(t, SIS_TRS) : NULL, t->timing->trs, t->timing->trs_verdict,
-                 is_resolvable ? span_text(t, &span) : "how exact the times are is not known");
+    show_verdict(t, &trs, pref_sis_trs_ms == 0 ? setting(t, SIS_TRS) : NULL, t->timing->trs,
+                 t->timing->trs_verdict, is_resolvable ? "" : ": how exact the times are is not known",
+                 is_resolvable ? span_text(t, &span) : "");
 }
 
 /* The master's wait before a repetition, or after a broadcast. TwM is never sent, but a slave may take TrS
@@ -274,13 +241,13 @@ show_trs(const timing_t *t)
 static void
 show_twm(const timing_t *t)
 {
-    int64_t wait = t->timing->wait, slave = limit(t, SIS_TRS, trs_ms);
-    proto_item *item = add_time(t, hf_twm_wait, wait, ms_text(t, wait));
+    int64_t wait = t->timing->wait, slave = limit(t, SIS_TRS, pref_sis_trs_ms);
+    proto_item *item = add_time(t, hf_sis_twm_wait, wait, ms_text(t, wait));
 
-    if (t->record->exchange->first != NULL && slave > 0 && wait < slave)
-        expert_add_info_format(t->pinfo, item, &ei_twm_early,
-                               "Repeated after %s, while the slave may take %u ms (TrS)", ms_text(t, wait),
-                               (unsigned)(slave / MS));
+    if (t->record->exchange->first != NULL && slave > 0 && wait < slave) {
+        proto_item_append_text(item, ", while the slave may take %u ms (TrS)", (unsigned)(slave / MS));
+        expert_add_info(t->pinfo, item, &ei_sis_twm_early);
+    }
 }
 
 /* Two master control words to the same drive. */
@@ -295,14 +262,14 @@ show_tmas(const timing_t *t)
 {
     const sis_cycle_t *cycle = t->record->cycle;
     int64_t longest = t->telegram->times.record != NULL ? limit(t, SIS_TMAS, 0) : 0;
+    bool is_measured = sis_is_measured(cycle->ns, &t->telegram->times);
 
-    add_time(t, hf_tmas_cycle, cycle->ns, ms_text(t, cycle->ns));
+    if (is_measured)
+        add_time(t, hf_sis_tmas_cycle, cycle->ns, ms_text(t, cycle->ns));
+    add_generated(t->tree, hf_sis_tmas_before_in, t->body->tvb, cycle->frame);
     if (longest > 0)
         show_verdict(t, &tmas, setting(t, SIS_TMAS), longest, sis_judge(cycle->span, longest),
-                     wmem_strdup_printf(t->pinfo->pool,
-                                        "%s since the master control word before (frame %u); a slave stops a "
-                                        "movement",
-                                        ms_text(t, cycle->ns), cycle->frame));
+                     ": a slave stops a movement", is_measured ? "" : span_text(t, &cycle->span));
 }
 
 static bool
@@ -321,18 +288,18 @@ show_bus(const timing_t *t)
     proto_item *item;
 
     if (is_rate_known(t)) {
-        item = add_uint(t, hf_bus_baud, rate->value);
+        item = add_generated(t->tree, hf_sis_bus_baud, t->body->tvb, rate->value);
         if (rate->accepted_in == 0)
             proto_item_append_text(item, " (timed test)");
-        add_uint(t, hf_bus_baud_set_in, rate->set_in);
+        add_generated(t->tree, hf_sis_bus_baud_set_in, t->body->tvb, rate->set_in);
         if (tap != NULL && tap->baud != 0 && tap->baud != rate->value)
-            expert_add_info_format(t->pinfo, item, &ei_baud_differs,
+            expert_add_info_format(t->pinfo, item, &ei_sis_bus_baud_differs,
                                    "The bus was told %u Bd, the tap listens at %u Bd", rate->value,
                                    tap->baud);
     }
-    if (t->record->load >= 0 && proto_field_is_referenced(t->tree, hf_bus_load))
+    if (t->record->load >= 0 && proto_field_is_referenced(t->tree, hf_sis_bus_load))
         proto_item_set_generated(proto_tree_add_double_format_value(
-            t->tree, hf_bus_load, t->body->tvb, 0, 0, t->record->load, "%s %%",
+            t->tree, hf_sis_bus_load, t->body->tvb, 0, 0, t->record->load, "%s %%",
             sertap_decimal_text(t->pinfo->pool, lround(t->record->load * 10.0), 1, 1)));
 }
 
@@ -342,12 +309,13 @@ show_silence(const timing_t *t)
     int64_t silence = t->timing->silence, idle = silence - sertap_character_ns(t->telegram->times.record);
     proto_item *item;
 
-    sertap_add_column_ms(t->tree, hf_silence_before_ms, t->body->tvb, silence);
-    if (!proto_field_is_referenced(t->tree, hf_silence_before))
+    sertap_add_column_ms(t->tree, hf_sis_silence_before_ms, t->body->tvb, silence);
+    if (!proto_field_is_referenced(t->tree, hf_sis_silence_before))
         return;
-    item = add_time(
-        t, hf_silence_before, silence,
-        wmem_strdup_printf(t->pinfo->pool, "%s (idle %s)", ms_text(t, silence), ms_text(t, MAX(idle, 0))));
+    item = add_time(t, hf_sis_silence_before, silence,
+                    wmem_strdup_printf(t->pinfo->pool, "%s%s (idle %s)",
+                                       t->timing->is_silence_known ? "" : "more than ", ms_text(t, silence),
+                                       ms_text(t, MAX(idle, 0))));
     if (silence > OPERATOR_TERMINAL_SILENCE)
         proto_item_append_text(item, ", more than the 200 ms after which an operator terminal gives up");
 }
@@ -356,14 +324,20 @@ show_silence(const timing_t *t)
 static void
 find_silence(sis_timing_t *timing, const sis_times_t *times)
 {
-    const uint8_t unknown =
-        SERTAP_INTERVAL_UNKNOWN | SERTAP_INTERVAL_SATURATED | SERTAP_LOST_BEFORE | SERTAP_SAME_READ;
+    const uint8_t unknown = SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST | SERTAP_SAME_READ;
     const sertap_record_t *record = times->record;
+    uint8_t flags;
 
-    if (record == NULL || compat_get_uint8(record->tvb, record->flags_offset + times->first) & unknown)
+    if (record == NULL)
         return;
-    timing->has_silence = true;
+    flags = compat_get_uint8(record->tvb, record->flags_offset + times->first);
+    timing->has_silence = !(flags & unknown);
+    timing->is_silence_known = !(flags & SERTAP_INTERVAL_SATURATED);
     timing->silence = tvb_get_ntohl(record->tvb, record->times_offset + 4 * times->first);
+    if (times->first == 0) {
+        timing->silence = record->silence;
+        timing->is_silence_known = record->is_silence_known;
+    }
 }
 
 /* Examining every interval takes time: only if it is displayed or counted, or if there is a limit. */
@@ -372,9 +346,9 @@ is_longest_wanted(const timing_t *t)
 {
     return t->telegram->times.record != NULL &&
            (t->timing->tza > 0 || have_tap_listener(sis_tap) ||
-            proto_field_is_referenced(t->body->tree, hf_tza_interval_max) ||
-            proto_field_is_referenced(t->body->tree, hf_tza_interval_max_ms) ||
-            proto_field_is_referenced(t->body->tree, hf_tza_position));
+            proto_field_is_referenced(t->body->tree, hf_sis_tza_interval_max) ||
+            proto_field_is_referenced(t->body->tree, hf_sis_tza_interval_max_ms) ||
+            proto_field_is_referenced(t->body->tree, hf_sis_tza_position));
 }
 
 static void
@@ -386,12 +360,12 @@ find_timing(timing_t *t)
                      exchange->has_time && t->record->reaction_before == 0;
 
     find_silence(timing, &t->telegram->times);
-    timing->tza = limit(t, SIS_TZA, tza_ms);
+    timing->tza = limit(t, SIS_TZA, pref_sis_tza_ms);
     if (is_longest_wanted(t))
         timing->longest = sis_longest(&t->telegram->times, timing->tza);
-    timing->has_reaction_time = is_answer;
+    timing->has_reaction_time = is_answer && exchange->is_measured;
     if (is_answer && t->telegram->subaddress_count == 0 && t->telegram->times.record != NULL)
-        timing->trs = limit(t, SIS_TRS, trs_ms);
+        timing->trs = limit(t, SIS_TRS, pref_sis_trs_ms);
     timing->wait = exchange != NULL && !t->telegram->is_reaction ? exchange->wait : -1;
 }
 
@@ -413,7 +387,7 @@ is_anything_judged(const timing_t *t)
 static void
 show(timing_t *t)
 {
-    t->tree = proto_tree_add_subtree(t->body->tree, t->body->tvb, 0, 0, ett_timing, &t->root, "Timing");
+    t->tree = proto_tree_add_subtree(t->body->tree, t->body->tvb, 0, 0, ett_sis_timing, &t->root, "Timing");
     proto_item_set_generated(t->root);
     if (t->timing->has_silence)
         show_silence(t);
@@ -515,55 +489,4 @@ sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_bod
     find_timing(&t);
     if ((body->tree != NULL || is_anything_judged(&t)) && is_anything_known(&t))
         show(&t);
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_silence_before, {"Silence before", "sis.silence_before", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the character before it on this line, arrival to arrival", HFILL}},
-    {&hf_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
-    {&hf_tza_interval_max, {"Longest interval", "sis.tza.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been", HFILL}},
-    {&hf_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
-    {&hf_tza_position, {"Longest interval before character", "sis.tza.position", FT_UINT16, BASE_DEC, NULL, 0, "Its number in the telegram, from 1", HFILL}},
-    {&hf_tza_limit, {"TzA (longest interval allowed)", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_tza_set_in, {"TzA set in", "sis.tza.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_tza_verdict, {"Verdict on TzA", "sis.tza.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
-    {&hf_trs_limit, {"TrS (longest reaction time allowed)", "sis.trs.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_trs_set_in, {"TrS set in", "sis.trs.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_trs_verdict, {"Verdict on TrS", "sis.trs.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
-    {&hf_twm_wait, {"Wait of the master (TwM)", "sis.twm.wait", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the end of its command before: of the one that is repeated, or of a broadcast", HFILL}},
-    {&hf_tmas_cycle, {"Master control word cycle", "sis.tmas.cycle", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two writings of S-0-0134 to the same device, begin to begin", HFILL}},
-    {&hf_tmas_limit, {"Tmas (longest cycle allowed)", "sis.tmas.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "While the machine moves", HFILL}},
-    {&hf_tmas_set_in, {"Tmas set in", "sis.tmas.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_tmas_verdict, {"Verdict on Tmas", "sis.tmas.verdict", FT_UINT8, BASE_DEC, VALS(verdicts), 0, NULL, HFILL}},
-    {&hf_bus_baud, {"Baud rate of the bus", "sis.bus.baud", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&units_baud), 0, "As the bus was told", HFILL}},
-    {&hf_bus_baud_set_in, {"Baud rate set in", "sis.bus.baud.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_bus_load, {"Bus load", "sis.bus.load", FT_DOUBLE, BASE_NONE, NULL, 0, "Percent of the last second in which there were characters on the line", HFILL}},
-};
-
-static ei_register_info experts[] = {
-    {&ei_tza_exceeded, {"sis.tza.exceeded", PI_PROTOCOL, PI_WARN, "TzA exceeded", EXPFILL}},
-    {&ei_tza_unresolved, {"sis.tza.unresolved", PI_PROTOCOL, PI_NOTE, "TzA perhaps exceeded", EXPFILL}},
-    {&ei_trs_exceeded, {"sis.trs.exceeded", PI_PROTOCOL, PI_WARN, "TrS exceeded", EXPFILL}},
-    {&ei_trs_unresolved, {"sis.trs.unresolved", PI_PROTOCOL, PI_NOTE, "TrS perhaps exceeded", EXPFILL}},
-    {&ei_twm_early, {"sis.twm.early", PI_SEQUENCE, PI_NOTE, "Repeated before TrS was over", EXPFILL}},
-    {&ei_tmas_exceeded, {"sis.tmas.exceeded", PI_PROTOCOL, PI_WARN, "Tmas exceeded", EXPFILL}},
-    {&ei_tmas_unresolved, {"sis.tmas.unresolved", PI_PROTOCOL, PI_NOTE, "Tmas perhaps exceeded", EXPFILL}},
-    {&ei_baud_differs, {"sis.bus.baud.differs", PI_PROTOCOL, PI_NOTE, "The tap listens at another baud rate than the bus was told", EXPFILL}},
-};
-/* clang-format on */
-
-void
-sis_timing_register(module_t *module)
-{
-    static int *trees[] = {&ett_timing};
-
-    proto_register_field_array(proto_sis, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
-    expert_register_field_array(sis_experts, experts, array_length(experts));
-    prefs_register_uint_preference(module, "tza_ms", "TzA in ms",
-                                   "Longest interval allowed between two characters of a telegram; 0: as the "
-                                   "bus was told",
-                                   10, &tza_ms);
-    prefs_register_uint_preference(module, "trs_ms", "TrS in ms",
-                                   "Longest reaction time allowed; 0: as the bus was told", 10, &trs_ms);
 }

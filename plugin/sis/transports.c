@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Sources of SIS telegrams besides the serial tap: TCP, RTAC serial captures, a user link type. */
-
-#include "sis/transports.h"
+#include "parts.h"
 
 #include <epan/conversation.h>
 #include <epan/dissectors/packet-tcp.h>
 #include <wiretap/wtap.h>
 
-#include "parameters/fields.h"
+#include "protocol/fields.h"
 #include "sis/frame.h"
 #include "sis/packet-sis.h"
 
@@ -17,40 +16,54 @@
 #define DLT_USER_OFF (-1)
 
 static dissector_handle_t tcp_handle;
-static compat_bool tcp_heuristic = TRUE;
-static int dlt_user = DLT_USER_OFF;
 static int dlt_user_taken = DLT_USER_OFF;
 
-/* Whether a telegram may begin at this start character, judging by the available bytes. */
-static bool
-may_begin(tvbuff_t *tvb, unsigned offset)
+typedef enum { NO_TELEGRAM, GOOD, DAMAGED, INCOMPLETE } candidate_t;
+
+/* What seems to begin at offset, judging by the available bytes.
+ *
+ * TCP hands over an incomplete telegram again when the rest of it has come. A damaged telegram that ends
+ * exactly with the bytes has perhaps come this way. To wait for another one inside it would dissect the same
+ * bytes again and again. */
+static candidate_t
+examine(tvbuff_t *tvb, unsigned offset, bool *can_wait)
 {
     unsigned there = tvb_captured_length_remaining(tvb, offset), declared = sis_declared_length(tvb, offset);
 
-    return there < 4 || declared > there || sis_is_good(tvb, offset);
+    if (compat_get_uint8(tvb, offset) != SIS_START || (there >= 4 && declared == 0))
+        return NO_TELEGRAM;
+    if (there < 4 || declared > there)
+        return INCOMPLETE;
+    if (sis_is_good(tvb, offset))
+        return GOOD;
+    if (declared == there)
+        *can_wait = false;
+    return DAMAGED;
 }
 
 /* For tcp_dissect_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the
- * capture began in the middle): the length up to the next one. A damaged telegram also ends there: if a
- * character was lost, its length counts the first one of the next. 0 if more bytes are needed. */
+ * capture began in the middle): the length up to the next good one. A damaged telegram also ends where
+ * another one begins: if a character was lost, its length counts the first one of the next. 0 if more bytes
+ * are needed. */
 static unsigned
-telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
+telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *can_wait)
 {
-    unsigned rest = tvb_reported_length_remaining(tvb, offset), declared = 0;
-    unsigned captured = tvb_captured_length_remaining(tvb, offset), next = offset;
+    unsigned begin = offset, next = begin, rest = tvb_reported_length_remaining(tvb, begin);
+    unsigned declared = sis_declared_length(tvb, begin);
+    candidate_t first = examine(tvb, begin, can_wait);
 
-    if (compat_get_uint8(tvb, offset) == SIS_START) {
-        declared = sis_declared_length(tvb, offset);
-        if (declared > captured || sis_is_good(tvb, offset))
-            return declared;
-        if (captured < 4)
-            return pinfo->can_desegment ? 0 : rest;
-        if (declared > 0)
-            rest = declared;
-    }
-    while (compat_find_uint8(tvb, next + 1, SIS_START, &next) && next - offset < rest) {
-        if (may_begin(tvb, next) && (declared == 0 || tvb_captured_length_remaining(tvb, next) >= 4))
-            return next - offset;
+    if (first == INCOMPLETE && *(bool *)can_wait && declared == 0)
+        return pinfo->can_desegment ? 0 : rest;
+    if (first == GOOD || (first == INCOMPLETE && *(bool *)can_wait))
+        return declared;
+    if (first == DAMAGED)
+        rest = declared;
+    while (compat_find_uint8(tvb, next + 1, SIS_START, &next) && next - begin < rest) {
+        candidate_t other = examine(tvb, next, can_wait);
+        bool is_awaited = first == DAMAGED && other == INCOMPLETE && sis_declared_length(tvb, next) > 0;
+
+        if (other == GOOD || (is_awaited && *(bool *)can_wait))
+            return next - begin;
     }
     return rest;
 }
@@ -69,9 +82,11 @@ dissect_pdu(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 
 /* Telegrams split over segments and packed into them. */
 static int
-dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
+dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
-    tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 1, telegram_length, dissect_pdu, data);
+    bool can_wait = true;
+
+    tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 1, telegram_length, dissect_pdu, &can_wait);
     return tvb_captured_length(tvb);
 }
 
@@ -87,50 +102,15 @@ is_sis(tvbuff_t *tvb)
 }
 
 static compat_bool
-dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
+dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
-    if (!tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
+    if (!pref_sis_tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
         return FALSE;
 
     /* From here on: earlier bytes were something else, in the second pass, too. */
     conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, tcp_handle);
-    dissect_tcp(tvb, pinfo, tree, data);
+    dissect_tcp(tvb, pinfo, tree, NULL);
     return TRUE;
-}
-
-/* clang-format off */
-static const enum_val_t dlt_user_choices[] = {
-    {"off", "Off", DLT_USER_OFF},
-    {"user0", "USER0 (147)", 0},
-    {"user1", "USER1 (148)", 1},
-    {"user2", "USER2 (149)", 2},
-    {"user3", "USER3 (150)", 3},
-    {"user4", "USER4 (151)", 4},
-    {"user5", "USER5 (152)", 5},
-    {"user6", "USER6 (153)", 6},
-    {"user7", "USER7 (154)", 7},
-    {"user8", "USER8 (155)", 8},
-    {"user9", "USER9 (156)", 9},
-    {"user10", "USER10 (157)", 10},
-    {"user11", "USER11 (158)", 11},
-    {"user12", "USER12 (159)", 12},
-    {"user13", "USER13 (160)", 13},
-    {"user14", "USER14 (161)", 14},
-    {"user15", "USER15 (162)", 15},
-    {NULL, NULL, 0},
-};
-/* clang-format on */
-
-void
-sis_transports_register(module_t *module)
-{
-    prefs_register_enum_preference(module, "dlt_user", "Decode a user link type as SIS",
-                                   "Captures of this link type hold bare telegrams. Goes before the table of "
-                                   "protocol DLT_USER while it is set",
-                                   &dlt_user, dlt_user_choices, FALSE);
-    prefs_register_bool_preference(
-        module, "tcp_heuristic", "Recognize SIS on any TCP port",
-        "Where a segment starts with a whole telegram: equal lengths, right checksum", &tcp_heuristic);
 }
 
 /* An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless
@@ -138,15 +118,15 @@ sis_transports_register(module_t *module)
 static void
 apply_dlt_user(void)
 {
-    if (dlt_user == dlt_user_taken)
+    if (pref_sis_dlt_user == dlt_user_taken)
         return;
     if (dlt_user_taken != DLT_USER_OFF) {
         dissector_delete_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user_taken, sis_handle);
         dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user_taken, find_dissector("user_dlt"));
     }
-    if (dlt_user != DLT_USER_OFF)
-        dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user, sis_handle);
-    dlt_user_taken = dlt_user;
+    if (pref_sis_dlt_user != DLT_USER_OFF)
+        dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + pref_sis_dlt_user, sis_handle);
+    dlt_user_taken = pref_sis_dlt_user;
 }
 
 void

@@ -1,59 +1,35 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The data exchange protocol on ARCNET, protocol id 0x7F (chapter 7 of DOK-SYNAX*-SY*-08V*2/2-FK01-DE-P): TO
  * sends data, FETCH asks for them, and only FETCH is answered, by a TO (page 7-3). */
+#include "parts.h"
 
-#include "synax/arcnet7f.h"
-
-#include <epan/proto_data.h>
-
-#include "parameters/fields.h"
+#include "items.h"
+#include "kept.h"
 #include "parameters/ident.h"
+#include "protocol/fields.h"
 #include "sertap/time.h"
-#include "synax/fields.h"
+#include "sis/pieces.h"
 #include "synax/head.h"
 #include "synax/pieces.h"
 #include "synax/ways.h"
 
 #define PROTOCOL_ID 0x7F
-#define TO          0
-#define FETCH       1
-#define WORD_ARRAY  0x05
 
-#define SHORT_HEAD 7u /* of a follow-up (page 7-6) */
+#define SHORT_HEAD 7u /* of a follow-up with data (page 7-6) */
 #define HEAD       13u
 #define BLOCK_AT   9u /* the number of a data block, or the axis */
 
 /* Page 7-27. */
 #define FIRST_MESSAGE         0x8010
-#define FOLLOW_UP_MESSAGES    0x1C20
-#define FOLLOW_UP_MESSAGE_END 0x1CFF
+#define FOLLOW_UP_MESSAGES    0x1C20u
+#define FOLLOW_UP_MESSAGE_END 0x1CFFu
 
 /* Set in the only telegram printed in full, which writes a data block (page 7-14). */
 #define INFO_BLOCK 0x0040
 
-#define CANCEL_BLOCK  98
-#define IO_BLOCK      99
-#define MODE_BLOCK    100
-#define FIRST_BY_LIST 101
-#define LAST_BY_LIST  108
-#define CONFIGURATION 58 /* C-0-0058 configures data block 101 (page 7-16) */
+#define CANCEL_BLOCK 98
 
 #define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each (page 7-20) */
-
-static int proto_arcnet7f = -1;
-
-static int hf_id = -1;
-static int hf_message = -1;
-static int hf_command = -1;
-static int hf_type = -1;
-static int hf_length = -1;
-static int hf_block = -1;
-static int hf_word = -1;
-static int hf_list_actual = -1;
-static int hf_list_maximum = -1;
-static int hf_first_in = -1;
-
-static int ett_arcnet7f = -1;
 
 /* A list that continues in follow-ups. */
 typedef struct {
@@ -63,6 +39,7 @@ typedef struct {
     uint32_t begun_in;
     uint32_t announced; /* bytes, length words included */
     uint32_t received;
+    unsigned message; /* number of the last follow-up; 0: none yet */
 } transfer_t;
 
 /* What is kept of a telegram. */
@@ -73,6 +50,7 @@ typedef struct {
     nstime_t answer_time;
     transfer_t *transfer; /* whose piece it is */
     bool is_last_piece;
+    bool is_out_of_order; /* its message number */
 } kept_t;
 
 /* From one station to another. */
@@ -134,7 +112,11 @@ add_short_head(telegram_t *t)
     static const struct {
         int *hf;
         unsigned size;
-    } parts[] = {{&hf_id, 1}, {&hf_message, 2}, {&hf_command, 1}, {&hf_type, 1}, {&hf_length, 2}};
+    } parts[] = {{&hf_arcnet7f_id, 1},
+                 {&hf_arcnet7f_message, 2},
+                 {&hf_arcnet7f_command, 1},
+                 {&hf_arcnet7f_type, 1},
+                 {&hf_arcnet7f_length, 2}};
     unsigned offset = 0;
 
     for (unsigned i = 0; i < array_length(parts) && offset + parts[i].size <= t->end; i++) {
@@ -145,22 +127,22 @@ add_short_head(telegram_t *t)
         return true;
     add_raw(t, offset, t->end);
     if (t->whole < SHORT_HEAD)
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The head is cut: %u of %u bytes",
-                               t->whole, SHORT_HEAD);
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The head is cut");
     wmem_strbuf_append(t->words, "Cut telegram");
     return false;
 }
 
 /* A FETCH has no data. The documents do not say whether its length is that of the answer, so only the
- * length of a TO is checked. */
+ * length of a TO is checked. A FETCH of a follow-up has the whole head, too (pages 7-24 and 7-25). Without
+ * it, as page 7-6 can be understood, its length is 0. */
 static void
 read_extent(telegram_t *t)
 {
     unsigned there = t->whole - SHORT_HEAD;
 
     t->declared = 2 * tvb_get_letohs(t->tvb, 5);
-    if (t->command == FETCH)
-        t->declared = t->is_follow_up ? 0 : SYNAX_HEAD_SIZE;
+    if (t->command == ARCNET7F_FETCH && !(t->is_follow_up && t->declared == 0))
+        t->declared = SYNAX_HEAD_SIZE;
     t->is_short = t->declared > there;
     t->whole = SHORT_HEAD + MIN(t->declared, there);
     t->is_cut = t->end < t->whole;
@@ -173,12 +155,10 @@ check_extent(telegram_t *t)
     unsigned there = tvb_reported_length(t->tvb);
 
     if (t->is_short)
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
-                               "%u of %u bytes after the length are there", there - SHORT_HEAD, t->declared);
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "Fewer bytes than the length says");
     if (there > t->whole) {
         add_raw(t, t->end, tvb_captured_length(t->tvb));
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "%u byte%s after the telegram",
-                               there - t->whole, plurality(there - t->whole, "", "s"));
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "Bytes after the telegram");
     }
 }
 
@@ -226,7 +206,8 @@ announced_by(const telegram_t *t)
 {
     unsigned actual;
 
-    if (t->is_block || t->end < HEAD + LENGTH_WORDS)
+    if (t->is_block || t->end < HEAD + LENGTH_WORDS ||
+        !synax_is_parameter(tvb_get_letohs(t->tvb, SHORT_HEAD)))
         return 0;
     actual = tvb_get_letohs(t->tvb, HEAD);
     return actual <= tvb_get_letohs(t->tvb, HEAD + 2) ? actual + LENGTH_WORDS : 0;
@@ -253,19 +234,28 @@ begin_transfer(const telegram_t *t, way_t *way)
         (says_last(t) && way->transfer != NULL && !way->transfer->is_last))
         return;
     transfer = wmem_new0(wmem_file_scope(), transfer_t);
-    transfer->ident = (sis_ident_t){compat_get_uint8(t->tvb, 10), tvb_get_letohs(t->tvb, 11)};
+    transfer->ident =
+        (sis_ident_t){.type = compat_get_uint8(t->tvb, 10), .number = tvb_get_letohs(t->tvb, 11)};
     transfer->is_last = says_last(t);
-    transfer->number = synax_next_transfer();
+    transfer->number = sis_next_transfer();
     transfer->begun_in = t->pinfo->num;
     transfer->announced = announced;
     transfer->received = t->end - HEAD;
     way->transfer = t->kept->transfer = transfer;
 }
 
+/* They count up (pages 7-20 and 7-27). */
+static unsigned
+next_message(unsigned number)
+{
+    return number < FOLLOW_UP_MESSAGE_END ? number + 1 : FOLLOW_UP_MESSAGES;
+}
+
 static void
 continue_transfer(const telegram_t *t, way_t *way)
 {
     transfer_t *transfer = way->transfer;
+    unsigned message = tvb_get_letohs(t->tvb, 1);
 
     if (transfer == NULL)
         return;
@@ -274,6 +264,8 @@ continue_transfer(const telegram_t *t, way_t *way)
         return;
     }
     t->kept->transfer = transfer;
+    t->kept->is_out_of_order = transfer->message != 0 && message != next_message(transfer->message);
+    transfer->message = message;
     transfer->received += t->end - SHORT_HEAD;
     t->kept->is_last_piece = transfer->received >= transfer->announced;
     if (t->kept->is_last_piece)
@@ -286,7 +278,7 @@ follow(const telegram_t *t)
 {
     way_t *way = find_way(t->pinfo, &t->pinfo->src, &t->pinfo->dst);
 
-    if (t->command == FETCH) {
+    if (t->command == ARCNET7F_FETCH) {
         ask(t, way);
         return;
     }
@@ -298,25 +290,18 @@ follow(const telegram_t *t)
 }
 
 static void
-add_frame(telegram_t *t, int hf, uint32_t frame)
-{
-    if (frame != 0)
-        proto_item_set_generated(proto_tree_add_uint(t->tree, hf, t->tvb, 0, 0, frame));
-}
-
-static void
 show_links(telegram_t *t)
 {
     const kept_t *kept = t->kept;
 
-    add_frame(t, hf_synax_request_in, kept->request_in);
-    add_frame(t, hf_synax_answer_in, kept->answer_in);
+    add_link(t->tree, hf_synax_request_in, t->tvb, kept->request_in);
+    add_link(t->tree, hf_synax_answer_in, t->tvb, kept->answer_in);
     if (kept->request_in != 0)
         proto_item_set_generated(sertap_add_ms(t->tree, hf_synax_answer_time, t->tvb, 0, 0, t->pinfo->pool,
                                                sertap_ns(&kept->answer_time)));
+    add_link(t->tree, hf_synax_unanswered_in, t->tvb, kept->unanswered_in);
     if (kept->unanswered_in != 0)
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_unanswered_before,
-                               "No answer to the request in frame %u", kept->unanswered_in);
+        expert_add_info(t->pinfo, t->root, &ei_synax_unanswered_before);
 }
 
 static void
@@ -325,7 +310,6 @@ say_bytes(telegram_t *t, unsigned count)
     wmem_strbuf_append_printf(t->words, ", %u byte%s", count, plurality(count, "", "s"));
 }
 
-/* Only the words of two special blocks are documented. */
 static void
 add_block_data(telegram_t *t, unsigned block)
 {
@@ -333,10 +317,10 @@ add_block_data(telegram_t *t, unsigned block)
         proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, t->end - HEAD, ENC_NA);
     if (t->whole == HEAD)
         return;
-    for (unsigned at = HEAD; (block == IO_BLOCK || block == MODE_BLOCK) && at + 2 <= t->end; at += 2)
-        proto_tree_add_item(t->tree, hf_word, t->tvb, at, 2, ENC_LITTLE_ENDIAN);
-    if (block == MODE_BLOCK)
-        mark(t, NULL, &ei_synax_note, "No document says which value is which mode");
+    synax_add_block_words(t->tree, t->pinfo, hf_arcnet7f_word,
+                          tvb_new_subset_length(t->tvb, HEAD, t->end - HEAD), block, ENC_LITTLE_ENDIAN);
+    if (block == SYNAX_BLOCK_MODE && t->whole - HEAD > 2)
+        mark(t, NULL, &ei_synax_note, "Data block 100 has one word (page 7-15)");
     say_bytes(t, t->whole - HEAD);
 }
 
@@ -350,13 +334,9 @@ add_block(telegram_t *t)
     proto_item *item;
 
     synax_add_info(t->tree, t->pinfo, t->tvb, SHORT_HEAD, ENC_LITTLE_ENDIAN, INFO_BLOCK);
-    item = proto_tree_add_item(t->tree, hf_block, t->tvb, BLOCK_AT, 1, ENC_NA);
-    if (text != NULL)
-        proto_item_append_text(item, " (%s)", text);
-    else
+    item = synax_add_block(t->tree, hf_arcnet7f_block, t->tvb, BLOCK_AT);
+    if (text == NULL)
         mark(t, item, &ei_synax_note, "Data block that is not defined");
-    if (block >= FIRST_BY_LIST && block <= LAST_BY_LIST)
-        proto_item_append_text(item, ", by C-0-%04d", block - FIRST_BY_LIST + CONFIGURATION);
     if (tvb_get_letoh24(t->tvb, BLOCK_AT + 1) != 0) {
         add_raw(t, BLOCK_AT + 1, HEAD);
         mark(t, NULL, &ei_synax_note, "Content after the number of a data block");
@@ -372,8 +352,8 @@ add_first_piece(telegram_t *t, unsigned announced)
 {
     unsigned here = t->end - HEAD - LENGTH_WORDS;
 
-    proto_tree_add_item(t->tree, hf_list_actual, t->tvb, HEAD, 2, ENC_LITTLE_ENDIAN);
-    proto_tree_add_item(t->tree, hf_list_maximum, t->tvb, HEAD + 2, 2, ENC_LITTLE_ENDIAN);
+    proto_tree_add_item(t->tree, hf_arcnet7f_list_actual, t->tvb, HEAD, 2, ENC_LITTLE_ENDIAN);
+    proto_tree_add_item(t->tree, hf_arcnet7f_list_maximum, t->tvb, HEAD + 2, 2, ENC_LITTLE_ENDIAN);
     if (here > 0)
         proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD + LENGTH_WORDS, here, ENC_NA);
     wmem_strbuf_append_printf(t->words, ", list of %u bytes, %u here", announced - LENGTH_WORDS, here);
@@ -386,7 +366,7 @@ add_parameter(telegram_t *t)
     unsigned announced = announced_by(t), length = t->end - HEAD;
     tvbuff_t *data = tvb_new_subset_length(t->tvb, HEAD, length);
 
-    if (t->command == FETCH)
+    if (t->command == ARCNET7F_FETCH)
         return;
     if (t->is_cut) {
         say_bytes(t, t->whole - HEAD);
@@ -394,7 +374,7 @@ add_parameter(telegram_t *t)
             proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
         return;
     }
-    if (head.is_last || (announced == length && length > 0)) {
+    if (!head.is_parameter || head.is_last || (announced == length && length > 0)) {
         synax_add_data(t->tree, t->pinfo, data, 0, ENC_LITTLE_ENDIAN, &head, t->words);
     } else if (announced > length) {
         add_first_piece(t, announced);
@@ -416,8 +396,7 @@ add_first(telegram_t *t)
         add_raw(t, SHORT_HEAD, t->end);
         wmem_strbuf_append(t->words, "Cut telegram");
         if (!t->is_short && !t->is_cut) /* otherwise already reported */
-            expert_add_info_format(t->pinfo, t->root, &ei_synax_short,
-                                   "The length says %u bytes, the head has %u", t->declared, SYNAX_HEAD_SIZE);
+            expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The length is shorter than the head");
     } else if (t->is_block) {
         add_block(t);
     } else {
@@ -430,15 +409,25 @@ static void
 add_whole(telegram_t *t, tvbuff_t *whole)
 {
     const transfer_t *transfer = t->kept->transfer;
-    synax_head_t head = {.ident = transfer->ident, .known = sis_known_from_tables(transfer->ident)};
+    synax_head_t head = synax_head_of(0, 0, transfer->ident);
     unsigned length = tvb_captured_length(whole);
 
     wmem_strbuf_append(t->words, "; whole");
     if (length > transfer->announced + 1)
-        expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected,
-                               "The list announces %u bytes, %u came", transfer->announced, length);
+        expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "More bytes than the list announces");
     synax_add_data(t->tree, t->pinfo, tvb_new_subset_length(whole, 0, MIN(length, transfer->announced)), 0,
                    ENC_LITTLE_ENDIAN, &head, t->words);
+}
+
+static void
+add_request_of_piece(telegram_t *t)
+{
+    if (t->end < HEAD) {
+        add_raw(t, SHORT_HEAD, t->end);
+        return;
+    }
+    wmem_strbuf_append(t->words, ": ");
+    synax_add_head(t->tree, t->pinfo, t->tvb, SHORT_HEAD, ENC_LITTLE_ENDIAN, t->words);
 }
 
 static void
@@ -451,11 +440,13 @@ add_follow_up(telegram_t *t)
     tvbuff_t *whole;
 
     wmem_strbuf_append_printf(t->words, "Follow-up 0x%04x", tvb_get_letohs(t->tvb, 1));
-    if (t->command == FETCH)
+    if (t->command == ARCNET7F_FETCH) {
+        add_request_of_piece(t);
         return;
+    }
     if (transfer != NULL) {
-        known = sis_known_from_tables(transfer->ident);
-        add_frame(t, hf_first_in, transfer->begun_in);
+        known = sis_known_from_tables(NULL, transfer->ident);
+        add_link(t->tree, hf_arcnet7f_first_in, t->tvb, transfer->begun_in);
         sis_add_ident(t->tree, t->pinfo->pool, t->tvb, &nowhere, transfer->ident, &known);
         wmem_strbuf_append_printf(t->words, " of %s", sis_ident_text(t->pinfo->pool, transfer->ident));
     }
@@ -468,6 +459,8 @@ add_follow_up(telegram_t *t)
         mark(t, NULL, &ei_synax_note, "No list goes on here: its beginning is missing, or it has ended");
         return;
     }
+    if (t->kept->is_out_of_order)
+        mark(t, NULL, &ei_synax_note, "Its message number does not follow that of the piece before");
     whole = synax_put_together(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, SHORT_HEAD, length),
                                transfer->number, t->kept->is_last_piece);
     if (whole != NULL)
@@ -486,16 +479,16 @@ add_rest(telegram_t *t)
         give_up(t, SHORT_HEAD, "not the protocol 0x7f");
         return;
     }
-    if (t->command > FETCH) {
+    if (t->command > ARCNET7F_FETCH) {
         give_up(t, SHORT_HEAD, "command that is not defined");
         return;
     }
-    wmem_strbuf_append(t->words, t->command == FETCH ? "FETCH" : "TO");
+    wmem_strbuf_append(t->words, t->command == ARCNET7F_FETCH ? "FETCH" : "TO");
     if (message != FIRST_MESSAGE && !t->is_follow_up) {
         give_up(t, SHORT_HEAD, "message number that is not defined");
         return;
     }
-    if (compat_get_uint8(t->tvb, 4) != WORD_ARRAY) {
+    if (compat_get_uint8(t->tvb, 4) != ARCNET7F_WORD_ARRAY) {
         give_up(t, SHORT_HEAD, "data type that is not defined");
         return;
     }
@@ -513,18 +506,6 @@ add_rest(telegram_t *t)
     check_extent(t);
 }
 
-static kept_t *
-kept_of(packet_info *pinfo)
-{
-    kept_t *kept = p_get_proto_data(wmem_file_scope(), pinfo, proto_arcnet7f, 0);
-
-    if (kept == NULL) {
-        kept = wmem_new0(wmem_file_scope(), kept_t);
-        p_add_proto_data(wmem_file_scope(), pinfo, proto_arcnet7f, 0, kept);
-    }
-    return kept;
-}
-
 static int
 dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
@@ -532,7 +513,7 @@ dissect_arcnet7f(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
                     .pinfo = pinfo,
                     .whole = tvb_reported_length(tvb),
                     .end = tvb_captured_length(tvb),
-                    .kept = kept_of(pinfo)};
+                    .kept = kept_of_packet(pinfo, proto_arcnet7f, 0, sizeof(kept_t))};
 
     t.words = wmem_strbuf_new(pinfo->pool, "");
     t.root = proto_tree_add_item(parent, proto_arcnet7f, tvb, 0, -1, ENC_NA);
@@ -562,40 +543,9 @@ dissect_in_arcnet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *d
     return dissect_arcnet7f(tvb_new_subset_remaining(packet, begin), pinfo, parent, data);
 }
 
-/* clang-format off */
-static const value_string arcnet7f_commands[] = {
-    {TO, "TO"},
-    {FETCH, "FETCH"},
-    {0, NULL},
-};
-
-static const value_string arcnet7f_types[] = {
-    {WORD_ARRAY, "Word array"},
-    {0, NULL},
-};
-
-static hf_register_info fields[] = {
-    {&hf_id, {"Protocol", "arcnet7f.id", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_message, {"Message number", "arcnet7f.message", FT_UINT16, BASE_HEX, NULL, 0, "0x8010, in follow-ups 0x1c20 to 0x1cff", HFILL}},
-    {&hf_command, {"Command", "arcnet7f.command", FT_UINT8, BASE_DEC, VALS(arcnet7f_commands), 0, "An answer is a TO", HFILL}},
-    {&hf_type, {"Data type", "arcnet7f.type", FT_UINT8, BASE_DEC, VALS(arcnet7f_types), 0, NULL, HFILL}},
-    {&hf_length, {"Length in words", "arcnet7f.length", FT_UINT16, BASE_DEC, NULL, 0, "Of what follows it", HFILL}},
-    {&hf_block, {"Data block", "arcnet7f.block", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_word, {"Word", "arcnet7f.word", FT_UINT16, BASE_HEX, NULL, 0, "Of a data block", HFILL}},
-    {&hf_list_actual, {"Actual length of the list", "arcnet7f.list.actual", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
-    {&hf_list_maximum, {"Maximum length of the list", "arcnet7f.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&units_byte_bytes), 0, NULL, HFILL}},
-    {&hf_first_in, {"Follows the telegram in", "arcnet7f.first_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-};
-/* clang-format on */
-
 void
 synax_arcnet7f_register(void)
 {
-    static int *trees[] = {&ett_arcnet7f};
-
-    proto_arcnet7f = proto_register_protocol("Rexroth SYNAX200 on ARCNET", "ARCNET7F", "arcnet7f");
-    proto_register_field_array(proto_arcnet7f, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
     register_dissector("arcnet7f", dissect_arcnet7f, proto_arcnet7f);
     ways = synax_new_ways();
 }

@@ -9,21 +9,36 @@
 
 #define SYNAX_HEAD_SIZE 6u
 
+/* Data blocks whose words are shown (chapters 7 and 8). */
+#define SYNAX_BLOCK_IO   99
+#define SYNAX_BLOCK_MODE 100
+
 typedef struct {
-    bool is_write; /* bit 0 of the info access */
-    bool is_last;  /* bit 1: the last transmission */
+    uint16_t info;
+    bool is_parameter; /* else only the info access is known */
+    bool is_last;
     uint8_t axis;
     sis_ident_t ident;
     sis_known_t known; /* data of the tables about it */
 } synax_head_t;
 
-/* Data blocks with a special meaning (chapters 7 and 8): 98 to 116; NULL: none. */
+/* Whether the head names a parameter: undocumented bits of the info access choose other services. */
+bool synax_is_parameter(uint16_t info);
+
+/* The meaning of a data block (chapters 7 and 8): 98 to 116 have one; NULL: none. */
 const char *synax_block_text(unsigned number);
+
+/* Adds the number of a data block as field `hf`, with its meaning. */
+proto_item *synax_add_block(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset);
+
+/* Adds the words of data block 99 or 100 as fields `hf`. Of other blocks nothing is known. */
+void synax_add_block_words(proto_tree *tree, packet_info *pinfo, int hf, tvbuff_t *tvb, unsigned block,
+                           unsigned encoding);
 
 /* The head of a command, for an answer that does not repeat it. */
 synax_head_t synax_head_of(uint16_t info, uint8_t axis, sis_ident_t ident);
 
-/* Adds sis.parameter if a command named it. */
+/* Adds sis.parameter if a command named it, and its words for the packet list. */
 void synax_recall_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const synax_head_t *head,
                        wmem_strbuf_t *words);
 /* Adds the info access at `offset`; notes its undocumented bits, except those in `known`. */
@@ -38,7 +53,5 @@ synax_head_t synax_add_head(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb,
 /* Adds the data of that parameter, from `offset` to the end of `tvb`, and appends its value to the words. */
 void synax_add_data(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
                     const synax_head_t *head, wmem_strbuf_t *words);
-
-void synax_head_register(void);
 
 #endif

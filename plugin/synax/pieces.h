@@ -6,13 +6,8 @@
 
 #include "compat.h"
 
-/* For the first piece, in the first pass: a number that no other transfer of the file has. */
-uint32_t synax_next_transfer(void);
-
 /* Adds a piece, all of `piece`, to a transfer. Returns the whole with its last piece. */
 tvbuff_t *
 synax_put_together(proto_tree *tree, packet_info *pinfo, tvbuff_t *piece, uint32_t transfer, bool is_last);
-
-void synax_pieces_register(void);
 
 #endif

@@ -3,15 +3,17 @@
  * reaction of 4 bytes, with data after FETCH. All of it has the high byte first. What does not fit into 128
  * bytes comes in follow-ups, and what does not fit into a data block in several: DB nn first, DB 1 last (page
  * 8-27). */
-
 #include "synax/rk512i.h"
 
-#include <epan/proto_data.h>
+#include <epan/srt_table.h>
 #include <epan/tap.h>
 
-#include "parameters/fields.h"
+#include "items.h"
+#include "kept.h"
+#include "parts.h"
+#include "protocol/fields.h"
 #include "sertap/line.h"
-#include "synax/fields.h"
+#include "sis/pieces.h"
 #include "synax/head.h"
 #include "synax/pieces.h"
 
@@ -19,30 +21,17 @@
 #define FOLLOW_UP_SIZE 4u /* of a reaction, too */
 #define FOLLOW_UP      0xFF
 
-#define SEND  'A'
-#define FETCH 'E'
+#define DATA_BLOCK 'D'
 
-#define LAST_OF_A_CHAIN 1u  /* DB nn .. DB 1 */
-#define FIRST_FIXED     98u /* from here on data blocks have meanings of their own */
+/* A long list comes in DB nn to DB 1 (page 8-27). Everything else with the Indramat head is in DB 0. */
+#define LAST_OF_A_CHAIN 1u
+#define LONGEST_CHAIN   5u
 
-int proto_rk512i = -1;
+#define MOST_IO_WORDS 32u /* of data block 99 (page 8-8) */
+
+#define MOST_AT_ONCE 1024u /* bytes; for more, bit 1 of the info access is 0 (page 8-18) */
 
 static int rk512i_tap = -1;
-
-static int hf_follow_up = -1;
-static int hf_zero = -1;
-static int hf_command = -1;
-static int hf_kind = -1;
-static int hf_block = -1;
-static int hf_word = -1;
-static int hf_count = -1;
-static int hf_flag_byte = -1;
-static int hf_flag = -1;
-static int hf_error = -1;
-static int hf_data = -1;
-
-static int ett_rk512i = -1;
-static int ett_whole = -1;
 
 /* What a command asks for, with its follow-ups and further blocks. */
 typedef struct {
@@ -56,6 +45,20 @@ typedef struct {
     sis_ident_t ident;
 } job_t;
 
+/* Data of the tap "rk512i": a reaction to a command. */
+typedef struct {
+    uint8_t command; /* its letter */
+    int64_t elapsed; /* ns */
+} answer_t;
+
+/* What chapter 8 does not allow; shown as notes. */
+typedef enum {
+    FROM_BOTH = 1 << 0,
+    UNANSWERED_BEFORE = 1 << 1,
+    TOO_MANY_DATA = 1 << 2,
+    TOO_LONG_FOR_LAST = 1 << 3,
+} fault_t;
+
 /* A telegram, with the results of the first pass. */
 typedef struct telegram {
     const job_t *job; /* NULL: none is known */
@@ -64,8 +67,10 @@ typedef struct telegram {
     uint32_t request_in, answer_in; /* 0: none */
     int64_t end;                    /* of its last character, ns */
     int64_t elapsed;
-    bool is_piece; /* of several */
-    bool is_first; /* of its job */
+    uint8_t line;
+    unsigned faults; /* of fault_t */
+    bool is_piece;   /* of several */
+    bool is_first;   /* of its job */
     bool is_last;
     bool is_repeat;
 } telegram_t;
@@ -74,6 +79,7 @@ typedef struct {
     uint64_t key;
     job_t job;
     telegram_t *request; /* waits for its reaction */
+    uint8_t master;      /* line of the first command; 0: not known */
 } bus_t;
 
 static wmem_map_t *buses;
@@ -92,20 +98,6 @@ typedef struct {
     bool is_snapped; /* the capture has not all of it */
 } dissection_t;
 
-static bus_t *
-bus_of(packet_info *pinfo)
-{
-    uint64_t key = sertap_bus_key(pinfo);
-    bus_t *bus = wmem_map_lookup(buses, &key);
-
-    if (bus == NULL) {
-        bus = wmem_new0(wmem_file_scope(), bus_t);
-        bus->key = key;
-        wmem_map_insert(buses, &bus->key, bus);
-    }
-    return bus;
-}
-
 /* Data blocks, extended ones, timers and counters are counted in words, all others in bytes (Siemens). */
 static unsigned
 bytes_of(uint8_t kind, unsigned count)
@@ -113,10 +105,24 @@ bytes_of(uint8_t kind, unsigned count)
     return strchr("DXTZ", kind) != NULL && kind != 0 ? 2 * count : count;
 }
 
+/* The only ones that SYNAX has (page 8-24). */
 static bool
-has_indramat_head(uint8_t block)
+is_data_block(uint8_t command, uint8_t kind)
 {
-    return block < FIRST_FIXED;
+    return (command == RK512_SEND || command == RK512_FETCH) && kind == DATA_BLOCK;
+}
+
+static void
+read_head(job_t *job, const dissection_t *d)
+{
+    job->has_head = is_data_block(job->command, job->kind) && job->block <= LONGEST_CHAIN &&
+                    tvb_captured_length(d->tvb) >= COMMAND_SIZE + SYNAX_HEAD_SIZE;
+    if (!job->has_head)
+        return;
+    job->info = tvb_get_ntohs(d->tvb, COMMAND_SIZE);
+    job->axis = compat_get_uint8(d->tvb, COMMAND_SIZE + 2);
+    job->ident = (sis_ident_t){.type = compat_get_uint8(d->tvb, COMMAND_SIZE + 3),
+                               .number = tvb_get_ntohs(d->tvb, COMMAND_SIZE + 4)};
 }
 
 /* The first telegram of a block: a new job, or the next block of the present one. */
@@ -125,31 +131,31 @@ begin_block(job_t *job, const dissection_t *d, telegram_t *telegram)
 {
     uint8_t command = compat_get_uint8(d->tvb, 2), block = compat_get_uint8(d->tvb, 4);
     bool goes_on = job->is_open && job->left == 0 && job->command == command && block + 1 == job->block;
-    unsigned data = tvb_captured_length(d->tvb) - COMMAND_SIZE;
 
-    if (!goes_on) {
-        *job = (job_t){.number = synax_next_transfer()};
-        telegram->is_first = true;
-        if (has_indramat_head(block) && data >= SYNAX_HEAD_SIZE) {
-            job->has_head = true;
-            job->info = tvb_get_ntohs(d->tvb, COMMAND_SIZE);
-            job->axis = compat_get_uint8(d->tvb, COMMAND_SIZE + 2);
-            job->ident = (sis_ident_t){compat_get_uint8(d->tvb, COMMAND_SIZE + 3),
-                                       tvb_get_ntohs(d->tvb, COMMAND_SIZE + 4)};
-        }
-    }
+    if (!goes_on)
+        *job = (job_t){.number = sis_next_transfer()};
     job->command = command;
     job->kind = compat_get_uint8(d->tvb, 3);
     job->block = block;
     job->left = bytes_of(job->kind, tvb_get_ntohs(d->tvb, 6));
-    job->is_open = command != FETCH && block > LAST_OF_A_CHAIN && block < FIRST_FIXED;
+    job->is_open =
+        command == RK512_SEND && job->kind == DATA_BLOCK && block > LAST_OF_A_CHAIN && block <= LONGEST_CHAIN;
+    telegram->is_first = !goes_on;
     telegram->is_piece = goes_on || job->is_open;
+    if (goes_on)
+        return;
+    read_head(job, d);
+    if (job->has_head && command == RK512_SEND && job->info & SYNAX_INFO_LAST &&
+        (job->is_open || job->left > MOST_AT_ONCE))
+        telegram->faults |= TOO_LONG_FOR_LAST;
 }
 
 /* Bytes of a block, in a SEND command or in the reaction to a FETCH. */
 static void
 take_bytes(job_t *job, telegram_t *telegram, unsigned count)
 {
+    if (count > job->left)
+        telegram->faults |= TOO_MANY_DATA;
     job->left = count < job->left ? job->left - count : 0;
     telegram->is_last = job->left == 0 && !job->is_open;
     telegram->is_piece |= job->left > 0 || !telegram->is_first;
@@ -160,12 +166,19 @@ note_command(bus_t *bus, const dissection_t *d, telegram_t *telegram)
 {
     job_t *job = &bus->job;
 
+    if (bus->request != NULL)
+        telegram->faults |= UNANSWERED_BEFORE;
+    bus->request = NULL;
+    if (bus->master == 0)
+        bus->master = telegram->line;
+    else if (telegram->line != 0 && telegram->line != bus->master)
+        telegram->faults |= FROM_BOTH;
     if (!d->is_follow_up)
         begin_block(job, d, telegram);
     else if (job->left == 0 || job->command != compat_get_uint8(d->tvb, 2))
         return; /* nobody knows of what */
     telegram->job = &telegram->as_it_was;
-    if (job->command != FETCH)
+    if (job->command != RK512_FETCH)
         take_bytes(job, telegram, tvb_captured_length(d->tvb) - d->data_at);
     telegram->as_it_was = *job;
     bus->request = telegram;
@@ -184,7 +197,7 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
     telegram->elapsed = sertap_elapsed(request->end, begin);
     telegram->job = &telegram->as_it_was;
     telegram->is_first = request->is_first;
-    if (bus->job.command == FETCH && tvb_captured_length(d->tvb) > d->data_at)
+    if (bus->job.command == RK512_FETCH && tvb_captured_length(d->tvb) > d->data_at)
         take_bytes(&bus->job, telegram, tvb_captured_length(d->tvb) - d->data_at);
     telegram->as_it_was = bus->job;
 }
@@ -193,21 +206,20 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
 static const telegram_t *
 find_telegram(const dissection_t *d, const synax_block_t *block)
 {
-    telegram_t *telegram = p_get_proto_data(wmem_file_scope(), d->pinfo, proto_rk512i, 0);
+    telegram_t *telegram = kept_of_packet(d->pinfo, proto_rk512i, 0, sizeof *telegram);
     const sertap_record_t *record = sertap_record(d->pinfo);
     int64_t begin = sertap_ns(&d->pinfo->abs_ts);
     bus_t *bus;
 
-    if (telegram != NULL)
+    if (telegram->frame != 0)
         return telegram;
-    telegram = wmem_new0(wmem_file_scope(), telegram_t);
-    p_add_proto_data(wmem_file_scope(), d->pinfo, proto_rk512i, 0, telegram);
     telegram->frame = d->pinfo->num;
+    telegram->line = record != NULL ? record->line : 0;
     telegram->end = begin + (record != NULL ? (int64_t)record->duration : 0);
     telegram->is_repeat = block != NULL && block->is_repeat;
     if (telegram->is_repeat || (d->is_cut && !d->is_snapped))
         return telegram;
-    bus = bus_of(d->pinfo);
+    bus = sertap_kept_of_bus(buses, d->pinfo, sizeof *bus);
     if (d->is_snapped)
         *bus = (bus_t){.key = bus->key};
     else if (d->is_reaction)
@@ -218,11 +230,58 @@ find_telegram(const dissection_t *d, const synax_block_t *block)
 }
 
 static void
+note(const dissection_t *d, const char *text)
+{
+    expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "%s", text);
+}
+
+static void
+show_faults(const dissection_t *d)
+{
+    static const struct {
+        fault_t fault;
+        expert_field *ei;
+        const char *text;
+    } faults[] = {
+        {FROM_BOTH, &ei_synax_note, "Both partners send commands, but a PPC only reacts (page 8-3)"},
+        {UNANSWERED_BEFORE, &ei_synax_unanswered_before, "The command before this one got no reaction"},
+        {TOO_MANY_DATA, &ei_synax_unexpected, "More data than the command says"},
+        {TOO_LONG_FOR_LAST, &ei_synax_note,
+         "With more than 1024 bytes, bit 1 of the info access is 0 (page 8-18)"},
+    };
+
+    for (unsigned i = 0; i < array_length(faults); i++) {
+        if (d->telegram->faults & faults[i].fault)
+            expert_add_info_format(d->pinfo, d->root, faults[i].ei, "%s", faults[i].text);
+    }
+}
+
+static void
 say_count(const dissection_t *d, uint8_t kind, unsigned count)
 {
     const char *unit = bytes_of(kind, 1) == 2 ? "word" : "byte";
 
     wmem_strbuf_append_printf(d->words, ", %u %s%s", count, unit, plurality(count, "", "s"));
+}
+
+/* Data blocks that are defined, and how many words they have. */
+static void
+check_command(const dissection_t *d, uint8_t block)
+{
+    unsigned count = tvb_get_ntohs(d->tvb, 6);
+
+    if (!is_data_block(compat_get_uint8(d->tvb, 2), compat_get_uint8(d->tvb, 3))) {
+        note(d, "SYNAX has only SEND and FETCH of data blocks (page 8-24)");
+        return;
+    }
+    if (block > LONGEST_CHAIN && synax_block_text(block) == NULL)
+        note(d, "Data block that is not defined");
+    if (block == SYNAX_BLOCK_IO && count > MOST_IO_WORDS)
+        note(d, "Data block 99 has at most 32 words (page 8-8)");
+    if (block == SYNAX_BLOCK_MODE && count != 1)
+        note(d, "Data block 100 has one word (page 8-10)");
+    if (compat_get_uint8(d->tvb, 5) != 0)
+        note(d, "Only whole data blocks can be accessed (page 8-7)");
 }
 
 /* The coordination flag: none is FF FF in Siemens' words, SYNAX writes zeros. Both are shown, none is judged.
@@ -231,57 +290,41 @@ static void
 show_command(const dissection_t *d)
 {
     uint8_t block = compat_get_uint8(d->tvb, 4);
-    proto_item *item = proto_tree_add_item(d->tree, hf_block, d->tvb, 4, 1, ENC_NA);
 
-    if (synax_block_text(block) != NULL)
-        proto_item_append_text(item, " (%s)", synax_block_text(block));
-    proto_tree_add_item(d->tree, hf_word, d->tvb, 5, 1, ENC_NA);
-    proto_tree_add_item(d->tree, hf_count, d->tvb, 6, 2, ENC_BIG_ENDIAN);
-    proto_tree_add_item(d->tree, hf_flag_byte, d->tvb, 8, 1, ENC_NA);
-    proto_tree_add_item(d->tree, hf_flag, d->tvb, 9, 1, ENC_NA);
+    synax_add_block(d->tree, hf_rk512i_block, d->tvb, 4);
+    proto_tree_add_item(d->tree, hf_rk512i_word, d->tvb, 5, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_rk512i_count, d->tvb, 6, 2, ENC_BIG_ENDIAN);
+    proto_tree_add_item(d->tree, hf_rk512i_flag_byte, d->tvb, 8, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_rk512i_flag, d->tvb, 9, 1, ENC_NA);
     wmem_strbuf_append_printf(d->words, " DB %u", block);
     say_count(d, compat_get_uint8(d->tvb, 3), tvb_get_ntohs(d->tvb, 6));
+    check_command(d, block);
 }
 
-static const value_string rk512_commands[] = {
-    {SEND, "SEND"},
-    {FETCH, "FETCH"},
-    {'O', "SEND to an extended data block"},
-    {0, NULL},
-};
-
-static const value_string rk512_kinds[] = {
-    {'D', "Data block"}, {'X', "Extended data block"},
-    {'E', "Inputs"},     {'A', "Outputs"},
-    {'M', "Flags"},      {'T', "Timers"},
-    {'Z', "Counters"},   {0, NULL},
-};
-
 /* Siemens' numbers; SYNAX' table is lost. */
-static const value_string rk512_errors[] = {
-    {0x00, "No error"},
-    {0x0A, "Access to the area not possible"},
-    {0x0C, "Wrong data type"},
-    {0x10, "Telegram not supported"},
-    {0x12, "Object type not supported"},
-    {0x14, "Block not found, or its number not allowed"},
-    {0x16, "Unknown command"},
-    {0x2A, "PLC stopped"},
-    {0x32, "Block locked by its coordination flag"},
-    {0x34, "Wrong length"},
-    {0x36, "Follow-up without a command"},
-    {0, NULL},
-};
+/* The head of the command that a reaction answers. */
+static synax_head_t
+head_of_command(const job_t *job)
+{
+    return synax_head_of(job->info, job->axis, job->ident);
+}
 
 static void
 show_reaction(const dissection_t *d)
 {
+    const job_t *job = d->telegram->job;
+    synax_head_t head;
     uint8_t error = compat_get_uint8(d->tvb, 3);
-    const char *text = val_to_str_const(error, rk512_errors, "Not defined");
+    const char *text = val_to_str_const(error, sis_rk512_errors, "Not defined");
     proto_item *item =
-        proto_tree_add_uint_format_value(d->tree, hf_error, d->tvb, 3, 1, error, "%s (0x%02x)%s", text, error,
-                                         error != 0 ? ", by Siemens' numbers" : "");
+        proto_tree_add_uint_format_value(d->tree, hf_rk512i_error, d->tvb, 3, 1, error, "%s (0x%02x)%s", text,
+                                         error, error != 0 ? ", by Siemens' numbers" : "");
 
+    if (job != NULL && job->has_head) {
+        head = head_of_command(job);
+        wmem_strbuf_append(d->words, ": ");
+        synax_recall_head(d->tree, d->pinfo, d->tvb, &head, d->words);
+    }
     if (error == 0)
         return;
     expert_add_info_format(d->pinfo, item, &ei_synax_error, "Error 0x%02x: %s (Siemens' number)", error,
@@ -294,13 +337,10 @@ show_links(const dissection_t *d)
 {
     const telegram_t *telegram = d->telegram;
 
-    if (telegram->answer_in != 0)
-        proto_item_set_generated(
-            proto_tree_add_uint(d->tree, hf_synax_answer_in, d->tvb, 0, 0, telegram->answer_in));
+    add_link(d->tree, hf_synax_answer_in, d->tvb, telegram->answer_in);
     if (telegram->request_in == 0)
         return;
-    proto_item_set_generated(
-        proto_tree_add_uint(d->tree, hf_synax_request_in, d->tvb, 0, 0, telegram->request_in));
+    add_generated(d->tree, hf_synax_request_in, d->tvb, telegram->request_in);
     proto_item_set_generated(
         sertap_add_ms(d->tree, hf_synax_answer_time, d->tvb, 0, 0, d->pinfo->pool, telegram->elapsed));
 }
@@ -313,15 +353,15 @@ show_whole(const dissection_t *d, proto_tree *tree, tvbuff_t *tvb)
     const job_t *job = d->telegram->job;
     synax_head_t head;
 
-    if (job->has_head)
-        wmem_strbuf_append(d->words, ": ");
     if (!job->has_head) {
-        proto_tree_add_item(tree, hf_data, tvb, 0, -1, ENC_NA);
+        proto_tree_add_item(tree, hf_rk512i_data, tvb, 0, -1, ENC_NA);
+        if (is_data_block(job->command, job->kind))
+            synax_add_block_words(tree, d->pinfo, hf_rk512i_block_word, tvb, job->block, ENC_BIG_ENDIAN);
     } else if (d->is_reaction) {
-        head = synax_head_of(job->info, job->axis, job->ident);
-        synax_recall_head(tree, d->pinfo, tvb, &head, d->words);
+        head = head_of_command(job);
         synax_add_data(tree, d->pinfo, tvb, 0, ENC_BIG_ENDIAN, &head, d->words);
     } else {
+        wmem_strbuf_append(d->words, ": ");
         head = synax_add_head(tree, d->pinfo, tvb, 0, ENC_BIG_ENDIAN, d->words);
         if (tvb_captured_length(tvb) > SYNAX_HEAD_SIZE)
             synax_add_data(tree, d->pinfo, tvb, SYNAX_HEAD_SIZE, ENC_BIG_ENDIAN, &head, d->words);
@@ -335,14 +375,15 @@ show_piece(const dissection_t *d)
     unsigned length = tvb_captured_length(d->tvb) - d->data_at;
     tvbuff_t *whole;
 
-    proto_tree_add_item(d->tree, hf_data, d->tvb, d->data_at, length, ENC_NA);
+    proto_tree_add_item(d->tree, hf_rk512i_data, d->tvb, d->data_at, length, ENC_NA);
     wmem_strbuf_append_printf(d->words, ", %s of %u bytes", telegram->is_last ? "last piece" : "piece",
                               length);
     whole = synax_put_together(d->tree, d->pinfo, tvb_new_subset_remaining(d->tvb, d->data_at),
                                telegram->job->number, telegram->is_last);
     if (whole != NULL)
-        show_whole(d, proto_tree_add_subtree(d->tree, whole, 0, -1, ett_whole, NULL, "Data of all pieces"),
-                   whole);
+        show_whole(
+            d, proto_tree_add_subtree(d->tree, whole, 0, -1, ett_rk512i_whole, NULL, "Data of all pieces"),
+            whole);
 }
 
 static void
@@ -350,12 +391,12 @@ show_data(const dissection_t *d)
 {
     const telegram_t *telegram = d->telegram;
     unsigned length = tvb_captured_length(d->tvb) - d->data_at;
-    bool is_request = telegram->job != NULL && !d->is_reaction && telegram->job->command == FETCH;
+    bool is_request = telegram->job != NULL && !d->is_reaction && telegram->job->command == RK512_FETCH;
 
     if (length == 0)
         return;
     if (telegram->job == NULL || telegram->is_repeat || (is_request && !telegram->job->has_head)) {
-        proto_tree_add_item(d->tree, hf_data, d->tvb, d->data_at, length, ENC_NA);
+        proto_tree_add_item(d->tree, hf_rk512i_data, d->tvb, d->data_at, length, ENC_NA);
         if (telegram->job == NULL && !telegram->is_repeat)
             expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "Data of a command that is not known");
     } else if (telegram->is_piece && !is_request) {
@@ -370,16 +411,16 @@ dissect_head(dissection_t *d)
 {
     uint8_t third = compat_get_uint8(d->tvb, 2);
 
-    proto_tree_add_item(d->tree, hf_follow_up, d->tvb, 0, 1, ENC_NA);
-    proto_tree_add_item(d->tree, hf_zero, d->tvb, 1, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_rk512i_follow_up, d->tvb, 0, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_rk512i_zero, d->tvb, 1, 1, ENC_NA);
     d->data_at = FOLLOW_UP_SIZE;
     if (d->is_reaction) {
         wmem_strbuf_append(d->words, d->is_follow_up ? "Reaction to a follow-up" : "Reaction");
         return;
     }
-    proto_tree_add_item(d->tree, hf_command, d->tvb, 2, 1, ENC_NA);
-    proto_tree_add_item(d->tree, hf_kind, d->tvb, 3, 1, ENC_NA);
-    wmem_strbuf_append_printf(d->words, "%s%s", val_to_str_const(third, rk512_commands, "Command"),
+    proto_tree_add_item(d->tree, hf_rk512i_command, d->tvb, 2, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_rk512i_kind, d->tvb, 3, 1, ENC_NA);
+    wmem_strbuf_append_printf(d->words, "%s%s", val_to_str_const(third, sis_rk512_commands, "Command"),
                               d->is_follow_up ? ", follow-up" : "");
     if (d->is_follow_up)
         return;
@@ -398,12 +439,12 @@ dissect_head(dissection_t *d)
 static void
 queue_answer(const dissection_t *d)
 {
-    synax_answer_t *answer;
+    answer_t *answer;
 
     if (d->telegram->request_in == 0 || d->telegram->job == NULL)
         return;
-    answer = wmem_new(d->pinfo->pool, synax_answer_t);
-    *answer = (synax_answer_t){d->telegram->job->command, d->telegram->elapsed};
+    answer = wmem_new(d->pinfo->pool, answer_t);
+    *answer = (answer_t){d->telegram->job->command, d->telegram->elapsed};
     tap_queue_packet(rk512i_tap, d->pinfo, answer);
 }
 
@@ -417,7 +458,7 @@ looks_like_rk512(tvbuff_t *tvb)
     first = compat_get_uint8(tvb, 0);
     third = compat_get_uint8(tvb, 2);
     return (first == 0 || first == FOLLOW_UP) && compat_get_uint8(tvb, 1) == 0 &&
-           (third == 0 || try_val_to_str(third, rk512_commands) != NULL);
+           (third == 0 || try_val_to_str(third, sis_rk512_commands) != NULL);
 }
 
 bool
@@ -440,7 +481,9 @@ synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void
     if (!d.is_cut && !d.is_snapped)
         show_data(&d);
     else if (tvb_captured_length(tvb) > d.data_at)
-        proto_tree_add_item(d.tree, hf_data, tvb, d.data_at, tvb_captured_length(tvb) - d.data_at, ENC_NA);
+        proto_tree_add_item(d.tree, hf_rk512i_data, tvb, d.data_at, tvb_captured_length(tvb) - d.data_at,
+                            ENC_NA);
+    show_faults(&d);
     show_links(&d);
     queue_answer(&d);
     proto_item_append_text(d.root, ", %s", wmem_strbuf_get_str(d.words));
@@ -461,37 +504,41 @@ dissect_rk512i(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     return tvb_captured_length(tvb);
 }
 
-/* clang-format off */
-static const value_string rk512_telegrams[] = {
-    {0x00, "First telegram"},
-    {0xFF, "Follow-up"},
-    {0, NULL},
-};
+/* The letters of the commands. A row of the table has the index of its letter here. */
+static const char commands[] = {'A', 'E', 'O'};
 
-static hf_register_info fields[] = {
-    {&hf_follow_up, {"Telegram", "rk512i.follow_up", FT_UINT8, BASE_HEX, VALS(rk512_telegrams), 0, NULL, HFILL}},
-    {&hf_zero, {"Always 0", "rk512i.zero", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_command, {"Command", "rk512i.command", FT_UINT8, BASE_HEX, VALS(rk512_commands), 0, NULL, HFILL}},
-    {&hf_kind, {"Kind of data", "rk512i.kind", FT_UINT8, BASE_HEX, VALS(rk512_kinds), 0, NULL, HFILL}},
-    {&hf_block, {"Data block", "rk512i.block", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_word, {"Data word", "rk512i.word", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_count, {"Count", "rk512i.count", FT_UINT16, BASE_DEC, NULL, 0, "Words of data blocks, timers and counters, else bytes", HFILL}},
-    {&hf_flag_byte, {"Byte of the coordination flag", "rk512i.flag_byte", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_flag, {"Bit and CPU of the coordination flag", "rk512i.flag", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_error, {"Error number", "rk512i.error", FT_UINT8, BASE_HEX, VALS(rk512_errors), 0, "Siemens' numbers; the table that SYNAX has is lost", HFILL}},
-    {&hf_data, {"Data", "rk512i.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
-};
-/* clang-format on */
+static void
+srt_init(struct register_srt *srt _U_, GArray *tables)
+{
+    static const char *const names[] = {"SEND", "FETCH", "SEND to an extended data block"};
+    srt_stat_table *table = init_srt_table("RK512 commands", NULL, tables, array_length(commands), "Command",
+                                           "rk512i.command", NULL);
+
+    for (unsigned i = 0; i < array_length(commands); i++)
+        init_srt_table_row(table, (int)i, names[i]);
+}
+
+/* The table subtracts it from the packet's time. */
+static tap_packet_status
+srt_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped, tap_flags_t flags _U_)
+{
+    srt_stat_table *table = g_array_index(((srt_data_t *)data)->srt_array, srt_stat_table *, 0);
+    const answer_t *answer = tapped;
+    const char *command = memchr(commands, answer->command, sizeof commands);
+    nstime_t asked, taken = sertap_time(answer->elapsed);
+
+    if (command == NULL)
+        return TAP_PACKET_DONT_REDRAW;
+    nstime_delta(&asked, &pinfo->abs_ts, &taken);
+    add_srt_table_data(table, (int)(command - commands), &asked, pinfo);
+    return TAP_PACKET_REDRAW;
+}
 
 void
 synax_rk512i_register(void)
 {
-    static int *trees[] = {&ett_rk512i, &ett_whole};
-
-    proto_rk512i = proto_register_protocol("RK512 with the Indramat extension", "RK512I", "rk512i");
-    proto_register_field_array(proto_rk512i, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
-    buses = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), wmem_int64_hash, g_int64_equal);
+    buses = kept_map_of_numbers();
     rk512i_tap = register_tap("rk512i");
+    register_srt_table(proto_rk512i, "rk512i", 1, srt_packet, srt_init, NULL);
     register_dissector("rk512i", dissect_rk512i, proto_rk512i);
 }

@@ -6,14 +6,6 @@
 
 #include "compat.h"
 
-/* Data of the tap "rk512i": a reaction to a command. */
-typedef struct {
-    uint8_t command; /* its letter */
-    int64_t elapsed; /* ns */
-} synax_answer_t;
-
-extern int proto_rk512i;
-
 /* The data argument for the dissector of a block. */
 typedef struct {
     bool is_repeat; /* the same block again */
@@ -21,7 +13,5 @@ typedef struct {
 
 /* Decodes the data of a block; false if they do not look like RK512. `data` is a synax_block_t, or NULL. */
 bool synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data);
-
-void synax_rk512i_register(void);
 
 #endif

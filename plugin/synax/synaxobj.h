@@ -5,14 +5,7 @@
 #ifndef SYNAX_SYNAXOBJ_H
 #define SYNAX_SYNAXOBJ_H
 
-#include "compat.h"
-
-typedef enum {
-    SYNAXOBJ_READ_ANSWER,
-    SYNAXOBJ_WRITE_REQUEST,
-    SYNAXOBJ_READ_REQUEST,
-    SYNAXOBJ_WRITE_ANSWER,
-} synaxobj_operation_t;
+#include "protocol/codes.h"
 
 /* The action, and its object. */
 typedef struct {
@@ -28,10 +21,5 @@ bool synaxobj_is_known(uint16_t number);
 /* An object on another bus: `length` available bytes at `offset`. Appends to the info column. */
 void synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *pinfo, proto_tree *parent,
                       const synaxobj_access_t *access);
-
-/* The dissector "synaxobj": a head of 3 bytes (index, high byte first, and operation), then the object. */
-void synaxobj_register(void);
-
-void synaxobj_handoff(void);
 
 #endif

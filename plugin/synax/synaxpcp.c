@@ -2,14 +2,13 @@
 /* Interbus PCP: service code, word count, invoke id, communication reference, and what the service brings.
  * All words have the high byte first. Codes and layouts are those that ABB's NIBA-01 manual prints (p. 6-2 to
  * 6-8); one write request is printed in SYNAX' own (L242). */
+#include "parts.h"
 
-#include "synax/synaxpcp.h"
-
-#include <epan/proto_data.h>
-
+#include "items.h"
+#include "kept.h"
+#include "protocol/fields.h"
 #include "sertap/line.h"
 #include "sertap/time.h"
-#include "synax/fields.h"
 #include "synax/synaxobj.h"
 
 #define HEAD_SIZE     4u /* service code and word count, which counts what comes after them */
@@ -18,57 +17,6 @@
 #define SUBINDEX_AT   8u
 #define LENGTH_AT     9u
 #define DATA_AT       10u
-
-static int proto_synaxpcp = -1;
-
-static int hf_service = -1;
-static int hf_count = -1;
-static int hf_invoke = -1;
-static int hf_reference = -1;
-static int hf_index = -1;
-static int hf_index_of_request = -1;
-static int hf_subindex = -1;
-static int hf_length = -1;
-static int hf_data = -1;
-static int hf_padding = -1;
-static int hf_result = -1;
-static int hf_error = -1;
-static int hf_error_class = -1;
-static int hf_error_code = -1;
-static int hf_error_additional = -1;
-static int hf_raw = -1;
-static int hf_request_in = -1;
-static int hf_response_in = -1;
-static int hf_response_time = -1;
-
-static int ett_synaxpcp = -1;
-static int ett_error = -1;
-
-static const value_string synaxpcp_services[] = {
-    {0x0081, "Read request"},
-    {0x0082, "Write request"},
-    {0x0086, "Status request"},
-    {0x0087, "Identify request"},
-    {0x0088, "Get OV request"},
-    {0x008B, "Initiate request"},
-    {0x008D, "Abort request"},
-    {0x00A1, "Read response"},
-    {0x00A2, "Write response"},
-    {0x00AB, "Initiate response"},
-    {0x00AC, "Initiate error response"},
-    {0x0181, "Read confirmation"},
-    {0x0182, "Write confirmation"},
-    {0x0186, "Status confirmation"},
-    {0x0187, "Identify confirmation"},
-    {0x0188, "Get OV confirmation"},
-    {0x018B, "Initiate confirmation"},
-    {0x018C, "Initiate error confirmation"},
-    {0x01A1, "Read indication"},
-    {0x01A2, "Write indication"},
-    {0x01AB, "Initiate indication"},
-    {0x01AD, "Abort indication"},
-    {0, NULL},
-};
 
 /* Services on objects. The master sees request and confirmation, the device indication and response. */
 typedef struct {
@@ -125,21 +73,9 @@ typedef struct {
     uint64_t message; /* reference, invoke id, kind of access, place */
 } message_key_t;
 
-_Static_assert(sizeof(message_key_t) == 8 + 8, "the key is hashed byte by byte, so it has no gaps");
+KEPT_KEY(message_key_t, 8 + 8)
 
 static wmem_map_t *requests; /* the last of each kind */
-
-static unsigned
-hash_key(const void *key)
-{
-    return wmem_strong_hash(key, sizeof(message_key_t));
-}
-
-static gboolean
-are_keys_equal(const void *a, const void *b)
-{
-    return memcmp(a, b, sizeof(message_key_t)) == 0;
-}
 
 /* The message being dissected. */
 typedef struct {
@@ -197,33 +133,30 @@ static const link_t *
 find_link(const dissection_t *d)
 {
     uint32_t place = tvb_raw_offset(d->tvb);
-    link_t *link = p_get_proto_data(wmem_file_scope(), d->pinfo, proto_synaxpcp, place);
+    link_t *link = kept_of_packet(d->pinfo, proto_synaxpcp, place, sizeof *link);
 
-    if (link != NULL || PINFO_FD_VISITED(d->pinfo))
+    if (PINFO_FD_VISITED(d->pinfo))
         return link;
-    link = wmem_new0(wmem_file_scope(), link_t);
     if (d->access->is_answer)
         end_exchange(d, link);
     else
         begin_exchange(d, link);
-    p_add_proto_data(wmem_file_scope(), d->pinfo, proto_synaxpcp, place, link);
     return link;
 }
 
 static void
 show_link(const dissection_t *d, const link_t *link)
 {
-    const request_t *request = link != NULL ? link->request : NULL;
+    const request_t *request = link->request;
 
     if (request == NULL)
         return;
     if (d->access->is_answer) {
-        proto_item_set_generated(proto_tree_add_uint(d->tree, hf_request_in, d->tvb, 0, 0, request->frame));
+        add_generated(d->tree, hf_synaxpcp_request_in, d->tvb, request->frame);
         proto_item_set_generated(
-            sertap_add_ms(d->tree, hf_response_time, d->tvb, 0, 0, d->pinfo->pool, link->elapsed));
+            sertap_add_ms(d->tree, hf_synaxpcp_response_time, d->tvb, 0, 0, d->pinfo->pool, link->elapsed));
     } else if (request->answer_in != 0) {
-        proto_item_set_generated(
-            proto_tree_add_uint(d->tree, hf_response_in, d->tvb, 0, 0, request->answer_in));
+        add_generated(d->tree, hf_synaxpcp_response_in, d->tvb, request->answer_in);
     }
 }
 
@@ -237,8 +170,7 @@ add_rest(const dissection_t *d, int hf, unsigned offset)
 static void
 say_short(const dissection_t *d, unsigned needed)
 {
-    expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "The message has at least %u bytes, not %u",
-                           needed, d->end);
+    expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "The message has at least %u bytes", needed);
 }
 
 /* Passes on objects of SYNAX, complete: an element of an object may be anything. */
@@ -261,7 +193,7 @@ dissect_data(const dissection_t *d, unsigned length, const request_t *request)
         col_append_fstr(d->pinfo->cinfo, COL_INFO, "  0x%04X.%u", request->number, request->subindex);
     if (length == 0)
         return;
-    item = proto_tree_add_item(d->tree, hf_data, d->tvb, DATA_AT, length, ENC_NA);
+    item = proto_tree_add_item(d->tree, hf_synaxpcp_data, d->tvb, DATA_AT, length, ENC_NA);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, ", %u byte%s", length, plurality(length, "", "s"));
     if (request == NULL)
         expert_add_info_format(d->pinfo, item, &ei_synax_note,
@@ -279,13 +211,12 @@ static void
 dissect_length(const dissection_t *d, const request_t *request)
 {
     unsigned length = compat_get_uint8(d->tvb, LENGTH_AT), there = d->end - DATA_AT;
-    proto_item *item = proto_tree_add_item(d->tree, hf_length, d->tvb, LENGTH_AT, 1, ENC_NA);
+    proto_item *item = proto_tree_add_item(d->tree, hf_synaxpcp_length, d->tvb, LENGTH_AT, 1, ENC_NA);
 
     if (length > there)
-        expert_add_info_format(d->pinfo, item, &ei_synax_short, "The data have %u byte%s, there are %u",
-                               length, plurality(length, "", "s"), there);
+        expert_add_info_format(d->pinfo, item, &ei_synax_short, "The data are cut");
     else
-        add_rest(d, hf_padding, DATA_AT + length);
+        add_rest(d, hf_synaxpcp_padding, DATA_AT + length);
     dissect_data(d, MIN(length, there), request);
 }
 
@@ -297,20 +228,20 @@ dissect_request(const dissection_t *d)
     const link_t *link;
 
     if (d->end < needed) {
-        add_rest(d, hf_raw, REFERENCE_END);
+        add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
         say_short(d, needed);
         return;
     }
-    proto_tree_add_item(d->tree, hf_index, d->tvb, REFERENCE_END, 2, ENC_BIG_ENDIAN);
-    proto_tree_add_item(d->tree, hf_subindex, d->tvb, SUBINDEX_AT, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_synaxpcp_index, d->tvb, REFERENCE_END, 2, ENC_BIG_ENDIAN);
+    proto_tree_add_item(d->tree, hf_synaxpcp_subindex, d->tvb, SUBINDEX_AT, 1, ENC_NA);
     link = find_link(d);
     show_link(d, link);
     if (d->access->is_write) {
-        dissect_length(d, link != NULL ? link->request : NULL);
+        dissect_length(d, link->request);
         return;
     }
-    add_rest(d, hf_padding, SUBINDEX_AT + 1);
-    dissect_data(d, 0, link != NULL ? link->request : NULL);
+    add_rest(d, hf_synaxpcp_padding, SUBINDEX_AT + 1);
+    dissect_data(d, 0, link->request);
 }
 
 /* Error class, error code and additional code instead of a result. */
@@ -318,34 +249,35 @@ static void
 dissect_error(const dissection_t *d)
 {
     uint32_t error = compat_get_uint32(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN);
-    proto_item *item = proto_tree_add_item(d->tree, hf_error, d->tvb, REFERENCE_END, 4, ENC_BIG_ENDIAN);
-    proto_tree *tree = proto_item_add_subtree(item, ett_error);
+    proto_item *item =
+        proto_tree_add_item(d->tree, hf_synaxpcp_error, d->tvb, REFERENCE_END, 4, ENC_BIG_ENDIAN);
+    proto_tree *tree = proto_item_add_subtree(item, ett_synaxpcp_error);
     const char *text = try_val_to_str(error, error_texts);
     const char *words = wmem_strdup_printf(d->pinfo->pool, "Error class %u, code %u, additional 0x%04x%s%s",
                                            error >> 24, error >> 16 & 0xFF, error & 0xFFFF,
                                            text != NULL ? ", at ABB: " : "", text != NULL ? text : "");
 
-    proto_tree_add_item(tree, hf_error_class, d->tvb, REFERENCE_END, 1, ENC_NA);
-    proto_tree_add_item(tree, hf_error_code, d->tvb, REFERENCE_END + 1, 1, ENC_NA);
-    proto_tree_add_item(tree, hf_error_additional, d->tvb, RESULT_END, 2, ENC_BIG_ENDIAN);
+    proto_tree_add_item(tree, hf_synaxpcp_error_class, d->tvb, REFERENCE_END, 1, ENC_NA);
+    proto_tree_add_item(tree, hf_synaxpcp_error_code, d->tvb, REFERENCE_END + 1, 1, ENC_NA);
+    proto_tree_add_item(tree, hf_synaxpcp_error_additional, d->tvb, RESULT_END, 2, ENC_BIG_ENDIAN);
     expert_add_info_format(d->pinfo, item, &ei_synax_error, "%s", words);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %s", words);
-    add_rest(d, hf_raw, RESULT_END + 2);
+    add_rest(d, hf_synaxpcp_raw, RESULT_END + 2);
 }
 
 /* Result 0, and the data read. */
 static void
 dissect_result(const dissection_t *d, const request_t *request)
 {
-    proto_tree_add_item(d->tree, hf_result, d->tvb, REFERENCE_END, 2, ENC_BIG_ENDIAN);
+    proto_tree_add_item(d->tree, hf_synaxpcp_result, d->tvb, REFERENCE_END, 2, ENC_BIG_ENDIAN);
     if (d->access->is_write) {
-        add_rest(d, hf_raw, RESULT_END);
+        add_rest(d, hf_synaxpcp_raw, RESULT_END);
         dissect_data(d, 0, request);
     } else if (d->end < DATA_AT) {
-        add_rest(d, hf_raw, RESULT_END);
+        add_rest(d, hf_synaxpcp_raw, RESULT_END);
         say_short(d, DATA_AT);
     } else {
-        proto_tree_add_item(d->tree, hf_padding, d->tvb, RESULT_END, 1, ENC_NA);
+        proto_tree_add_item(d->tree, hf_synaxpcp_padding, d->tvb, RESULT_END, 1, ENC_NA);
         dissect_length(d, request);
     }
 }
@@ -355,19 +287,18 @@ static void
 dissect_answer(const dissection_t *d)
 {
     const link_t *link = find_link(d);
-    const request_t *request = link != NULL ? link->request : NULL;
+    const request_t *request = link->request;
     bool is_good = d->end >= RESULT_END && compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN) == 0;
 
     show_link(d, link);
     if (request != NULL)
-        proto_item_set_generated(
-            proto_tree_add_uint(d->tree, hf_index_of_request, d->tvb, 0, 0, request->number));
+        add_generated(d->tree, hf_synaxpcp_index_of_request, d->tvb, request->number);
     if (is_good) {
         dissect_result(d, request);
     } else if (d->end >= RESULT_END + 2) {
         dissect_error(d);
     } else {
-        add_rest(d, hf_raw, REFERENCE_END);
+        add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
         say_short(d, d->end < RESULT_END ? RESULT_END : RESULT_END + 2);
     }
 }
@@ -375,8 +306,8 @@ dissect_answer(const dissection_t *d)
 static void
 dissect_other(const dissection_t *d, uint16_t code)
 {
-    add_rest(d, hf_raw, REFERENCE_END);
-    if (try_val_to_str(code, synaxpcp_services) == NULL)
+    add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+    if (try_val_to_str(code, sis_synaxpcp_services) == NULL)
         expert_add_info_format(
             d->pinfo, d->root, &ei_synax_note, "Service code 0x%04x is not defined%s", code,
             code >> 8 == 0x80 ? ": older controllers have such codes, and manuals differ in "
@@ -390,7 +321,7 @@ static void
 dissect_message(dissection_t *d)
 {
     uint16_t code = compat_get_uint16(d->tvb, 0, ENC_BIG_ENDIAN);
-    const char *name = try_val_to_str(code, synaxpcp_services);
+    const char *name = try_val_to_str(code, sis_synaxpcp_services);
 
     d->access = find_access(code);
     if (name == NULL)
@@ -398,12 +329,12 @@ dissect_message(dissection_t *d)
     proto_item_append_text(d->root, ", %s", name);
     col_append_str(d->pinfo->cinfo, COL_INFO, name);
     if (d->end < REFERENCE_END) {
-        add_rest(d, hf_raw, HEAD_SIZE);
+        add_rest(d, hf_synaxpcp_raw, HEAD_SIZE);
         say_short(d, REFERENCE_END);
         return;
     }
-    proto_tree_add_item(d->tree, hf_invoke, d->tvb, HEAD_SIZE, 1, ENC_NA);
-    proto_tree_add_item(d->tree, hf_reference, d->tvb, HEAD_SIZE + 1, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_synaxpcp_invoke, d->tvb, HEAD_SIZE, 1, ENC_NA);
+    proto_tree_add_item(d->tree, hf_synaxpcp_reference, d->tvb, HEAD_SIZE + 1, 1, ENC_NA);
     if (d->access == NULL)
         dissect_other(d, code);
     else if (d->access->is_answer)
@@ -420,16 +351,14 @@ dissect_head(dissection_t *d)
     unsigned end = HEAD_SIZE + 2 * count;
     proto_item *item;
 
-    proto_tree_add_item(d->tree, hf_service, d->tvb, 0, 2, ENC_BIG_ENDIAN);
-    item = proto_tree_add_item(d->tree, hf_count, d->tvb, 2, 2, ENC_BIG_ENDIAN);
+    proto_tree_add_item(d->tree, hf_synaxpcp_service, d->tvb, 0, 2, ENC_BIG_ENDIAN);
+    item = proto_tree_add_item(d->tree, hf_synaxpcp_count, d->tvb, 2, 2, ENC_BIG_ENDIAN);
     d->end = MIN(end, there);
     if (end > there)
-        expert_add_info_format(d->pinfo, item, &ei_synax_short, "%u words follow, of %u",
-                               (there - HEAD_SIZE) / 2, count);
+        expert_add_info_format(d->pinfo, item, &ei_synax_short, "Fewer words than counted");
     if (end < there) {
-        expert_add_info_format(d->pinfo, item, &ei_synax_unexpected, "%u byte%s after the last word",
-                               there - end, plurality(there - end, "", "s"));
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, end, there - end, ENC_NA);
+        expert_add_info_format(d->pinfo, item, &ei_synax_unexpected, "Bytes after the last word");
+        proto_tree_add_item(d->tree, hf_synaxpcp_raw, d->tvb, end, there - end, ENC_NA);
     }
     dissect_message(d);
 }
@@ -440,10 +369,10 @@ dissect_stump(const dissection_t *d, unsigned there)
 {
     col_append_str(d->pinfo->cinfo, COL_INFO, "Cut message");
     if (there > 0)
-        proto_tree_add_item(d->tree, hf_raw, d->tvb, 0, there, ENC_NA);
+        proto_tree_add_item(d->tree, hf_synaxpcp_raw, d->tvb, 0, there, ENC_NA);
     if (there == tvb_reported_length(d->tvb))
         expert_add_info_format(d->pinfo, d->root, &ei_synax_short,
-                               "Service code and word count have 4 bytes, not %u", there);
+                               "Service code and word count have 4 bytes");
 }
 
 static int
@@ -464,38 +393,9 @@ dissect_synaxpcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
     return (int)there;
 }
 
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_service, {"Service", "synaxpcp.service", FT_UINT16, BASE_HEX, VALS(synaxpcp_services), 0, NULL, HFILL}},
-    {&hf_count, {"Word count", "synaxpcp.count", FT_UINT16, BASE_DEC, NULL, 0, "Words after this one", HFILL}},
-    {&hf_invoke, {"Invoke id", "synaxpcp.invoke", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_reference, {"Communication reference", "synaxpcp.reference", FT_UINT8, BASE_DEC, NULL, 0, "Which device", HFILL}},
-    {&hf_index, {"Index", "synaxpcp.index", FT_UINT16, BASE_HEX, NULL, 0, "Which object", HFILL}},
-    {&hf_index_of_request, {"Index of the request", "synaxpcp.index_of_request", FT_UINT16, BASE_HEX, NULL, 0, "An answer does not name its object", HFILL}},
-    {&hf_subindex, {"Subindex", "synaxpcp.subindex", FT_UINT8, BASE_DEC, NULL, 0, "Which element of it, 0: the whole", HFILL}},
-    {&hf_length, {"Length", "synaxpcp.length", FT_UINT8, BASE_DEC, NULL, 0, "Bytes of data", HFILL}},
-    {&hf_data, {"Data", "synaxpcp.data", FT_BYTES, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_padding, {"Padding", "synaxpcp.padding", FT_BYTES, BASE_NONE, NULL, 0, "What fills up a word", HFILL}},
-    {&hf_result, {"Result", "synaxpcp.result", FT_UINT16, BASE_HEX, NULL, 0, "0: done", HFILL}},
-    {&hf_error, {"Error", "synaxpcp.error", FT_UINT32, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_error_class, {"Error class", "synaxpcp.error.class", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_error_code, {"Error code", "synaxpcp.error.code", FT_UINT8, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_error_additional, {"Additional code", "synaxpcp.error.additional", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_raw, {"Raw", "synaxpcp.raw", FT_BYTES, BASE_NONE, NULL, 0, "Bytes that are not decoded", HFILL}},
-    {&hf_request_in, {"Request in", "synaxpcp.request_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, NULL, HFILL}},
-    {&hf_response_in, {"Response in", "synaxpcp.response_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, NULL, HFILL}},
-    {&hf_response_time, {"Time to the response", "synaxpcp.response_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-};
-/* clang-format on */
-
 void
-synaxpcp_register(void)
+synax_synaxpcp_register(void)
 {
-    static int *trees[] = {&ett_synaxpcp, &ett_error};
-
-    proto_synaxpcp = proto_register_protocol("Interbus PCP", "SYNAXPCP", "synaxpcp");
-    proto_register_field_array(proto_synaxpcp, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
     register_dissector("synaxpcp", dissect_synaxpcp, proto_synaxpcp);
-    requests = wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_key, are_keys_equal);
+    requests = kept_map(hash_message_key_t, are_equal_message_key_t);
 }

@@ -2,44 +2,26 @@
 /* Process data over UDP (chapter 6, card ETH01): the payload is the data, without any head. What its words
  * are stands in parameters of the PPC only (p. 6-5: C-0-0127, C-0-0188 ...), so the user's table names them.
  */
+#include "parts.h"
 
-#include "synax/synaxpd.h"
+#include <math.h>
 
 #include <epan/prefs.h>
 #include <epan/uat.h>
-#include <math.h>
 
-#include "parameters/fields.h"
-#include "synax/fields.h"
+#include "items.h"
+#include "protocol/fields.h"
 
 #define MAX_PORT    65535u
 #define MAX_WORDS   32767u
 #define WORDS_SHOWN 8u /* in the packet list */
 
-static int proto_synaxpd = -1;
-
-static int hf_direction = -1;
-static int hf_word = -1;
-static int hf_value = -1;
-static int hf_raw = -1;
-
-static int ett_synaxpd = -1;
-static int ett_value = -1;
-
 static dissector_handle_t handle;
 
-static range_t *ports;
 static range_t *ports_taken;
-static compat_bool swap_bytes = FALSE;
-static compat_bool swap_words = FALSE;
 
-typedef enum { DIRECTION_UNKNOWN, TO_PPC, FROM_PPC } direction_t;
-
-static const value_string synaxpd_directions[] = {
-    {TO_PPC, "to the PPC"},
-    {FROM_PPC, "from the PPC"},
-    {0, NULL},
-};
+#define DIRECTION_UNKNOWN 0
+typedef unsigned direction_t;
 
 static const value_string widths[] = {{2, "2"}, {4, "4"}, {0, NULL}};
 
@@ -62,7 +44,7 @@ static unsigned row_count;
 
 /* clang-format off */
 UAT_DEC_CB_DEF(rows, port, row_t)
-UAT_VS_DEF(rows, direction, row_t, unsigned, TO_PPC, "to the PPC")
+UAT_VS_DEF(rows, direction, row_t, unsigned, SYNAXPD_TO_PPC, "to the PPC")
 UAT_DEC_CB_DEF(rows, word, row_t)
 UAT_VS_DEF(rows, width, row_t, unsigned, 2, "2")
 UAT_VS_DEF(rows, is_signed, row_t, unsigned, 0, "unsigned")
@@ -141,19 +123,20 @@ is_udp(const packet_info *pinfo)
     return pinfo->ptype == PT_UDP;
 }
 
-/* The preference selects the port of the PPC; a packet without ports may have a direction of its own. */
+/* The preference selects the port of the PPC; a packet without pref_synaxpd_ports may have a direction of its
+ * own. */
 static direction_t
 find_direction(const packet_info *pinfo)
 {
     bool is_to, is_from;
 
     if (!is_udp(pinfo))
-        return pinfo->p2p_dir == P2P_DIR_SENT   ? TO_PPC
-               : pinfo->p2p_dir == P2P_DIR_RECV ? FROM_PPC
+        return pinfo->p2p_dir == P2P_DIR_SENT   ? SYNAXPD_TO_PPC
+               : pinfo->p2p_dir == P2P_DIR_RECV ? SYNAXPD_FROM_PPC
                                                 : DIRECTION_UNKNOWN;
-    is_to = value_is_in_range(ports, pinfo->destport);
-    is_from = value_is_in_range(ports, pinfo->srcport);
-    return is_to == is_from ? DIRECTION_UNKNOWN : is_to ? TO_PPC : FROM_PPC;
+    is_to = value_is_in_range(pref_synaxpd_ports, pinfo->destport);
+    is_from = value_is_in_range(pref_synaxpd_ports, pinfo->srcport);
+    return is_to == is_from ? DIRECTION_UNKNOWN : is_to ? SYNAXPD_TO_PPC : SYNAXPD_FROM_PPC;
 }
 
 /* The rows of this packet, by word. Of several rows for a word, the first counts. */
@@ -163,7 +146,7 @@ find_rows(const packet_info *pinfo, unsigned count)
     const row_t **found = wmem_alloc0_array(pinfo->pool, const row_t *, count);
 
     for (unsigned i = 0; is_udp(pinfo) && i < row_count; i++) {
-        unsigned port = rows[i].direction == TO_PPC ? pinfo->destport : pinfo->srcport;
+        unsigned port = rows[i].direction == SYNAXPD_TO_PPC ? pinfo->destport : pinfo->srcport;
         unsigned word = rows[i].word - 1;
 
         if (rows[i].port == port && word < count && found[word] == NULL)
@@ -176,7 +159,7 @@ find_rows(const packet_info *pinfo, unsigned count)
 static uint16_t
 word_at(const dissection_t *d, unsigned word)
 {
-    return compat_get_uint16(d->tvb, 2 * word, swap_bytes ? ENC_LITTLE_ENDIAN : ENC_BIG_ENDIAN);
+    return compat_get_uint16(d->tvb, 2 * word, pref_synaxpd_swap_bytes ? ENC_LITTLE_ENDIAN : ENC_BIG_ENDIAN);
 }
 
 static double
@@ -187,7 +170,7 @@ number_at(const dissection_t *d, unsigned word, const row_t *row)
     if (row->width == 2)
         return row->is_signed ? (double)(int16_t)bits : (double)bits;
     next = word_at(d, word + 1);
-    bits = swap_words ? next << 16 | bits : bits << 16 | next;
+    bits = pref_synaxpd_swap_words ? next << 16 | bits : bits << 16 | next;
     return row->is_signed ? (double)(int32_t)bits : (double)bits;
 }
 
@@ -196,8 +179,8 @@ add_word(proto_tree *tree, const dissection_t *d, unsigned word)
 {
     uint16_t value = word_at(d, word);
 
-    proto_tree_add_uint_format(tree, hf_word, d->tvb, 2 * word, 2, value, "Word %u: 0x%04x (%u)", word + 1,
-                               value, value);
+    proto_tree_add_uint_format(tree, hf_synaxpd_word, d->tvb, 2 * word, 2, value, "Word %u: 0x%04x (%u)",
+                               word + 1, value, value);
 }
 
 static void
@@ -215,8 +198,9 @@ add_value(const dissection_t *d, unsigned word, const row_t *row)
     text = wmem_strdup_printf(d->pinfo->pool, "%s = %s%s%s", row->name, digits, has_unit ? " " : "",
                               has_unit ? row->unit : "");
     tree = proto_item_add_subtree(
-        proto_tree_add_string(d->tree, hf_value, d->tvb, 2 * word, row->width, text), ett_value);
-    proto_item_set_generated(proto_tree_add_double_format_value(tree, hf_sis_number, d->tvb, 2 * word,
+        proto_tree_add_string(d->tree, hf_synaxpd_value, d->tvb, 2 * word, row->width, text),
+        ett_synaxpd_value);
+    proto_item_set_generated(proto_tree_add_double_format_value(tree, hf_sis_value_number, d->tvb, 2 * word,
                                                                 row->width, number, "%s", digits));
     for (unsigned i = 0; i < row->width / 2; i++)
         add_word(tree, d, word + i);
@@ -256,7 +240,7 @@ write_info(const dissection_t *d, direction_t direction)
     if (wmem_strbuf_get_len(d->words) == 0)
         list_words(d);
     col_add_fstr(d->pinfo->cinfo, COL_INFO, "Process data%s%s, %u word%s%s%s", direction ? " " : "",
-                 direction ? val_to_str_const(direction, synaxpd_directions, "") : "", d->count,
+                 direction ? val_to_str_const(direction, sis_synaxpd_directions, "") : "", d->count,
                  plurality(d->count, "", "s"), d->count > 0 ? ": " : "", wmem_strbuf_get_str(d->words));
 }
 
@@ -276,11 +260,11 @@ dissect_synaxpd(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *dat
     root = proto_tree_add_item(parent, proto_synaxpd, tvb, 0, there, ENC_NA);
     d.tree = proto_item_add_subtree(root, ett_synaxpd);
     if (direction != DIRECTION_UNKNOWN)
-        proto_item_set_generated(proto_tree_add_uint(d.tree, hf_direction, tvb, 0, 0, direction));
+        add_generated(d.tree, hf_synaxpd_direction, tvb, direction);
     for (unsigned word = 0; word < d.count;)
         word += dissect_word(&d, word);
     if (there % 2 == 1) {
-        proto_tree_add_item(d.tree, hf_raw, tvb, there - 1, 1, ENC_NA);
+        proto_tree_add_item(d.tree, hf_synaxpd_raw, tvb, there - 1, 1, ENC_NA);
         if (there == tvb_reported_length(tvb))
             expert_add_info_format(pinfo, root, &ei_synax_unexpected, "Half a word at the end");
     }
@@ -289,21 +273,12 @@ dissect_synaxpd(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *dat
     return (int)there;
 }
 
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_direction, {"Direction", "synaxpd.direction", FT_UINT8, BASE_DEC, VALS(synaxpd_directions), 0, "Known where one port is among those of preference synaxpd.ports", HFILL}},
-    {&hf_word, {"Word", "synaxpd.word", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_value, {"Value", "synaxpd.value", FT_STRING, BASE_NONE, NULL, 0, "As the table of process data names it", HFILL}},
-    {&hf_raw, {"Raw", "synaxpd.raw", FT_BYTES, BASE_NONE, NULL, 0, "Bytes that are no word", HFILL}},
-};
-/* clang-format on */
-
 static void
-register_table(module_t *module)
+register_table(void)
 {
     static uat_field_t columns[] = {
         UAT_FLD_DEC(rows, port, "Port", "UDP port of the PPC for this client (C-0-0194)"),
-        UAT_FLD_VS(rows, direction, "Direction", synaxpd_directions, "To or from the PPC"),
+        UAT_FLD_VS(rows, direction, "Direction", sis_synaxpd_directions, "To or from the PPC"),
         UAT_FLD_DEC(rows, word, "Word", "Where the value begins, from 1"),
         UAT_FLD_VS(rows, width, "Width", widths, "Bytes: 2 or 4"),
         UAT_FLD_VS(rows, is_signed, "Sign", signs, "Whether it can be negative"),
@@ -314,21 +289,8 @@ register_table(module_t *module)
     uat_t *uat = uat_new("SYNAX process data", sizeof(row_t), "synax_process_data", TRUE, &rows, &row_count,
                          UAT_AFFECTS_DISSECTION, NULL, copy_row, check_row, free_row, NULL, NULL, columns);
 
-    prefs_register_uat_preference(module, "process_data", "Process data",
+    prefs_register_uat_preference(prefs_find_module("synaxpd"), "process_data", "Process data",
                                   "Names the words of each client's configuration", uat);
-}
-
-static void
-register_preferences(module_t *module)
-{
-    range_convert_str(wmem_epan_scope(), &ports, "", MAX_PORT);
-    prefs_register_range_preference(module, "ports", "UDP ports of the PPC",
-                                    "Those of parameter C-0-0194; none is known by itself", &ports, MAX_PORT);
-    prefs_register_bool_preference(module, "swap_bytes", "Bytes of a word are swapped",
-                                   "As bits of C-0-0129 say", &swap_bytes);
-    prefs_register_bool_preference(module, "swap_words", "Words of a double word are swapped",
-                                   "As bits of C-0-0129 say", &swap_words);
-    register_table(module);
 }
 
 /* For each file, and not when preferences are applied: a change of profile resets them without that. */
@@ -339,24 +301,19 @@ apply_ports(void)
         dissector_delete_uint_range("udp.port", ports_taken, handle);
         wmem_free(wmem_epan_scope(), ports_taken);
     }
-    ports_taken = range_copy(wmem_epan_scope(), ports);
+    ports_taken = range_copy(wmem_epan_scope(), pref_synaxpd_ports);
     dissector_add_uint_range("udp.port", ports_taken, handle);
 }
 
 void
-synaxpd_register(void)
+synax_synaxpd_register(void)
 {
-    static int *trees[] = {&ett_synaxpd, &ett_value};
-
-    proto_synaxpd = proto_register_protocol("Rexroth SYNAX200 process data", "SYNAXPD", "synaxpd");
-    proto_register_field_array(proto_synaxpd, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
-    register_preferences(prefs_register_protocol(proto_synaxpd, NULL));
+    register_table();
     handle = register_dissector("synaxpd", dissect_synaxpd, proto_synaxpd);
 }
 
 void
-synaxpd_handoff(void)
+synax_synaxpd_handoff(void)
 {
     dissector_add_for_decode_as("udp.port", handle);
     register_init_routine(apply_ports);

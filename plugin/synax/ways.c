@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Remembers something for each way: from one station to another, on a line of the capture. */
-
 #include "synax/ways.h"
 
+#include "kept.h"
 #include "sertap/line.h"
 
 static unsigned
@@ -26,7 +26,7 @@ are_ways_equal(const void *a, const void *b)
 wmem_map_t *
 synax_new_ways(void)
 {
-    return wmem_map_new_autoreset(wmem_epan_scope(), wmem_file_scope(), hash_way, are_ways_equal);
+    return kept_map(hash_way, are_ways_equal);
 }
 
 void *

@@ -18,7 +18,9 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent.parent / "capture"))
 
-from sistap.files import pcapng, reading  # noqa: E402
+from sistap.captures import reading  # noqa: E402
+from sistap.files import pcapng  # noqa: E402
+from sistap.records import record  # noqa: E402
 
 # As sequence.h has them.
 BY_NAME = ("sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxobj", "synaxpcp", "synaxpd")
@@ -28,6 +30,7 @@ HEAD = struct.Struct("<IIB")
 PACKET = struct.Struct("<BBBqI")
 
 LINK_IP4, LINK_ETHERNET = 228, 1
+END_OF_BLOCK = b"\x10\x03"  # of 3964R: DLE ETX, and a check
 PER_SEED = 100
 START_NS = 1_700_000_000_000_000_000
 LAST_NS = 2**63 - 1  # of a file that sistap reads
@@ -122,19 +125,43 @@ def of_capture(path: Path) -> Iterator[Packet]:
         yield Packet(found[0], 0, 0, max(-(2**63), min(step, 2**63 - 1)), found[1])
 
 
+def bare(packet: Packet) -> Packet:
+    """Return the characters of a record of the tap by the transport that is in it, without times and flags."""
+    try:
+        found = record.unpack(packet.data, 0) if packet.road == BY_NAME.index("sertap") else None
+    except (ValueError, IndexError, struct.error):
+        found = None
+    if found is None or found.type == record.Type.EVENT:
+        return packet
+    name = "3964r" if found.framing == record.Framing.PROCEDURE_3964R else "sis"
+    data = found.data
+    if name == "3964r" and data[-3:-1] == END_OF_BLOCK and len(data) % 2:  # half of them without 3964R
+        name, data = "rk512i", data[:-3]
+    return packet._replace(road=BY_NAME.index(name), data=data)
+
+
+def cut(packets: Iterable[Packet]) -> list[Packet]:
+    """Let the capture have only a part of each third packet."""
+    return [one._replace(quirks=QUIRK_CUT * (place % 3 == 2)) for place, one in enumerate(packets)]  # noqa: PLR2004
+
+
 def seeds(folder: Path) -> int:
-    """Write the inputs of the captures, with default preferences and with all others; return how many."""
+    """Write the inputs of the captures, with default preferences and with all others; return how many.
+
+    Each comes once more without the tap, and with packets that are cut: roads that no capture has.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     count = 0
     for path in sorted(HERE.parent.rglob("*.pcapng")):
         packets = list(of_capture(path))
         for first in range(0, len(packets), PER_SEED):
             way = (0, 3, 4, 9)[count % 4]
-            changed = 0 if count % 3 else 0x00555555  # the second value of each preference
-            sequence = Sequence(0, changed, way, packets[first : first + PER_SEED])
-            (folder / f"{path.stem}-{first}").write_bytes(pack(sequence))
+            changed = 0 if count % 3 else 0x01555555  # the second value of each preference
+            chosen = packets[first : first + PER_SEED]
+            for ending, made in (("", chosen), ("-bare", cut(map(bare, chosen)))):
+                (folder / f"{path.stem}-{first}{ending}").write_bytes(pack(Sequence(0, changed, way, made)))
             count += 1
-    return count
+    return 2 * count
 
 
 def _framed(packet: Packet, sent: list[int]) -> tuple[int, bytes]:

@@ -4,13 +4,17 @@
 
 #define _GNU_SOURCE /* setresuid() */
 
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <unistd.h>
 #include <glib.h>
 #include <epan/column.h>
 #include <epan/column-info.h>
 #include <epan/conversation_filter.h>
+#include <epan/decode_as.h>
 #include <epan/dfilter/dfilter.h>
 #include <epan/epan.h>
 #include <epan/epan_dissect.h>
@@ -35,6 +39,7 @@
 #define IP_SIZE     20u
 #define TCP_HEAD    (IP_SIZE + 20u)
 #define TCP_LONGEST 60000u
+#define LONGEST     60 /* seconds of processor time for an input; on a busy machine the clock says nothing */
 #define COUNTED     10000u /* packets; an interrupted run prints no last count */
 
 int LLVMFuzzerInitialize(int *count, char ***arguments);
@@ -243,6 +248,22 @@ check_text(const char *text)
             g_error("control character 0x%02x in the packet list", (unsigned)*text);
 }
 
+/* The dialog of Decode As, for our tables alone. */
+static void
+ask_decode_as(const decode_as_t *table, packet_info *pinfo)
+{
+    char text[MAX_DECODE_AS_PROMPT_LEN];
+
+    if (!g_str_has_prefix(table->table_name, "sertap"))
+        return;
+    for (unsigned i = 0; i < table->num_items; i++) {
+        if (table->values[i].label_func != NULL)
+            table->values[i].label_func(pinfo, text);
+        for (unsigned j = 0; j < table->values[i].num_values; j++)
+            (void)table->values[i].build_values[j](pinfo);
+    }
+}
+
 /* What the menus do with the chosen packet. */
 static void
 use_menus(epan_dissect_t *edt)
@@ -251,7 +272,14 @@ use_menus(epan_dissect_t *edt)
     unsigned stream, sub_stream;
 
     g_free(get_follow_conv_func(follower)(edt, &edt->pi, &stream, &sub_stream));
-    g_free(conversation_filter_from_packet(&edt->pi));
+    for (GList *at = packet_conv_filter_list; at != NULL; at = at->next) {
+        const conversation_filter_t *conversation = (const conversation_filter_t *)at->data;
+
+        if (conversation->is_filter_valid(&edt->pi))
+            g_free(conversation->build_filter_string(&edt->pi));
+    }
+    for (GList *at = decode_as_list; at != NULL; at = at->next)
+        ask_decode_as((const decode_as_t *)at->data, &edt->pi);
     dfilter_apply_edt(filter, edt);
 }
 
@@ -294,6 +322,21 @@ pass(capture_t *capture, bool has_tree, bool has_taps, bool is_backwards)
         taps_close();
 }
 
+/* libFuzzer keeps the input. */
+static void
+hang(int number G_GNUC_UNUSED)
+{
+    abort();
+}
+
+static void
+watch(int seconds)
+{
+    struct itimerval left = {.it_value = {.tv_sec = seconds}};
+
+    setitimer(ITIMER_VIRTUAL, &left, NULL);
+}
+
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -301,6 +344,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     bool is_backwards = sequence.way & WAY_BACKWARDS;
     capture_t capture;
 
+    watch(LONGEST);
     preferences_set(sequence.preferences);
     capture = capture_open(&sequence);
     pass(&capture, sequence.way & WAY_TREE_FIRST, sequence.way & WAY_TAPS_FIRST, false);
@@ -312,6 +356,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (packets_done / COUNTED != (packets_done - sequence.packets->len) / COUNTED)
         print_count();
     sequence_free(&sequence);
+    watch(0);
     return 0;
 }
 
@@ -350,6 +395,7 @@ LLVMFuzzerInitialize(int *count G_GNUC_UNUSED, char ***arguments)
     char *error;
     e_prefs *settings;
 
+    signal(SIGVTALRM, hang);
     start_as_nobody();
     ws_log_init("fuzz", NULL);
     g_free(configuration_init((*arguments)[0], NULL));

@@ -16,6 +16,7 @@
 #define TELEGRAM_HEAD    8u
 #define TELEGRAM_LONGEST (TELEGRAM_HEAD + 255u)
 #define GROWTH           300u
+#define PREFERENCE_BITS  26u
 
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t room);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed);
@@ -207,9 +208,15 @@ change_circumstances(packet_t *packet)
     static const int64_t steps[] = {
         0, 1, -1, 1000000, 25000000, 500000000, 5000000000, 3600000000000, INT64_MAX, INT64_MIN};
 
-    switch (choose(6)) {
+    switch (choose(8)) {
     case 0:
         packet->interface = (uint8_t)choose(4);
+        break;
+    case 3:
+        packet->road = (uint8_t)choose(ROADS);
+        break;
+    case 4:
+        packet->quirks ^= QUIRK_CUT;
         break;
     case 1:
         packet->quirks ^= (uint8_t)(1u << choose(5));
@@ -264,8 +271,9 @@ change_sequence(sequence_t *sequence)
         swap_packets(sequence, at);
         break;
     case 3:
-        sequence->preferences ^= 1u << choose(24);
-        sequence->changed = choose(3) ? sequence->preferences : sequence->preferences ^ 1u << choose(24);
+        sequence->preferences ^= 1u << choose(PREFERENCE_BITS);
+        sequence->changed =
+            choose(3) ? sequence->preferences : sequence->preferences ^ 1u << choose(PREFERENCE_BITS);
         break;
     case 4:
         sequence->way ^= (uint8_t)(1u << choose(4));

@@ -15,7 +15,7 @@
 
 static const char *const tree_names[] = {"sis", "sertap"};
 static const char *const srt_names[] = {"sis", "rk512i"};
-static const char *const table_names[] = {"sis,tza", "sis,bus"};
+static const char *const table_names[] = {"sis,tza", "sis,bus", "sis,parameters"};
 
 static stats_tree *trees[G_N_ELEMENTS(tree_names)];
 static srt_data_t srts[G_N_ELEMENTS(srt_names)];
@@ -79,6 +79,7 @@ open_tables(void)
 
         tables[i].stat_tap_data = kind;
         kind->stat_tap_init_cb(kind);
+        kind->stat_tap_init_cb(kind); /* the window is opened again */
         listen(kind->tap_name, &tables[i], kind->packet_func);
     }
 }
@@ -136,11 +137,27 @@ close_object(void *data)
     eo_free_entry(entry);
 }
 
+/* The windows of conversations and endpoints, and their filters. */
+static void
+use_conversations(void)
+{
+    for (unsigned i = 0; conversations.conv_array != NULL && i < conversations.conv_array->len; i++) {
+        conv_item_t *item = &g_array_index(conversations.conv_array, conv_item_t, i);
+
+        wmem_free(NULL, get_conversation_address(NULL, &item->src_address, TRUE));
+        for (unsigned direction = 0; direction < 9; direction++)
+            g_free(get_conversation_filter(item, (conv_direction_e)direction));
+    }
+    for (unsigned i = 0; endpoints.conv_array != NULL && i < endpoints.conv_array->len; i++)
+        wmem_free(NULL, get_endpoint_filter(&g_array_index(endpoints.conv_array, endpoint_item_t, i)));
+}
+
 void
 taps_close(void)
 {
     close_trees();
     close_tables();
+    use_conversations();
     remove_tap_listener(&conversations);
     remove_tap_listener(&endpoints);
     reset_conversation_table_data(&conversations);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The lessons of the course as HTML pages that a browser opens from their folder. README.md says what is where."""
+"""The lessons of the course, for the page in a browser. README.md says what is where."""
 
 import sys
 from pathlib import Path

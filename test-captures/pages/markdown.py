@@ -14,7 +14,7 @@ from itertools import groupby
 
 from pages import COURSE
 
-_FOLDING = re.compile(r"<(/?details|summary|/summary)>")
+_FOLDING = re.compile(r"</?(details|summary)>")
 _ITEM = re.compile(r"(-|\d+\.) +")
 _LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)\s]+)\)")
 _PACKETS = re.compile(r"\b(packets? )(\d+(?![.:]?\d)(?:(?:, | and | or | to )\d+(?![.:]?\d))*)", re.IGNORECASE)
@@ -50,7 +50,7 @@ def _words(text: str) -> str:
 
 
 def _emphasis(found: re.Match[str]) -> str:
-    """Mark a path through menus: those are in Wireshark, not in the page."""
+    """Mark a path through menus: those of Wireshark are not in the page."""
     return f'<em class="menu">{found[1]}</em>' if " &gt; " in found[1] else f"<em>{found[1]}</em>"
 
 
@@ -67,17 +67,17 @@ def _special(text: str) -> str:
     return _picture(words, target) if picture else _link(words, target)
 
 
-_ON_THE_INDEX = {"../README.md": "index.html", "../pages/glossary.md": "index.html#glossary"}
+_PLACES = {"../README.md": "#learn", "../pages/glossary.md": "#learn/glossary", "sheet.pdf": "#learn/sheet"}
 
 
 def _link(words: str, target: str) -> str:
-    """Make a link to a page of the course, or to the web. Other files are not beside the page: keep the words."""
+    """Make a link to another place of the course. Other files are not in the page: keep the words."""
     place, _, _ = target.partition("#")
     if place.endswith(".md") and (COURSE / place).parent == COURSE:
-        target = place.removesuffix(".md") + ".html"
-    elif place in _ON_THE_INDEX:
-        target = _ON_THE_INDEX[place]
-    elif not re.match(r"https?://|sheet\.", target):
+        target = f"#learn/{place.removesuffix('.md')}"
+    elif place in _PLACES:
+        target = _PLACES[place]
+    else:
         return _words(words)
     return f'<a href="{escape(target)}">{_words(words)}</a>'
 
@@ -104,7 +104,7 @@ def _blocks(lines: list[str]) -> Iterator[str]:
         elif kind == "heading":
             yield from map(_heading, block)
         elif kind == "folding":
-            yield from block
+            yield from map(_folding, block)
 
 
 def _kinds(lines: list[str]) -> Iterator[tuple[str, str]]:
@@ -130,6 +130,11 @@ def _kind(line: str, before: str) -> str:
     if _ITEM.match(line) or (before == "list" and line.startswith(" ")):
         return "list"
     return "code" if line.startswith("    ") else "text"
+
+
+def _folding(line: str) -> str:
+    """Keep the tags that fold a part; everything else is text."""
+    return "".join(part if _FOLDING.fullmatch(part) else inline(part) for part in re.split(r"(<[^<>]*>)", line))
 
 
 def _heading(line: str) -> str:

@@ -22,7 +22,7 @@ from typing import Any, NoReturn
 
 PORT = "/dev/virtio-ports/agent"
 USERS = {"root": (0, []), "tap": (1000, [20]), "outsider": (1001, [])}  # number, groups: dialout has the serial ports
-OURS = ("ft232r", "gadget", "opened", "port", "terminal", "usbmon")  # modules beside this with a main()
+OURS = ("adapter", "gadget", "opened", "port", "terminal", "uart", "usbmon")  # modules beside this with a main()
 LOADED = (
     "sistap.cli sistap.capture.command sistap.capture.running sistap.doctor sistap.extcap.command "
     "sistap.extcap.started sistap.line.ports sistap.selftest serial.tools.list_ports"

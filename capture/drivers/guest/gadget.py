@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The other end of a CDC-ACM adapter that the guest is itself (g_serial at dummy_hcd): a terminal that sends and hears.
 
-Input and output are those of ft232r.py. It knows no line errors; {"break": true} sends a break.
+Input and output are those of adapter.py. It knows no line errors; {"break": true} sends a break.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ def _take(output: BinaryIO, header: bytes, data: bytes) -> None:
     _, kind, transfer, endpoint, device, bus, has_setup, has_data, seconds, micros, _, length, captured, setup = fields
     data = data[:captured]
     output.write(struct.pack("<IIII", seconds, micros, 64 + captured, 64 + length) + header + data)
-    place = {"bus": bus, "device": device}
+    place = {"bus": bus, "device": device, "ns": seconds * 1_000_000_000 + micros * 1000}
     if chr(kind) != "S" or endpoint & 0x80 and transfer != CONTROL:
         return
     if transfer == CONTROL and has_setup == b"\0" and not setup[0] & 0x80:

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import sistap
 from sistap import cli
-from sistap.install import completion, launching
+from sistap.install import completion, shell
 
 HOUSE = Path(__file__).resolve().parents[3]
 INTERPRETER, PRIVATE = "/usr/bin/python3", Path("/usr/share/sistap")
@@ -54,8 +54,8 @@ def main() -> int:
 
 def _files(extcap: str, version: str, maintainer: str) -> Iterator[tuple[str, bytes]]:
     whole = cli.parser()
-    yield "usr/bin/sistap", launching.command(INTERPRETER, PRIVATE, False).encode()
-    yield f"{extcap}/sistap", launching.launcher(INTERPRETER, PRIVATE, False).encode()
+    yield "usr/bin/sistap", shell.command(INTERPRETER, PRIVATE, False).encode()
+    yield f"{extcap}/sistap", shell.launcher(INTERPRETER, PRIVATE, False).encode()
     yield "usr/share/bash-completion/completions/sistap", completion.bash(whole).encode()
     yield "usr/share/zsh/vendor-completions/_sistap", completion.zsh(whole).encode()
     entry = CHANGELOG.format(

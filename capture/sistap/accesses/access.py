@@ -26,7 +26,7 @@ class Access(NamedTuple):
 
     parameter: Parameter
     is_write: bool
-    master: int  # the station that asked
+    master: int | None  # the station that asked; the ASCII protocol does not say which
     error: str  # why it was refused; empty if it was not
     value: str  # as the dissector shows it
     number: float | None  # of the value
@@ -35,6 +35,12 @@ class Access(NamedTuple):
     unit: str
     minimum: str
     maximum: str
+    is_raw: bool = False  # the value is bytes, because its attribute is not known
+
+    @property
+    def by(self) -> str:
+        """Return who asked, in a word."""
+        return "ASCII" if self.master is None else str(self.master)
 
 
 def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
@@ -46,7 +52,7 @@ def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
         yield Access(
             parameter=Parameter(port, said["station"], said["device"], said["parameter"]),
             is_write=said["access"] == "write",
-            master=said["master"],
+            master=said.get("master"),
             error=said.get("error", ""),
             value=said.get("value", ""),
             number=said.get("number"),
@@ -55,4 +61,5 @@ def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
             unit=said.get("unit", ""),
             minimum=said.get("minimum", ""),
             maximum=said.get("maximum", ""),
+            is_raw=said.get("raw", False),
         )

@@ -49,6 +49,7 @@ class Listed:
     last: str = ""
     least: Access | None = None
     greatest: Access | None = None
+    raw: int = 0  # values that are bytes, so they are not among these
     written_by: int | None = None  # the station that wrote it last
     written_in: Place | None = None
     value: str | None = None  # its present value; None: unknown
@@ -75,6 +76,7 @@ class Listed:
     def _add_value(self, access: Access) -> None:
         self.first = self.first or access.value
         self.last = access.value
+        self.raw += access.is_raw
         number = access.number
         if number is None:
             return

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sistap.annotate.blocks import Blocks
 from sistap.annotate.cutting import Cut, Cutter
-from sistap.annotate.explaining import Explainer, Sayer
+from sistap.annotate.explaining import Explainer, WholeCapture
 from sistap.annotate.reading import LogReader, Piece
 from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.textlog import LogLine
@@ -93,7 +93,9 @@ def record(
         spool.put([(None, [], rest)])
 
 
-def weave_recorded(batches: Iterable[list[Entry]], sayer: Sayer, weaver: Weaver, flush: Callable[[], object]) -> None:
+def weave_recorded(
+    batches: Iterable[list[Entry]], sayer: WholeCapture, weaver: Weaver, flush: Callable[[], object]
+) -> None:
     """Write a log that `record` has kept, with its explanations. May raise TsharkError."""
     for batch in batches:
         for line, size, complete in batch:
@@ -103,7 +105,7 @@ def weave_recorded(batches: Iterable[list[Entry]], sayer: Sayer, weaver: Weaver,
                 weaver.explain(parts, sayer.get())
         weaver.release()
         flush()
-    weaver.end()
+    weaver.end(sayer.answer())
     flush()
 
 

@@ -14,39 +14,47 @@ from sistap.annotate.explaining import Running, WholeCapture
 from sistap.annotate.meanings import Meanings
 from sistap.annotate.page import PageWeaver
 from sistap.annotate.pattern import PatternReader, TooSlow
+from sistap.annotate.raw import RawReader
 from sistap.annotate.reading import AnyReader, LogReader
-from sistap.annotate.sources import SourceError
+from sistap.annotate.session import SessionReader
+from sistap.annotate.sources import Source, SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.annotate.weaving import TextWeaver, Weaver
-from sistap.files.output import FORCE, Output, OutputError, OutputRefused, ReaderGone
-from sistap.records.cut import HELP, SIS, WORDS, framing
-from sistap.terminal import temporary
+from sistap.common import temporary
+from sistap.common.garbage import uncollected
+from sistap.common.writing import Incomplete, NotOpened, opened
+from sistap.explain.fields import Fields
+from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.packets.dissection import FIELDS
+from sistap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
-from sistap.terminal.garbage import uncollected
-from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.terminal.writing import FORCE
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Explain a log. The input is any text with the bytes of SIS telegrams. The output is the same text with an explanation
 below each telegram. The explanations come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 
-sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225". Lines may have offsets
-and a column of characters. A telegram may go over several lines, and a line may hold several telegrams. sistap uses
-time stamps and direction marks if the log has them. The log itself is copied byte for byte. The added lines begin with
-blanks and "^--".
+sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225", "W#16#02E1". Lines may
+have offsets and a column of characters. A telegram may go over several lines, and a line may hold several telegrams.
+sistap uses time stamps and direction marks if the log has them. The log itself is copied byte for byte. The added lines
+begin with blanks and "^--". Of a file with the bytes themselves, the output has a line for each telegram. With
+--framing ascii, a log may also be the text of a terminal program, with or without times in front.
 """
 
 EPILOG = """\
-A file is read to its end before it is explained. So sistap knows which command had no reaction. Lines that are added
-later are not in the output. Standard input (-) is explained live: each telegram as soon as it is complete.
+A file is read to its end before it is explained. So sistap knows which command had no reaction. If the log has times
+and something has to be looked at, five lines at its end say what happened and when. Lines that are added later are not
+in the output. Standard input (-) is explained live: each telegram as soon as it is complete.
 
 examples:
   sistap annotate docklight.txt                    the log and its explanation
   sistap annotate --format html docklight.txt -o log.html
                                                    as a page: point at a byte to see its meaning
   sistap annotate docklight.txt -w log.pcapng      as a capture, for Wireshark and `sistap report`
+  sistap annotate --framing ascii putty.log        a session of the ASCII protocol of a drive
   tail -f trace.log | sistap annotate -            live, while another program writes the log
   sistap annotate --regex '(?<time>[^;]*);(?<dir>[^;]*);(?<data>.*)' plc.csv
                                                    a layout that sistap does not recognise itself
@@ -70,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("log", metavar="LOG", help="a text file, or - for standard input")
+    parser.add_argument("log", metavar="LOG", help="a text file, a raw log as PuTTY saves it, or - for standard input")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--format", choices=("text", "html"), default="text", help="what to write (default: text)")
     what.add_argument(
@@ -87,20 +95,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a pattern (regular expression) for a line of the log, with the names of text2pcap: (?<data>...) is the "
         "bytes in hexadecimal; (?<time>...) and (?<dir>...) are optional; lines that do not fit are left out",
     )
-    parser.add_argument("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
+    parser.add_argument("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
 
 
 def run(args: argparse.Namespace) -> int:
     """Explain a log; return the exit code."""
     console = Console()
     troubles = Troubles(console.say)
-    passage = Passage(args.reader(), troubles.add, args.framing)
     try:
         _check(args)
+        source = sources.look(args.log, args.framing if args.reader is AnyReader else None)
+        if source.is_raw:
+            console.say(f"{_name(args)} is no text: its bytes are read as they are, without times and directions")
+        passage = Passage(_reader_of(args, source), troubles.add, args.framing)
         if args.capture:
-            _capture(args, passage, console)
+            _capture(args, source, passage, console)
         else:
-            _explain(args, passage, console)
+            _explain(args, source, passage, console)
     except (UsageError, SourceError, NotOpened, OutputRefused, TooSlow) as error:
         console.say(str(error))
         return USAGE
@@ -111,6 +122,13 @@ def run(args: argparse.Namespace) -> int:
         return FAILED
     troubles.end()
     return _judge(args, passage, console)
+
+
+def _reader_of(args: argparse.Namespace, source: Source) -> LogReader:
+    if source.is_raw:
+        return RawReader()
+    reader: LogReader = SessionReader() if source.is_session else args.reader()
+    return reader
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -129,11 +147,11 @@ def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
     """Report it if there was nothing to explain."""
     log = _name(args)
     if not passage.bytes:
-        console.say(f"{log} has no bytes in hexadecimal; log in hexadecimal, or say with --regex where they are")
+        console.say(f"no bytes were found in {log}: log in hexadecimal, or say with --regex where they are")
         return USAGE
     if not passage.telegrams:
         wanted = "telegram of SIS" if args.framing == SIS else "frame"
-        console.say(f"{log} has {passage.bytes} bytes, but no {wanted}")
+        console.say(f"{log} has {passage.bytes} byte{'' if passage.bytes == 1 else 's'}, but no {wanted}")
     return DONE
 
 
@@ -141,8 +159,8 @@ def _name(args: argparse.Namespace) -> str:
     return "standard input" if args.log == "-" else Path(args.log).name
 
 
-def _is_pipe(args: argparse.Namespace) -> bool:
-    return args.log == "-" or not sources.is_file(args.log)
+def _sources(args: argparse.Namespace) -> list[str]:
+    return [] if args.log == "-" else [args.log]
 
 
 def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable[[float], None]:
@@ -151,47 +169,49 @@ def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable
     return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
 
 
-def _batches(args: argparse.Namespace, console: Console) -> annotating.Batches:
+def _batches(args: argparse.Namespace, source: Source, console: Console) -> annotating.Batches:
     """Read the log once only: it may grow meanwhile."""
-    return sources.from_pipe(args.log) if _is_pipe(args) else sources.from_file(args.log, _progress(console, "read"))
+    return source.lines(args.framing, _progress(console, "read"))
 
 
-def _capture(args: argparse.Namespace, passage: Passage, console: Console) -> None:
+def _capture(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> None:
     """Write the capture."""
-    batches = _batches(args, console)
-    output = Output(args.capture, force=args.force)
+    output = Output(args.capture, force=args.force, sources=_sources(args))
     try:
         output.begin()
-        annotating.record(batches, passage, _name(args), output.write)
+        annotating.record(_batches(args, source, console), passage, _name(args), output.write)
         if passage.bytes:
             console.say(output.written)
     finally:
         output.close()
 
 
-def _explain(args: argparse.Namespace, passage: Passage, console: Console) -> None:
+def _explain(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> None:
     """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
 
     A page also shows what only a later telegram tells, so it waits for the end of a pipe.
     """
     with ExitStack() as stack:
         tshark = stack.enter_context(Tshark())
-        if not _is_pipe(args) or args.format == "html":
-            _explain_whole(args, passage, console, tshark)
+        if not source.is_pipe or args.format == "html":
+            _explain_whole(args, source, passage, console, tshark)
         else:
             running = stack.enter_context(Running(tshark, _name(args)))
-            file = stack.enter_context(opened(args.output))
-            annotating.weave(sources.from_pipe(args.log), passage, running, TextWeaver(file.write), file.flush)
+            file = stack.enter_context(opened(args.output, _sources(args), force=args.force, grows=True))
+            annotating.weave(_batches(args, source, console), passage, running, TextWeaver(file.write), file.flush)
 
 
-def _explain_whole(args: argparse.Namespace, passage: Passage, console: Console, tshark: Tshark) -> None:
+def _explain_whole(
+    args: argparse.Namespace, source: Source, passage: Passage, console: Console, tshark: Tshark
+) -> None:
     with ExitStack() as stack, uncollected():
+        file = stack.enter_context(opened(args.output, _sources(args), force=args.force))
+        fields = Fields(tshark, FIELDS)
         capture = stack.enter_context(temporary.folder()) / "log.pcapng"
         spool = stack.enter_context(Spool())
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:
-            annotating.record(_batches(args, console), passage, _name(args), blocks.write, spool)
-        sayer = WholeCapture(tshark, capture)
-        file = stack.enter_context(opened(args.output))
+            annotating.record(_batches(args, source, console), passage, _name(args), blocks.write, spool)
+        sayer = WholeCapture(tshark, fields, capture)
         weaver: Weaver = TextWeaver(file.write)
         if args.format == "html":
             weaver = PageWeaver(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))

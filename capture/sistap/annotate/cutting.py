@@ -75,7 +75,8 @@ class _Stream:
         self.time_ns = 0
         self._pieces = Pieces()
 
-    def add(self, piece: Piece, uncertainty_ns: int) -> list[Cut]:
+    def add(self, piece: Piece, uncertainty_ns: int) -> tuple[serial.Read, list[Cut]]:
+        """Take a piece; return it as a read, and what it completes."""
         count = len(piece.run.data)
         self._pieces.add(piece)
         if piece.stamp is None:
@@ -87,7 +88,7 @@ class _Stream:
         records = self.framer.feed(read)
         if not self.framer.empty:
             records += self.framer.settle()
-        return self.cuts(records)
+        return read, self.cuts(records)
 
     def cuts(self, records: list[Record]) -> list[Cut]:
         return [Cut(record, self._pieces.take(len(record.data))) for record in records]
@@ -107,7 +108,9 @@ class Cutter:
         self._longest = max(self._longest, len(piece.run.data))
         cuts = self._silent(piece)
         stream = self._streams.setdefault(piece.direction, _Stream(piece.direction, self._framing))
-        return cuts + stream.add(piece, self._uncertainty_ns(piece))
+        read, completed = stream.add(piece, self._uncertainty_ns(piece))
+        others = (other for other in self._streams.values() if other is not stream)
+        return cuts + completed + [cut for other in others for cut in other.cuts(other.framer.beside(read))]
 
     def end(self) -> list[Cut]:
         """Return what is left at the end of the log."""

@@ -13,42 +13,55 @@ from types import TracebackType
 from typing import Protocol
 
 from sistap.annotate.blocks import Blocks
-from sistap.explain.fields import Fields, Said
+from sistap.episodes.engine import Engine
+from sistap.episodes.lines import NOT_OK, lines, verdict
+from sistap.explain.fields import Fields, Said, said
 from sistap.explain.running import Running as Process
+from sistap.packets.dissection import packet_of
 from sistap.records.record import Record
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 _ANSWER_S = 30  # longest time that a running tshark takes for an answer
 
 
-class Sayer(Protocol):
-    """Explains records, in their order."""
+class Explainer(Protocol):
+    """Explains records that it receives, in their order."""
+
+    def put(self, record: Record) -> None:
+        """Take the next record."""
 
     def get(self) -> Said:
         """Return the explanation of the next record. May raise TsharkError."""
 
 
-class Explainer(Sayer, Protocol):
-    """A sayer that first has to receive the records."""
-
-    def put(self, record: Record) -> None:
-        """Take the next record."""
-
-
 class WholeCapture:
     """Explains the records of a complete capture file, without its event."""
 
-    def __init__(self, tshark: Tshark, capture: Path) -> None:
-        self._fields = Fields(tshark)
+    def __init__(self, tshark: Tshark, fields: Fields, capture: Path) -> None:
+        """Explain it by these fields, which are those of a Packet, too."""
+        self._fields = fields
+        self._engine = Engine()
+        self._times_s: list[float] = []  # of the first and the last packet
         self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
         next(self._lines, None)
 
     def get(self) -> Said:
         """Return the explanation of the next record."""
         try:
-            return self._fields.said(next(self._lines))
+            columns = self._fields.columns(next(self._lines))
         except StopIteration:
             raise TsharkError("tshark has said less than the log holds: is there room for its files?") from None
+        packet = packet_of(columns)
+        self._engine.add(packet)
+        self._times_s = [*self._times_s[:1], packet.epoch_s]
+        return said(columns)
+
+    def answer(self) -> list[str]:
+        """Return the five lines that say what happened, if something has to be looked at and the log has times."""
+        episodes = self._engine.finish()
+        if not self._times_s or not self._times_s[0] or verdict(episodes) != NOT_OK:
+            return []
+        return [line.text for line in lines(episodes, self._times_s[0], self._times_s[-1])]
 
 
 class Running:

@@ -7,10 +7,13 @@ import re
 from itertools import pairwise
 from typing import NamedTuple
 
-_PREFIX = r"(?:0[xX]|\$|16#|%|&[hH])"
+_PREFIX = r"(?:0[xX]|\$|(?:(?i:B|BYTE)#)?16#|%|&[hH])"
 _PAIR = rf"{_PREFIX}?[0-9A-Fa-f]{{1,2}}[hH]?"
 _BETWEEN = r"(?:\s*[,;|]\s*|\s+|[:-]|(?=[$%])|[>\])}]\s*[<\[({](?=(?:0[xX])?[0-9A-Fa-f]{2}\b))"
 _GROUP = r"(?:[0-9A-Fa-f]{2}){2,}"
+# Words of a Siemens or IEC 61131 program, high byte first: W#16#02E1, DW#16#02E1_0505, 16#02E1, and KH=02E1 of an S5.
+_PREFIX_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*"
+_WORD = rf"(?:{_PREFIX_OF_WORD})[0-9A-Fa-f]{{4}}(?:_?[0-9A-Fa-f]{{4}})?"
 _NUMBER = r"(?:1\d\d|2[0-4]\d|25[0-5]|[1-9]\d|\d)"
 _BETWEEN_NUMBERS = r"(?:\s*[,;]\s*|\s+)"
 _ABOVE_99 = r"(?=\d)(?=[\d\s,;]*\b[12]\d\d\b)"
@@ -20,6 +23,7 @@ _ESCAPE = r"\\(?:x[0-9A-Fa-f]{2}|[0-3]?[0-7]{1,2}|[abfnrtv\\'\"])"
 # line.
 _NUMBERS = rf"(?P<numbers>{_ABOVE_99}{_NUMBER}(?:{_BETWEEN_NUMBERS}{_NUMBER}){{7,}})(?!{_BETWEEN_NUMBERS}\d)"
 _FORMS = (
+    rf"(?P<words>{_WORD}(?:{_BETWEEN_NUMBERS}{_WORD})*)",
     *(
         rf"(?P<{name}>(?:(?<=\bb{quote})|(?<={quote})(?=[^{quote}\\]*\\[x0-7]))"
         rf"(?:{_ESCAPE}|[^{quote}\\\x00-\x1f\x7f-\U0010ffff])+(?={quote}))"
@@ -31,11 +35,12 @@ _FORMS = (
     rf"(?P<groups>(?:0[xX])?{_GROUP}(?:[ \t]+{_GROUP})*(?:[ \t]+[0-9A-Fa-f]{{2}})?)",  # 02E10505 or 02e1 0505 02
     rf"(?P<pairs>{_PAIR}(?:{_BETWEEN}{_PAIR})*)",  # 02 E1, 0x02,0xE1, 02h E1h, <02><E1>, 2 E1
 )
-_RUN = re.compile(rf"(?<![\w.#$\\/+])(?:{'|'.join(_FORMS)})(?!\w|\.\d)")
+_RUN = re.compile(rf"(?<![\w.#$\\/+])(?:{'|'.join(_FORMS)})(?!\w|\.\d|#)")
 _DECIMAL_RUN = re.compile(_RUN.pattern.replace(_ABOVE_99, "").replace("{7,}", "{3,}"))
 _LITERAL = re.compile(rf"{_ESCAPE}|.")
 _LETTERS = dict(zip("abfnrtv", b"\a\b\f\n\r\t\v", strict=True))
 _BYTE = {
+    "words": re.compile(rf"(?:{_PREFIX_OF_WORD}|_)?([0-9A-Fa-f]{{2}})"),
     "single": _LITERAL,
     "double": _LITERAL,
     "numbers": re.compile(r"(\d+)"),
@@ -43,9 +48,11 @@ _BYTE = {
     "escaped": re.compile(r"\\x(..)"),
     "groups": re.compile(r"(?:\b0[xX])?([0-9A-Fa-f]{2})"),
     "pairs": re.compile(rf"{_PREFIX}?([0-9A-Fa-f]{{1,2}})[hH]?"),
+    "characters": re.compile(r"."),
 }
 _STYLE = re.compile(rf"({_PREFIX}?)[0-9A-Fa-f]{{1,2}}([hH]?)")
 _PLAIN = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
+_OPERAND = re.compile(r"(?:[ADEF]B|[ADE]D|FC) ?\d{1,3}")  # data block 10 is DB10, input byte 12 is EB12
 
 # The usual form: pairs up to the end of the line, with nothing in front that could be bytes.
 _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
@@ -53,7 +60,7 @@ _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?:
 BITS = re.compile(r"[01]{8}(?:\s+[01]{8})+")
 
 # Fewer bytes than this, among other words, may be words and numbers themselves.
-_ENOUGH = {"single": 1, "double": 1, "numbers": 8, "decimal": 4, "escaped": 1, "groups": 8, "pairs": 4}
+_ENOUGH = {"words": 4, "single": 1, "double": 1, "numbers": 8, "decimal": 4, "escaped": 1, "groups": 8, "pairs": 4}
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
 _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
@@ -70,9 +77,10 @@ class Run(NamedTuple):
 
     def spans(self) -> list[tuple[int, int]]:
         """Return where in the line each byte is written."""
-        return [
+        spans = [
             (self.start + match.start(), self.start + match.end()) for match in _BYTE[self.form].finditer(self.text)
         ]
+        return spans + [(self.end, self.end)] * (len(self.data) - len(spans))  # the end of a line of text
 
     @property
     def certain(self) -> bool:
@@ -88,11 +96,18 @@ class Run(NamedTuple):
     def is_possible(self, form: str) -> bool:
         """Tell whether it can be bytes if nothing stands beside it, in a log that has bytes of this form.
 
-        A single digit, or three decimal ones, may be a counter.
+        A single digit without a prefix, or three decimal ones, may be a counter. DB10 may be a data block.
         """
-        if self.form in ("decimal", "numbers"):
+        if self.form in ("decimal", "numbers") or _OPERAND.fullmatch(self.text):
             return form == self.form
-        return self.certain or all(len(digits) > 1 for digits in _BYTE[self.form].findall(self.text))
+        if self.certain or any(self.style[1:]):
+            return True
+        return all(len(digits) > 1 for digits in _BYTE[self.form].findall(self.text))
+
+
+def is_plain(text: str) -> bool:
+    """Tell whether a line has nothing but bytes in the usual form, behind text that has no digits."""
+    return _NOTHING_ELSE.fullmatch(text) is not None
 
 
 def runs(text: str, style: tuple[str, ...] = ()) -> list[Run]:
@@ -130,7 +145,7 @@ def parse(text: str, start: int = 0) -> Run:
     run = _run(match) if match else None
     if run and (run.certain or run.form != "decimal"):
         return run._replace(start=start, end=start + len(text))
-    digits = re.sub(r"0[xX]|\\x|[^\w]", "", text)
+    digits = re.sub(r"0[xX]|\\x|[^\w#]", "", text)
     if wrong := re.search(r"[^0-9A-Fa-f]+", digits):
         raise ValueError(f"'{wrong[0]}' is not hexadecimal")
     if not digits or len(digits) % 2:

@@ -10,11 +10,12 @@ import argparse
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.explain import entries
 from sistap.explain.fields import EXPLANATION, Fields, said, sentence
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
-from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.terminal.writing import FORCE
 from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage
 from sistap.wireshark.tshark import Tshark, TsharkError
 
@@ -48,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture that sistap wrote")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
+    parser.add_argument("--force", action="store_true", help=FORCE)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -71,7 +73,7 @@ def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
     """Write the log; return how many packets are in it, and how many are not."""
     _check(args)
     written = left_out = 0
-    with Tshark() as tshark, opened(args.output) as file:
+    with Tshark() as tshark, opened(args.output, [args.capture], force=args.force) as file:
         for line in _lines(tshark, args.capture, console.say):
             written += bool(line)
             left_out += not line
@@ -102,7 +104,7 @@ def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterato
 
 def _entry(columns: dict[str, str]) -> str:
     """Return the line of a packet and its explanation. An event has only an explanation."""
-    seconds, _, decimals = columns[_TIME].partition(".")
+    seconds, _, decimals = (columns[_TIME] or "0").partition(".")  # a packet may have no time
     stamp = entries.stamp(int(seconds), int(decimals.ljust(9, "0")))
     text = sentence(said(columns), _NS if stamp else None)
     if columns.get(_TYPE) == str(EVENT):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-# The line numbers of the record (plugin/README.md).
+# The line numbers of the record (plugin/docs/record.md).
 SHARED, RECEIVED, SENT = 0, 1, 2
 
 _WORDS = {

@@ -14,7 +14,7 @@ from sistap.wireshark.tshark import Tshark
 FRAME, CONTROL, SERVICE, ADDRESS = "frame", "control", "service", "address"
 STATUS, OBJECT, DATA = "status", "object", "data"
 
-_PROTOCOLS = ("sis", "3964r", "rk512i")  # protocols that give a byte a meaning, from the outside in
+_PROTOCOLS = ("sis", "3964r", "rk512i", "sisascii")  # protocols that give a byte a meaning, from the outside in
 
 # Fields that are not listed are useful data.
 KINDS = {
@@ -54,6 +54,8 @@ KINDS = {
     "rk512i.count": OBJECT,
     "synax.info": CONTROL,
     "synax.axis": ADDRESS,
+    "sisascii.drive": ADDRESS,
+    "sisascii.element": OBJECT,
 }
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from html import escape
 from itertools import groupby
 
@@ -15,7 +15,7 @@ from sistap.annotate.meanings import Meaning, Meanings
 from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, place
 from sistap.explain.fields import Said
-from sistap.terminal.visible import visible
+from sistap.terminal.console import visible
 
 # Colours for colour-blind readers (Okabe and Ito). The stroke under the bytes distinguishes them without colour. The
 # text has the same ink on all colours.
@@ -84,12 +84,14 @@ class PageWeaver:
         for waiting in self._waitings.release(everything=everything):
             self._write(self._line(waiting).encode(errors="backslashreplace"))
 
-    def end(self) -> None:
-        """Write the rest, and end the page."""
+    def end(self, answer: Sequence[str] = ()) -> None:
+        """Write the rest and the answer, and end the page."""
         for waiting in self._waitings.rest():
             self._write(self._line(waiting).encode(errors="backslashreplace"))
         footer = f"sistap {sistap.__version__}. What each byte means is what Wireshark's dissector says."
-        self._write(f"</pre>\n<footer>{footer}</footer>\n</body>\n</html>\n".encode())
+        items = "".join(f"<li>{escape(text)}</li>" for text in answer)
+        told = f"<ol>{items}</ol>\n" if items else ""
+        self._write(f"</pre>\n{told}<footer>{footer}</footer>\n</body>\n</html>\n".encode())
 
     def _line(self, waiting: Waiting) -> str:
         text = waiting.line.text

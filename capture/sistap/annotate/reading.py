@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 
 from sistap.annotate import hexadecimal, marks
 from sistap.annotate.hexadecimal import Run
-from sistap.annotate.marks import MASK, Marks
+from sistap.annotate.marks import MASK, PORT, Marks
 from sistap.annotate.stamps import Stamp, Stamped, TimestampParser
 from sistap.annotate.textlog import LogLine
 from sistap.explain.fields import EXPLANATION
@@ -31,13 +31,28 @@ _MASKED = re.compile(rf"\A.*{MASK}\w*")
 # In front of an offset, after the stamps: nothing, or a word such as "TX".
 _LEAD = re.compile(r"\s*(?:[\[(]?[A-Za-z]+[\])]?:?\s+)?")
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
-_LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload)\b")
-_COUNT = re.compile(r"[\[(]\d+[\])](?=:|\s+\w)")
+_LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload|d?word|byte)\b")
+_COUNT = re.compile(r"[\[(]\d+[\])](?=:|\s+\w)|(?<=\w)\[\d+\](?!\s*\[)")
 _COUNT_IN_WORDS = re.compile(
     r"(?i)\b(?:len|length|count|size|dlc)\b\s*[:=]?\s*\d+|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b"
 )
 # Each of its words has one of these. They are quick to find, and hardly any line has one.
 _IN_COUNTS = ("len", "count", "ze", "dlc", "byte", "char")
+# What a line is set to: COM3: 9600,e,8,1 or 19200 8E1.
+_SETTINGS = re.compile(
+    rf"(?i)(?:(?:{PORT.pattern})[\s:,(]*)?(?<!\w)(?:[36]|12|24|48|96|144|192|288|384|576|1152|2304|4608|9216)00"
+    r"(?: ?(?:bd|baud|bps))?[\s,/-]{1,3}(?:[neoms][\s,/-]{0,2}[5-8]|[5-8][\s,/-]{0,2}[neoms])[\s,/-]{0,2}[12]"
+    r"(?:\.5)?(?!\w)"
+)
+# Where a Siemens control has data: %DB10.DBB 0, DW 5, MB12. A data block or an index in front of bytes.
+_TWO_BYTES = r"\s+[0-9A-Fa-f]{2}\s+[0-9A-Fa-f]{2}\b"
+_ADDRESS = re.compile(
+    r"(?<![\w.#$])(?:"
+    rf"%?(?:D[BIX] *\d{{1,5}}\.)?(?:DB[BDWX]|D[LRW]|[IMPQ][BDW])(?:\d{{1,5}}| +\d{{1,5}}(?!{_TWO_BYTES}))(?:\.\d)?"
+    rf"|DB\d{{1,5}}(?=:?{_TWO_BYTES})"
+    r"|\d+(?=\s+(?:0[xX]|\$|&[hH]|(?:\w+#)?16#))"
+    r")(?![\w.])"
+)
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
@@ -111,6 +126,8 @@ class AnyReader:
             text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
         stamps = self._timestamps.find(text)
         masked = self._mask_offset(_mask_counts(_mask(text, stamps)), stamps)
+        if not hexadecimal.is_plain(masked):
+            masked = _mask_names(masked)
         found = hexadecimal.runs(masked, self._style)
         data = self._certain(masked, found)
         if not data:
@@ -218,6 +235,11 @@ def _mask_counts(text: str) -> str:
     if any(part in lower for part in _IN_COUNTS):
         text = _COUNT_IN_WORDS.sub(_masked, text)
     return _COUNT.sub(_masked, text)
+
+
+def _mask_names(text: str) -> str:
+    """Mask settings of the line, and addresses in a control."""
+    return _ADDRESS.sub(_masked, _SETTINGS.sub(_masked, text))
 
 
 def _masked(match: re.Match[str]) -> str:

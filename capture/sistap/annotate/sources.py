@@ -9,9 +9,14 @@ import stat
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
-from sistap.annotate.textlog import UTF_16, LineCutter, LogLine
-from sistap.terminal.advice import unpack
+from sistap.annotate.raw import RawCutter, is_raw
+from sistap.annotate.session import is_session
+from sistap.annotate.textlog import UTF_16, Cutter, LineCutter, LogLine
+from sistap.common.packed import unpack
+from sistap.records.cut import ASCII
+from sistap.records.cut import Cut as Framing
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
@@ -24,32 +29,53 @@ class SourceError(Exception):
     """The log cannot be read; the text is the line to show."""
 
 
-def is_file(log: str) -> bool:
-    """Tell whether a log can be read twice. SourceError if it cannot be read at all."""
+class Source(NamedTuple):
+    """A log."""
+
+    log: str
+    is_pipe: bool = True
+    is_raw: bool = False
+    is_session: bool = False  # of the ASCII protocol, as a terminal program shows it
+
+    def lines(self, framing: Framing, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
+        """Yield its lines in batches; call `progress` with the part of a file that has been read, 0 to 1."""
+        if self.is_pipe:
+            return from_pipe(self.log)
+        return _from_file(self.log, RawCutter(framing) if self.is_raw else LineCutter(), progress)
+
+
+def look(log: str, framing: Framing | None) -> Source:
+    """Look at a log. Without `framing`, it is not raw. SourceError if it cannot be read."""
+    may_be_session = framing == ASCII
+    if log == "-":
+        return Source(log, is_session=may_be_session)
     try:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
-            return False  # opening it would wait for a writer
+            return Source(log, is_session=may_be_session)  # opening it would wait for a writer
         if packed := unpack(Path(log)):
             raise SourceError(packed)
         with open(log, "rb") as file:
-            _check_text(log, file.read(_PIECE))
-        return True
+            beginning = file.read(_PIECE)
     except OSError as error:
         raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
+    if beginning.startswith(_CAPTURES):
+        raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
+    if beginning.startswith(UTF_16) or framing is None or not is_raw(beginning, framing):
+        _check_text(log, beginning)
+        return Source(log, is_pipe=False, is_session=may_be_session and is_session(beginning))
+    return Source(log, is_pipe=False, is_raw=True)
 
 
 def _check_text(log: str, beginning: bytes) -> None:
-    """Raise SourceError for a file that no editor would show: a capture or a binary file."""
-    if beginning.startswith(_CAPTURES):
-        raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
+    """Raise SourceError for a file that no editor would show."""
     if beginning.count(0) > len(beginning) / _NULS and not beginning.startswith(UTF_16):
-        raise SourceError(f"{log} is no text: name a log that an editor can show")
+        raise SourceError(
+            f"{log} is no text, and its bytes are no telegrams: name a log that an editor can show, or a raw log"
+        )
 
 
-def from_file(log: str, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
-    """Yield the lines of a file in batches; call `progress` with the part that has been read, 0 to 1."""
-    lines = LineCutter()
+def _from_file(log: str, lines: Cutter, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
     with open(log, "rb") as file:
         size = os.fstat(file.fileno()).st_size or 1
         while piece := file.read(_PIECE):

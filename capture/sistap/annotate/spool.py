@@ -17,7 +17,7 @@ from sistap.annotate.hexadecimal import Run
 from sistap.annotate.reading import Piece
 from sistap.annotate.stamps import Stamp
 from sistap.annotate.textlog import LogLine
-from sistap.terminal.temporary import Blobs
+from sistap.common.temporary import Blobs
 
 
 class Entry(NamedTuple):

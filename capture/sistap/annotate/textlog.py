@@ -6,6 +6,7 @@ from __future__ import annotations
 import codecs
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 # UTF-16 only with a byte order mark, as Windows programs write it. Longer marks would come first.
 _MARKS = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be", codecs.BOM_UTF8: "utf-8"}
@@ -27,6 +28,16 @@ class LogLine:
     def encode(self, text: str) -> bytes:
         """Return text as bytes in the encoding of this line."""
         return text.encode(self.encoding, "backslashreplace")
+
+
+class Cutter(Protocol):
+    """Cuts pieces of a log into lines."""
+
+    def feed(self, piece: bytes) -> Iterator[LogLine]:
+        """Take the next bytes; return the lines that they complete."""
+
+    def end(self) -> Iterator[LogLine]:
+        """Yield what is left."""
 
 
 class LineCutter:

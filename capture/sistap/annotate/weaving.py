@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import unicodedata
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -29,8 +29,8 @@ class Weaver(Protocol):
     def release(self, *, everything: bool = False) -> None:
         """Write the lines that wait for nothing more, or all lines."""
 
-    def end(self) -> None:
-        """Write the rest."""
+    def end(self, answer: Sequence[str] = ()) -> None:
+        """Write the rest, then lines that say what happened in all of the log."""
 
 
 @dataclass(slots=True, eq=False)
@@ -96,10 +96,12 @@ class TextWeaver:
         self._write = write
         self._waitings = Waitings()
         self._ending = b""  # of the first line
+        self._last: LogLine | None = None
 
     def add(self, line: LogLine, count: int) -> None:
         """Take the next line."""
         self._ending = self._ending or line.ending or line.encode("\n")
+        self._last = line
         self._waitings.add(line, count)
 
     def explain(self, parts: list[Part], said: Said) -> None:
@@ -119,10 +121,13 @@ class TextWeaver:
         for waiting in self._waitings.release(everything=everything):
             self._write(self._lines(waiting))
 
-    def end(self) -> None:
-        """Write the rest."""
+    def end(self, answer: Sequence[str] = ()) -> None:
+        """Write the rest, then the answer."""
         for waiting in self._waitings.rest():
             self._write(self._lines(waiting))
+        last = self._last
+        for said in (last.encode(EXPLANATION + text) for text in answer) if last else ():
+            self._write(said + self._ending if last and last.ending else self._ending + said)
 
     def _lines(self, waiting: Waiting) -> bytes:
         line = waiting.line

@@ -17,7 +17,7 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
-from sistap.files.reading import NotCaptured, packets, record_of
+from sistap.captures.reading import NotCaptured, packets, record_of
 from sistap.line.settings import Flag
 from sistap.records.record import Record, Type
 

@@ -1,17 +1,59 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Compares two captures, as text: how late the times of one are, and which verdicts differ."""
+"""Two captures of the same traffic, and what Wireshark's dissector says of the limits in both."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from sistap.beside import verdicts
 from sistap.beside.aligning import Pair, aligned, frames
 from sistap.beside.lateness import Lateness, measured, quantile
-from sistap.files.reading import NotCaptured
+from sistap.captures.reading import NotCaptured
 from sistap.terminal.exits import UsageError
+from sistap.wireshark.rows import columns, first, printing
 from sistap.wireshark.tshark import Tshark, TsharkError
+
+LIMITS = {"TzA": "sis.tza.verdict", "TrS": "sis.trs.verdict"}
+WORDS = {"0": "ok", "1": "exceeded", "2": "unresolved", "": "none"}
+UNRESOLVED = "unresolved"
+
+_FIELDS = ["frame.number", *LIMITS.values()]
+
+Judged = dict[int, dict[str, str]]  # the verdict on each limit, by packet
+
+
+def judged(tshark: Tshark, capture: Path) -> Judged:
+    """Return the verdicts on the packets of a capture. Raise TsharkError."""
+    rows = (columns(_FIELDS, row) for row in tshark.lines(["-2", "-r", str(capture), *printing(_FIELDS)]))
+    return {
+        int(row["frame.number"]): {
+            limit: WORDS.get(first(row.get(field, "")), "none") for limit, field in LIMITS.items()
+        }
+        for row in rows
+    }
+
+
+def compared(pairs: Iterable[Pair], true: Judged, other: Judged) -> dict[str, Counter[tuple[str, str]]]:
+    """Count, for each limit, each pair of verdicts in both captures."""
+    counts: dict[str, Counter[tuple[str, str]]] = {limit: Counter() for limit in LIMITS}
+    for one, another in pairs:
+        for limit, count in counts.items():
+            both = true.get(one.number, {}).get(limit, "none"), other.get(another.number, {}).get(limit, "none")
+            if both != ("none", "none"):
+                count[both] += 1
+    return counts
+
+
+def lines(counts: dict[str, Counter[tuple[str, str]]]) -> Sequence[str]:
+    """Return the counts as lines; mark the wrong verdicts."""
+    said = []
+    for limit, count in counts.items():
+        for (true, other), number in sorted(count.items()):
+            mark = "" if true == other else "  open" if UNRESOLVED in (true, other) else "  DIFFERENT"
+            said.append(f"  {limit}  {true:10}  {other:10}  {number:8}{mark}")
+    return ["  limit  true        other          times", *said] if said else ["  none: no limit was set"]
+
 
 SHARES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 
@@ -66,7 +108,7 @@ class Comparison:
         true, other = self._paths
         try:
             with Tshark() as tshark:
-                counts = verdicts.compared(self._pairs, verdicts.judged(tshark, true), verdicts.judged(tshark, other))
+                counts = compared(self._pairs, judged(tshark, true), judged(tshark, other))
         except TsharkError as error:
             return [f"  not compared: {str(error).splitlines()[-1]}"]
-        return verdicts.lines(counts)
+        return lines(counts)

@@ -9,10 +9,11 @@ them (an edge of their convex hull).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from sistap.beside.aligning import Pair
+from sistap.draw.panel import Axis, Dots, Drawing, Line, Panel, linear
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 
 LARGEST_PPM = 500  # more is not drift of two clocks, but chance in a short capture
@@ -86,3 +87,56 @@ def _below(points: Sequence[_Point]) -> tuple[_Point, float]:
 def _turns_right(first: _Point, second: _Point, third: _Point) -> bool:
     """Tell whether the second point lies on or above the line between the others."""
     return (second[0] - first[0]) * (third[1] - first[1]) <= (second[1] - first[1]) * (third[0] - first[0])
+
+
+# -- The plot --------------------------------------------------------------------------------------------------------
+
+_WIDE_IN, _HIGH_IN = 10.0, 4.0
+_ACROSS, _UP = 1000, 300  # cells of the picture; characters in the same one are one dot
+_SHARES = 200  # points of the distribution
+
+
+def drawing(lateness: Lateness) -> Drawing:
+    """Draw the lateness of each character over time, and its distribution."""
+    return Drawing("How late the times are", _WIDE_IN, _HIGH_IN, lambda: [[_over_time(lateness), _shares(lateness)]])
+
+
+def _over_time(lateness: Lateness) -> Panel:
+    characters = lateness.characters
+    begin_ns = characters[0].true_ns
+
+    def at_s(one: Late) -> float:
+        return (one.true_ns - begin_ns) / 1e9
+
+    panel = Panel(linear(0, max(map(at_s, characters)), label="seconds since the first character"), _late(lateness))
+    panel.y.label = "late by ms, against the quickest"
+    bounds = ((at_s(one), one.uncertainty_ns / 1e6) for one in characters if one.uncertainty_ns)
+    panel.add(Dots(_thinned(bounds, panel), "line", 1.0))
+    key = [("line", "uncertainty")]
+    for is_outside, role, name in ((False, "command", "inside"), (True, "bad", "outside")):
+        chosen = [(at_s(one), one.latest_ns / 1e6) for one in characters if one.is_outside == is_outside]
+        panel.add(Dots(_thinned(chosen, panel), role, 3.0))
+        key.append((role, f"{name}: {len(chosen)}"))
+    panel.key = key
+    return panel
+
+
+def _shares(lateness: Lateness) -> Panel:
+    ordered = sorted(one.latest_ns / 1e6 for one in lateness.characters)
+    shares = [number / _SHARES for number in range(_SHARES + 1)]
+    panel = Panel(linear(0, 100, 4, "% of the characters"), _late(lateness))
+    panel.add(Line([(100 * share, quantile(ordered, share)) for share in shares], "command"))
+    return panel
+
+
+def _late(lateness: Lateness) -> Axis:
+    shown = [one.latest_ns for one in lateness.characters]
+    shown += [one.uncertainty_ns for one in lateness.characters if one.uncertainty_ns]
+    return linear(min(shown) / 1e6, max(shown) / 1e6)
+
+
+def _thinned(points: Iterable[tuple[float, float]], panel: Panel) -> list[tuple[float, float]]:
+    """Return one point of each cell, so that hours of characters make a small picture."""
+    return list(
+        {(round(panel.x.place(x) * _ACROSS), round(panel.y.place(y) * _UP)): (x, y) for x, y in points}.values()
+    )

@@ -9,26 +9,24 @@ import math
 import os
 import sys
 from contextlib import AbstractContextManager, closing, nullcontext
-from pathlib import Path
 
-from sistap.bus.ending import Refusal
-from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
+from sistap.bus.playing.characters import NO_FAULTS, Faults
 from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, Scenario, character_format, load
 from sistap.bus.table import RATE
-from sistap.bus.wires import choice
-from sistap.bus.wires.log import Log
-from sistap.bus.wires.pace import Pace
+from sistap.bus.wires import place
+from sistap.bus.wires.place import play
 from sistap.bus.wires.recording import START_NS, Recording
-from sistap.bus.wires.serve import play
-from sistap.files.output import FORCE, Output, OutputError, OutputRefused
+from sistap.bus.wires.wire import Log, Pace, Refusal
+from sistap.common.writing import NotOpened, growing
+from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.line.clock import CLOCK
 from sistap.line.settings import LineSettings
 from sistap.sis.rates import RATES
+from sistap.terminal.console import STANDARD_OUTPUT, visible
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.stop import Stop
-from sistap.terminal.streams import STANDARD_OUTPUT
-from sistap.terminal.visible import visible
+from sistap.terminal.writing import FORCE
 
 DESCRIPTION = """\
 Play a virtual SIS bus. A scenario says which masters ask, which stations answer, and what goes wrong. The bus begins
@@ -40,7 +38,8 @@ A SCENARIO is a built-in one (--list names them) or a FILE.toml. The README besi
 write one (sistap/bus/scenarios; in the .deb /usr/share/doc/sistap/scenarios.md). A scenario without a master waits for
 a real one. A scenario without stations talks to real ones, at a real port only.
 
-The scenarios s5, s5-cam, s5-faults and s5-shared play procedure 3964R. Listen with --framing 3964r.
+The scenarios s5, s5-cam, s5-faults and s5-shared play procedure 3964R. Listen with --framing 3964r. With only an S5 or
+only a PPC, the partner is a real one, at a pseudo terminal or a port.
 
 examples:
   sistap bus                                       a master and two drives, at a pseudo terminal
@@ -67,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("scenario", nargs="?", default=DEFAULT, metavar="SCENARIO", help=f"built-in, or FILE.toml (default {DEFAULT})")
     add("--list", action="store_true", help="list the built-in scenarios")
-    where = choice.add_arguments(parser)
+    where = place.add_arguments(parser)
     where.add_argument("-w", dest="file", metavar="FILE", help="write a capture file, at once; - is standard output")
     add("--force", action="store_true", help=FORCE)
     add("--reads", type=int, default=1, metavar="N", help="read up to N characters at a time (with --listen or -w)")
@@ -95,7 +94,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--log",
-        type=Path,
         metavar="FILE",
         help="write a line of text for each telegram: time, bytes, faults; also for those of a real master",
     )
@@ -107,7 +105,7 @@ def run(args: argparse.Namespace) -> int:
         return _list()
     try:
         played, settings, how = _checked(args)
-        with _log(args.log) as log:
+        with _log(args.log, force=args.force) as log:
             _play(args, played, settings, how, log, Stop.current())
     except Refusal as refusal:
         print(f"sistap bus: {visible(str(refusal))}", file=sys.stderr)
@@ -130,9 +128,9 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         settings = _settings(args, played.settings)
         faults = Faults.parse(args.faults) if args.faults else NO_FAULTS
         if played.is_complete:
-            choice.settle(args)
+            place.settle(args)
         _check_numbers(args)
-        choice.check(args)
+        place.check(args)
         if (faults.parity or faults.break_) and not (args.listen or args.file):
             raise ValueError("a pseudo terminal cannot carry parity errors and breaks: use --listen")
         _check_place(args, played, faults)
@@ -160,8 +158,8 @@ def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:
 def _check_numbers(args: argparse.Namespace) -> None:
     if args.cycles < 0:
         raise ValueError(f"--cycles {args.cycles} is negative; 0 plays until stopped")
-    if not 1 <= args.reads <= choice.ALL:
-        raise ValueError(f"--reads {args.reads} is not a number of characters from 1 to {choice.ALL}")
+    if not 1 <= args.reads <= place.ALL:
+        raise ValueError(f"--reads {args.reads} is not a number of characters from 1 to {place.ALL}")
     if args.reads > 1 and not (args.listen or args.file):
         raise ValueError("--reads needs --listen or -w: a pseudo terminal and a port take one after the other")
     if args.duration is not None and not 0 < args.duration < math.inf:
@@ -171,10 +169,12 @@ def _check_numbers(args: argparse.Namespace) -> None:
 def _check_place(args: argparse.Namespace, played: Scenario, faults: Faults) -> None:
     """Refuse a scenario that cannot be played where it is to be played."""
     name = args.scenario
-    if not played.has_stations and not args.port:
+    if not played.has_stations and not args.port and not played.procedure:
         raise ValueError(f"{name} has no stations, it talks to real ones: add --port PORT --transmit")
     if not played.has_masters and (args.listen or args.file):
         raise ValueError(f"{name} has no master, it waits for a real one: leave out --listen and -w, or use --port")
+    if not played.has_stations and (args.listen or args.file):
+        raise ValueError(f"{name} has no PPC, it talks to a real one: leave out --listen and -w, or use --port")
     if not played.has_masters and args.duration is not None:
         raise ValueError(f"{name} has no master, it answers a real one until it is stopped: leave out --duration")
     if not played.is_complete and args.faults:
@@ -195,49 +195,50 @@ def _rates(args: argparse.Namespace) -> list[int]:
     return [int(name) for name in names]
 
 
-def _log(path: Path | None) -> AbstractContextManager[Log | None]:
+def _log(path: str | None, *, force: bool) -> AbstractContextManager[Log | None]:
     try:
-        return closing(Log(path)) if path else nullcontext()
-    except OSError as error:
-        text = f"cannot write the log {path}: {error.strerror}; name another file with --log"
-        raise Refusal(USAGE, text) from error
+        return closing(Log(growing(path, force=force, cure="name another file with --log"))) if path else nullcontext()
+    except NotOpened as error:
+        raise Refusal(USAGE, str(error)) from error
 
 
 def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
     args: argparse.Namespace, played: Scenario, settings: LineSettings, how: Playing, log: Log | None, stop: Stop
 ) -> None:
     """Play it where it is to be played. May raise Refusal, PortError or PortLost."""
-    if not played.has_stations:
-        from sistap.bus.real.talking import talk
+    if not played.has_stations and not played.procedure:
+        from sistap.bus.wires.talking import talk
 
         talk(args.port, settings, played, how, log)
-    elif not played.has_masters:
-        _answer(args, settings, played, log)
+    elif not played.is_complete:
+        _meet(args, settings, played, how, log)
     else:
         pace = Pace(args.fast or bool(args.file), played.begin_ns)
         recording = _recording(args, settings, played, stop) if args.file else None
-        wire = recording or choice.opened(args, settings, pace, args.seed, args.reads)
+        wire = recording or place.opened(args, settings, pace, args.seed, args.reads)
         telegrams = itertools.takewhile(lambda _: not stop.asked, played.play(settings, how))
         play(wire, pace, telegrams, log, f"{settings.baud} {settings.format}, seed {args.seed}")
         if recording:
             print(f"sistap bus: {visible(recording.written)}", file=sys.stderr)
 
 
-def _answer(args: argparse.Namespace, settings: LineSettings, played: Scenario, log: Log | None) -> None:
-    """Answer a real master until a signal comes."""
-    from sistap.bus.real.answering import BusTime
-    from sistap.bus.real.answering import serve as answer
-    from sistap.bus.real.noting import Noting
+def _meet(args: argparse.Namespace, settings: LineSettings, played: Scenario, how: Playing, log: Log | None) -> None:
+    """Play one half of the bus at a place where the other one is real, until its end or a signal."""
+    from sistap.bus.wires.answering import BusTime, Noting, meet_partner
+    from sistap.bus.wires.answering import serve as answer
 
-    port = choice.port(args, settings, args.seed)
+    port = place.port(args, settings, args.seed)
     try:
         bus_time = BusTime()
         noting = None
         if log:
             log.begin(f"{settings.baud} {settings.format}, {port.name}, time 0 is {CLOCK.now_ns()} ns since 1970")
-            noting = Noting(log, settings)
+            noting = Noting(log, settings, played.cut)
         print(port.name, flush=True)
-        answer(port, played.stations(args.seed), bus_time, noting)
+        if played.procedure:
+            meet_partner(port, played.procedure, how, bus_time, noting)
+        else:
+            answer(port, played.stations(args.seed), bus_time, noting)
     except OSError as error:
         saved = "; the log has what came before" if log else ""
         raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error

@@ -10,16 +10,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.bus.ending import Refusal
-from sistap.bus.playing.played import Character, Played
-from sistap.bus.wires import choice
-from sistap.bus.wires.pace import Pace
-from sistap.bus.wires.serve import play
-from sistap.files.reading import NotCaptured, records
+from sistap.bus.playing.characters import Character, Played
+from sistap.bus.wires import place
+from sistap.bus.wires.place import play
+from sistap.bus.wires.wire import Pace, Refusal
+from sistap.captures.reading import NotCaptured, records
 from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings
 from sistap.records.record import Record, Type
+from sistap.terminal.console import visible
 from sistap.terminal.exits import DONE, USAGE
-from sistap.terminal.visible import visible
 
 DESCRIPTION = """\
 Play a capture that sistap wrote: every character at its time. It goes to a pseudo terminal, to a socket, or, with
@@ -63,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture that sistap wrote")
-    choice.add_arguments(parser)
+    place.add_arguments(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -78,15 +77,15 @@ def run(args: argparse.Namespace) -> int:
 
 def _play(args: argparse.Namespace) -> None:
     try:
-        choice.settle(args)
-        choice.check(args)
+        place.settle(args)
+        place.check(args)
         content = look(args.capture)
     except ValueError as error:
         raise Refusal(USAGE, str(error)) from error
     except OSError as error:
         raise Refusal(USAGE, f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
     pace = Pace(simulated=args.fast)
-    wire = choice.opened(args, content.settings, pace)
+    wire = place.opened(args, content.settings, pace)
     print(f"sistap replay: {content.characters} characters at {content.settings}", file=sys.stderr)
     play(wire, pace, played(args.capture, content))
     if content.errors and not args.listen:
@@ -125,8 +124,8 @@ def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
         if record.line != line:
             continue
         settings, time_ns = _settings(record), record.time_ns - begin_ns
-        for place, (value, interval, flags) in enumerate(zip(record.data, record.intervals, record.flags, strict=True)):
-            time_ns += interval if place else 0
+        for index, (value, interval, flags) in enumerate(zip(record.data, record.intervals, record.flags, strict=True)):
+            time_ns += interval if index else 0
             if read and not flags & Flag.SAME_READ:
                 yield read
                 read = None

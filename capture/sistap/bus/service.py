@@ -7,6 +7,9 @@ import enum
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from sistap.sis.codes import LAYOUTS
+from sistap.sis.telegram import least
+
 
 class Status(enum.IntEnum):
     """The status bytes that stations send by themselves (fig. 2-18; from 0xF9 on: IndraDrive)."""
@@ -79,14 +82,11 @@ class Service(NamedTuple):
     execute: Callable[[Request], bytes]
 
 
-class Subservice(NamedTuple):
-    """A subservice of 0x00, 0x02 or 0x03: `execute` takes its data and the time, and returns the reaction's data."""
-
-    least: int  # smallest data of a command, in bytes
-    execute: Callable[[bytes, int], bytes]
+# Of 0x00, 0x02 or 0x03: takes the data of a subservice and the time, and returns the reaction's data.
+Subservice = Callable[[bytes, int], bytes]
 
 
-def by_subservice(subservices: Mapping[int, Subservice]) -> Service:
+def by_subservice(service: int, subservices: Mapping[int, Subservice]) -> Service:
     """Return a service whose body is an address, a subservice and its data; any address is repeated.
 
     Fig. 6-14 and 7-1 address neither the station nor a device in it, and get a good answer.
@@ -97,8 +97,8 @@ def by_subservice(subservices: Mapping[int, Subservice]) -> Service:
         subservice = subservices.get(header[1])
         if subservice is None:
             raise ServiceRefused(Status.INVALID_SUBSERVICE)
-        if len(data) < subservice.least:
+        if len(data) < least(LAYOUTS[service][header[1]].command):
             raise ServiceRefused(Status.DATA_MISSING)
-        return header + subservice.execute(data, request.now_ns)
+        return header + subservice(data, request.now_ns)
 
     return Service(2, 2, execute)

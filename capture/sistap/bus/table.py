@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
+from sistap.wire.protocol import TIME_END_NS
+
 T = TypeVar("T")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 Reading = Callable[[Any], T]  # converts a TOML value; ValueError says what is expected
@@ -99,7 +101,10 @@ def instant_ns(value: object) -> int:
     """Return a date with time and zone as ns since 1970; the file has it without quotation marks."""
     if not isinstance(value, datetime) or value.tzinfo is None:
         raise ValueError(f"{_shown(value)} is no time with a zone (for example 2026-03-14T21:00:00Z)")
-    return int((value - _EPOCH) / timedelta(microseconds=1)) * 1000
+    ns = (value - _EPOCH) // timedelta(microseconds=1) * 1000
+    if not 0 <= ns < TIME_END_NS:
+        raise ValueError(f"{_shown(value)} is not between 1970 and 2095, where all files and sockets can say it")
+    return ns
 
 
 def flag(value: object) -> bool:

@@ -6,27 +6,26 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from sistap.capture import sinks
 from sistap.capture.filter import FilterError
-from sistap.capture.options import AROUND_S, AT_MOST, BOTH_LINES, CaptureOptions, checked, rate
-from sistap.capture.running import record
-from sistap.files.output import FORCE, Output, OutputRefused
-from sistap.files.writer import LINK_TYPES, UPPER_PDU
+from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
+from sistap.files.output import Output, OutputRefused
+from sistap.files.pcapng import LINK_TYPES, UPPER_PDU
 from sistap.line import ports
-from sistap.recorder.reasons import PRESETS
-from sistap.records.cut import HELP, SIS, WORDS, framing
-from sistap.sis.limits import argument as limit
+from sistap.records.cut import HELP, SIS, WORDS, Cut
+from sistap.sis.limits import milliseconds
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
-from sistap.terminal.exits import FAILED, USAGE, UsageError
+from sistap.terminal.exits import USAGE, UsageError, argument
 from sistap.terminal.stop import Stop
-from sistap.wireshark.tshark import TsharkError
+from sistap.terminal.writing import FORCE
+
+if TYPE_CHECKING:
+    from sistap.capture.running import Opener
 
 LARGEST = 1e12  # of any number in an option: 30,000 years of seconds
-LARGEST_S = 86_400  # before and after
 
 DESCRIPTION = """\
 Listen to a bus and record every character with its time. Write a pcapng file for Wireshark, or lines of text. sistap
@@ -68,12 +67,6 @@ Without -w, each record is shown as `sistap log` shows it: time, bytes, and thei
 with Wireshark's dissector. Without tshark, there is one line of text for each telegram. A terminal shows colours,
 unless NO_COLOR is set.
 
-With --keep, a recorder runs for months. It tests each packet with the display filter FILTER. Around each match it
-writes a file kept_TIME_REASON.pcapng into the folder FILE. Overlapping times share one file. A file ends --after
-seconds after its last match. The recorder waits --before seconds more before it closes the file and starts COMMAND: a
-match in that time goes into the same file. FILTER is tested live: a command without a reaction is found at the next
-command (sis.unanswered_before).
-
 examples:
   sistap capture -i /dev/ttyUSB0                               each telegram with its meaning
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -C SIS -k -i -
@@ -88,8 +81,6 @@ examples:
   sistap capture -i 'sigrok:fx2lafw?rx=D0' -w x.pcapng         a logic analyser
   sistap capture -i /dev/ttyUSB0 -w x.pcapng -f 'link[5] == 0x1f'
                                                                only telegrams that write a parameter
-  sistap capture -i /dev/ttyUSB0 --wait-for-port --keep faults -w kept/
-                                                               for months: half a minute around each fault
 
 exit status:
   0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
@@ -99,10 +90,10 @@ exit status:
 """
 
 
-class _Once(argparse.Action):
+class Once(argparse.Action):
     """An option that may be given only once: argparse would silently drop the first value."""
 
-    def __call__(
+    def __call__(  # noqa: D102 - as argparse demands
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, option: str | None = None
     ) -> None:
         if not value:
@@ -133,28 +124,12 @@ def _positive(kind: Callable[[str], float], text: str) -> float:
     return value
 
 
-def _number(text: str) -> int:
+def number(text: str) -> int:
+    """Read a whole number above 0 as an argument."""
     try:
         return int(_positive(int, text))
     except ValueError:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 to {LARGEST:.0f}") from None
-
-
-def _seconds(text: str) -> float:
-    try:
-        if 0 <= (seconds := float(text)) <= LARGEST_S:
-            return seconds
-    except ValueError:
-        pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds from 0 to {LARGEST_S}")
-
-
-def rate_argument(text: str) -> int | None:
-    """Read a rate, or auto, as an argument."""
-    try:
-        return rate(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _condition(text: str) -> tuple[str, float]:
@@ -167,10 +142,15 @@ def _condition(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(f"'{text}' is not duration:SECONDS, filesize:KB or files:NUMBER") from None
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
+class _Moved(argparse.Action):
+    """An option that has become a command."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        parser.exit(USAGE, "sistap: --keep is a command of its own: write `sistap record` for `sistap capture`\n")
+
+
+def add_line_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments that say what to listen to."""
     add = parser.add_argument
     add(
         "-i",
@@ -181,40 +161,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "RS232",
     )
     add(
-        "-w",
-        dest="file",
-        action=_Once,
-        metavar="FILE",
-        help="write a pcapng file, with --keep into a folder; - is standard output (default: print text)",
-    )
-    add("--force", action="store_true", help=FORCE)
-    add(
         "--baud",
-        type=rate_argument,
+        type=argument(rate),
         default=9600,
         metavar="RATE|auto",
         help="rate in Bd (default 9600); auto finds it, and without --format also whether it is 8E1 or 8N1",
     )
     add("--format", metavar="FORMAT", help="data bits, parity N, E, O, M or S, stop bits (default 8E1)")
     add("--follow-baud", action="store_true", help="follow rate changes on the bus")
+    add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
+    add("--wait-for-port", action="store_true", help="wait for a port that is missing, at the start and later")
     add(
-        "--framing",
-        type=framing,
-        default=SIS,
-        metavar=WORDS,
-        help=HELP,
+        "--tza",
+        dest="tza_ms",
+        type=argument(milliseconds),
+        metavar="MS",
+        help="TzA of this bus: longest interval allowed between two characters of a telegram",
     )
     add(
-        "--link-type",
-        choices=LINK_TYPES,
-        default=UPPER_PDU,
-        metavar="TYPE",
-        help="upper-pdu (default) keeps everything; rtac and user0 to user15 keep only telegrams, for other tools",
+        "--trs",
+        dest="trs_ms",
+        type=argument(milliseconds),
+        metavar="MS",
+        help="TrS of this bus: longest reaction time allowed",
     )
+
+
+def add_end_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments that say what is written, and when a file or the capture ends."""
+    add = parser.add_argument
     add(
         "-c",
         dest="count",
-        type=_number,
+        type=number,
         metavar="N",
         help="stop after N records; the event that starts a file is not counted",
     )
@@ -236,83 +215,66 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="CONDITION",
         help="begin a new file after duration:SECONDS or filesize:KB; files:NUMBER: keep only the newest",
     )
-    add(
-        "--keep",
-        action="append",
-        default=[],
-        metavar="FILTER",
-        help="record for months, and keep a file in the folder FILE around each packet that matches this display "
-        f"filter. {' and '.join(PRESETS)} are ready-made; give it several times to combine them with one of your own",
-    )
-    add(
-        "--before",
-        dest="before_s",
-        type=_seconds,
-        metavar="SECONDS",
-        help=f"with --keep: time kept before a match (default {AROUND_S})",
-    )
-    add(
-        "--after",
-        dest="after_s",
-        type=_seconds,
-        metavar="SECONDS",
-        help=f"with --keep: time kept after a match (default {AROUND_S})",
-    )
-    add(
-        "--at-most",
-        type=_number,
-        metavar="N",
-        help=f"with --keep: number of files (default {AT_MOST}); the oldest are deleted",
-    )
-    add(
-        "--on-keep",
-        action=_Once,
-        metavar="COMMAND",
-        help="with --keep: shell command to run for each complete file; gets the name of the file",
-    )
-    add(
-        "--wait-for-port",
-        action="store_true",
-        help="wait for a port that is missing, at the start and later",
-    )
-    add(
-        "--tza",
-        dest="tza_ms",
-        type=limit,
-        metavar="MS",
-        help="TzA of this bus: longest interval allowed between two characters of a telegram",
-    )
-    add("--trs", dest="trs_ms", type=limit, metavar="MS", help="TrS of this bus: longest reaction time allowed")
     add("-f", dest="filter", metavar="FILTER", help="write only telegrams that pass this capture filter")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
 
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add_line_arguments(parser)
+    add(
+        "-w",
+        dest="file",
+        action=Once,
+        metavar="FILE",
+        help="write a pcapng file; - is standard output (default: print text)",
+    )
+    add("--force", action="store_true", help=FORCE)
+    add(
+        "--link-type",
+        choices=LINK_TYPES,
+        default=UPPER_PDU,
+        metavar="TYPE",
+        help="upper-pdu (default) keeps everything; rtac and user0 to user15 keep only telegrams, for other tools",
+    )
+    add("--keep", action=_Moved, help=argparse.SUPPRESS)
+    add_end_arguments(parser)
+
+
 def run(args: argparse.Namespace) -> int:
     """Capture; return the exit code. May raise PortError."""
-    stop = Stop.current()
     console = Console()
+
+    def work() -> int:
+        options = replace(options_of(args, args.file), link_type=args.link_type)
+        return started(options, console, force=args.force)
+
+    return refusing(console, work)
+
+
+def refusing(console: Console, work: Callable[[], int]) -> int:
+    """Do the work of a command; report what is wrong with its options in one line."""
     try:
-        options = _options(args)
-        plan = checked(options)
-        limits = options.limits
-        sinks.check(options)
-        if options.keep:
-            _make_folder(options.file)
-        with closing(Output(options.output, limits, lambda: stop.asked, console.say, force=args.force)) as output:
-            return record(options, plan, output, stop, console)
+        return work()
     except (UsageError, FilterError, OutputRefused) as error:
         console.alarm(str(error))
         return USAGE
-    except TsharkError as error:
-        console.alarm(str(error))
-        return FAILED
 
 
-def _make_folder(path: str | None) -> None:
-    try:
-        Path(path or "").mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"{path} cannot be made: {error.strerror}; name another folder with -w") from None
+def started(options: CaptureOptions, console: Console, opener: Opener | None = None, *, force: bool = False) -> int:
+    """Capture into the file of the options, or where `opener` says; return the exit code. May raise PortError.
+
+    Also UsageError, FilterError and OutputRefused.
+    """
+    from sistap.capture.running import record  # late: help needs none of it
+
+    stop = Stop.current()
+    plan, limits = checked(options), options.limits
+    with closing(Output(options.output, limits, lambda: stop.asked, console.say, force=force)) as output:
+        return record(options, plan, output, stop, console, opener=opener)
 
 
 def _only_port() -> list[str]:
@@ -325,26 +287,21 @@ def _only_port() -> list[str]:
     raise UsageError(f"no serial port found: plug the adapter in, or name a PORT with -i; {advice().no_port}")
 
 
-def _options(args: argparse.Namespace) -> CaptureOptions:
+def options_of(args: argparse.Namespace, file: str | None) -> CaptureOptions:
+    """Return the options of a capture into a file. May raise UsageError."""
     return CaptureOptions(
         ports=tuple(args.ports or _only_port()),
-        file=args.file,
+        file=file,
         baud=args.baud,
         format=args.format,
         follow_baud=args.follow_baud,
         framing=args.framing,
-        link_type=args.link_type,
         count=args.count,
         autostop=dict(args.autostop),
         ring=dict(args.ring),
         filter=args.filter,
         tza_ms=args.tza_ms,
         trs_ms=args.trs_ms,
-        keep=tuple(args.keep),
-        before_s=args.before_s,
-        after_s=args.after_s,
-        at_most=args.at_most,
-        on_keep=args.on_keep,
         wait_for_port=args.wait_for_port,
         quiet=args.quiet,
     )

@@ -60,21 +60,12 @@ def _load() -> ctypes.CDLL:
     pcap = opened(candidates())
     pcap.pcap_open_dead.restype = ctypes.c_void_p
     pcap.pcap_open_dead.argtypes = [ctypes.c_int, ctypes.c_int]
-    pcap.pcap_compile.argtypes = [
-        ctypes.c_void_p,
-        ctypes.POINTER(_Program),
-        ctypes.c_char_p,
-        ctypes.c_int,
-        ctypes.c_uint32,
-    ]
+    program = ctypes.POINTER(_Program)
+    pcap.pcap_compile.argtypes = [ctypes.c_void_p, program, ctypes.c_char_p, ctypes.c_int, ctypes.c_uint32]
     pcap.pcap_geterr.restype = ctypes.c_char_p
     pcap.pcap_geterr.argtypes = [ctypes.c_void_p]
     pcap.pcap_close.argtypes = [ctypes.c_void_p]
-    pcap.pcap_offline_filter.argtypes = [
-        ctypes.POINTER(_Program),
-        ctypes.POINTER(_PacketHeader),
-        ctypes.c_char_p,
-    ]
+    pcap.pcap_offline_filter.argtypes = [program, ctypes.POINTER(_PacketHeader), ctypes.c_char_p]
     return pcap
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sistap.capture.scan import Scan
+from sistap.capture.rate import Scan
 from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters
 from sistap.records.record import Framing
@@ -13,13 +13,16 @@ from sistap.sis.rates import RATES
 
 SILENT_S = 5
 ENOUGH_ERRORS = 20  # so many characters, all with errors, are no accident
+ENOUGH_DAMAGED = 5  # so many telegrams, none with a line error, although parity finds most damage
 ENOUGH_CHARACTERS = 500  # more than the longest telegram (263), so at least one should be complete
 
 
 class Hints:
     """Gives each hint once."""
 
-    def __init__(self, settings: LineSettings, framing: Framing) -> None:
+    def __init__(self, settings: LineSettings, framing: Framing, *, errors_reported: bool = False) -> None:
+        """`errors_reported`: the driver of the adapter is one that reports line errors."""
+        self._parity_reported = errors_reported and settings.parity != "N"
         self._settings = settings
         self._framing = framing
         self._given: set[str] = set()
@@ -50,6 +53,11 @@ class Hints:
             hint = (
                 f"{ENOUGH_CHARACTERS} characters and no valid telegram at {settings.baud} Bd: "
                 "try --baud auto; if it finds nothing, this is another protocol"
+            )
+        elif self._parity_reported and counters.damaged >= ENOUGH_DAMAGED and not counters.faulty_characters:
+            hint = (
+                f"{ENOUGH_DAMAGED} damaged telegrams, and not one line error: they were sent so, or the adapter "
+                "reports none, as some copies of the CP2102: try another adapter"
             )
         return hint
 

@@ -6,30 +6,23 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
 from sistap.capture.filter import Filter
-from sistap.capture.scan import AUTO, FORMATS
+from sistap.capture.rate import AUTO, FORMATS
 from sistap.files.output import Limits
-from sistap.files.writer import RTAC, UPPER_PDU
+from sistap.files.pcapng import RTAC, UPPER_PDU
 from sistap.line import ports
 from sistap.line.settings import LineSettings
-from sistap.recorder import shelf
-from sistap.recorder.keeper import Around
-from sistap.recorder.reasons import Reasons
-from sistap.recorder.recorder import Wanted
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.record import LARGEST_RATE
 from sistap.sis import limits
 from sistap.sis.rates import RATES
+from sistap.terminal.console import STANDARD_OUTPUT
 from sistap.terminal.exits import UsageError
-from sistap.terminal.streams import STANDARD_OUTPUT
 
 ONE_LINE, BOTH_LINES = (0,), (1, 2)  # their numbers: a shared bus, the directions of a full-duplex line
-AROUND_S = 30  # what is kept before and after
-AT_MOST = 100  # files that are kept
 
 
 @dataclass(frozen=True)
@@ -49,11 +42,6 @@ class CaptureOptions:
     filter: str | None = None
     tza_ms: int | None = None  # limit of a bus that set it before the capture began
     trs_ms: int | None = None
-    keep: Sequence[str] = ()  # display filters and presets: then `file` is a folder
-    before_s: float | None = None
-    after_s: float | None = None
-    at_most: int | None = None
-    on_keep: str | None = None
     wait_for_port: bool = False
     quiet: bool = False
 
@@ -77,18 +65,7 @@ class CaptureOptions:
     @property
     def output(self) -> str:
         """Return the file that gets all records."""
-        if not self.keep or self.file is None:
-            return self.file or STANDARD_OUTPUT
-        return str(Path(self.file) / shelf.RING) if self.ring else os.devnull
-
-    @property
-    def wanted(self) -> Wanted:
-        """Return what the recorder keeps. May raise UsageError."""
-        before_s, after_s = (AROUND_S if seconds is None else seconds for seconds in (self.before_s, self.after_s))
-        around = Around(int(before_s * 1e9), int(after_s * 1e9))
-        at_most = AT_MOST if self.at_most is None else self.at_most
-        files = _whole(self.ring.get("files"))
-        return Wanted(Path(self.file or ""), Reasons(self.keep), around, at_most, self.on_keep, files)
+        return self.file or STANDARD_OUTPUT
 
     @property
     def limits(self) -> Limits:
@@ -99,9 +76,7 @@ class CaptureOptions:
             size=int(size) * 1000 if size else None,
             duration_s=self.ring.get("duration"),
             several=bool(self.ring),
-            keep=None
-            if self.keep
-            else _whole(self.ring.get("files")),  # the recorder counts those of earlier runs, too
+            keep=_whole(self.ring.get("files")),
             files=_whole(self.autostop.get("files")),
         )
 
@@ -162,26 +137,7 @@ def _whole(number: float | None) -> int | None:
     return None if number is None else int(number)
 
 
-def _check_keep(options: CaptureOptions) -> None:
-    """Refuse what does not go with --keep, or only with it."""
-    if not options.keep:
-        given = {"--before": options.before_s, "--after": options.after_s, "--at-most": options.at_most}
-        given["--on-keep"] = options.on_keep  # type: ignore[assignment]
-        if alone := next((name for name, value in given.items() if value is not None), ""):
-            raise UsageError(f"{alone} is for --keep: say what is to be kept")
-        return
-    if options.file is None or options.file == STANDARD_OUTPUT:
-        raise UsageError("--keep needs a folder for its files: say it with -w")
-    if Path(options.file).exists() and not Path(options.file).is_dir():
-        raise UsageError(f"{options.file} is no folder: --keep needs one for its files, say another with -w")
-    if options.link_type != UPPER_PDU:
-        raise UsageError(f"--keep needs all of a record: leave out --link-type {options.link_type}")
-    if "filesize" in options.autostop and not options.ring:
-        raise UsageError("with --keep, -a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
-
-
 def _check_limits(options: CaptureOptions) -> None:
-    _check_keep(options)
     ring, size = options.ring, _size(options)
     if options.file is None and (size or ring or options.link_type != UPPER_PDU):
         raise UsageError("-a filesize:, -b and --link-type need a file: say it with -w")

@@ -3,60 +3,152 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack, closing
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
+from typing import Protocol
 
-from sistap.capture import sinks
 from sistap.capture.filter import Filter
 from sistap.capture.options import CaptureOptions, Plan
-from sistap.capture.ports import Ports
-from sistap.capture.remote import Remote
-from sistap.capture.session import Capture, Conditions
-from sistap.capture.tap import Sink
+from sistap.capture.session import Capture
+from sistap.capture.tap import Conditions, Sink
 from sistap.files.output import Output
-from sistap.files.pcapng import Interface
-from sistap.files.writer import LINK_TYPES
-from sistap.line import priority
-from sistap.line.reader import Reader
-from sistap.recorder.recorder import Recorder
+from sistap.files.pcapng import LINK_TYPES, Interface
+from sistap.files.writer import PcapngWriter
+from sistap.line import drivers, priority
+from sistap.line.reader import Distant, PortError, Reader, open_reader
+from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters
-from sistap.records.record import Record, Type
+from sistap.records.record import Record
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
 
+PAUSE_S = 1.0
 
-class Tally:
-    """Hands records on to a sink, and counts those that it has written."""
 
-    def __init__(self, sink: Sink) -> None:
-        """Begin at zero."""
-        self._sink = sink
-        self.written = Counters()
-        self.begin, self.look, self.end = sink.begin, sink.look, sink.end
+class Ports:
+    """The ports of a capture: opened at its start, and again when they come back, if it waits for them."""
+
+    def __init__(self, options: CaptureOptions) -> None:
+        self._options = options
+        self._open: list[Reader] = []
+
+    def open(self, settings: LineSettings, say: Callable[[str], None]) -> list[Reader]:
+        """Open all ports. May raise PortError; a capture that waits for ports ends only by Stopped."""
+        for line, port in zip(self._options.lines, self._options.ports, strict=True):
+            said = ""
+            while True:
+                try:
+                    reader = open_reader(port, settings, line)
+                    break
+                except PortError as error:
+                    if not self._options.wait_for_port:
+                        raise
+                    if str(error) != said:
+                        said = str(error)
+                        say(f"{said}. Waiting for it")
+                time.sleep(PAUSE_S)
+            self._open.append(reader)
+            self._check_steering(reader)
+        return list(self._open)
+
+    def reopen(self, lost: Reader, settings: LineSettings) -> Reader:
+        """Open a port again. PortError while it is not back."""
+        if lost in self._open:  # its device gets the same name only after the old one is closed
+            self._open.remove(lost)
+            lost.close()
+        reader = open_reader(lost.name, settings, lost.line)
+        self._open.append(reader)
+        return reader
+
+    def close(self) -> None:
+        """Close all ports."""
+        while self._open:
+            self._open.pop().close()
+
+    def _check_steering(self, reader: Reader) -> None:
+        options = self._options
+        steered = "--follow-baud" if options.follow_baud else "--baud auto" if options.formats else ""
+        if steered and isinstance(reader, Distant):
+            raise PortError(f"{reader.name}: the tap there sets the rate: give {steered} to `sistap serve`, not here")
+
+
+Interfaces = Mapping[int, Interface]
+
+
+class Destination(Sink, Protocol):
+    """A sink that can say what became of the records."""
+
+    def summary(self, counters: Counters) -> str:
+        """Return it in words; `counters` have what was heard."""
+
+
+Opener = Callable[[Interfaces, Output, Counters, Audience], AbstractContextManager[Destination]]
+
+
+class _File(PcapngWriter):
+    """A file that counts the records in it."""
+
+    def __init__(self, output: Output, interfaces: Interfaces, counters: Counters) -> None:
+        super().__init__(output, interfaces, counters)
+        self._to = output
+        self._written = Counters()
+        self._written.errors_reported = counters.errors_reported
 
     def write(self, record: Record) -> bool:
-        """Hand it on; count it if it was written and is no event."""
-        written = self._sink.write(record)
-        if written and record.type != Type.EVENT:
-            self.written.add_read(record)
-            self.written.add_record(record)
+        written = super().write(record)
+        if written:
+            self._written.add_read(record)
+            self._written.add_record(record)
         return written
+
+    def summary(self, counters: Counters) -> str:
+        """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
+        received, records = counters.received.total(), self._written.received.total()
+        of_received = f" of {received}" if records != received else ""
+        return f"{records}{of_received} records ({self._written.text}) {self._to.written}"
+
+
+@contextmanager
+def _file(interfaces: Interfaces, output: Output, counters: Counters, _: Audience) -> Iterator[Destination]:
+    yield _File(output, interfaces, counters)
+
+
+@contextmanager
+def _text(interfaces: Interfaces, output: Output, _: Counters, console: Audience) -> Iterator[Destination]:
+    # The only import from outside of the tap: a capture into a file needs neither text nor tshark.
+    from sistap.explain.live import explained
+
+    with explained(output, interfaces, console.say) as text:
+        yield text
 
 
 @priority.real_time()
 def record(  # noqa: PLR0913 - it puts the parts together
-    options: CaptureOptions, plan: Plan, output: Output, stop: Stop, console: Audience, remote: Remote | None = None
+    options: CaptureOptions,
+    plan: Plan,
+    output: Output,
+    stop: Stop,
+    console: Audience,
+    remote: Callable[[Capture], None] | None = None,
+    *,
+    opener: Opener | None = None,
 ) -> int:
-    """Capture into `output`, perhaps controlled by `remote`; return the exit code. May raise PortError."""
+    """Capture into `output`, perhaps controlled by `remote`; return the exit code. May raise PortError.
+
+    `opener` opens another destination than a file or text.
+    """
+    opener = opener or (_file if options.file else _text)
     with ExitStack() as opened:
         ports = opened.enter_context(closing(Ports(options)))
         readers = ports.open(plan.settings, console.say)
         counters = Counters()
+        counters.errors_reported = any(drivers.reports(reader.timing) is not False for reader in readers)
         interfaces = {reader.line: _interface(options, reader) for reader in readers}
-        sink = opened.enter_context(sinks.opened(options, interfaces, output, counters, console))
-        tally = Tally(sink)
+        sink = opened.enter_context(opener(interfaces, output, counters, console))
         capture = Capture(
             readers,
-            tally,
+            sink,
             output,
             counters,
             console,
@@ -68,12 +160,8 @@ def record(  # noqa: PLR0913 - it puts the parts together
         )
         with output.lasting():
             code = capture.run(stop)
-    if isinstance(sink, Recorder):
-        console.say(f"{counters}; {sink.summary}")
-    elif options.file:
-        console.say(_summary(tally.written, counters.received.total(), output))
-    elif not options.quiet:
-        console.say(str(counters))
+    if options.file or not options.quiet:
+        console.say(sink.summary(counters))
     return code
 
 
@@ -94,10 +182,3 @@ def _interface(options: CaptureOptions, reader: Reader) -> Interface:
         reader.adapter,
         options.filter or "",
     )
-
-
-def _summary(written: Counters, received: int, output: Output) -> str:
-    """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
-    records = written.received.total()
-    of_received = f" of {received}" if records != received else ""
-    return f"{records}{of_received} records ({written.text}) {output.written}"

@@ -4,22 +4,19 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 
 import sistap
-from sistap.capture.filter import Filter
-from sistap.capture.remote import Marker, Remote
-from sistap.capture.scan import FORMATS
-from sistap.capture.steering import Steering, Step
-from sistap.capture.tap import Sink, Tap
+from sistap.capture.rate import FORMATS, Steering, Step
+from sistap.capture.tap import EVERYTHING, Conditions, Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
-from sistap.line.clocks import monotonic_ns
-from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, Several, together
+from sistap.line.clock import monotonic_ns
+from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, Several, Source, together
 from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
-from sistap.records.cut import SIS, Cut
+from sistap.records.cut import SIS
 from sistap.records.record import Event
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Audience
@@ -35,22 +32,6 @@ _EVENTS = {
     Happening.GONE: Event.ADAPTER_LOST,
     Happening.ANEW: Event.CHARACTERS_LOST,
 }
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """What a capture accepts, and when it ends by itself; None: does not apply."""
-
-    cut: Cut = SIS
-    only: Filter | None = None  # frames that do not pass are left out
-    count: int | None = None  # largest number of records
-    duration_s: float | None = None
-    formats: Sequence[str] = ()  # search for the rate and one of these formats
-    follow: bool = False  # follow rate changes on the bus
-    limits: str = ""  # TzA and TrS as the user tells them
-
-
-EVERYTHING = Conditions()
 
 
 class Capture:
@@ -69,16 +50,17 @@ class Capture:
         *,
         quiet: bool = False,
         progress: bool = False,
-        remote: Remote | None = None,
+        remote: Callable[[Capture], None] | None = None,
         reopen: Callable[[Reader, LineSettings], Reader] | None = None,
         clock_ns: Callable[[], int] = monotonic_ns,
     ) -> None:
-        """`quiet`: do not report that it runs; `progress`: show the counters every second; `remote`: who controls it.
+        """`quiet`: do not report that it runs; `progress`: show the counters every second.
 
+        `remote` controls it: it is called at every turn. Whoever reads the capture ends it by no longer reading.
         `reopen` opens a lost port again, or raises PortError while it is not back. Without it, a lost port stays lost.
         """
         self._output = output
-        self._counters = counters
+        self.counters = counters
         self._conditions = conditions
         self._quiet = quiet
         self._progress = progress
@@ -88,21 +70,15 @@ class Capture:
         self._readers = list(readers)  # those whose ports are not lost
         self._reopen = reopen
         self._lost: dict[Reader, int] = {}  # they may come back; the time of each loss
-        self._tap = Tap(
-            readers,
-            sink,
-            counters,
-            clock_ns,
-            cut=conditions.cut,
-            only=conditions.only,
-            count=conditions.count,
-        )
+        self._tap = Tap(readers, sink, counters, clock_ns, conditions)
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not done yet
         # the reason for new settings; without another reason the tap has changed them
         self._why = "set where the tap is"
         self._port_lost = False
         self._refused: set[str] = set()  # settings that a port does not support, reported once
+        self._started_ns = self._tick_ns = 0
+        self._source: Source
 
     def run(self, stop: Stop) -> int:
         """Capture until something ends it; return the exit code."""
@@ -122,18 +98,38 @@ class Capture:
         return FAILED if self._port_lost or self._output.failed else DONE
 
     def _run(self, stop: Stop) -> None:
-        descriptions = {reader.line: self._description(reader) for reader in self._readers}
-        said = f"sistap {sistap.__version__}; "
-        self._tap.begin({number: said + text for number, text in descriptions.items()}, self._conditions.limits)
+        self.begin()
         stop.at_once = False
+        self.announce()
+        with self.reading():
+            self._loop(stop)
+        self.end()
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Read all ports at the same time."""
+        with together(self._readers, may_change=self._reopen is not None) as self._source:
+            yield
+
+    def begin(self) -> None:
+        """Begin the file."""
+        said = f"sistap {sistap.__version__}; "
+        started = {reader.line: said + self._description(reader) for reader in self._readers}
+        self._tap.begin(started, self._conditions.limits)
+        self._started_ns = self._clock_ns()
+        self._tick_ns = self._started_ns + TICK_NS
+
+    def announce(self) -> None:
+        """Say what is captured."""
         if not self._quiet:
-            for number, text in descriptions.items():
-                self._console.say(f"capturing on {self._tap.which(number)}{text}")
+            for reader in self._readers:
+                self._console.say(f"capturing on {self._tap.which(reader.line)}{self._description(reader)}")
         for reader in self._readers:
             for note in reader.notes:
                 self._console.say(self._tap.which(reader.line) + note)
-        with together(self._readers, may_change=self._reopen is not None) as self._source:
-            self._loop(stop)
+
+    def end(self) -> None:
+        """Write what is left."""
         self._tap.end()
 
     def _description(self, reader: Reader) -> str:
@@ -143,37 +139,43 @@ class Capture:
         return f"{reader.name} ({reader.adapter}); {reader.settings}{search}{follow}; {reader.timing}{framing}"
 
     def _loop(self, stop: Stop) -> None:
-        counters, count, duration_s = self._counters, self._conditions.count, self._conditions.duration_s
-        started = now = self._clock_ns()
-        tick = started + TICK_NS
-        end = started + duration_s * 1e9 if duration_s is not None else None
-        while not (
-            stop.asked
-            or self._output.done
-            or not (self._readers or self._lost)
-            or (count is not None and counters.written >= count)
-            or (end is not None and now >= end)
-        ):
-            read = self._read(self._timeout_s())
-            now = self._clock_ns()
-            if read is not None:
-                self._take(read, now)
-            else:
-                self._output.check()
-                self._idle(now)
-            if now >= tick:
-                tick = now + TICK_NS
-                self._take_back()
-                self._idle(now)  # one line can be silent while another is not
-                self._look((now - started) / 1e9)
-            if self._steering and self._readers:
-                self._steer(self._steering)
-            if self._remote:
-                self._serve(self._remote)
+        while not (stop.asked or self.is_over):
+            self.turn()
         if stop.asked:
             for _ in self._readers:
                 with suppress(PortLost):  # at the same time, by the same Ctrl-C
                     self._take_waiting(self._source.read)
+
+    @property
+    def is_over(self) -> bool:
+        """Tell whether it has ended by itself."""
+        count, duration_s = self._conditions.count, self._conditions.duration_s
+        return (
+            self._output.done
+            or not (self._readers or self._lost)
+            or (count is not None and self.counters.written >= count)
+            or (duration_s is not None and self._clock_ns() >= self._started_ns + duration_s * 1e9)
+        )
+
+    def turn(self) -> bool:
+        """Take one read, or act on the time while nothing comes; tell whether anything came."""
+        read = self._read(self._timeout_s())
+        now = self._clock_ns()
+        if read is not None:
+            self._take(read, now)
+        else:
+            self._output.check()
+            self._idle(now)
+        if now >= self._tick_ns:
+            self._tick_ns = now + TICK_NS
+            self._take_back()
+            self._idle(now)  # one line can be silent while another is not
+            self._look((now - self._started_ns) / 1e9)
+        if self._steering and self._readers:
+            self._steer(self._steering)
+        if self._remote:
+            self._remote(self)
+        return read is not None
 
     def _read(self, timeout_s: float) -> Read | None:
         try:
@@ -235,18 +237,20 @@ class Capture:
             else:
                 self._settle(f"{step.settings}: {step.why}")
 
-    def _serve(self, remote: Remote) -> None:
-        """Act on remote requests."""
-        for request in remote.requests():
-            if not self._readers:  # lost while the rate was changed
-                return
-            if isinstance(request, Marker):
-                self._tap.note(self._readers[0].line, Event.MARKER, request.text)
-            else:
-                self._set_rate(request.baud)
+    @property
+    def settings(self) -> LineSettings | None:
+        """Return the settings with which the line is read now; None if its port is lost."""
+        return self._readers[0].settings if self._readers else None
 
-    def _set_rate(self, baud: int | None) -> None:
-        """Continue at a rate, or search for it."""
+    def mark(self, text: str) -> None:
+        """Write a marker."""
+        if self._readers:
+            self._tap.note(self._readers[0].line, Event.MARKER, text)
+
+    def set_rate(self, baud: int | None) -> None:
+        """Continue at a rate, or search for it (None)."""
+        if not self._readers:
+            return
         if not baud and self._conditions.cut != SIS:
             self._console.say("sistap can search for the rate of SIS telegrams only: choose a rate")
             return
@@ -295,12 +299,11 @@ class Capture:
                 self._tap.note(read.line, Event.LIMITS_TOLD, self._conditions.limits)
         for notice in read.notices:
             self._hear(notice, read)
-        brings_settings = self._tap.brings_settings(read)
-        records = self._tap.take(read, now, self._why)
+        completed = self._tap.take(read, now, self._why)
         if self._steering:
-            if brings_settings and not self._steering.searching:
-                self._console.say(f"{self._tap.which(read.line)}{read.settings}: {self._why}")
-            self._steps.extend(self._steering.take(read, records))
+            if completed and completed[0].event == Event.SETTINGS_CHANGED and not self._steering.searching:
+                self._console.say(self._tap.which(read.line) + completed[0].data.decode())
+            self._steps.extend(self._steering.take(read, completed))
 
     def _hear(self, notice: Notice, read: Read) -> None:
         """Write and report the notices of a read."""
@@ -323,10 +326,13 @@ class Capture:
         searching = self._steering.searching if self._steering else None
         for reader in self._readers:
             for hint in self._tap.hints(reader, elapsed_s, searching):
-                self._console.say(hint)
-        if self._steering and (doubt := self._steering.take_hint()):
-            self._console.say(doubt)
+                self._advise(reader, hint)
+        if self._readers and self._steering and (doubt := self._steering.take_hint()):
+            self._advise(self._readers[0], doubt)
         if self._progress:
-            self._console.progress(str(self._counters))
-        if self._remote and self._readers:
-            self._remote.show(self._counters, self._readers[0].settings)
+            self._console.progress(str(self.counters))
+
+    def _advise(self, reader: Reader, hint: str) -> None:
+        """Report a hint, also in the capture: whoever reads that later sees no messages."""
+        self._console.say(hint)
+        self._tap.note(reader.line, Event.MARKER, hint)

@@ -9,7 +9,8 @@ from typing import Protocol
 
 from sistap.capture.filter import Filter
 from sistap.capture.hints import Hints
-from sistap.capture.scan import Scan
+from sistap.capture.rate import Scan
+from sistap.line import drivers
 from sistap.line.clock import CLOCK
 from sistap.line.reader import Distant, OwnTime, Reader
 from sistap.line.settings import Read
@@ -35,6 +36,22 @@ class Sink(Protocol):
         """End."""
 
 
+@dataclass(frozen=True)
+class Conditions:
+    """What a capture accepts, and when it ends by itself; None: does not apply."""
+
+    cut: Cut = SIS
+    only: Filter | None = None  # frames that do not pass are left out
+    count: int | None = None  # largest number of records
+    duration_s: float | None = None
+    formats: Sequence[str] = ()  # search for the rate and one of these formats
+    follow: bool = False  # follow rate changes on the bus
+    limits: str = ""  # TzA and TrS as the user tells them
+
+
+EVERYTHING = Conditions()
+
+
 @dataclass
 class _Line:
     """A line: its port, what has come on it, and the hints given."""
@@ -47,25 +64,22 @@ class _Line:
 class Tap:
     """Brings reads to a sink. `now` is the time of the monotonic clock, in ns; events have the time of the line."""
 
-    def __init__(  # noqa: PLR0913 - it puts the parts together
+    def __init__(
         self,
         readers: Sequence[Reader],
         sink: Sink,
         counters: Counters,
         clock_ns: Callable[[], int],
-        *,
-        cut: Cut = SIS,
-        only: Filter | None = None,
-        count: int | None = None,
+        conditions: Conditions = EVERYTHING,
     ) -> None:
-        """Cut frames as `cut` says; write those that `only` lets pass, and no more than `count`."""
+        """Begin with a line for each reader."""
         self._sink = sink
         self._counters = counters
         self._clock_ns = clock_ns
-        self._only = only
-        self._count = count
+        self._only = conditions.only
+        self._count = conditions.count
         self._several = len(readers) > 1
-        self._assembler = Assembler(self._write, cut)
+        self._assembler = Assembler(conditions.cut)
         self._lines: dict[int, _Line] = {}
         self._last: Read | None = None
         for reader in readers:
@@ -100,6 +114,7 @@ class Tap:
     def end(self) -> None:
         """Write what is left, and end the sink."""
         self._assembler.flush(self._lines, self._clock_ns())
+        self._write_due()
         self._sink.end(self.wall_ns())
 
     def lose(self, reader: Reader, number: int, text: str) -> None:
@@ -114,18 +129,22 @@ class Tap:
             if reader.settings != self._assembler.settings(number):
                 self._assembler.change(number, reader.settings, "set when the port came back", self._clock_ns())
             self._lines[number].reader = reader
+        self._write_due()
 
     def flush(self, reader: Reader) -> None:
         """Write what is left of the lines of a port."""
         self._assembler.flush(self._lines_of(reader), self._clock_ns())
+        self._write_due()
 
     def restart(self, number: int) -> None:
         """Continue with another clock on a line."""
         self._assembler.restart(number, self._clock_ns())
+        self._write_due()
 
     def note(self, number: int, code: Event, text: str, time_ns: int | None = None) -> None:
         """Write an event that is not in what was read, at the present time or the given one."""
-        self._assembler.emit([self._event(number, code, text, time_ns)], self._clock_ns())
+        self._assembler.add([self._event(number, code, text, time_ns)], self._clock_ns())
+        self._write_due()
 
     def note_clock_step(self, number: int) -> str:
         """Write an event if the wall clock was set. Return a message about it, or an empty text."""
@@ -139,21 +158,20 @@ class Tap:
         self.note(number, Event.MARKER, text)
         return text
 
-    def brings_settings(self, read: Read) -> bool:
-        """Tell whether this is the first read with other settings."""
-        return self._assembler.brings_settings(read)
-
     def take(self, read: Read, now: int, why: str) -> list[Record]:
-        """Take what was read; `why` is the reason for new settings. Return the records that it completed."""
+        """Take what was read; `why` is the reason for new settings. Return what it completed, events of these too."""
         self._last = read
         self._counters.add_read(read)
         if self._several:
             self._lines[read.line].counters.add_read(read)
-        return self._assembler.take(read, now, why)
+        completed = self._assembler.take(read, now, why)
+        self._write_due()
+        return completed
 
     def idle(self, now: int) -> list[tuple[int, list[Record]]]:
         """Check which lines have been silent for long. Return the records that this completed, with their lines."""
         completed = self._assembler.idle(now)
+        self._write_due()
         # What a framer holds is older than now, but a new file would begin with the time now. Without it no record
         # waits.
         if self._assembler.empty:
@@ -178,7 +196,8 @@ class Tap:
         return self._last.time_ns + self._clock_ns() - self._assembler.arrived_ns(self._last.line)
 
     def _new_hints(self, reader: Reader) -> Hints:
-        return Hints(reader.settings, self._assembler.cut.framing)
+        reports = drivers.reports(reader.timing)
+        return Hints(reader.settings, self._assembler.cut.framing, errors_reported=bool(reports))
 
     def _lines_of(self, reader: Reader) -> Iterable[int]:
         return [number for number, line in self._lines.items() if line.reader is reader]
@@ -186,14 +205,15 @@ class Tap:
     def _event(self, number: int, code: Event, text: str, time_ns: int | None = None) -> Record:
         return event(time_ns or self.wall_ns(), number, self._assembler.settings(number), code, text)
 
-    def _write(self, record: Record) -> None:
-        if record.type == Type.EVENT:
-            self._sink.write(record)
-            return
-        counters, only, count = self._counters, self._only, self._count
-        passes = only is None or record.type != Type.FRAME or only.matches(record.data)
-        if passes and (count is None or counters.written < count):
-            counters.accepted[record.line] += self._sink.write(record)
-        counters.add_record(record)  # after writing: it can end a file, whose statistics exclude this record
-        if self._several:
-            self._lines[record.line].counters.add_record(record)
+    def _write_due(self) -> None:
+        for record in self._assembler.due(self._clock_ns()):
+            if record.type == Type.EVENT:
+                self._sink.write(record)
+                continue
+            counters, only, count = self._counters, self._only, self._count
+            passes = only is None or record.type != Type.FRAME or only.matches(record.data)
+            passes = passes and (count is None or counters.written < count)
+            # Count after writing: that can end a file, whose statistics exclude this record.
+            counters.add_record(record, written=passes and self._sink.write(record))
+            if self._several:
+                self._lines[record.line].counters.add_record(record)

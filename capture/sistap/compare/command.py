@@ -7,13 +7,15 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
+from sistap.captures.joining import check_captures
+from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.compare import plain
 from sistap.compare.differences import Comparison, compare
 from sistap.compare.page import page
 from sistap.compare.side import read
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
-from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.terminal.writing import FORCE
 from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
@@ -25,8 +27,7 @@ alone. All figures come from Wireshark's dissector: install tshark with the plug
 """
 
 EPILOG = """\
-A side may have several files, such as those of a ring. Name them with --good and --bad, in the order of their time. A
-pattern such as night-*.pcapng names them in this order.
+A side may have several files, such as those of a ring. Name them with --good and --bad.
 
 Chance: the captures are cut into pieces, because neighbouring telegrams are alike. Then the pieces are compared:
 medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Of a hundred comparisons,
@@ -58,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
     parser.add_argument("--format", choices=FORMATS, default="text", help="what to write (default: text)")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
+    parser.add_argument("--force", action="store_true", help=FORCE)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -66,11 +68,10 @@ def run(args: argparse.Namespace) -> int:
     try:
         good, bad = _sides(args)
         progress = console.progress if console.shows_progress else _silent
-        with Tshark() as tshark:
+        with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
             comparison = compare(*(read(tshark, side, console.say, progress) for side in (good, bad)))
-        if console.shows_progress:
-            console.progress("")
-        with opened(args.output) as file:
+            if console.shows_progress:
+                console.progress("")
             file.write(FORMATS[args.format](comparison).encode())
     except (UsageError, NotACapture, NotOpened) as error:
         console.say(str(error))
@@ -88,16 +89,7 @@ def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
         sides = args.good, args.bad
     else:
         raise UsageError("name two captures, good and bad; for several files of a side use --good and --bad")
-    for capture in (*sides[0], *sides[1]):
-        if capture.exists() and not capture.is_file():
-            raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
-        try:
-            capture.open("rb").close()
-        except OSError as error:
-            raise UsageError(f"cannot read {capture}: {error.strerror}; name a capture file") from None
-        if args.output and Path(args.output).exists() and capture.samefile(args.output):
-            raise UsageError(f"{args.output} is one of the captures; name another file with -o")
-    return sides
+    return check_captures(sides[0], args.output), check_captures(sides[1], args.output)
 
 
 def _silent(text: str) -> None:

@@ -14,7 +14,7 @@ from sistap.compare.chance import CERTAIN
 from sistap.compare.samples import Samples
 from sistap.compare.side import FAULTS, LIMITS, SENT_AGAIN, Failure, Service, Side
 from sistap.packets.distribution import Distribution
-from sistap.sis.names import service_name
+from sistap.sis.telegram import service_name
 
 SMALL = 0.05  # times that differ by less than this part count as equal
 
@@ -124,6 +124,7 @@ class Comparison:
 
 def compare(good: Side, bad: Side) -> Comparison:
     """Compare two sides."""
+    new_masters = {f"station {station}" for station in bad.masters - good.masters}
     comparison = Comparison(
         good,
         bad,
@@ -136,6 +137,11 @@ def compare(good: Side, bad: Side) -> Comparison:
         settings=list(_settings(good, bad)),
     )
     _correct(comparison)
+    # Nobody asks on a bus by chance.
+    comparison.stations = [
+        replace(count, what=f"{count.what}, a new master", chance=0.0) if count.what in new_masters else count
+        for count in comparison.stations
+    ]
     return comparison
 
 

@@ -43,7 +43,7 @@ def lines(comparison: Comparison) -> list[Line]:
         ("Stations, services", _members([*comparison.stations, *comparison.services])),
         ("Parameters", _parameters(comparison)),
         ("Times", _times(comparison)),
-        ("Errors", _errors([*comparison.faults, *comparison.failures])),
+        ("Errors", _errors(comparison.failures, comparison.faults)),
         ("Line, limits", [f"{one.what} {one.bad}, was {one.good}" for one in comparison.settings if one.differs]),
     ]
     none = "nothing differs"
@@ -71,8 +71,14 @@ def _times_over(count: int) -> str:
 
 
 def _parameters(comparison: Comparison) -> list[str]:
+    """Return the changes: first what somebody new wrote, then what was written, then others."""
+
+    def order(parameter: Parameter) -> tuple[bool, bool]:
+        writer = parameter.bad.written_by if parameter.bad else None
+        return writer is None or writer in comparison.good.masters, not _who(parameter.bad)
+
     found = [parameter for parameter in comparison.parameters if parameter.bad and not parameter.moves]
-    return [_changed(parameter) for parameter in sorted(found, key=lambda parameter: not _who(parameter.bad))]
+    return [_changed(parameter) for parameter in sorted(found, key=order)]
 
 
 def _changed(parameter: Parameter) -> str:
@@ -110,12 +116,14 @@ def _time(times: Times, one: Quantile) -> str:
     return f"station {times.station} {times.what} {change} ({by_chance(one.chance)})"
 
 
-def _errors(counts: Iterable[Count]) -> list[str]:
-    """Return errors that are certain, and new ones that may be chance."""
-    told = [count for count in counts if count.is_certain or (count.is_new and count.bad)]
+def _errors(failures: Iterable[Count], faults: Iterable[Count]) -> list[str]:
+    """Return errors that are certain, and new ones that may be chance. New codes come first: they say most."""
+    codes = sorted((count for count in failures if count.is_new and count.bad), key=lambda count: count.chance)
+    others = [count for count in (*faults, *failures) if count not in codes]
+    told = [count for count in others if count.is_certain or (count.is_new and count.bad)]
     return [
         f"{count.what} {count.bad}, was {count.good} ({by_chance(count.chance)})"
-        for count in sorted(told, key=lambda count: count.chance)
+        for count in [*codes, *sorted(told, key=lambda count: count.chance)]
     ]
 
 

@@ -10,19 +10,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.accesses.listing import Listing, Place
+from sistap.captures.joining import in_order
+from sistap.common.garbage import uncollected
 from sistap.compare.samples import Pieces, Samples
 from sistap.packets.dissection import Dissection, Packet, Telegram
 from sistap.packets.distribution import Distribution
-from sistap.packets.moments import KINDS, LOST
-from sistap.sis.names import service_name
-from sistap.terminal.garbage import uncollected
+from sistap.packets.faults import COUNTED, LOST, faults
+from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import FRAME, OTHER
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
 SENT_AGAIN = "sent_again"
 # Reactions with an error are counted by parameter and error.
-FAULTS = tuple(kind for kind in KINDS if kind.is_fault and kind.name != "error_reaction")
+FAULTS = tuple(fault for fault in COUNTED if fault.name != "error_reaction")
 LIMITS = {"tza": "TzA", "trs": "TrS", "tmas": "Tmas"}
 
 
@@ -54,6 +55,7 @@ class Side:
     limits: dict[str, Counter[float]] = field(default_factory=lambda: {name: Counter() for name in LIMITS})
     uncertainty: Distribution = field(default_factory=Distribution)
     stations: Counter[int] = field(default_factory=Counter)  # telegrams that each has sent
+    masters: set[int] = field(default_factory=set)  # those that have sent commands
     services: Counter[Service] = field(default_factory=Counter)  # reactions, and commands that none followed
     failures: Counter[Failure] = field(default_factory=Counter)
     reactions: defaultdict[Service, Samples] = field(default_factory=lambda: defaultdict(Samples))
@@ -68,9 +70,9 @@ class Side:
     def add(self, packet: Packet, file: str) -> None:
         """Count a packet."""
         if packet.type in (FRAME, OTHER) or packet.telegrams:
-            faults = _faults(packet)
-            self.records.add(faults, 1)
-            self.faults.update(faults)
+            found = _faults(packet)
+            self.records.add(found, 1)
+            self.faults.update(found)
         if packet.type in (FRAME, OTHER):
             if packet.baud:
                 self.settings[f"{packet.baud} Bd {packet.format}".rstrip()] += 1
@@ -93,6 +95,8 @@ class Side:
         if not telegram.good or telegram.talker is None:
             return
         self.stations[telegram.talker] += 1
+        if not telegram.is_reaction:
+            self.masters.add(telegram.talker)
         if len(packet.telegrams) == 1 and not packet.errors & LOST:
             self.intervals[telegram.talker].add(packet.intervals_s)
         if telegram.service is None:
@@ -105,7 +109,7 @@ class Side:
     def _add_reaction(self, packet: Packet, telegram: Telegram, service: Service) -> None:
         self.services[service] += 1
         if telegram.reaction:
-            self.reactions[service].add([telegram.reaction.time_s])
+            self.reactions[service].add(telegram.reaction.measured_s)
         # The accesses tell which parameters were refused and why.
         if telegram.status and not any(access.error for access in packet.accesses):
             text = f"status 0x{telegram.status:02x}"
@@ -113,14 +117,9 @@ class Side:
 
 
 def _faults(packet: Packet) -> list[str]:
-    """Return the kinds of fault in a packet."""
-    faults = [
-        kind.name
-        for kind in FAULTS
-        if (kind.of_packet and kind.of_packet(packet))
-        or (kind.of_telegram and any(kind.of_telegram(telegram) for telegram in packet.telegrams))
-    ]
-    return [*faults, SENT_AGAIN] if any(telegram.is_repeat for telegram in packet.telegrams) else faults
+    """Return the names of the faults of a packet."""
+    found = [fault.name for fault in faults(packet) if fault.name != "error_reaction"]
+    return [*found, SENT_AGAIN] if any(telegram.is_repeat for telegram in packet.telegrams) else found
 
 
 def _first_station(path: str) -> int:
@@ -131,7 +130,7 @@ def _first_station(path: str) -> int:
 def read(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None], progress: Callable[[str], None]) -> Side:
     """Read the captures of a side; report damage. Raise NotACapture or TsharkError."""
     side = Side()
-    for capture in captures:
+    for capture in in_order(captures):
         last_s = 0.0
         side.names.append(capture.name)
         progress(f"reading {capture}")

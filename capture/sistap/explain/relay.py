@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Explains records for months, with one tshark after the other, before its memory grows too large.
 
-tshark keeps data about every telegram. So after a while a new one takes over. First it receives the telegrams that its
-predecessor has learned from (memory), and those of the last two minutes. So it knows what is under way: commands
-without their reactions, transfers. Exactly one of the two judges each record: the old one up to the seam, the new one
+tshark keeps data about every telegram. So after a while a new one takes over. First it receives what the bus has told
+so far (records/before.py), and the records of the last two minutes. So it knows what is under way: commands without
+their reactions, transfers. Exactly one of the two judges each record: the old one up to the seam, the new one
 from there on. If a tshark ends by itself, the next one gets what was not judged. If a tshark falls too far behind, it
 is replaced, and what it had not judged stays unjudged.
 """
@@ -14,18 +14,23 @@ import queue
 import secrets
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from sistap.explain.memory import Memory
 from sistap.explain.running import Running
 from sistap.files import pcapng
+from sistap.files.writer import Blocks
+from sistap.records.before import Before, Heard
+from sistap.records.record import Record
+from sistap.terminal.console import visible
 
 Start = Callable[[bytes | None], Running]  # called with the data of a mark, if the filter must let marks pass
 Columns = dict[str, str]
 
 _MARK_S = 1.0  # how often a tshark that prints only matches is asked how far it is
+_DIGITS = 10  # of the number of a packet
+_SHOWN = 80  # characters of a line that nobody understands
 _PAUSES_S = (0.0, 1.0, 10.0, 60.0)  # before the next tshark, after that many ended without having judged anything
 
 
@@ -43,7 +48,7 @@ class Entry(NamedTuple):
 
     time_ns: int
     block: bytes
-    telegram: bytes = b""  # a good SIS telegram
+    heard: Heard | None = None
     is_packet: bool = True
     line: str = ""  # for a reader
 
@@ -90,7 +95,9 @@ class Relay:
         self._token = secrets.token_bytes(16) if finds else None
         self._seams = seams
         self._clock_s = clock_s
-        self._memory = Memory()
+        self._before = Before()
+        self._last_ns = 0  # time of the last record
+        self._blocks: Blocks | None = None
         self._heading = b""  # section and interfaces
         self._started: list[bytes] = []  # the events at the beginning of the capture
         self._posts: deque[_Post] = deque()  # the first one judges now
@@ -108,9 +115,10 @@ class Relay:
         self.unjudged = 0  # records, in total
         self.successions = 0
 
-    def begin(self, heading: bytes, started: list[bytes]) -> None:
-        """Begin with a section, its interfaces, and the first packets of a capture. May raise OSError."""
-        self._heading, self._started = heading, started
+    def begin(self, blocks: Blocks, heading: bytes, started: Sequence[Record]) -> None:
+        """Begin with a section, its interfaces, and the first events of a capture. May raise OSError."""
+        self._blocks, self._heading = blocks, heading
+        self._started = list(map(blocks.packet, started))
         self._appoint(0, ())
 
     def put(self, entry: Entry) -> None:
@@ -123,8 +131,9 @@ class Relay:
         for post in self._on_duty():
             post.packets += entry.is_packet
         self._number += entry.is_packet
-        if entry.telegram:
-            self._memory.take(entry.telegram, entry.block)
+        if entry.heard:
+            self._last_ns = entry.time_ns
+            self._before.take(entry.heard)
         self._succeed()
 
     def look(self) -> Iterator[Judged]:
@@ -156,17 +165,15 @@ class Relay:
                 line = post.running.lines.get(timeout=left_s)
             except queue.Empty:
                 break
-            if line is not None:
-                yield from self._told(post, line)
-            elif post.running.ended_well:
+            if line is None and post.running.ended_well:
                 yield from self._up_to(post.until if post.until is not None else self._number)
                 self._posts.popleft()
-            else:
-                self._lose(post)
-                if self._failures == 1:
-                    self._replace()
-                    for post in self._posts:
-                        post.running.end()
+                continue
+            yield from self._told(post, line)
+            if not self._posts and self._failures == 1:
+                self._replace()
+                for post in self._posts:
+                    post.running.end()
         if self._number > self._judged:
             yield from self._give_up("tshark has not finished")
         yield from self._up_to(self._number)
@@ -191,7 +198,9 @@ class Relay:
     def _appoint(self, first: int, context: Iterable[Entry]) -> _Post:
         """Start a tshark that judges from a record on, and send it its context. May raise OSError."""
         running = self._start(self._token)
-        known = [*self._started, *self._memory.blocks(), *(entry.block for entry in context if entry.is_packet)]
+        assert self._blocks
+        told = map(self._blocks.packet, self._before.events(self._last_ns))
+        known = [*self._started, *told, *(entry.block for entry in context if entry.is_packet)]
         running.put(self._heading + b"".join(known))
         self._posts.append(_Post(running, first, len(known)))
         return self._posts[-1]
@@ -210,10 +219,10 @@ class Relay:
         post.running.end()
         self.successions += 1
 
-    def _lose(self, post: _Post) -> None:
-        """Continue without one that has ended by itself."""
+    def _lose(self, post: _Post, why: str) -> None:
+        """Continue without one that does not do its work."""
         self._failures = 1 if self._judged > post.first else self._failures + 1
-        self._say(f"tshark has ended: {post.running.failure()}; another one goes on")
+        self._say(f"{why}; another one goes on")
         self._dismiss()
 
     def _dismiss(self) -> None:
@@ -265,22 +274,26 @@ class Relay:
                 line = post.running.lines.get_nowait()
             except queue.Empty:
                 return
-            if line is not None:
-                yield from self._told(post, line)
-            elif post.until is None or not post.running.ended_well:
-                self._lose(post)
-            else:
+            if line is None and post.until is not None and post.running.ended_well:
                 yield from self._up_to(post.until)
                 self._posts.popleft()
+            else:
+                yield from self._told(post, line)
 
-    def _told(self, post: _Post, line: str) -> Iterator[Judged]:
+    def _told(self, post: _Post, line: str | None) -> Iterator[Judged]:
+        """Take a line of one, None: it has ended by itself."""
+        if line is None:
+            self._lose(post, f"tshark has ended: {post.running.failure()}")
+            return
         columns = self._columns(line)
-        packet = int(columns["frame.number"]) - 1
+        packet = _number(columns) - 1
         number = post.first + packet - post.foreign
-        if self._token is not None and columns.get("data.data", "").replace(":", "") == self._token.hex():
+        if packet < 0 or number >= self._number + (self._token is not None):  # a mark follows the last record
+            self._lose(post, f"tshark has printed what was not asked for: {visible(line[:_SHOWN])}")
+        elif self._token is not None and columns.get("data.data", "").replace(":", "") == self._token.hex():
             post.foreign += 1
             yield from self._up_to(number)
-        elif packet >= post.foreign and self._judged <= number and (post.until is None or number < post.until):
+        elif packet >= post.foreign and self._judged <= number < (self._number if post.until is None else post.until):
             yield from self._up_to(number)
             yield self._taken(columns)
 
@@ -301,3 +314,9 @@ class Relay:
         ):
             self._recent_bytes -= len(self._recent.popleft().block)
         return Judged(entry, columns, is_unjudged)
+
+
+def _number(columns: Columns) -> int:
+    """Return the number of the packet, 0 if the line has none."""
+    text = columns.get("frame.number", "")
+    return int(text) if text.isdecimal() and len(text) <= _DIGITS else 0

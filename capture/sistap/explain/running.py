@@ -9,14 +9,33 @@ reader, because only one thread of Python runs at a time. tshark itself always h
 
 from __future__ import annotations
 
+import os
 import queue
-import tempfile
+import sys
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 
+from sistap.common.complaints import Complaints
 from sistap.line import priority
 from sistap.wireshark.tshark import Tshark, TsharkError
+
+
+@contextmanager
+def ordinary_children() -> Iterator[None]:
+    """Start programs with ordinary priority, whatever this thread has.
+
+    A program inherits the real-time priority of the thread that starts it. A busy one would then starve all others.
+    """
+    if sys.platform != "linux" or not priority.is_real_time():
+        yield
+        return
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, *before)
 
 
 class Running:
@@ -26,12 +45,11 @@ class Running:
         """Start it. May raise OSError."""
         self.lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None: it has ended
         self._blocks: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed when it has ended
-        is_urgent = priority.is_real_time()
-        with priority.ordinary_children():
-            self._process = tshark.start(["-r", "-", "-l", *arguments], self._errors)
+        begin: Callable[[], object] = priority.take_real_time if priority.is_real_time() else bool
+        with Complaints(begin) as self._complaints, ordinary_children():
+            self._process = tshark.start(["-r", "-", "-l", *arguments], self._complaints.stream)
         for work in (self._write, self._listen):
-            threading.Thread(target=_at_priority, args=(work, is_urgent), daemon=True).start()
+            threading.Thread(target=_after, args=(begin, work), daemon=True).start()
 
     def put(self, data: bytes) -> None:
         """Send whole blocks."""
@@ -63,8 +81,7 @@ class Running:
     def failure(self) -> TsharkError:
         """Return why it has ended."""
         self._process.wait()
-        self._errors.seek(0)
-        said = self._errors.read().decode(errors="replace").strip().splitlines()
+        said = self._complaints.text().splitlines()
         return TsharkError(said[-1] if said else f"tshark ended with exit code {self._process.returncode}")
 
     def _write(self) -> None:
@@ -86,7 +103,6 @@ class Running:
         self.lines.put(None)
 
 
-def _at_priority(work: Callable[[], None], is_urgent: bool) -> None:
-    if is_urgent:
-        priority.take_real_time()
+def _after(begin: Callable[[], object], work: Callable[[], None]) -> None:
+    begin()
     work()

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from sistap.sis import faults
 from sistap.wireshark.rows import JOINT
 
 
@@ -19,22 +20,8 @@ class Sign(NamedTuple):
     tests: Sequence[str]
 
 
-# As the colours of the profile.
-FAULTS = (
-    Sign(
-        "damaged",
-        ("sis.checksum.status == 0", "sis.length.differ", "sis.length.short", "sis.length.header", "sis.start.missing"),
-    ),
-    Sign("gap", ("sertap.error.lost", "sertap.event.expert")),
-    Sign("line-error", ("sertap.error.character", "sertap.error.break", "sertap.error.unlocated")),
-    Sign("slow-characters", ("sis.tza.verdict == 1",)),
-    Sign("late-reaction", ("sis.trs.verdict == 1",)),
-    Sign("late-cycle", ("sis.tmas.verdict == 1",)),
-    Sign("error", ("sis.status > 0", "sis.control.error.set", "sis.control.status.error")),
-    Sign("unanswered", ("sis.unanswered_before",)),
-    Sign("repeated", ("sis.repeat_of",)),
-)
-WRITES = (Sign("write", tuple(f"sis.service == {service:#x}" for service in (0x1E, 0x1F, 0x8E, 0x8F, 0x9E, 0x9F))),)
+FAULTS = [Sign(fault.name.replace("_", "-"), fault.live or fault.tests) for fault in faults.FAULTS]
+WRITES = [Sign("write", [f"sis.service == {service:#x}" for service in faults.WRITES])]
 
 
 def expression(signs: Iterable[Sign]) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import sistap
 from sistap.extcap import dialog, interfaces
-from sistap.extcap.sentences import sentence
+from sistap.extcap.interfaces import sentence
 from sistap.extcap.toolbar import Toolbar, controls
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
 from sistap.terminal.console import Console

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import threading
 
-from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
+from sistap.bus.playing.characters import NO_FAULTS, Faults
 from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.bus.wires.pace import Pace
-from sistap.bus.wires.serve import serve
+from sistap.bus.wires.place import serve
 from sistap.bus.wires.taps import Taps
+from sistap.bus.wires.wire import Pace
 from sistap.records.cut import Cut
 
 _SEED = 1

@@ -7,11 +7,10 @@ import enum
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from sistap.capture.scan import AUTO, FORMATS
+from sistap.analyser import probe
+from sistap.capture.rate import AUTO, FORMATS
 from sistap.extcap import interfaces
-from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT
-from sistap.extcap.sentences import sentence
-from sistap.line import analyser
+from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT, sentence
 from sistap.sis.rates import RATES
 
 SELFTEST = "selftest"
@@ -58,7 +57,7 @@ def _formats(_: str) -> Sequence[Choice]:
 
 
 def _framings(_: str) -> Sequence[Choice]:
-    return [("sis", "SIS telegrams"), ("3964r", "3964R: handshakes and blocks")]
+    return [("sis", "SIS telegrams"), ("3964r", "3964R: handshakes and blocks"), ("ascii", "ASCII: lines")]
 
 
 def _other_ports(name: str) -> Sequence[Choice]:
@@ -193,7 +192,7 @@ OPTIONS = (
         "Driver name in sigrok; sigrok-cli --scan lists it. For several alike: fx2lafw:conn=BUS.ADDRESS",
         PROBE,
         of=Of.ANALYSER,
-        placeholder=analyser.DRIVER,
+        placeholder=probe.DRIVER,
     ),
     Option(
         "--channel",
@@ -202,7 +201,7 @@ OPTIONS = (
         "Channel that the bus is connected to",
         PROBE,
         of=Of.ANALYSER,
-        placeholder=analyser.CHANNEL,
+        placeholder=probe.CHANNEL,
     ),
     Option(
         "--second-channel",

@@ -3,7 +3,7 @@
 
 Wireshark stores the settings of an interface under its name. So the name is that of the adapter, if the system has one
 (/dev/serial/by-id, from vendor, model and serial number): the adapter keeps it at any USB port. Other ports have the
-name of their device.
+name of their device. Wireshark gets its answers in lines: `kind {key=value}{key=value}`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,23 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.extcap.sentences import plain, sentence
-from sistap.line import analyser, ports
+from sistap.analyser import probe
+from sistap.line import ports
+from sistap.terminal.console import visible
+
+_NOT_IN_A_VALUE = str.maketrans("{}\r\n", "()  ")  # Wireshark has no way to quote them
+
+
+def sentence(kind: str, **values: object) -> str:
+    """Return a line; leave out None and empty values, except an empty `value`."""
+    said = {key: str(value) for key, value in values.items() if value is not None and (value != "" or key == "value")}
+    return f"{kind} " + "".join(f"{{{key}={text}}}" for key, text in said.items())
+
+
+def plain(text: str) -> str:
+    """Make a text from elsewhere safe for a sentence."""
+    return visible(text.translate(_NOT_IN_A_VALUE))
+
 
 BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")
@@ -48,9 +63,9 @@ def found() -> list[Interface]:
 
 def _analyser() -> list[Interface]:
     """List one analyser for all that sigrok-cli can read: its dialog asks for the analyser and the channel."""
-    if not analyser.program():
+    if not probe.program():
         return []
-    names = ", ".join(one.name for one in analyser.plugged_in())
+    names = ", ".join(one.name for one in probe.plugged_in())
     return [Interface(ANALYSER, plain(f"SIS tap: logic analyser ({names or 'by sigrok-cli'})"))]
 
 

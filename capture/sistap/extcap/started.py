@@ -5,20 +5,20 @@ from __future__ import annotations
 
 import argparse
 import io
-from contextlib import closing, redirect_stdout
+from contextlib import closing, redirect_stdout, suppress
 from urllib.parse import urlencode
 
 from sistap import selftest
+from sistap.analyser import probe
 from sistap.capture.filter import FilterError
 from sistap.capture.options import CaptureOptions, checked, rate
 from sistap.capture.running import record
 from sistap.extcap import demo, dialog
 from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT, port_of
 from sistap.extcap.toolbar import Toolbar
-from sistap.files.output import Output, OutputRefused
+from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
-from sistap.line import analyser
 from sistap.line.reader import PortError
 from sistap.records.counters import Counters
 from sistap.records.cut import Cut
@@ -42,7 +42,7 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
     with closing(output):
         try:
             options = _options(args)
-            return record(options, checked(options), output, stop, toolbar, toolbar)
+            return record(options, checked(options), output, stop, toolbar, toolbar.attend)
         except (ValueError, UsageError, FilterError) as error:
             code, trouble = USAGE, str(error)
         except PortError as error:
@@ -50,7 +50,8 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
         toolbar.alarm(trouble)
         # Write an empty capture: otherwise Wireshark blames the pipe.
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, args.extcap_interface)
-        PcapngWriter(output, {0: interface}, Counters()).begin()
+        with suppress(OutputError):  # Wireshark may be gone
+            PcapngWriter(output, {0: interface}, Counters()).begin()
         return code
 
 
@@ -90,13 +91,13 @@ def _port(args: argparse.Namespace) -> str:
 def _analyser(args: argparse.Namespace) -> str:
     """Return the address of the analyser in the dialog."""
     said = {
-        "rx": args.channel or analyser.CHANNEL,
+        "rx": args.channel or probe.CHANNEL,
         "tx": args.second_channel,
         "samplerate": args.samplerate,
         "invert": args.invert,
     }
     query = urlencode({key: value for key, value in said.items() if value})
-    return f"{analyser.PREFIX}{args.driver or analyser.DRIVER}?{query}"
+    return f"{probe.PREFIX}{args.driver or probe.DRIVER}?{query}"
 
 
 def _rate(text: str) -> int | None:

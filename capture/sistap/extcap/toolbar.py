@@ -17,16 +17,14 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import BinaryIO
 
-from sistap.capture.remote import Marker, Rate
-from sistap.capture.scan import AUTO
-from sistap.extcap.sentences import sentence
-from sistap.line.settings import LineSettings
+from sistap.capture.rate import AUTO
+from sistap.capture.session import Capture
+from sistap.extcap.interfaces import sentence
 from sistap.records.counters import Counters
 from sistap.records.record import LARGEST_RATE
 from sistap.sis.rates import RATES
-from sistap.terminal.console import Console
+from sistap.terminal.console import Console, visible
 from sistap.terminal.stop import Stopped
-from sistap.terminal.visible import visible
 
 PATIENCE_S = 5  # time for Wireshark to open its ends of the pipes
 FAREWELL_S = 0.5  # time for Wireshark to take the last messages
@@ -73,15 +71,16 @@ class Toolbar:
     Use it in a `with`. Wireshark shows the standard error output in a window when the capture ends.
     """
 
-    shows_progress = False  # show() does it
+    shows_progress = False  # attend() does it
 
     def __init__(self, control_in: str | None, control_out: str | None) -> None:
         self._console = Console()
-        self._requests: SimpleQueue[Marker | Rate] = SimpleQueue()
+        self._requests: SimpleQueue[Callable[[Capture], None]] = SimpleQueue()
         self._messages: SimpleQueue[bytes | None] = SimpleQueue()  # None: the end
         self._attached = threading.Event()  # Wireshark has opened its end, or there is no pipe
         self._left: Callable[[], None] = lambda: None
         self._counters: Counters | None = None  # the counters shown last
+        self._next_s = 0.0  # time of the next look at them
         self._rate = ""  # the rate shown; empty: unknown
         self._listener = threading.Thread(target=self._listen, args=(control_in,), daemon=True)
         self._speaker = threading.Thread(target=self._speak, args=(control_out,), daemon=True)
@@ -117,21 +116,24 @@ class Toolbar:
         self._console.say(text)
 
     def progress(self, text: str) -> None:
-        """Do nothing: show() does."""
+        """Do nothing: attend() does."""
 
-    def requests(self) -> Iterator[Marker | Rate]:
-        """Yield the requests since the last call."""
+    def attend(self, capture: Capture) -> None:
+        """Do what the user has asked for; show the counters and the rate every second."""
         with suppress(Empty):
             while True:
-                yield self._requests.get_nowait()
+                self._requests.get_nowait()(capture)
+        now_s = time.monotonic()
+        if now_s >= self._next_s and capture.settings:
+            self._next_s = now_s + 1
+            self._show(capture.counters, capture.settings.baud)
 
-    def show(self, counters: Counters, settings: LineSettings) -> None:
-        """Show the counters and the rate."""
+    def _show(self, counters: Counters, baud: int) -> None:
         self._counters = counters
         damaged = f", {counters.damaged} damaged" if counters.damaged else ""
         faulty = f", {counters.faulty_characters} line errors" if counters.faulty_characters else ""
         self._send(_COUNTERS, _SET, f"{counters.telegrams} telegrams{damaged}{faulty}")
-        rate = str(settings.baud)
+        rate = str(baud)
         if rate != self._rate:
             self._rate = rate
             self._send(_RATE, _ADD, f"{rate}\0{rate} Bd")  # the selector may not have it
@@ -166,9 +168,10 @@ class Toolbar:
     def _take(self, control: int, text: str) -> None:
         if control == _RATE and (text == AUTO or _is_rate(text)):
             self._rate = ""
-            self._requests.put(Rate(None if text == AUTO else int(text)))
+            baud = None if text == AUTO else int(text)
+            self._requests.put(lambda capture: capture.set_rate(baud))
         elif control == _MARKER and text.strip():
-            self._requests.put(Marker(text))
+            self._requests.put(lambda capture: capture.mark(text))
             self._send(_MARKER, _SET)
         elif control == _COUNTERS and self._counters:
             self.say(str(self._counters))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The destination of a capture: a file, a pipe, or a series of files named as dumpcap names them.
+"""The destination of a capture: a file, a pipe, a series of files named as dumpcap names them, or memory.
 
 A file gets each block with one unbuffered write, so that it has whole blocks whatever happens to this process. A pipe
 or a terminal gets pieces that do not block, so that a reader that does not read never delays a stop.
@@ -15,24 +15,21 @@ import stat
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from sistap.files.lasting import PROMISED_S, Lasting
 from sistap.terminal.advice import shell_word
-from sistap.terminal.streams import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
+from sistap.terminal.console import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
+from sistap.terminal.programs import typed
+from sistap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
 if sys.platform == "win32":
     import msvcrt
-else:
-    import fcntl
 
-FORCE = "overwrite a file that holds data"  # the help of --force
 FILE_NUMBERS = 100_000  # five digits in the name, then from 0 again, as in dumpcap
 _WAIT_MS = 100  # upper bound on the time to stop
-_WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not created like files
-_MODE = 0o640  # mode of a new file, before the umask: what a machine does is confidential
 _PAUSE_S = 0.01  # a terminal may report room and then not accept anything
 
 
@@ -73,7 +70,7 @@ def file_name(path: str, number: int, seconds: float) -> str:
 class Output:
     """The output. It opens at once, so that errors of the path come first, and truncates in `begin`."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - where to, how much, and whom to ask and to tell
         self,
         path: str,
         limits: Limits = NO_LIMITS,
@@ -81,13 +78,18 @@ class Output:
         say: Callable[[str], None] = lambda _: None,
         *,
         force: bool = False,
+        is_new: bool = False,
+        sources: Sequence[str | Path] = (),
     ) -> None:
         """Open the (first) file. `stopped` tells when to stop waiting for the reader of a pipe.
 
         Without `force`, a file that holds data is refused. `say` receives problems that do not end the capture at
-        once. May raise OutputRefused.
+        once. Whoever may read the file may read its `sources`, too. May raise OutputRefused, and FileExistsError if the
+        file must be new.
         """
         self._base = path
+        self._is_new = is_new
+        self._sources = sources
         self._limits = limits
         self._stopped = stopped
         self._say = say
@@ -111,6 +113,16 @@ class Output:
         return (size is not None and self._file.size >= size) or (
             duration_s is not None and time.monotonic() - self._begun >= duration_s
         )
+
+    @property
+    def continues(self) -> bool:
+        """Tell whether another file follows when this one is full."""
+        return self._limits.several
+
+    @property
+    def heading_bytes(self) -> int:
+        """Return how much of a file its heading may take, so that there is room for records."""
+        return self._limits.size // 4 if self._limits.size is not None else sys.maxsize
 
     @property
     def done(self) -> bool:
@@ -203,26 +215,31 @@ class Output:
     def __str__(self) -> str:
         return self._file.name
 
+    def _last(self) -> tuple[int, _File | None]:
+        """Return the number of files, and the last one. A new one without contents does not count: it is removed."""
+        empty = self._file.is_new_and_empty
+        return (self._number - 1, self._before) if empty else (self._number, self._file)
+
     @property
     def summary(self) -> str:
-        """Describe everything that was written. A new file without contents does not count, because it is removed."""
-        empty = self._file.is_new_and_empty
-        number, last = (self._number - 1, self._before) if empty else (self._number, self._file)
+        """Describe everything that was written."""
+        number, last = self._last()
         if not last:
             return "no file"
         if number == 1:
             return last.name
-        kept = len(self._kept) - empty if self._limits.keep else number
+        kept = len(self._kept) - (last != self._file) if self._limits.keep else number
         deleted = f", of which the last {kept} were kept" if kept < number else ""
         return f"{number} files{deleted}: {self._kept[0]} to {last.path}"
 
     @property
     def written(self) -> str:
         """Say where everything was written, and how to open it if that is one file."""
-        is_one = self._number == 1 and self._file.regular and self._file.path != STANDARD_OUTPUT
-        is_there = is_one and not self._file.is_new_and_empty
-        opened = f"; open it with: wireshark -C SIS {shell_word(self._file.path)}" if is_there else ""
-        return f"written to {self.summary}{opened}"
+        number, last = self._last()
+        if not last or number > 1 or not last.regular or last.path == STANDARD_OUTPUT:
+            return f"written to {self.summary}"
+        wireshark, file = shell_word(typed("wireshark")), shell_word(last.path)
+        return f"written to {self.summary}; open it with: {wireshark} -C SIS {file}"
 
     def _tell_trouble(self) -> None:
         """Report once that the disk does not take the data."""
@@ -235,11 +252,14 @@ class Output:
 
     def _open(self, number: int = 1) -> _File:
         if not self._limits.several:
-            return _File(self._base)
+            return _File(self._base, self._sources, is_new=self._is_new)
         seconds = time.time()
-        while Path(path := file_name(self._base, number, seconds)).is_file():
-            seconds += 1  # of a capture that ended a moment ago: started anew, this one must not empty it
-        return _File(path)
+        while True:
+            path = file_name(self._base, number, seconds)
+            try:
+                return _File(path, self._sources, is_new=path != self._base)
+            except FileExistsError:  # of a capture that ended a moment ago: started anew, this one must not empty it
+                seconds += 1
 
     def _failure(self, error: OSError) -> OutputError:
         if is_reader_gone(error, is_file=self._file.regular):
@@ -250,18 +270,23 @@ class Output:
 class _File:
     """A file, pipe or terminal open for writing; `size` is the number of bytes written to it."""
 
-    def __init__(self, path: str) -> None:
-        """Open without changing the contents. May raise OutputRefused."""
+    def __init__(self, path: str, sources: Sequence[str | Path], *, is_new: bool) -> None:
+        """Open without changing the contents. May raise OutputRefused, and FileExistsError if it must be new."""
         self.path = path
         self.name = "standard output" if path == STANDARD_OUTPUT else path  # for messages
         self.size = 0
         try:
-            self.descriptor, self._created = _open(path)
+            mode = mode_like(sources)
+            self.descriptor, self._created = _open(path, mode, is_new=is_new)
         except OSError as error:
+            if is_new and isinstance(error, FileExistsError):
+                raise
             raise OutputRefused(
                 f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
             ) from error
-        self.regular = stat.S_ISREG(os.fstat(self.descriptor).st_mode)
+        about = os.fstat(self.descriptor)
+        self.regular = stat.S_ISREG(about.st_mode)
+        self._mode = stat.S_IMODE(about.st_mode) & (mode if sources else 0o7777)
         self._poll: select.poll | None = None
         if self.regular and path != STANDARD_OUTPUT:
             self._lock()
@@ -271,21 +296,17 @@ class _File:
 
     def _lock(self) -> None:
         """Lock the file against other captures. Without locks there is no protection."""
-        if sys.platform != "win32":
-            try:
-                fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                os.close(self.descriptor)
-                raise OutputRefused(
-                    f"{self.path} is being written by another capture; choose another file with -w"
-                ) from None
-            except OSError:
-                pass
+        if not lock(self.descriptor):
+            os.close(self.descriptor)
+            raise OutputRefused(f"{self.path} is being written by another capture; choose another file with -w")
 
     def empty(self) -> None:
         """Remove the contents of an older capture, unless a shell appends to the file."""
         if self.regular and self.path != STANDARD_OUTPUT:
             os.ftruncate(self.descriptor, 0)
+            if sys.platform != "win32":
+                with contextlib.suppress(PermissionError):  # it belongs to somebody else, who decides
+                    os.fchmod(self.descriptor, self._mode)
 
     def write_some(self, data: memoryview) -> int:
         """Write as much as possible, after a short wait if necessary; return the number of bytes. May raise OSError."""
@@ -329,8 +350,11 @@ class _File:
             Path(self.path).unlink(missing_ok=True)
 
 
-def _open(path: str) -> tuple[int, bool]:
-    """Open for writing without changing the contents; return the descriptor, and whether the file is new."""
+def _open(path: str, mode: int, *, is_new: bool) -> tuple[int, bool]:
+    """Open for writing without changing the contents; return the descriptor, and whether the file is new.
+
+    A file that must be new has a name that can be foreseen: a pipe put there would wait for a reader for ever.
+    """
     if path == STANDARD_OUTPUT:
         os.write(1, b"")  # raises OSError if it is closed, or open only for reading
         if sys.platform == "win32":
@@ -340,9 +364,13 @@ def _open(path: str) -> tuple[int, bool]:
         flags = os.O_WRONLY | os.O_BINARY
     else:
         flags = os.O_WRONLY | os.O_NOCTTY
-    if path.startswith(_WINDOWS_PIPES):
+    if path.startswith(WINDOWS_PIPES):
         return os.open(path, flags), False
+    if not is_new:
+        flags |= no_link(path)
     try:
-        return os.open(path, flags | os.O_CREAT | os.O_EXCL, _MODE), True
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, mode), True
     except FileExistsError:
-        return os.open(path, flags | os.O_CREAT, _MODE), False
+        if is_new:
+            raise
+        return os.open(path, flags | os.O_CREAT, mode), False

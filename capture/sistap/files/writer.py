@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Writes records into a pcapng file: one interface for each line, and first an event that describes the capture."""
+"""Writes records into a pcapng file: one interface for each line, and first an event that describes the capture.
+
+A file that continues another also begins with what the bus was told before. The next file does not begin between a
+command and its reaction.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +16,11 @@ from sistap.files import pcapng
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface, PacketFlags, Statistics
 from sistap.line.settings import Flag, LineSettings
+from sistap.records.before import Before, heard
 from sistap.records.counters import Counters
 from sistap.records.record import Record, Type
 
-UPPER_PDU, RTAC = "upper-pdu", "rtac"
-LINK_TYPES = {
-    UPPER_PDU: pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
-    RTAC: pcapng.LINKTYPE_RTAC_SERIAL,
-    **{f"user{i}": pcapng.LINKTYPE_USER0 + i for i in range(16)},
-}
+MOST_AWAITED = 1000  # records that a full file still takes: long data come in many pieces
 
 # LINKTYPE_RTAC_SERIAL: seconds, microseconds, event, state of the control lines (unknown), footer.
 _RTAC_HEADER = struct.Struct(">IIBBH")
@@ -52,53 +52,112 @@ def rtac_event(record: Record) -> int:
     return _RTAC_SENT if record.line == 2 else _RTAC_RECEIVED
 
 
+class Blocks:
+    """The blocks of one capture: a section, an interface for each line when it appears, and packets."""
+
+    def __init__(self, interfaces: Mapping[int, Interface], system: str | None = None) -> None:
+        """Describe each line as its interface; a line that appears later gets the description of the first.
+
+        `system` is that of the tap, by default this one; empty for a simulated one.
+        """
+        self._described = interfaces
+        self._first = next(iter(interfaces.values()))
+        self._system = f"{platform.system()} {platform.release()}" if system is None else system
+        self.numbers: dict[int, int] = {}  # of interfaces, for each line, in the order of this section
+
+    def section(self) -> bytes:
+        """Begin a section; return its head and all interfaces known so far."""
+        self.numbers = {}
+        head = pcapng.section_header(f"sistap {sistap.__version__}", self._system)
+        return head + b"".join(map(self.interface, self._described))
+
+    def interface(self, line: int) -> bytes:
+        """Return the description of a new line; empty if it was described."""
+        if line in self.numbers:
+            return b""
+        self.numbers[line] = len(self.numbers)
+        described = self._described.get(line) or self._first
+        which = f", line {line}" if line else ""
+        return pcapng.interface_description(described._replace(description=described.description + which))
+
+    def holds(self, record: Record) -> bool:
+        """Tell whether this link type can hold a record."""
+        return record.type == Type.FRAME or self._first.link_type == pcapng.LINKTYPE_WIRESHARK_UPPER_PDU
+
+    def packet(self, record: Record) -> bytes:
+        """Return the block of a record whose line was described."""
+        payload = self._payload(record)
+        return pcapng.enhanced_packet(self.numbers[record.line], record.time_ns, payload, packet_flags(record))
+
+    def _payload(self, record: Record) -> bytes:
+        if self._first.link_type == pcapng.LINKTYPE_WIRESHARK_UPPER_PDU:
+            return pcapng.upper_pdu("sertap", record.pack())
+        if self._first.link_type == pcapng.LINKTYPE_RTAC_SERIAL:
+            seconds, ns = divmod(record.time_ns, 1_000_000_000)
+            return _RTAC_HEADER.pack(seconds, ns // 1000, rtac_event(record), 0, 0) + record.data
+        return record.data
+
+
 class PcapngWriter:
     """Writes the file in `output`, or each of several: begin, write, end."""
 
-    def __init__(self, output: Output, interfaces: Mapping[int, Interface], counters: Counters) -> None:
-        """Describe each line as its interface; a line that appears later gets the description of the first."""
+    def __init__(
+        self, output: Output, interfaces: Mapping[int, Interface], counters: Counters, system: str | None = None
+    ) -> None:
+        """Describe lines and system as `Blocks` does; `counters` are for the statistics at the end of each file."""
         self._output = output
-        self._described = interfaces
+        self._blocks = Blocks(interfaces, system)
         self._counters = counters
-        self._interfaces: dict[int, int] = {}  # for each line, in the order of this file
         self._started: tuple[Record, ...] = ()
         self._settings: dict[int, LineSettings] = {}  # for each line, of its last record
+        self._before = Before() if output.continues else None
+        self._awaited = 0  # looks at a full file, one for each record
 
     def begin(self, *started: Record) -> None:
         """Begin the file: all interfaces known so far, and the events `started`."""
         self._started = self._started or started
-        self._interfaces = {}
         self._output.begin()
-        system = f"{platform.system()} {platform.release()}"
-        self._output.write(pcapng.section_header(f"sistap {sistap.__version__}", system))
-        for line in self._described:
-            self._interface_of(line)
+        self._output.write(self._blocks.section())
         for record in started:
-            self.write(record)
+            self._put(record)
 
     def write(self, record: Record) -> bool:
         """Write a record, into the next file if this one is full; return whether this link type can hold it."""
         self.look(record.time_ns)
+        if self._before:
+            self._before.take(heard(record))
+        return self._put(record)
+
+    def _put(self, record: Record) -> bool:
         self._settings[record.line] = record.settings
-        payload = self._payload(record)
-        if payload is None:
+        if not self._blocks.holds(record):
             return False
-        interface = self._interface_of(record.line)
-        self._output.write(pcapng.enhanced_packet(interface, record.time_ns, payload, packet_flags(record)))
+        if described := self._blocks.interface(record.line):
+            self._output.write(described)
+        self._output.write(self._blocks.packet(record))
         return True
 
     def look(self, time_ns: int) -> None:
-        """Continue with the next file if this one is full."""
-        if self._output.full and not self._output.done and self._output.open_next():
+        """Continue with the next file if this one is full, and nothing is under way that belongs together."""
+        output, before = self._output, self._before
+        if not output.full or output.done or not before:
+            return
+        if before.is_under_way(time_ns) and self._awaited < MOST_AWAITED:
+            self._awaited += 1
+            return
+        if output.open_next():
             self.end(time_ns)
-            self._output.go_on()
+            output.go_on()
+            self._awaited = 0
             self.begin(*(self._again(started, time_ns) for started in self._started))
+            for record in before.events(time_ns, output.heading_bytes):
+                self._put(record)
 
     def end(self, time_ns: int) -> None:
         """End the file with the statistics of its interfaces."""
         started_ns = self._started[0].time_ns if self._started else time_ns
         counters = self._counters
-        for line, interface in self._interfaces.items():
+        for line, interface in self._blocks.numbers.items():
             received, accepted = counters.received[line], counters.accepted[line]
             statistics = Statistics(started_ns, time_ns, received, accepted, counters.gaps[line])
             self._output.write(pcapng.interface_statistics(interface, statistics))
@@ -107,23 +166,3 @@ class PcapngWriter:
         """Begin another file with the present settings of each line."""
         settings = self._settings.get(started.line, started.settings)
         return started._replace(time_ns=time_ns, settings=settings)
-
-    def _interface_of(self, line: int) -> int:
-        if line not in self._interfaces:
-            self._interfaces[line] = len(self._interfaces)
-            described = self._described.get(line) or next(iter(self._described.values()))
-            which = f", line {line}" if line else ""
-            description = described.description + which
-            self._output.write(pcapng.interface_description(described._replace(description=description)))
-        return self._interfaces[line]
-
-    def _payload(self, record: Record) -> bytes | None:
-        link_type = next(iter(self._described.values())).link_type
-        if link_type == LINK_TYPES[UPPER_PDU]:
-            return pcapng.upper_pdu("sertap", record.pack())
-        if record.type != Type.FRAME:
-            return None
-        if link_type == LINK_TYPES[RTAC]:
-            seconds, ns = divmod(record.time_ns, 1_000_000_000)
-            return _RTAC_HEADER.pack(seconds, ns // 1000, rtac_event(record), 0, 0) + record.data
-        return record.data

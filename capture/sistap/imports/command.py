@@ -9,7 +9,7 @@ from collections import Counter
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from sistap.files.output import FORCE, Output, OutputError, OutputRefused
+from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.imports import messages
@@ -18,12 +18,12 @@ from sistap.imports.formats import NAMES, opened
 from sistap.imports.source import Source, Told
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 from sistap.records.counters import Counters
-from sistap.records.cut import HELP, SIS, WORDS, framing
+from sistap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.records.record import LARGEST_RATE
-from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.terminal.console import STANDARD_OUTPUT, Console
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
 from sistap.terminal.stop import Stop
-from sistap.terminal.streams import STANDARD_OUTPUT
+from sistap.terminal.writing import FORCE
 from sistap.wireshark.tshark import TsharkError
 
 _LIST = "\n".join(f"  {name}" for name in NAMES)
@@ -47,6 +47,7 @@ examples:
   sistap import usb.pcapng -w bus.pcapng --device 1.5                  one of several adapters
   sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
   sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
+  sistap import pulseview.sr -w bus.pcapng                             the samples themselves
   sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -C SIS -k -i -
   sistap import messages.csv -w pcp.pcapng --dissector synaxpcp        lines such as 0.125,M,0082 000C 0002
 
@@ -80,8 +81,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FORMAT",
         help="data bits, parity N, E, O, M or S, stop bits, if not in FILE (default 8E1)",
     )
-    add("--framing", type=framing, default=SIS, metavar=WORDS, help=HELP)
-    add("--device", metavar="BUS.ADDRESS", help="choose this adapter, if a USB capture has several")
+    add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
+    add(
+        "--device",
+        metavar="BUS.ADDRESS",
+        help="choose this adapter, if a USB capture has several; of a session of sigrok, these channels: D0 or D0,D1",
+    )
     add(
         "--samplerate",
         type=_whole,
@@ -100,8 +105,8 @@ def run(args: argparse.Namespace) -> int:
         if args.dissector:
             return _take_messages(args, told, stop, console)
         with ExitStack() as tools:
+            output = tools.enter_context(closing(_output(args, stop)))
             source = opened(args.file, told, tools)
-            output = tools.enter_context(closing(Output(args.output, stopped=lambda: stop.asked, force=args.force)))
             stop.at_once = False
             return _convert(args, source, output, stop, console)
     except (UsageError, OutputRefused) as error:
@@ -135,12 +140,17 @@ def _check_output(args: argparse.Namespace) -> None:
         raise UsageError(f"{args.output} is FILE itself: name another file with -w")
 
 
+def _output(args: argparse.Namespace, stop: Stop) -> Output:
+    """Open the output, before FILE is read: that may take long."""
+    return Output(args.output, stopped=lambda: stop.asked, force=args.force, sources=[args.file])
+
+
 def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Console) -> int:
     """Make packets of a table of messages."""
     if told != Told():
         raise UsageError("a table of messages has no line: leave out --baud, --format, --device and --samplerate")
-    found = messages.read(args.file)
-    with closing(Output(args.output, stopped=lambda: stop.asked, force=args.force)) as output:
+    with closing(_output(args, stop)) as output:
+        found = messages.read(args.file)
         messages.write(output, args.dissector, args.file.name, found)
         console.say(f"{len(found)} messages for {args.dissector} {output.written}")
     return DONE

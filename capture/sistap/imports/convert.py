@@ -14,7 +14,7 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
-from sistap.records.record import Event, Record, event
+from sistap.records.record import Event, event
 from sistap.wireshark.tshark import TsharkError
 
 _PROGRESS_S = 0.5
@@ -30,7 +30,7 @@ class Conversion:
         self._writer = writer
         self._counters = counters
         self._name = name
-        self._assembler = Assembler(self._write, cut)
+        self._assembler = Assembler(cut)
         self._begun = False
         self._now_ns = 0
         self._looked_ns = 0
@@ -60,6 +60,7 @@ class Conversion:
 
     def _finish(self) -> None:
         self._assembler.flush(self._assembler.lines, self._now_ns)
+        self._write_due()
         self._writer.end(self._now_ns)
 
     def _begin(self, time_ns: int) -> None:
@@ -93,12 +94,11 @@ class Conversion:
         if self._now_ns - self._looked_ns >= _LOOK_NS:  # one line can be silent while another is not
             self._looked_ns = self._now_ns
             self._assembler.idle(self._now_ns)
+        self._write_due()
 
-    def _write(self, record: Record) -> None:
-        written = self._writer.write(record)
-        if record.event == Event.NONE:
-            self._counters.accepted[record.line] += written
-            self._counters.add_record(record)
+    def _write_due(self) -> None:
+        for record in self._assembler.due(self._now_ns):
+            self._counters.add_record(record, written=self._writer.write(record))
 
 
 def _rounded(uncertainty_ns: int) -> int:

@@ -9,12 +9,13 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.imports import saleae, sigrok
+from sistap.common.packed import unpack
+from sistap.imports import saleae, session, sigrok
 from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
 from sistap.imports.source import Source, Told
 from sistap.imports.usb import UsbCapture
-from sistap.terminal.advice import shell_word, unpack
+from sistap.terminal.advice import shell_word
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
 
@@ -45,17 +46,17 @@ TEXTS = (
     Text("exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)),
     Text("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
 )
-NAMES = tuple(known.name for known in CAPTURES + TEXTS)
+NAMES = (*(known.name for known in CAPTURES + TEXTS), session.NAME)
 
 _HEAD = 4096  # bytes that contain the first line
 
 
 def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     """Recognise a file and open it; `tools` keeps what it needs. May raise UsageError and TsharkError."""
-    first_line = _head(path).removeprefix("\\ufeff").lstrip()
-    for text in TEXTS:
-        if re.match(text.first_line, first_line):
-            return text.opened(path, told)
+    if text := known_text(path):
+        return text.opened(path, told)
+    if session.is_session(path):
+        return session.opened(path, told)
     tshark = tools.enter_context(Tshark())
     seen = protocols(tshark, path)
     for capture in CAPTURES:
@@ -67,6 +68,12 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
         f"{path} is none of the files that can be imported. For a log with bytes in hexadecimal: "
         f"`sistap annotate {shell_word(str(path))} -w FILE`. These can be imported: {'; '.join(NAMES)}"
     )
+
+
+def known_text(path: Path) -> Text | None:
+    """Return which of the known texts a file is; None: none of them. May raise UsageError."""
+    first_line = _head(path).removeprefix("\ufeff").lstrip()
+    return next((text for text in TEXTS if re.match(text.first_line, first_line)), None)
 
 
 def _head(path: Path) -> str:

@@ -18,6 +18,7 @@ import sistap
 from sistap.files import pcapng
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface, PacketFlags
+from sistap.imports.source import lines
 from sistap.terminal.exits import UsageError
 
 DISSECTORS = ("synaxpk", "synaxpcp", "synaxobj", "synaxpd", "arcnet7f")
@@ -41,17 +42,16 @@ class Message(NamedTuple):
 def read(path: Path) -> list[Message]:
     """Read the whole table. UsageError names the line that is wrong, and the cure."""
     try:
-        text = path.read_text("utf-8-sig", errors="replace")
+        messages = list(_messages(path))
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}; name a table of messages") from None
-    messages = list(_messages(path, text))
     if not messages:
         raise UsageError(f"{path} has no messages in it: {_LINE}")
     return messages
 
 
-def _messages(path: Path, text: str) -> Iterator[Message]:
-    for number, line in enumerate(text.splitlines(), 1):
+def _messages(path: Path) -> Iterator[Message]:
+    for number, line in enumerate(lines(path), 1):
         if not line.strip() or line.startswith("#") or (number == 1 and re.match(r'\s*"?[A-Za-z]', line)):
             continue  # the first line may name the columns
         try:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.imports.sampled import HEXADECIMAL, Row, SampledLine, Unreadable, bits_to_stop
-from sistap.imports.source import Told, need_rate
+from sistap.imports.source import Told, lines, need_rate
 from sistap.line.settings import Flag
 
 _Cells = dict[str, str]
@@ -61,24 +61,23 @@ def reader(table: Table) -> Callable[[Path, Told], SampledLine]:
 def _rows(path: Path, table: Table, told: Told) -> Iterator[Row | Unreadable]:
     settings = told.settings
     frame_s = bits_to_stop(settings, after_start=True) / settings.baud
-    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        rows = csv.DictReader((line.replace("\0", "") for line in file), skipinitialspace=True)
-        while True:
-            try:
-                cells = next(rows, None)
-            except csv.Error as error:
-                yield Unreadable(rows.line_num, str(error))
-                return
-            if cells is None:
-                return
-            if cells.get("type") not in (None, "data"):  # Logic 2: a row of another analyser
-                continue
-            try:
-                duration_s = _seconds(cells[table.duration]) if table.duration else frame_s
-                value, flags = _value(cells, table)
-                yield Row(cells.get(table.channel) or "serial", _seconds(cells[table.time]) + duration_s, value, flags)
-            except (ValueError, TypeError, KeyError) as error:
-                yield Unreadable(rows.line_num, str(error) if isinstance(error, ValueError) else "it is cut")
+    rows = csv.DictReader((line.replace("\0", "") for line in lines(path)), skipinitialspace=True)
+    while True:
+        try:
+            cells = next(rows, None)
+        except csv.Error as error:
+            yield Unreadable(rows.line_num, str(error))
+            return
+        if cells is None:
+            return
+        if cells.get("type") not in (None, "data"):  # Logic 2: a row of another analyser
+            continue
+        try:
+            duration_s = _seconds(cells[table.duration]) if table.duration else frame_s
+            value, flags = _value(cells, table)
+            yield Row(cells.get(table.channel) or "serial", _seconds(cells[table.time]) + duration_s, value, flags)
+        except (ValueError, TypeError, KeyError) as error:
+            yield Unreadable(rows.line_num, str(error) if isinstance(error, ValueError) else "it is cut")
 
 
 def _value(cells: _Cells, table: Table) -> tuple[int, Flag]:

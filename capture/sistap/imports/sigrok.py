@@ -15,7 +15,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from sistap.imports.sampled import Row, SampledLine, Unreadable, bits_to_stop
-from sistap.imports.source import Told, need_rate
+from sistap.imports.source import Told, lines, need_rate
 from sistap.line.settings import Flag, LineSettings
 from sistap.terminal.exits import UsageError
 
@@ -44,20 +44,19 @@ def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unr
     rows: list[Row | Unreadable] = []
     begins: dict[str, list[tuple[int, int]]] = {}  # for each channel: where the data of a row begin, and which row
     errors: list[tuple[str, int, Flag]] = []
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        for number, line in enumerate(file, 1):
-            match = _LINE.fullmatch(line.strip())
-            if not match:
-                if line.strip():
-                    rows.append(Unreadable(number, "it is no annotation of sigrok"))
-                continue
-            start, end, kind, text = int(match[1]), int(match[2]), match["kind"] or "", match["text"]
-            channel = f"{match['decoder']} {kind[:2].upper()}".strip()
-            if text in _ERRORS:
-                errors.append((channel, start, _ERRORS[text]))
-            elif _CHARACTERS.fullmatch(kind) and _VALUE.fullmatch(text):
-                begins.setdefault(channel, []).append((start, len(rows)))
-                rows.append(Row(channel, (end + to_stop) / samplerate, int(text, 16)))
+    for number, line in enumerate(lines(path), 1):
+        match = _LINE.fullmatch(line.strip())
+        if not match:
+            if line.strip():
+                rows.append(Unreadable(number, "it is no annotation of sigrok"))
+            continue
+        start, end, kind, text = int(match[1]), int(match[2]), match["kind"] or "", match["text"]
+        channel = f"{match['decoder']} {kind[:2].upper()}".strip()
+        if text in _ERRORS:
+            errors.append((channel, start, _ERRORS[text]))
+        elif _CHARACTERS.fullmatch(kind) and _VALUE.fullmatch(text):
+            begins.setdefault(channel, []).append((start, len(rows)))
+            rows.append(Row(channel, (end + to_stop) / samplerate, int(text, 16)))
     for channel, start, flag in errors:
         _mark(rows, sorted(begins.get(channel, [])), math.floor(start + bit * 3 / 2), flag)
     return rows

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The common interface of files that can be imported: characters with their times, like those of a reader."""
+"""What all sources have in common: their interface, and the lines of a table."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from sistap.line.settings import LineSettings, Read
@@ -69,3 +70,17 @@ def need_rate(settings: LineSettings, name: object, why: str = "") -> None:
     if not settings.baud:
         reason = f" ({why})" if why else ""
         raise UsageError(f"{name} does not say at which rate the bus ran{reason}: add it, such as --baud 9600")
+
+
+_LONGEST = 1_000_000  # characters; a file without any end of line must not fill the memory
+
+
+def lines(path: Path) -> Iterator[str]:
+    """Yield the lines with their ends. OSError; UsageError if a line is too long."""
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        number = 0
+        while line := file.readline(_LONGEST):
+            number += 1
+            if len(line) == _LONGEST:
+                raise UsageError(f"{path}:{number}: the line has more than {_LONGEST} characters: this is no table")
+            yield line

@@ -11,16 +11,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.install import module, shell, sources
-from sistap.install.launching import launcher, settings
+from sistap.common.packages import is_bundle
+from sistap.install import personal, shell, sources
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.install.shell import launcher, settings
+from sistap.terminal import programs
 from sistap.terminal.advice import advice
-from sistap.terminal.console import Console
+from sistap.terminal.console import Console, visible
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.state import is_root, is_roots_alone
 from sistap.terminal.stop import held
-from sistap.terminal.visible import visible
-from sistap.wireshark import folders
+from sistap.wireshark import folders, profile
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
 
 DESCRIPTION = """\
@@ -46,6 +47,7 @@ examples:
   sudo sistap install                                   for all users
   sistap install --plugin build/plugin/plugin/sis.so    this plugin, if it fits
   sistap install --lua                                  the script instead of the plugin
+  sistap install --wireshark /opt/wireshark/bin         a Wireshark that is not on PATH
   wireshark -C SIS                                      afterwards: start Wireshark with the profile
 
 exit status:
@@ -74,6 +76,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--plugin", metavar="FILE", type=_existing_file, help="install this plugin, sis.so, if it fits")
     which.add_argument("--lua", action="store_true", help="install sis.lua, even if a plugin fits")
+    parser.add_argument(
+        "--wireshark",
+        metavar="FOLDER",
+        type=_with_tshark,
+        help="use the Wireshark of this folder, also later: one without an installer, or a portable one",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -81,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         return _install(args, console)
-    except module.ModuleError as error:
+    except sources.ModuleError as error:
         console.say(str(error))
         return USAGE
     except (TsharkError, folders.FoldersError, sources.SourceError, LedgerError, RuntimeError, OSError) as error:
@@ -95,19 +103,26 @@ def _existing_file(text: str) -> Path:
     return Path(text)
 
 
+def _with_tshark(text: str) -> Path:
+    if not programs.in_folder("tshark", Path(text).absolute()):
+        raise argparse.ArgumentTypeError(f"there is no tshark in {text}")
+    return Path(text)
+
+
 def _install(args: argparse.Namespace, console: Console) -> int:
     for_all = is_root()
+    if args.wireshark:
+        programs.remember(args.wireshark)
     with Tshark(drop_rights=False) as tshark:
         wireshark = _supported_version(tshark)
         named = tshark.output("-G", "folders")
         there = loaded(tshark.run(["-G", "plugins"]).stdout)
     ledger = Ledger(for_all=for_all)
-    for note in ledger.notes:
-        console.say(note)
     print(f"Wireshark {wireshark.text}, for {_FOR_ALL if for_all else 'this user'}", flush=True)
     places = folders.parse(named, for_all=for_all)
     files = list(_others(places))
     if not for_all:
+        personal.adopt(ledger, places.profiles / profile.NAME)
         files = list(_not_there_for_all(files, list(_others(folders.parse(named, for_all=True)))))
     script = args.lua or (WINDOWS and not args.plugin)  # a build here would be one of Linux, in a copied checkout
     chosen = sources.Dissector(sources.lua(), False, []) if script else sources.dissector(args.plugin, wireshark)
@@ -135,6 +150,12 @@ def own_folders() -> folders.Own:
     """Return Wireshark's own folders and those of a shell. Raise TsharkError or folders.FoldersError."""
     with Tshark(drop_rights=False) as tshark:
         return _own(tshark.output("-G", "folders"), for_all=is_root())
+
+
+def profiles() -> Path:
+    """Return this user's folder of profiles. Raise TsharkError or folders.FoldersError."""
+    with Tshark(drop_rights=False) as tshark:
+        return folders.parse(tshark.output("-G", "folders"), for_all=False).profiles
 
 
 def _own(named: str, *, for_all: bool) -> folders.Own:
@@ -183,12 +204,14 @@ def _dissector(
 def _others(places: folders.Folders) -> Iterator[File]:
     """Yield all files but the dissector."""
     yield from _launchers(places.extcap, sources.PACKAGE.parent)
-    for file in sources.profile():
-        yield File(places.profiles / sources.PROFILE / file.name, file.read_bytes())
+    for target, content in personal.files(places.profiles / profile.NAME):
+        yield File(target, content)
 
 
 def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) -> Iterator[File]:
     """Yield the command and its completion, unless a shell has a command `sistap` from elsewhere."""
+    if is_bundle():  # which has the command
+        return
     if found := shell.foreign(ledger.files):
         _tell(f"kept     {found}: the command sistap is there already, and `sistap install` did not put it there")
         return
@@ -211,9 +234,10 @@ def _launchers(folder: Path, package_root: Path) -> Iterator[File]:
 
 
 def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]:
-    """Leave out what all users have: Wireshark would show each port twice."""
+    """Leave out what all users have: Wireshark would show each port twice. A user's own profile hides that of all."""
     for file, everybodys in zip(files, for_all, strict=True):
-        if everybodys.target.exists():
+        is_hidden = file.target.parent.name == profile.NAME and file.target.parent.exists()
+        if everybodys.target.exists() and not is_hidden:
             _tell(f"same     {everybodys.target}: all users have it")
         else:
             yield file

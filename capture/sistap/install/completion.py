@@ -90,15 +90,15 @@ def bash(whole: argparse.ArgumentParser) -> str:
     """Return the script for bash; `whole` is the parser with the options of all commands."""
     values, options = [], []
     for name, command in _commands(whole).items():
-        for action in command._actions:
+        for action in _shown(command):
             words = _ports_or_words(action)
             for option in action.option_strings if _takes_value(action) else ():
                 values.append(f"        '{name} {option}') words={words} ;;")
-        called = " ".join(option for action in command._actions for option in action.option_strings)
+        called = " ".join(option for action in _shown(command) for option in action.option_strings)
         options.append(f"            '{name} -'*) words='{called}' ;;")
         options += [
             f"            '{name} '*) words={words} ;;"
-            for action in command._actions
+            for action in _shown(command)
             if not action.option_strings and (words := _ports_or_words(action)) != "''"
         ]
     commands = [*_commands(whole), *(option for action in whole._actions for option in action.option_strings)]
@@ -125,6 +125,11 @@ def _filled(template: str, **parts: str) -> str:
     for name, text in parts.items():
         template = template.replace(f"@{name}@", text)
     return template
+
+
+def _shown(command: argparse.ArgumentParser) -> list[argparse.Action]:
+    """Return the options and arguments of a command that its help shows."""
+    return [action for action in command._actions if action.help != argparse.SUPPRESS]
 
 
 def _choices(whole: argparse.ArgumentParser) -> argparse._SubParsersAction[argparse.ArgumentParser]:
@@ -159,7 +164,7 @@ def _ports_or_words(action: argparse.Action) -> str:
 
 def _specifications(command: argparse.ArgumentParser) -> Iterator[str]:
     """Yield what _arguments of zsh needs for each option and argument."""
-    for action in command._actions:
+    for action in _shown(command):
         text = re.sub(r"([\[\]:\\])", r"\\\1", (action.help or "") % _Expanded(vars(action)))
         name = str(action.metavar or action.dest).replace("|", " or ").replace(":", r"\:")
         value = f":{name}:{_completer(action)}"

@@ -32,42 +32,23 @@ class Ledger:
         """Read the list, if there is one. LedgerError, OSError; RuntimeError if there can be none."""
         name = "installed-for-all.json" if for_all else "installed.json"
         self.path = state.folder() / name
-        self.notes: list[str] = []  # messages about lists of earlier versions
         self._files: dict[str, str] = {}  # path: SHA-256
         self._folders: list[str] = []  # in the order in which they were made
         self._left: set[Path] = set()  # folders from which a file was removed
-        self._old: Path | None = None  # the list of an earlier version that was taken over
         if self.path.exists():
             if state.is_root():
                 state.check(self.path)
             self._load(self.path)
-        elif state.is_root():
-            self._take_over(name)
 
     def _load(self, path: Path) -> None:
         try:
+            if not path.is_file():  # to read a pipe would take for ever
+                raise ValueError(path)
             entries = json.loads(path.read_text())
             self._files = {_name(file): str(digest) for file, digest in entries["files"].items()}
             self._folders = [_name(folder) for folder in entries["folders"]]
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             raise LedgerError(f"{path} is not what `sistap install` writes: delete it, then install again") from None
-
-    def _take_over(self, name: str) -> None:
-        """Read root's list that earlier versions kept in a home, if nobody else could have written it."""
-        for old in (folder / name for folder in state.old_folders()):
-            try:
-                old.lstat()
-                is_good = state.is_roots_alone(old)
-            except OSError:  # it does not exist, or even root may not look there
-                continue
-            if is_good:
-                self._load(old)
-                self._old = old
-                return
-            self.notes.append(
-                f"{old} is not used, because others than root could have written it: look at what is in it; if all of "
-                f"it is what was installed, `sudo install -D -m 644 {old} {self.path}`, then delete it"
-            )
 
     @property
     def is_empty(self) -> bool:
@@ -86,14 +67,11 @@ class Ledger:
         else:
             text = json.dumps({"files": self._files, "folders": self._folders}, indent=2) + "\n"
             state.save(self.path.name, text.encode())
-        if self._old:
-            _remove(self._old)
-            self._old = None
 
     def put(self, file: Path, content: bytes, *, executable: bool = False) -> str:
         """Write a file, unless somebody else owns it; return the line that reports it. May raise OSError."""
         is_new = not file.exists()
-        if not is_new and file.read_bytes() == content:  # somebody else may own it: a package may have put it there
+        if file.is_file() and file.read_bytes() == content:  # somebody else may own it: a package may have put it there
             return f"same     {file}"
         if not is_new and not self._is_ours(file):
             cure = "delete it and install again to have the one of this sistap"
@@ -102,6 +80,12 @@ class Ledger:
         state.replace(file, content, executable=executable)
         self._files[str(file)] = _digest(content)
         return f"{'put' if is_new else 'renewed':8} {file}"
+
+    def adopt(self, file: Path) -> None:
+        """Put a file on the list that something else has put there for sistap, with its folder. May raise OSError."""
+        self._files[str(file)] = _digest(file.read_bytes())
+        if str(file.parent) not in self._folders:
+            self._folders.append(str(file.parent))
 
     def remove(self, file: Path, own: Own) -> str:
         """Remove a file that is ours; return the line that reports it.

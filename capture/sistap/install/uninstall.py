@@ -6,21 +6,23 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from sistap.install import command
+from sistap.install import command, personal
 from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.line import measurement
+from sistap.terminal import programs
 from sistap.terminal.advice import advice
-from sistap.terminal.console import Console
+from sistap.terminal.console import Console, visible
 from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
-from sistap.terminal.visible import visible
-from sistap.wireshark import folders
+from sistap.wireshark import folders, profile
 from sistap.wireshark.tshark import TsharkError
 
 DESCRIPTION = """\
 Remove what `sistap install` has installed on this computer, and the folders that it made. As root, remove what was
 installed for all users. sistap prints one line for each file. It keeps files that somebody has changed or added. It
-touches only Wireshark's own folders, as tshark names them, and those of the command `sistap` and its completion.
+touches only Wireshark's own folders, as tshark names them, and those of the command `sistap` and its completion. The
+results of self-tests go, too.
 """
 
 EPILOG = """\
@@ -36,7 +38,7 @@ OF_PACKAGE = Path("/usr/share/sistap")
 
 def _package() -> str:
     """Return how to remove what runs, if it is of a package of this system."""
-    return f" with `sistap install`; {advice().package}" if Path(__file__).is_relative_to(OF_PACKAGE) else ""
+    return advice().package if Path(__file__).is_relative_to(OF_PACKAGE) else ""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,19 +52,35 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         ledger = Ledger(for_all=is_root())
-        for note in ledger.notes:
-            console.say(note)
+        profiles = None if is_root() else _adopt_profile(ledger)
         if not ledger.files:
             whose = "all users" if is_root() else "this user"
-            print(f"nothing to remove: nothing was installed for {whose}{_package()}")
+            print(f"nothing to remove: nothing was installed for {whose}")
         removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
+        if profiles:
+            personal.forget(profiles.parent)
+        if removed:
+            programs.forget()
+            measurement.forget()
+        if package := _package():
+            print(package)
     except (TsharkError, folders.FoldersError) as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")
         return FAILED
     except (LedgerError, RuntimeError, OSError) as error:
         console.say(str(error))
         return FAILED
-    return DONE if removed and not ledger.notes else FAILED
+    return DONE if removed else FAILED
+
+
+def _adopt_profile(ledger: Ledger) -> Path | None:
+    """Put the user's copy of the profile on the list; return the folder of profiles, if Wireshark is there."""
+    try:
+        profiles = command.profiles()
+    except (TsharkError, folders.FoldersError):
+        return None  # without it there is nothing to remove, or `_remove` says so
+    personal.adopt(ledger, profiles / profile.NAME)
+    return profiles
 
 
 def _remove(ledger: Ledger, own: folders.Own, console: Console) -> bool:

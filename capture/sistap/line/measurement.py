@@ -19,6 +19,7 @@ from sistap.terminal import state
 
 MACHINE = "machine"  # the place of a result that holds for every port
 
+_NAME = "selftest.json"
 _LARGEST_FILE = 1_000_000  # bytes; sistap writes no larger file
 _KEPT = 50  # results
 
@@ -43,7 +44,7 @@ def conditions(**more: str) -> Conditions:
 
 def file() -> Path:
     """Return the path of the results. RuntimeError if this user has no home."""
-    return state.folder() / "selftest.json"
+    return state.folder() / _NAME
 
 
 def load() -> tuple[list[Result], str]:
@@ -67,6 +68,11 @@ def store(result: Result) -> Path:
     others = [old for old in load()[0] if (old.place, old.conditions) != (result.place, result.conditions)]
     kept = [old._asdict() for old in [*others, result][-_KEPT:]]
     return state.save(path.name, (json.dumps({"results": kept}, indent=2) + "\n").encode())
+
+
+def forget() -> None:
+    """Remove all results."""
+    state.forget(_NAME)
 
 
 def fitting(results: Iterable[Result], place: str, now: Conditions) -> tuple[Result | None, str]:

@@ -1,20 +1,110 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Finds serial ports and describes what is behind them: adapter, driver, and the delay that both may add."""
+"""Finds serial ports and describes what is behind them: adapter, driver, and the delay that both may add.
+
+On Windows the registry knows the name, the serial number and the latency timer of an FTDI adapter.
+"""
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from sistap.line import analyser, registry
-from sistap.terminal.advice import advice
-from sistap.terminal.exits import DONE
-from sistap.terminal.visible import visible
+from sistap.line import drivers
+
+# Each adapter has a key such as VID_0403+PID_6001+A50285BIA: its serial number and the letter of its port. Its
+# instances are below, each with "Device Parameters".
+_FTDI = r"SYSTEM\CurrentControlSet\Enum\FTDIBUS"
+_PARAMETERS = "Device Parameters"
+
+
+class Registry(Protocol):
+    """HKEY_LOCAL_MACHINE, read only."""
+
+    def keys(self, path: str) -> list[str]:
+        """Return the names of the keys below a key; none if it does not exist."""
+
+    def value(self, path: str, name: str) -> object:
+        """Return a value; None if it does not exist."""
+
+
+class Ftdi(NamedTuple):
+    """An FTDI adapter, as far as Windows knows it."""
+
+    name: str  # "USB Serial Port (COM5)"
+    driver: str  # "FTSER2K"
+    serial: str
+    latency_ms: int | None
+
+
+def ftdi(port: str, registry: Registry | None = None) -> Ftdi | None:
+    """Return the FTDI adapter behind a port such as COM5; None for another adapter, or without a registry."""
+    registry = registry or _here()
+    if registry is None:
+        return None
+    for device, key in _instances(registry):
+        name = registry.value(rf"{key}\{_PARAMETERS}", "PortName")
+        if isinstance(name, str) and name.upper() == port.upper().removeprefix("\\\\.\\"):
+            latency_ms = registry.value(rf"{key}\{_PARAMETERS}", "LatencyTimer")
+            return Ftdi(
+                _text(registry.value(key, "FriendlyName")),
+                _text(registry.value(key, "Service")),
+                device.split("+")[2][:-1] if device.count("+") == 2 else "",
+                latency_ms if isinstance(latency_ms, int) else None,
+            )
+    return None
+
+
+def _instances(registry: Registry) -> Iterator[tuple[str, str]]:
+    """Yield the name of each adapter that was ever plugged in, with the key of each of its instances."""
+    for device in registry.keys(_FTDI):
+        for instance in registry.keys(rf"{_FTDI}\{device}"):
+            yield device, rf"{_FTDI}\{device}\{instance}"
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else ""
+
+
+class _LocalMachine:
+    """The registry of this computer."""
+
+    def keys(self, path: str) -> list[str]:
+        """Return the names of the keys below a key; none if it does not exist."""
+        if sys.platform != "win32":
+            return []
+        import winreg
+
+        try:
+            with winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, path) as key:
+                return [winreg.EnumKey(key, number) for number in range(winreg.QueryInfoKey(key)[0])]
+        except OSError:
+            return []
+
+    def value(self, path: str, name: str) -> object:
+        """Return a value; None if it does not exist."""
+        if sys.platform != "win32":
+            return None
+        import winreg
+
+        try:
+            with winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, path) as key:
+                found: object = winreg.QueryValueEx(key, name)[0]
+                return found
+        except OSError:
+            return None
+
+
+def _here() -> Registry | None:
+    """Return the registry of this computer, if it has one."""
+    try:
+        import winreg  # noqa: F401
+    except ImportError:
+        return None
+    return _LocalMachine()
+
 
 SYSFS = Path("/sys")
 DEVICES = Path("/dev")
@@ -38,6 +128,12 @@ class Adapter(NamedTuple):
     fifo_trigger: int | None = None  # characters in the FIFO of a UART that raise an interrupt
     pseudo_terminal: bool = False
     serial: str = ""  # serial number of a USB adapter
+    is_uart: bool = False  # not a USB adapter: a port such as a 16550
+
+    @property
+    def tells(self) -> drivers.Driver:
+        """Return what its driver can say about line errors."""
+        return drivers.driver(self.driver, is_uart=self.is_uart)
 
     @property
     def latency(self) -> str:
@@ -62,7 +158,8 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
     if _is_pseudo_terminal(port):
         return Adapter("pseudo terminal", pseudo_terminal=True)
     tty = sysfs / "class/tty" / Path(os.path.realpath(port)).name
-    uart = _UARTS.get(_line(tty / "type"), "")
+    kind = _line(tty / "type")
+    uart = _UARTS.get(kind, "")
     usb = _usb_device(tty / "device")
     return Adapter(
         (_line(usb / "product") if usb else "") or (f"{uart} UART" if uart else ""),
@@ -70,6 +167,7 @@ def adapter(port: str, sysfs: Path = SYSFS) -> Adapter:
         number(sysfs / "bus/usb-serial/devices" / tty.name / "latency_timer"),
         number(tty / "rx_trig_bytes"),
         serial=_line(usb / "serial") if usb else "",
+        is_uart=kind not in ("", _UART_NONE),
     )
 
 
@@ -78,9 +176,9 @@ def is_8250(port: str, sysfs: Path | None = None) -> bool:
     return _line((sysfs or SYSFS) / "class/tty" / Path(real(port)).name / "type") in _UARTS
 
 
-def of_windows(port: str, known: registry.Registry | None = None) -> Adapter:
+def of_windows(port: str, known: Registry | None = None) -> Adapter:
     """Describe what is behind a port of Windows, from its registry, which lists only FTDI adapters."""
-    found = registry.ftdi(port, known)
+    found = ftdi(port, known)
     return Adapter(found.name, found.driver, found.latency_ms, serial=found.serial) if found else Adapter()
 
 
@@ -169,49 +267,8 @@ def found(sysfs: Path = SYSFS) -> list[tuple[str, Adapter]]:
     return ports
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments of `sistap ports`."""
-    parser.description = "List the serial ports with adapter, driver and latency. List logic analysers as well."
-    parser.add_argument("--json", action="store_true", help="print the list as JSON, for programs")
-
-
-def _as_json(ports: list[tuple[str, Adapter]], analysers: Sequence[analyser.Analyser]) -> str:
-    """Return the ports as a JSON array; what the system does not say is null."""
-    rows = [
-        {
-            "port": port,
-            "adapter": behind.name or None,
-            "driver": behind.driver or None,
-            "latency_timer_ms": behind.latency_ms,
-            "fifo_trigger": behind.fifo_trigger,
-            "serial": behind.serial or None,
-        }
-        for port, behind in ports
-    ]
-    rows += [{"port": one.port, "adapter": one.name, "driver": analyser.DRIVER} for one in analysers]
-    return json.dumps(rows, indent=2)
-
-
 def short(port: str) -> str:
     """Return the device of a port that is named without its folder: ttyUSB0 becomes /dev/ttyUSB0."""
     device = DEVICES / port
     is_short = sys.platform != "win32" and "/" not in port and ":" not in port and not Path(port).exists()
     return str(device) if port and is_short and device.exists() else port
-
-
-def run(args: argparse.Namespace) -> int:
-    """Print the table of ports; return the exit code."""
-    ports, analysers = found(), analyser.plugged_in()
-    if args.json:
-        print(_as_json(ports, analysers))
-        return DONE
-    if not ports and not analysers:
-        print(f"no serial port found: plug the adapter in; {advice().no_port}")
-        return DONE
-    rows = [("port", "adapter", "driver", "latency")]
-    rows += [(port, visible(behind.name) or "-", behind.driver or "-", behind.latency or "-") for port, behind in ports]
-    rows += [(one.port, visible(one.name), analyser.DRIVER, "samples the bus") for one in analysers]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
-    return DONE

@@ -43,23 +43,6 @@ def is_real_time() -> bool:
     return sys.platform == "linux" and os.sched_getscheduler(0) in (os.SCHED_FIFO, os.SCHED_RR)
 
 
-@contextmanager
-def ordinary_children() -> Iterator[None]:
-    """Start programs with ordinary priority, whatever this thread has.
-
-    A program inherits the real-time priority of the thread that starts it. A busy one would then starve all others.
-    """
-    if sys.platform != "linux" or not is_real_time():
-        yield
-        return
-    before = os.sched_getscheduler(0), os.sched_getparam(0)
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    try:
-        yield
-    finally:
-        os.sched_setscheduler(0, *before)
-
-
 def words() -> str:
     """Describe the priority of this thread."""
     return "real-time priority" if is_real_time() else "ordinary priority"

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -14,8 +15,17 @@ from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
 from sistap.line.settings import Flag
 from sistap.packets.kept import Kept, Span
+from sistap.records.record import Event
 from sistap.wireshark import rows
-from sistap.wireshark.rows import INFO_FIELDS, JOINT, NECESSARY, NO_DISSECTOR, damage, first, info, unknown_fields
+from sistap.wireshark.rows import (
+    EVENT,
+    JOINT,
+    NECESSARY,
+    NO_DISSECTOR,
+    damage,
+    first,
+    unknown_fields,
+)
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 # Fields that the installed dissector lacks are left out and named in the report.
@@ -25,6 +35,7 @@ FIELDS = (
     "frame.time_relative",
     "frame.interface_name",
     "sertap.type",
+    "sertap.line",
     "sertap.baud",
     "sertap.format",
     "sertap.framing",
@@ -42,6 +53,8 @@ FIELDS = (
     "sis.start",
     "sis.checksum.status",
     "sis.control.reaction",
+    "sis.control.error",
+    "sis.control.status",
     "sis.service",
     "sis.talker",
     "sis.listener",
@@ -49,6 +62,7 @@ FIELDS = (
     "sis.command_in",
     "sis.repeat_of",
     "sis.command.unanswered",
+    "sis.silence_before",
     "sis.reaction_time",
     "sis.trs.limit",
     "sis.trs.verdict",
@@ -60,10 +74,13 @@ FIELDS = (
     "sis.tmas.limit",
     "sis.tmas.verdict",
     "sis.bus.load",
+    "sis.phase",
     ACCESSES,
 )
+_BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
+_CONTROL_ERROR = 6  # status bits of the edition ECODRIVE03: error
 _LINE_ERRORS = (
     ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
     ("sertap.error.break", int(Flag.BREAK)),
@@ -75,9 +92,14 @@ _LINE_ERRORS = (
 class Judged(NamedTuple):
     """A time with its limit and verdict, in s; None without a value."""
 
-    time_s: float
+    time_s: float  # 0: not measured, because all came in one read
     limit_s: float | None
     verdict: int | None  # one of the three below
+
+    @property
+    def measured_s(self) -> list[float]:
+        """Return the time if it was measured."""
+        return [self.time_s] if self.time_s else []
 
 
 OK, EXCEEDED, UNRESOLVED = 0, 1, 2
@@ -93,10 +115,13 @@ class Telegram:
     listener: int | None
     is_reaction: bool
     status: int | None
+    is_refusal: bool  # a reaction with an error: in the status byte, or in the telegram control (ECODRIVE03)
+    has_system_error: bool  # the sender says that it has an error (fig. 2-9)
     command_in: int | None  # packet number
     is_repeat: bool
     unanswered: bool
     load_percent: float | None
+    silence: Judged | None  # of the line, before it; there is no limit
     reaction: Judged | None  # TrS
     pause: Judged | None  # TzA; the longest inside the telegram
     cycle: Judged | None  # Tmas
@@ -123,14 +148,27 @@ class Packet:
     errors: int  # Flags, ORed
     telegrams: list[Telegram] = field(default_factory=list)
     accesses: list[Access] = field(default_factory=list)  # to parameters
-    info: str = ""
     framing: int | None = None  # of a frame; 0: SIS
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
+    since_s: float | None = None  # from the character before it on its line to its first; None: unknown
+    line: int | None = None
+    length_s: float = field(init=False)
+    is_before: bool = False  # the time from which on the capture is told
+    is_again: bool = False  # an event at the beginning of a file that continues another, which began with it, too
+
+    def __post_init__(self) -> None:
+        """Add up its intervals once."""
+        self.length_s = sum(self.intervals_s)
 
     @property
     def end_s(self) -> float:
         """Return the time of its last character."""
-        return self.time_s + sum(self.intervals_s)
+        return self.time_s + self.length_s
+
+    @property
+    def ended_s(self) -> float:
+        """Return the time of its last character, since 1970."""
+        return self.epoch_s + self.length_s
 
 
 class Dissection:
@@ -139,7 +177,7 @@ class Dissection:
     Use it in a `with`.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each comes from another part
         self,
         tshark: Tshark,
         capture: Path,
@@ -147,16 +185,20 @@ class Dissection:
         *,
         preferences: Mapping[str, object] = MappingProxyType({}),
         keeps: bool = True,
+        since_s: float = -math.inf,
     ) -> None:
         """Read these fields, too, with preferences of Wireshark.
 
-        Nothing is read yet; what is not kept cannot be read again().
+        Nothing is read yet; what is not kept cannot be read again(), nor what came before `since_s`. From there on the
+        seconds of the capture are counted.
         """
         self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
         self._capture = capture
-        self._fields = (*FIELDS, *more, *(INFO_FIELDS if keeps else ()))
+        self._fields = (*FIELDS, *more)
         self._keeps = keeps
+        self._since_s = since_s
+        self._zero_s = 0.0 if since_s == -math.inf else None  # where the seconds begin; None: not yet reached
         self._unknown: set[str] = set()
         self._names: list[str] = []  # of the columns
         self._kept = Kept()
@@ -171,23 +213,24 @@ class Dissection:
     @property
     def missing(self) -> list[str]:
         """Return the fields that the installed dissector lacks; valid after the first packets."""
-        return [name for name in self._fields if name in self._unknown and name not in INFO_FIELDS]
+        return [name for name in self._fields if name in self._unknown]
 
     def packets(self) -> Iterator[Packet]:
         """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
         try:
-            yield from self._packets()
+            yield from _of_traffic(self._packets())
         except _UnknownFields as unknown:
             self._unknown |= unknown.names
             if NECESSARY in self._unknown:
                 raise TsharkError(NO_DISSECTOR) from None
-            yield from self._packets()
+            yield from _of_traffic(self._packets())
 
-    def again(self, numbers: Collection[int], spans: Collection[Span]) -> Iterator[Packet]:
-        """Yield again the packets with these numbers, and those that begin in these spans."""
-        for row in self._kept.rows(numbers, spans):
-            packet = _packet(rows.columns(self._names, row))
-            if packet.number in numbers or any(span.start_s <= packet.time_s <= span.end_s for span in spans):
+    def again(self, spans: Collection[Span]) -> Iterator[Packet]:
+        """Yield again the packets that begin in these spans."""
+        for row in self._kept.rows(spans):
+            packet = packet_of(rows.columns(self._names, row))
+            packet.time_s -= self._zero_s or 0.0
+            if any(span.start_s <= packet.time_s <= span.end_s for span in spans):
                 yield packet
 
     def _packets(self) -> Iterator[Packet]:
@@ -197,9 +240,13 @@ class Dissection:
         try:
             for line in self._tshark.lines(arguments):
                 came = True
-                packet = _packet(rows.columns(self._names, line))
-                if self._keeps:
-                    self._kept.put(packet.number, packet.time_s, line)
+                packet = packet_of(rows.columns(self._names, line))
+                if self._zero_s is None and packet.epoch_s >= self._since_s:
+                    self._zero_s = packet.time_s
+                packet.is_before = self._zero_s is None
+                packet.time_s -= self._zero_s or 0.0
+                if self._keeps and not packet.is_before:
+                    self._kept.put(packet.time_s, line)
                 yield packet
         except TsharkError as error:
             self._judge(error, came)
@@ -211,6 +258,31 @@ class Dissection:
         self.warning = damage(self._capture, error, came)
 
 
+def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
+    """Leave out what a file begins with because it continues another: what was told before, and known descriptions."""
+    begun: set[tuple[str, int | None, str]] = set()
+    beginning: list[Packet] = []
+    for packet in packets:
+        if packet.type == EVENT and packet.event in _BEGINNING:
+            beginning.append(packet)
+            continue
+        is_again = packet.type == EVENT and packet.event == Event.TOLD_BEFORE
+        yield from _described(beginning, begun, is_again=is_again)
+        beginning = []
+        if not is_again:
+            yield packet
+    yield from _described(beginning, begun, is_again=False)
+
+
+def _described(beginning: list[Packet], begun: set[tuple[str, int | None, str]], *, is_again: bool) -> Iterator[Packet]:
+    for packet in beginning:
+        description = packet.interface, packet.event, packet.text
+        packet.is_again = is_again
+        if not is_again or description not in begun:
+            yield packet
+        begun.add(description)
+
+
 class _UnknownFields(Exception):
     """tshark does not know these fields."""
 
@@ -219,7 +291,8 @@ class _UnknownFields(Exception):
         self.names = names
 
 
-def _packet(columns: dict[str, str]) -> Packet:
+def packet_of(columns: dict[str, str]) -> Packet:
+    """Return the packet of a row."""
     return Packet(
         number=int(columns["frame.number"]),
         epoch_s=float(columns["frame.time_epoch"] or 0),
@@ -236,10 +309,17 @@ def _packet(columns: dict[str, str]) -> Packet:
         errors=_errors(columns),
         telegrams=_telegrams(columns),
         accesses=list(accesses(columns)),
-        info=info(columns),
         framing=_known_integer(columns.get("sertap.framing")),
         columns=columns,
+        since_s=_since(columns),
+        line=_known_integer(columns.get("sertap.line")),
     )
+
+
+def _since(columns: dict[str, str]) -> float | None:
+    """Return the interval before the first character, unless one of them is unknown."""
+    text = columns.get("sertap.interval")
+    return float(first(text)) if text and not _how_often(columns.get("sertap.interval.unknown")) else None
 
 
 def _intervals(columns: dict[str, str]) -> list[float]:
@@ -287,10 +367,14 @@ def _telegram(columns: dict[str, str]) -> Telegram:
         listener=_known_integer(get("sis.listener")),
         is_reaction=get("sis.control.reaction") in _TRUE,
         status=_known_integer(get("sis.status")),
+        is_refusal=bool(_known_integer(get("sis.status")))
+        or _known_integer(get("sis.control.status")) == _CONTROL_ERROR,
+        has_system_error=get("sis.control.error") in _TRUE,
         command_in=_integer(get("sis.command_in")),
         is_repeat=bool(get("sis.repeat_of")),
         unanswered=bool(get("sis.command.unanswered")),
         load_percent=_number(get("sis.bus.load")),
+        silence=_judged(get("sis.silence_before"), None, None),
         reaction=_judged(get("sis.reaction_time"), get("sis.trs.limit"), get("sis.trs.verdict")),
         # A dissector without a verdict on TzA still has the longest interval of a record.
         pause=_judged(
@@ -303,7 +387,9 @@ def _telegram(columns: dict[str, str]) -> Telegram:
 
 
 def _judged(time: str | None, limit: str | None, verdict: str | None) -> Judged | None:
-    return Judged(float(first(time)), _known_number(limit), _known_integer(verdict)) if time else None
+    if not time and not verdict:
+        return None
+    return Judged(float(first(time)) if time else 0.0, _known_number(limit), _known_integer(verdict))
 
 
 def _integer(text: str | None) -> int | None:

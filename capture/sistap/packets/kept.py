@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
-from sistap.terminal.temporary import Blobs
+from sistap.common.temporary import Blobs
 
 _TOGETHER = 500  # rows in a blob
 _LEVEL = 1  # of compression; higher levels take several times as long and save a fifth
@@ -26,15 +26,11 @@ class Span(NamedTuple):
 class _Held(NamedTuple):
     """The packets in a blob; their times may be out of order."""
 
-    first: int
-    last: int
     earliest_s: float
     latest_s: float
 
-    def may_have(self, numbers: Collection[int], spans: Collection[Span]) -> bool:
-        return any(self.first <= number <= self.last for number in numbers) or any(
-            span.start_s <= self.latest_s and self.earliest_s <= span.end_s for span in spans
-        )
+    def may_have(self, spans: Collection[Span]) -> bool:
+        return any(span.start_s <= self.latest_s and self.earliest_s <= span.end_s for span in spans)
 
 
 class Kept:
@@ -43,8 +39,7 @@ class Kept:
     def __init__(self) -> None:
         self._blobs = Blobs("what was read of the capture")
         self._held: list[_Held] = []  # one for each blob
-        self._rows: list[str] = []  # of the next blob, with their numbers and times
-        self._numbers: list[int] = []
+        self._rows: list[str] = []  # of the next blob, with their times
         self._times_s: list[float] = []
 
     def __enter__(self) -> Kept:
@@ -53,24 +48,23 @@ class Kept:
     def __exit__(self, *error: object) -> None:
         self._blobs.__exit__(*error)
 
-    def put(self, number: int, time_s: float, row: str) -> None:
+    def put(self, time_s: float, row: str) -> None:
         """Keep the row of a packet. Incomplete if there is no room."""
         self._rows.append(row)
-        self._numbers.append(number)
         self._times_s.append(time_s)
         if len(self._rows) == _TOGETHER:
             self._write()
 
-    def rows(self, numbers: Collection[int], spans: Collection[Span]) -> Iterator[str]:
-        """Yield the rows of these packets, of those that begin in these spans, and of some neighbours."""
+    def rows(self, spans: Collection[Span]) -> Iterator[str]:
+        """Yield the rows of the packets that begin in these spans, and of some neighbours."""
         if self._rows:
             self._write()
         for place, held in enumerate(self._held):
-            if held.may_have(numbers, spans):
+            if held.may_have(spans):
                 yield from zlib.decompress(self._blobs.get(place)).decode().split("\n")
 
     def _write(self) -> None:
         self._blobs.put(zlib.compress("\n".join(self._rows).encode(), _LEVEL))
-        self._held.append(_Held(self._numbers[0], self._numbers[-1], min(self._times_s), max(self._times_s)))
-        for values in (self._rows, self._numbers, self._times_s):
+        self._held.append(_Held(min(self._times_s), max(self._times_s)))
+        for values in (self._rows, self._times_s):
             values.clear()

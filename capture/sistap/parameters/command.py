@@ -4,40 +4,54 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from sistap.accesses.listing import MOST, Listing
-from sistap.parameters import writing
+from sistap.captures.joining import check_captures
+from sistap.common.writing import Incomplete, NotOpened, opened
+from sistap.parameters import against, user_table, writing
+from sistap.parameters.backup import Damaged, Drive, drives
 from sistap.parameters.reading import Found, found
 from sistap.terminal.console import Console
-from sistap.terminal.exits import DONE, FAILED, USAGE
-from sistap.terminal.writing import Incomplete, NotOpened, opened
+from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.terminal.writing import FORCE
 from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 List the parameters that were read and written. For each parameter of each device, the list has its name and unit. It
-has the number of reads, writes and refusals, the first, last, lowest and highest value, and who wrote it last. Name the
-files of a ring in the order of their time. The figures come from Wireshark's dissector: install tshark with the plugin
-or sis.lua.
+has the number of reads, writes and refusals, the first, last, lowest and highest value, and who wrote it last. Several
+files, such as those of a ring, are read as one, in the order of their time. The figures come from Wireshark's
+dissector: install tshark with the plugin or sis.lua. With a backup of a drive (a .par file of IndraWorks), this command
+also makes the table "SIS parameters" of Wireshark, and compares a capture with the backup.
 """
 
 EPILOG = f"""\
 A read counts when its reaction comes. A write counts when its reaction accepts it. A refusal counts as an error. If the
-attribute of a parameter is not known, its values are shown as bytes. The value before a change is the last value that
-was read or written. If there is none, it is unknown. A segment of a list is counted, but it is not the value of the
-list. Stations with the same address at different ports are different stations. There is room for {MOST} parameters.
+attribute of a parameter is not known, its values are shown as bytes. If it was read later, they are decoded, too. A
+column "Bytes" counts values that are still bytes: the lowest and highest may be among them. The value before a change
+is the last value that was read or written. If there is none, it is unknown. A segment of a list is counted, but it is
+not the value of the list. Stations with the same address at different ports are different stations. There is room for
+{MOST} parameters.
+
+With --from, the output is the file "sis_parameters" of a profile of Wireshark: names, units, attributes and limits of
+all parameters, for the plugin and for sis.lua. Without --station, the rows are for every station. If the backup has
+several drives, the address of each is its station, and --station chooses one. With --against, the last value of each
+parameter in the capture is compared with the backup. Parameters that nobody can write are left out.
 
 examples:
   sistap parameters day.pcapng                              the list
   sistap parameters --changes night-*.pcapng                who changed what and when, old and new value
   sistap parameters --csv day.pcapng -o parameters.csv      for a spreadsheet
+  sistap parameters --from drive.par -o ~/.config/wireshark/profiles/SIS/sis_parameters
+                                                            names for Wireshark with the profile SIS
+  sistap parameters day.pcapng --against drive.par          what differs from the backup, and who wrote it
 
 exit status:
   0  done; a message on standard error says if the end of a capture is missing
   1  failed while running: tshark or the plugin is missing, disk full
-  2  wrong usage, a CAPTURE that cannot be read, or a FILE that cannot be written
+  2  wrong usage, a CAPTURE or backup that cannot be read, or a FILE that cannot be written
 """
 
 
@@ -45,10 +59,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="+", help="a capture that contains SIS")
+    parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="*", help="a capture that contains SIS")
+    parser.add_argument("--from", dest="backup", metavar="PAR", type=Path, help="make Wireshark's table from a backup")
+    parser.add_argument("--against", metavar="PAR", type=Path, help="list what differs from a backup, instead")
+    parser.add_argument("--station", metavar="N", help="the station of the backup, such as 3, behind routers 3/2/8")
     parser.add_argument("--changes", action="store_true", help="list every write that changed a value, instead")
     parser.add_argument("--csv", action="store_true", help="write comma-separated values; the first line has the names")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
+    parser.add_argument("--force", action="store_true", help=FORCE)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -56,10 +74,11 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         _check(args)
-        with Tshark() as tshark, opened(args.output) as file:
-            for line in _lines(args, found(tshark, args.captures, console.say), console):
-                file.write(f"{line}\n".encode())
-    except (NotACapture, NotOpened) as error:
+        if args.backup:
+            _write_table(args)
+        else:
+            _write_accesses(args, console)
+    except (UsageError, NotACapture, NotOpened, Damaged) as error:
         console.say(str(error))
         return USAGE
     except (Incomplete, TsharkError) as error:
@@ -68,16 +87,48 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
+def _write_table(args: argparse.Namespace) -> None:
+    lines = [line for station, drive in _stations(args, args.backup) for line in user_table.lines(drive, station)]
+    with opened(args.output, [args.backup], force=args.force) as file:
+        file.writelines(f"{line}\n".encode() for line in lines)
+
+
+def _write_accesses(args: argparse.Namespace, console: Console) -> None:
+    saved = _stations(args, args.against) if args.against else []
+    with Tshark() as tshark, opened(args.output, args.captures, force=args.force) as file:
+        came = found(tshark, args.captures, console.say)
+        lines = against.lines(saved, came) if args.against else _lines(args, came, console)
+        file.writelines(f"{line}\n".encode() for line in lines)
+
+
+def _stations(args: argparse.Namespace, backup: Path) -> Sequence[tuple[str, Drive]]:
+    """Return the drives of a backup with their stations; "" is every station. Raise Damaged or NotACapture."""
+    found_drives = drives(backup)
+    if len(found_drives) == 1:
+        return [(args.station or "", found_drives[0])]
+    several = [(drive.address, drive) for drive in found_drives if args.station in (None, drive.address)]
+    if not several:
+        addresses = ", ".join(drive.address for drive in found_drives)
+        raise NotACapture(f"{backup} has no drive {args.station}: --station is one of {addresses}")
+    return several
+
+
+def _check_usage(args: argparse.Namespace) -> None:
+    if args.backup and (args.captures or args.against or args.changes or args.csv):
+        raise NotACapture("--from makes a table from a backup: leave out captures and other options")
+    if not args.backup and not args.captures:
+        raise NotACapture("name a capture, or a backup with --from")
+    if args.against and (args.changes or args.csv):
+        raise NotACapture("--against has an output of its own: leave out --changes and --csv")
+    if args.station is not None and not (args.backup or args.against):
+        raise NotACapture("--station belongs to --from or --against")
+    if args.station is not None and not user_table.is_station(args.station):
+        raise NotACapture("--station is an address from 0 to 255, behind routers such as 3/2/8")
+
+
 def _check(args: argparse.Namespace) -> None:
-    for capture in args.captures:
-        if capture.exists() and not capture.is_file():
-            raise NotACapture(f"{capture} is not a file: save the capture first")
-        try:
-            capture.open("rb").close()
-        except OSError as error:
-            raise NotACapture(f"cannot read {capture}: {error.strerror}; name a capture file") from None
-        if args.output and Path(args.output).exists() and capture.samefile(args.output):
-            raise NotOpened(f"{args.output} is the capture itself; name another file with -o")
+    _check_usage(args)
+    args.captures = check_captures(args.captures, args.output)
 
 
 def _lines(args: argparse.Namespace, accesses: Iterable[Found], console: Console) -> Iterator[str]:

@@ -5,35 +5,42 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterable, Iterator, Sequence
-from datetime import datetime
 
 from sistap.accesses.access import Parameter
 from sistap.accesses.listing import Change, Listed, Place
+from sistap.wireshark.rows import local
 
 _UNKNOWN = "unknown"
 _LIST_HEADS = (
     *("Port", "Station", "Device", "Parameter", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least"),
-    *("Greatest", "Written by", "In packet", "File"),
+    *("Greatest", "Bytes", "Written by", "In packet", "File"),
 )
-_NUMBERS = {"Reads", "Writes", "Errors", "Written by", "In packet"}  # right-aligned columns
+_NUMBERS = {"Reads", "Writes", "Errors", "Bytes", "Written by", "In packet"}  # right-aligned columns
 _CSV_LIST = (
     *("port", "station", "device", "parameter", "name", "unit", "minimum", "maximum", "reads", "writes", "errors"),
     *("first", "last", "least", "greatest", "written_by", "written_in_packet", "written_in_file", "written_at"),
+    "bytes",
 )
 _CSV_CHANGES = (
     *("time", "master", "port", "station", "device", "parameter"),
     *("name", "unit", "from", "to", "packet", "file"),
 )
 
+_FORMULAS = tuple("=+-@\t\r")  # the first character of a cell that spreadsheets calculate
+_NUMBER = re.compile(r"[+-][\d.,]+(?:e[+-]?\d+)?(?: [\w°%/²³·^]*)?")
+
 
 def list_as_text(listing: Iterable[Listed], *, several_files: bool) -> Iterator[str]:
-    """Yield the lines of a table."""
-    rows = [_row(listed) for listed in listing]
+    """Yield the lines of a table. It counts values in bytes only if the lowest or highest may be among them."""
+    found = list(listing)
+    rows = [_row(listed) for listed in found]
     if not rows:
         return
     left_out = {0} if len({row[0] for row in rows}) == 1 else set()
-    left_out |= set() if several_files else {len(_LIST_HEADS) - 1}
+    left_out |= set() if several_files else {_LIST_HEADS.index("File")}
+    left_out |= set() if any(one.raw and one.least for one in found) else {_LIST_HEADS.index("Bytes")}
     yield from _aligned(
         [[text for column, text in enumerate(row) if column not in left_out] for row in (_LIST_HEADS, *rows)]
     )
@@ -46,6 +53,7 @@ def _row(listed: Listed) -> tuple[str, ...]:
         *(str(listed.reads), str(listed.writes), str(listed.errors), listed.first, listed.last),
         listed.least.value if listed.least else "",
         listed.greatest.value if listed.greatest else "",
+        str(listed.raw or ""),
         "" if listed.written_by is None else str(listed.written_by),
         str(place.packet) if place else "",
         place.file if place else "",
@@ -75,6 +83,7 @@ def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
                 listed.greatest.number if listed.greatest else None,
                 listed.written_by,
                 *((place.packet, place.file, _time(place, "T")) if place else ("", "", "")),
+                listed.raw,
             )
         )
 
@@ -87,7 +96,7 @@ def change_as_text(change: Change, *, several_files: bool) -> str:
     where = f"packet {place.packet}{f' of {place.file}' if several_files else ''}"
     time = _time(place, " ")
     words = [time] if time else []
-    words += [f"{access.master} -> {_station(access.parameter)}", f"{access.parameter.ident}{name}"]
+    words += [f"{access.by} -> {_station(access.parameter)}", f"{access.parameter.ident}{name}"]
     return "  ".join([*words, f"{before} -> {access.value or _UNKNOWN}", where])
 
 
@@ -109,13 +118,19 @@ def csv_head_of_changes() -> str:
 
 def _csv(values: Iterable[object]) -> str:
     line = io.StringIO()
-    csv.writer(line, lineterminator="").writerow(values)
+    csv.writer(line, lineterminator="").writerow(map(_text_for_spreadsheets, values))
     return line.getvalue()
+
+
+def _text_for_spreadsheets(cell: object) -> object:
+    """Mark a text of a drive that a spreadsheet would run as a formula. A number with its unit stays as it is."""
+    is_formula = isinstance(cell, str) and cell[:1] in _FORMULAS and not _NUMBER.fullmatch(cell)
+    return f"'{cell}" if is_formula else cell
 
 
 def _time(place: Place, between: str) -> str:
     """Return local time with its zone; empty for 0, the time of a log without times."""
     if not place.epoch_s:
         return ""
-    local = datetime.fromtimestamp(place.epoch_s).astimezone()
-    return local.isoformat(between, timespec="microseconds")
+    then = local(place.epoch_s)
+    return then.isoformat(between, timespec="microseconds") if then else ""

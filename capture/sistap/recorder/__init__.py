@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The recorder: `sistap capture --keep` runs for months, and keeps what matters in separate files.
+"""The recorder: `sistap record` runs for months, and keeps what matters in separate files.
 
-What matters, and its name (reasons), the records around it (keeper), the names and the number of files (shelf),
-notifications (telling), and the thread of all that (recorder). It may use explain.
+The command (command), what matters, and its name (reasons), the records around it (keeper), the names and the number
+of files (shelf), notifications (telling), and the thread of all that (recorder). It may use capture and explain.
 """

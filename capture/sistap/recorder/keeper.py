@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple, Protocol
 
-from sistap.explain.memory import Memory
 from sistap.explain.relay import Entry
+from sistap.records.before import Before
+from sistap.records.record import Record
 
 LARGEST = 100_000_000  # bytes of a file; if records keep mattering, the next file follows
 MOST_HISTORY = 128_000_000  # bytes of waiting records; above this, the oldest go
@@ -28,15 +29,15 @@ class File(Protocol):
     def write(self, block: bytes) -> None:
         """Write a block."""
 
-    def close(self) -> None:
-        """Say that it is complete."""
+    def close(self, reasons: Collection[str]) -> None:
+        """Say that it is complete, and all reasons in it, in their order."""
 
 
 class Beginning(NamedTuple):
     """What a file begins with."""
 
     heading: bytes  # section and interfaces
-    known: bytes  # telegrams from before that explain it: limits, names, units
+    known: list[Record]  # what was told before: limits, names, units
     first_ns: int  # time of its first record
     time_ns: int  # of the reason
     reason: str
@@ -53,13 +54,14 @@ class Keeper:
         self._around = around
         self._begin = begin
         self._heading = heading
-        self._known = Memory()  # from what came before the file: its limits, names and units
+        self._known = Before()  # from what came before the file
         self._say = say
         self._waiting: deque[Entry] = deque()  # they may precede a record that matters
         self._waiting_bytes = 0
         self._file: File | None = None
         self._size = 0  # of the file
-        self._reason = ""
+        self._reason = ""  # the last one
+        self._reasons: dict[str, None] = {}  # all of the file
         self._end_ns = 0  # end of the file's time
         self._now_ns = 0
         self._shortened = False
@@ -71,6 +73,7 @@ class Keeper:
         self.look(max(entry.time_ns, self._now_ns))
         if reason:
             self._keep(entry.time_ns, reason)
+            self._reasons[reason] = None
         if self._file and entry.time_ns <= self._end_ns:
             self._write(entry)
         else:
@@ -93,8 +96,8 @@ class Keeper:
             self._close()
 
     def _keep(self, time_ns: int, reason: str) -> None:
+        self._reason = reason
         if not self._file:
-            self._reason = reason
             first_ns = self._waiting[0].time_ns if self._waiting else time_ns
             self._open(first_ns, time_ns)
         self._end_ns = max(self._end_ns, time_ns + self._around.after_ns)
@@ -105,20 +108,21 @@ class Keeper:
     def _write(self, entry: Entry) -> None:
         assert self._file
         if self._size > LARGEST:
-            self._file.close()
+            self._file.close(self._reasons)
             self._open(entry.time_ns, entry.time_ns)
         self._pass(entry)
         self._file.write(entry.block)
         self._size += len(entry.block)
 
     def _open(self, first_ns: int, time_ns: int) -> None:
-        known = b"".join(self._known.blocks(values=False))
+        known = list(self._known.events(first_ns))
         self._file = self._begin(Beginning(self._heading, known, first_ns, time_ns, self._reason))
         self._size = 0
+        self._reasons = {self._reason: None}
 
     def _close(self) -> None:
         assert self._file
-        self._file.close()
+        self._file.close(self._reasons)
         self._file = None
         self._end_ns = 0
 
@@ -131,8 +135,8 @@ class Keeper:
         """Learn from what no later file has."""
         if not entry.is_packet:
             self._heading += entry.block
-        if entry.telegram:
-            self._known.take(entry.telegram, entry.block)
+        if entry.heard:
+            self._known.take(entry.heard)
 
     def _break(self) -> None:
         """Begin a new file after a change of the clock."""

@@ -15,6 +15,7 @@ from sistap.wireshark import rows
 from sistap.wireshark.rows import NO_DISSECTOR, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
 
+# The worst first: of a packet with several reasons, that is its word.
 PRESETS: Mapping[str, Sequence[Sign]] = {"faults": signs.FAULTS, "writes": signs.WRITES}
 _MARK = ("frame.number", "data.data")
 _LONGEST = 40  # characters of the word
@@ -25,7 +26,7 @@ class Reasons:
 
     def __init__(self, keep: Sequence[str]) -> None:
         """Parse the filters. UsageError if there are several own ones: tshark does not tell which of them matched."""
-        self._signs = [sign for preset in keep for sign in PRESETS.get(preset, ())]
+        self._signs = [sign for preset, found in PRESETS.items() if preset in keep for sign in found]
         own = [filter_ for filter_ in keep if filter_ not in PRESETS]
         if not all(filter_.strip() for filter_ in own):
             raise UsageError(f"--keep needs a filter, or {' or '.join(PRESETS)}")

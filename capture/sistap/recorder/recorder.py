@@ -7,24 +7,26 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
+from sistap.capture.tap import Sink
 from sistap.explain.relay import Entry, Judged, Relay, Seams
 from sistap.explain.running import Running
-from sistap.files.blocks import Blocks
 from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import Interface
+from sistap.files.writer import Blocks
 from sistap.line import priority
 from sistap.line.settings import LineSettings
 from sistap.recorder import shelf
 from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.reasons import Reasons
 from sistap.recorder.telling import Telling
-from sistap.records.record import Event, Framing, Record
+from sistap.records.before import heard
+from sistap.records.counters import Counters
+from sistap.records.record import Event, Record
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
@@ -46,22 +48,6 @@ class Wanted:
     ring_files: int | None = None  # files of the full ring, if there is one; None: all
 
 
-class Ring(Protocol):
-    """The sink of all records."""
-
-    def begin(self, *started: Record) -> None:
-        """Begin with events that describe how the capture is taken."""
-
-    def write(self, record: Record) -> bool:
-        """Take a record."""
-
-    def look(self, time_ns: int) -> None:
-        """Check whether the next file is due."""
-
-    def end(self, time_ns: int) -> None:
-        """End."""
-
-
 class Recorder:
     """A sink that keeps what matters; `ring` is an optional sink of all records."""
 
@@ -72,7 +58,7 @@ class Recorder:
         interfaces: Mapping[int, Interface],
         say: Callable[[str], None],
         *,
-        ring: Ring | None = None,
+        ring: Sink | None = None,
         seams: Seams = Seams(),  # noqa: B008 - the default is frozen
     ) -> None:
         self._wanted = wanted
@@ -89,17 +75,16 @@ class Recorder:
         self._left_out = 0
         self._tidy_s = 0.0  # time of the next look
         self._trouble = ""
-        self._disk_trouble = ""  # already reported
+        self._disk_trouble = self._untidy = ""  # already reported
         self.kept = 0  # files
         reasons = wanted.reasons
         self.relay = Relay(self._start, reasons.columns, say, finds=True, seams=seams)
         self._thread: threading.Thread | None = None
 
-    @property
-    def summary(self) -> str:
-        """Return what was kept, in words."""
+    def summary(self, counters: Counters) -> str:
+        """Return what was heard, and what was kept."""
         unjudged = f"; {self.relay.unjudged} records were not tested with the filter" if self.relay.unjudged else ""
-        return f"{self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
+        return f"{counters}; {self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
 
     # -- In the thread of the capture
 
@@ -109,9 +94,8 @@ class Recorder:
             self._ring.begin(*started)
         self._started = started
         heading = self._blocks.section()
-        packets = [self._blocks.packet(record) for record in started]
         self._keeper = Keeper(self._wanted.around, self._begin, heading, self._say)
-        self.relay.begin(heading, packets)
+        self.relay.begin(self._blocks, heading, started)
         self._thread = threading.Thread(target=self._run, args=(priority.is_real_time(),), daemon=True)
         self._thread.start()
 
@@ -121,13 +105,14 @@ class Recorder:
             self._ring.write(record)
         self._settings[record.line] = record.settings
         self._check()
+        if self._trouble:
+            return True
         if self._queue.qsize() >= MOST_WAITING:
             self._left_out += 1
             return True
         if interface := self._blocks.interface(record.line):
             self._queue.put(Entry(record.time_ns, interface, is_packet=False))
-        is_telegram = record.framing == Framing.SIS and record.is_good_frame
-        self._queue.put(Entry(record.time_ns, self._blocks.packet(record), record.data if is_telegram else b""))
+        self._queue.put(Entry(record.time_ns, self._blocks.packet(record), heard(record)))
         return True
 
     def look(self, time_ns: int) -> None:
@@ -144,6 +129,8 @@ class Recorder:
             self._ring.end(time_ns)
         self.close()
         self._check()
+        if self._trouble:
+            raise OutputError(self._trouble)
 
     def close(self) -> None:
         """End the thread after its remaining work."""
@@ -153,7 +140,8 @@ class Recorder:
             self._thread = None
 
     def _check(self) -> None:
-        if self._trouble:
+        """Without a ring, a recorder that has failed keeps nothing: then the capture must not seem to go on."""
+        if self._trouble and not self._ring:
             raise OutputError(self._trouble)
         if self._left_out and self._queue.qsize() < MOST_WAITING // 2:
             left_out, self._left_out = self._left_out, 0
@@ -171,8 +159,10 @@ class Recorder:
             for judged in self.relay.finish(PATIENCE_S):
                 self._keep(judged)
             self._keeper.end()
-        except Exception as error:  # noqa: BLE001 - the capture must end with it, and say why
+        except Exception as error:  # noqa: BLE001 - whatever it is, the ring goes on
             self._trouble = f"the recorder has failed: {error!r}"
+            if self._ring:
+                self._say(f"{self._trouble}; the ring goes on")
         finally:
             self.relay.close()
 
@@ -210,16 +200,14 @@ class Recorder:
         path = shelf.new_name(self._wanted.folder, time_ns, beginning.reason)
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
         why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
-        if beginning.known:
-            why += "; it begins with earlier telegrams that set limits or read names"
-        started = b"".join(self._blocks.packet(self._again(record, beginning, why)) for record in self._started)
-        return _File(self, path, beginning.heading + started + beginning.known)
+        started = [self._again(record, beginning, why) for record in self._started]
+        packets = b"".join(map(self._blocks.packet, [*started, *beginning.known]))
+        return _File(self, path, time_ns, beginning.heading + packets)
 
     def _again(self, started: Record, beginning: Beginning, why: str) -> Record:
         settings = self._settings.get(started.line, started.settings)
-        time_ns = started.time_ns if beginning.known else beginning.first_ns  # before all that follows
         data = started.data + why.encode() if started.event == Event.CAPTURE_STARTED else started.data
-        return started._replace(time_ns=time_ns, settings=settings, data=data)
+        return started._replace(time_ns=beginning.first_ns, settings=settings, data=data)
 
     def tell_disk(self, trouble: str) -> None:
         """Report that a file cannot be written, once until one can."""
@@ -236,23 +224,32 @@ class Recorder:
 
     def _tidy(self) -> None:
         self._tidy_s = time.monotonic() + _TIDY_S
-        for files in (self._shelf, self._rings):
-            if files:
-                files.tidy()
+        try:
+            for files in (self._shelf, self._rings):
+                if files:
+                    files.tidy()
+            self._untidy = ""
+        except OSError as error:
+            if error.strerror != self._untidy:
+                self._untidy = error.strerror
+                self._say(f"{self._wanted.folder}: {error.strerror}; nothing can be kept there until it is back")
 
 
 class _File:
     """A file of the recorder. Write errors are reported, and the data left out."""
 
-    def __init__(self, recorder: Recorder, path: Path, beginning: bytes) -> None:
+    def __init__(self, recorder: Recorder, path: Path, time_ns: int, beginning: bytes) -> None:
         self._recorder = recorder
         self._path = path
+        self._time_ns = time_ns
         self._output: Output | None = None
         try:
-            self._output = Output(str(path))
+            self._output = Output(str(path), is_new=True)
             self._output.begin()
         except OutputRefused as error:
             self._recorder.tell_disk(str(error))
+        except FileExistsError:
+            self._recorder.tell_disk(f"{path} is there already: nobody else should write to this folder")
         self.write(beginning)
 
     def write(self, block: bytes) -> None:
@@ -265,10 +262,13 @@ class _File:
             self._output.close()
             self._output = None
 
-    def close(self) -> None:
+    def close(self, reasons: Collection[str]) -> None:
         if not self._output:
             return
         self._output.close()
         with suppress(OSError), self._path.open("rb+") as file:  # so that the file survives a power cut
             os.fsync(file.fileno())
+        if len(reasons) > 1:  # the first alone would hide a worse one
+            with suppress(OSError):
+                self._path = self._path.rename(shelf.new_name(self._path.parent, self._time_ns, *reasons))
         self._recorder.complete(self._path)

@@ -3,58 +3,88 @@
 
 from __future__ import annotations
 
+import os
 import re
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 RING = "ring.pcapng"  # output names the files: ring_00001_20261122031204.pcapng
 
-_KEPT_NAME = re.compile(r"kept_(\d{14}\.\d{3})_[\w.-]+\.pcapng", re.ASCII)
+_KEPT_NAME = re.compile(r"kept_(\d{14}\.\d{3})_([\w.-]+?)(?:-\d+)?\.pcapng", re.ASCII)
 _RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng", re.ASCII)
+
+
+Matches = Sequence[re.Match[str]]  # of the names of files, in the order of their time
 
 
 class Shelf:
     """The files of one kind."""
 
-    def __init__(self, folder: Path, name: re.Pattern[str], at_most: int | None, say: Callable[[str], None]) -> None:
-        """Keep the newest `at_most` files with such a name, None: all."""
+    def __init__(
+        self,
+        folder: Path,
+        name: re.Pattern[str],
+        surplus: Callable[[Matches], Matches],
+        say: Callable[[str], None],
+    ) -> None:
+        """Hold the files with such a name; `surplus` chooses those that must go. The first group is their time."""
         self.folder = folder
         self._name = name
-        self._at_most = at_most
+        self._surplus = surplus
         self._say = say
-        self._stay: set[Path] = set()  # files that cannot be deleted; reported once
+        self._stay: set[str] = set()  # files that cannot be deleted; reported once
 
     def tidy(self) -> None:
-        """Delete the oldest files if there are too many."""
-        if self._at_most is None:
-            return
-        found = sorted((match[1], path) for path in self.folder.iterdir() if (match := self._name.fullmatch(path.name)))
-        for _, path in found[: -self._at_most]:
+        """Delete files if there are too many."""
+        found = filter(None, (self._name.fullmatch(path.name) for path in self.folder.iterdir()))
+        for match in self._surplus(sorted(found, key=lambda match: (match[1], match[0]))):
+            path = self.folder / match[0]
             try:
                 path.unlink(missing_ok=True)
             except OSError as error:
-                if path not in self._stay:
-                    self._stay.add(path)
+                if path.name not in self._stay:
+                    self._stay.add(path.name)
                     self._say(f"{path} cannot be deleted: {error.strerror}; it stays, delete it yourself")
 
 
-def kept(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Shelf:
-    """Return the kept files."""
-    return Shelf(folder, _KEPT_NAME, at_most, say)
+def kept(folder: Path, at_most: int, say: Callable[[str], None]) -> Shelf:
+    """Return the kept files. The first of each reason stays."""
+    return Shelf(folder, _KEPT_NAME, lambda found: _repeats(found, at_most), say)
 
 
 def ring(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Shelf:
-    """Return the files of the full ring."""
-    return Shelf(folder, _RING_NAME, at_most, say)
+    """Return the files of the full ring, None: all stay."""
+    return Shelf(folder, _RING_NAME, lambda found: found[:-at_most] if at_most else (), say)
 
 
-def new_name(folder: Path, time_ns: int, word: str) -> Path:
-    """Return an unused name for a file, from its time (local) and reason."""
+def _repeats(found: Matches, at_most: int) -> Matches:
+    """Return the files above `at_most`: the oldest of those whose reasons are the most frequent.
+
+    So a thousand repeats displace neither a rare cause nor the first file of a reason. The newest is about to be told.
+    """
+    counts = Counter(reason for match in found for reason in _reasons(match))
+    firsts: dict[str, re.Match[str]] = {}
+    for match in found[:-1]:
+        for reason in _reasons(match):
+            firsts.setdefault(reason, match)
+    last = dict.fromkeys(firsts.values())
+    others = [match for match in found[:-1] if match not in last]
+    others.sort(key=lambda match: min(counts[reason] for reason in _reasons(match)), reverse=True)
+    return [*others, *last][: max(len(found) - at_most, 0)]
+
+
+def _reasons(match: re.Match[str]) -> list[str]:
+    return match[2].split("_")
+
+
+def new_name(folder: Path, time_ns: int, *words: str) -> Path:
+    """Return an unused name for a file, from its time (local) and reasons."""
     seconds, ns = divmod(time_ns, 1_000_000_000)
-    base = f"kept_{time.strftime('%Y%m%d%H%M%S', time.localtime(seconds))}.{ns // 1_000_000:03d}_{word}"
+    base = f"kept_{time.strftime('%Y%m%d%H%M%S', time.localtime(seconds))}.{ns // 1_000_000:03d}_{'_'.join(words)}"
     path, number = folder / f"{base}.pcapng", 1
-    while path.exists():
+    while os.path.lexists(path):  # a link that leads nowhere is there, too
         number += 1
         path = folder / f"{base}-{number}.pcapng"
     return path

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from sistap.line import priority
+from sistap.explain.running import ordinary_children
 
 MOST = 20  # running at the same time
 
@@ -33,7 +33,7 @@ class Telling:
         shell = sys.platform == "win32"
         line = f'{self._command} "{path}"' if shell else ["/bin/sh", "-c", f'{self._command} "$@"', "sh", str(path)]
         try:
-            with priority.ordinary_children():
+            with ordinary_children():
                 process = subprocess.Popen(
                     line, shell=shell, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True
                 )

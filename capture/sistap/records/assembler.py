@@ -3,14 +3,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import heapq
+import itertools
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings, Read
 from sistap.records.cut import SIS, Cut
 from sistap.records.framer import Framer
-from sistap.records.order import Order
 from sistap.records.record import Event, Record, event
+
+HOLD_NS = 500_000_000  # the longest telegram (263 characters) takes 301 ms at 9600 Bd
+
+
+class Order:
+    """Sorts the records of several lines by the times of their first characters.
+
+    A record waits while a telegram that began earlier is still coming in on the other line, but no longer than HOLD_NS.
+    Then it is written, and what began earlier follows it. `now_ns` may be any monotonic clock; the other times are
+    those of the records.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: list[tuple[int, int, Record]] = []  # time, number: records of equal time keep their order
+        self._number = itertools.count()
+        self._since: deque[tuple[int, int]] = deque()  # when each began to wait, and its time
+        self._overdue_ns = 0  # nothing that is at least this old waits
+
+    def add(self, records: Iterable[Record], now_ns: int) -> None:
+        """Add records."""
+        for record in records:
+            heapq.heappush(self._waiting, (record.time_ns, next(self._number), record))
+            self._since.append((now_ns, record.time_ns))
+
+    def due(self, unfinished_ns: Iterable[int | None], now_ns: int) -> Iterator[Record]:
+        """Yield records that need not wait any longer; `unfinished_ns`: for each line, the oldest time not in a
+        record.
+        """
+        while self._since and now_ns - self._since[0][0] >= HOLD_NS:
+            self._overdue_ns = max(self._overdue_ns, self._since.popleft()[1])
+        first_ns = min((time_ns for time_ns in unfinished_ns if time_ns is not None), default=None)
+        while self._waiting and (first_ns is None or self._waiting[0][0] <= max(first_ns, self._overdue_ns)):
+            yield heapq.heappop(self._waiting)[2]
+
+    @property
+    def empty(self) -> bool:
+        """Tell whether nothing waits."""
+        return not self._waiting
 
 
 @dataclass
@@ -24,11 +64,13 @@ class _Line:
 
 
 class Assembler:
-    """The lines of one tap. `now_ns` may be any monotonic clock; the other times are those of the characters."""
+    """The lines of one tap. `now_ns` may be any monotonic clock; the other times are those of the characters.
 
-    def __init__(self, write: Callable[[Record], None], cut: Cut = SIS) -> None:
-        """Call `write` with each record when it is due. Frames are cut as `cut` says."""
-        self._write = write
+    After each call, take what is `due`.
+    """
+
+    def __init__(self, cut: Cut = SIS) -> None:
+        """Cut frames as `cut` says."""
         self._lines: dict[int, _Line] = {}
         self._order = Order()
         self.cut = cut
@@ -55,24 +97,29 @@ class Assembler:
         """Return the time of the last arrival on a line."""
         return self._lines[number].arrived_ns
 
-    def brings_settings(self, read: Read) -> bool:
-        """Tell whether this is the first read with other settings."""
-        return bool(read.data) and read.settings not in (None, self.settings(read.line))
-
     def take(self, read: Read, now_ns: int, why: str) -> list[Record]:
-        """Take what was read, and `why` its settings are new, if they are. Return the records that it completed."""
+        """Take what was read, and `why` its settings are new, if they are.
+
+        Return at once what it completed: an event of new settings, and records. In their order they are `due` later.
+        """
         line = self._lines[read.line]
         line.arrived_ns = now_ns
-        if read.settings and self.brings_settings(read):
+        if read.data and read.settings and read.settings != line.framer.settings:
             self.change(read.line, read.settings, why, now_ns)
+        completed: list[Record] = []
         if line.why is not None:
             settings = line.framer.settings
-            changed = event(read.time_ns, read.line, settings, Event.SETTINGS_CHANGED, f"{settings}: {line.why}")
+            text = f"{settings}: {line.why}"
+            completed.append(event(read.time_ns, read.line, settings, Event.SETTINGS_CHANGED, text))
             line.why = None
-            self.emit([changed], now_ns)
-        records = line.framer.feed(read)
-        self.emit(records, now_ns)
-        return records
+        completed += line.framer.feed(read)
+        self.add(completed + self._beside(read), now_ns)
+        return completed
+
+    def _beside(self, read: Read) -> list[Record]:
+        """Let the framers of the other lines take what was read; return the records that it completed."""
+        others = (line.framer for number, line in self._lines.items() if number != read.line)
+        return [record for framer in others for record in framer.beside(read)]
 
     def change(self, number: int, settings: LineSettings, why: str, now_ns: int) -> None:
         """Change the settings of a line. The event comes with the next read, at its time."""
@@ -85,23 +132,25 @@ class Assembler:
         completed = []
         for number, line in self._lines.items():
             records = [] if line.own_time else line.framer.idle(now_ns - line.arrived_ns)
-            self.emit(records, now_ns)
+            self.add(records, now_ns)
             completed.append((number, records))
         return completed
 
     def flush(self, numbers: Iterable[int], now_ns: int) -> None:
-        """Write all that is left of these lines."""
+        """End the unfinished records of these lines."""
         for number in numbers:
-            self.emit(self._lines[number].framer.flush(), now_ns)
+            self.add(self._lines[number].framer.flush(), now_ns)
 
     def restart(self, number: int, now_ns: int) -> None:
         """Continue with another clock."""
-        self.emit(self._lines[number].framer.restart(), now_ns)
+        self.add(self._lines[number].framer.restart(), now_ns)
 
-    def emit(self, records: Sequence[Record], now_ns: int) -> None:
-        """Write records and outside events, after earlier ones of the other line."""
-        if not records and self._order.empty:
-            return
+    def add(self, records: Iterable[Record], now_ns: int) -> None:
+        """Add records, also events from outside."""
         self._order.add(records, now_ns)
-        for record in self._order.due((line.framer.oldest_ns for line in self._lines.values()), now_ns):
-            self._write(record)
+
+    def due(self, now_ns: int) -> Iterable[Record]:
+        """Return the records that wait for none of another line any more, in order of their times."""
+        if self._order.empty:
+            return ()
+        return self._order.due((line.framer.oldest_ns for line in self._lines.values()), now_ns)

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from collections import Counter
 
+from sistap.line.drivers import NOT_REPORTED
 from sistap.line.settings import ERROR_FLAGS, Flag, Read
-from sistap.records.record import Record, Type
+from sistap.records.record import Record, Type, interval_text
 
 _IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
 _IS_BREAK = bytes(bool(flag & Flag.BREAK) for flag in range(256))
@@ -42,8 +43,9 @@ class Counters:
         self.longest_ns = 0  # longest interval inside any of these
         # For each line, for its interface statistics:
         self.received: Counter[int] = Counter()  # records that the framer made
-        self.accepted: Counter[int] = Counter()  # those that were written; events do not count
+        self.accepted: Counter[int] = Counter()  # those that were written
         self.gaps: Counter[int] = Counter()  # places where characters were lost
+        self.errors_reported = True  # whether an adapter reports line errors at all
 
     @property
     def written(self) -> int:
@@ -54,6 +56,8 @@ class Counters:
     def text(self) -> str:
         """Return telegrams and characters in words, counted as `sistap report` counts them."""
         faulty = f"{self.faulty_characters} faulty character{'' if self.faulty_characters == 1 else 's'}"
+        if not (self.errors_reported or self.faulty_characters):
+            faulty = NOT_REPORTED
         telegrams = f"{self.telegrams + self.damaged} telegrams, {self.damaged} of them damaged"
         return f"{telegrams}, {self.characters} characters, {faulty}"
 
@@ -66,14 +70,17 @@ class Counters:
             self.breaks += sum(flags.translate(_IS_BREAK))
             self.gaps[read.line] += sum(flags.translate(_IS_GAP))
 
-    def add_record(self, record: Record) -> None:
-        """Count a record that the framer made."""
+    def add_record(self, record: Record, *, written: bool = True) -> None:
+        """Count a record that the framer made, and whether it was written. An event does not count."""
+        if record.type == Type.EVENT:
+            return
         self.received[record.line] += 1
+        self.accepted[record.line] += written
         if record.type == Type.FRAME and not record.is_handshake:
             self.telegrams += not record.checksum_bad
             self.damaged += record.checksum_bad
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
 
     def __str__(self) -> str:
-        longest = f"{self.longest_ns / 1e6:.3f} ms" if self.longest_ns else "not known"
+        longest = interval_text(self.longest_ns) if self.longest_ns else "not known"
         return f"{self.text}, longest interval {longest}"

@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from sistap.line.settings import LineSettings
-from sistap.records.framer import Framer, SilenceFramer, SisFramer
+from sistap.records.framer import AsciiFramer, Framer, SilenceFramer, SisFramer
 from sistap.records.framer_3964r import Framer3964R
 from sistap.records.record import Framing
 
-WORDS = "sis|3964r|silence:MS"
-HELP = "what to look for: SIS telegrams (the default), blocks of procedure 3964R, or frames between silences of MS ms"
+WORDS = "sis|3964r|ascii|silence:MS"
+HELP = (
+    "what to look for: SIS telegrams (the default), blocks of procedure 3964R, lines of the ASCII protocol of drives "
+    "with SIS telegrams between them, or frames between silences of MS ms"
+)
 LONGEST_MS = 1e12  # more than 30 years
 
 
@@ -40,24 +43,23 @@ class Cut:
         """Return the framer of a line."""
         if self.framing == Framing.SILENCE:
             return SilenceFramer(line, settings, int(self.silence_ms * 1e6))
-        return Framer3964R(line, settings) if self.framing == Framing.PROCEDURE_3964R else SisFramer(line, settings)
+        return _FRAMERS[self.framing](line, settings)
 
     @property
     def said(self) -> str:
         """Return its part in the description of a capture; empty for SIS."""
         if self.framing == Framing.SILENCE:
             return f"; frames cut by {self.silence_ms:g} ms of silence"
-        return "; blocks of procedure 3964R" if self.framing == Framing.PROCEDURE_3964R else ""
+        return _SAID[self.framing]
 
 
 SIS = Cut()
 PROCEDURE_3964R = Cut(Framing.PROCEDURE_3964R)
-_BY_NAME = {"sis": SIS, "3964r": PROCEDURE_3964R}
-
-
-def framing(text: str) -> Cut:
-    """Parse the option, as the type of an argument."""
-    try:
-        return Cut.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+ASCII = Cut(Framing.ASCII)
+_BY_NAME = {"sis": SIS, "3964r": PROCEDURE_3964R, "ascii": ASCII}
+_SAID = {Framing.SIS: "", Framing.PROCEDURE_3964R: "; blocks of procedure 3964R", Framing.ASCII: "; lines of text"}
+_FRAMERS: dict[Framing, Callable[[int, LineSettings], Framer]] = {
+    Framing.SIS: SisFramer,
+    Framing.PROCEDURE_3964R: Framer3964R,
+    Framing.ASCII: AsciiFramer,
+}

@@ -7,6 +7,7 @@ agreed on the bus, and a capture does not know it. Only a second of silence, or 
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from itertools import pairwise
 
@@ -18,6 +19,8 @@ SILENCE_NS = 1_000_000_000  # a telegram does not continue after such a pause
 # Characters outside telegrams are collected up to this many: enough for a page of text, and far below the 43,000 (6
 # bytes for each) at which Wireshark refuses a packet.
 RUN_LIMIT = 4096
+# Longest frame between silences. Half a second later it is on the disk, so a power cut costs a second.
+FRAME_NS = 500_000_000
 
 _LENGTHS_END = 4  # start, checksum, both lengths
 _WITH_SAME_READ = bytes(flag | Flag.SAME_READ for flag in range(256))
@@ -68,6 +71,10 @@ class Framer(ABC):
         if len(self._data) >= self._needed:
             self._cut(records, final=False)
         return records
+
+    def beside(self, read: Read) -> list[Record]:  # noqa: ARG002
+        """Take what came on the other line of a full-duplex tap; return the records that this completes."""
+        return []
 
     def idle(self, idle_ns: int) -> list[Record]:
         """Note that nothing was read for that long, by the caller's clock; return the records that this completes."""
@@ -134,11 +141,19 @@ class Framer(ABC):
 
 
 class SilenceFramer(Framer):
-    """Characters without a pause between them form a frame: for protocols other than SIS."""
+    """Characters without a pause between them form a frame: for protocols other than SIS.
+
+    A long frame is cut. The interval before the rest is shorter than the silence.
+    """
 
     framing = Framing.SILENCE
 
+    def __init__(self, line: int, settings: LineSettings, silence_ns: int) -> None:
+        super().__init__(line, settings, silence_ns)
+        self._longest_ns = max(FRAME_NS, silence_ns)
+
     def _cut(self, records: list[Record], *, final: bool) -> None:
+        final = final or self._times[-1] - self._times[1] >= self._longest_ns
         size = len(self._data)
         start = 0
         while size - start >= RUN_LIMIT or (final and start < size):
@@ -235,8 +250,7 @@ class SisFramer(ContentFramer):
                 self._at += 1
             else:
                 break
-        certain = self._certain
-        self._emit_others(records, certain if final else certain - (certain - self._done) % RUN_LIMIT)
+        self._emit_certain(records, final=final)
         self._needed = needed
         if self._done:
             self._forget_done()
@@ -245,6 +259,11 @@ class SisFramer(ContentFramer):
     def _certain(self) -> int:
         """Return the position before which nothing is part of a telegram."""
         return self._damaged[0][0] if self._damaged else self._at
+
+    def _emit_certain(self, records: list[Record], *, final: bool) -> None:
+        """Emit what is certainly not part of a telegram; only long runs of it if more may come."""
+        certain = self._certain
+        self._emit_others(records, certain if final else certain - (certain - self._done) % RUN_LIMIT)
 
     def _judge(self, records: list[Record], start: int, end: int) -> None:
         """Decide about a complete telegram with equal lengths."""
@@ -271,3 +290,77 @@ class SisFramer(ContentFramer):
         self._at -= done
         self._needed -= done
         self._damaged = [(start - done, end - done) for start, end in self._damaged]
+
+
+# Latin-1, as drives write "°C". A prompt; a line with its end. After CR at the end of the data, LF may still come.
+_TEXT = rb"[ -~\t\xa0-\xff]"
+_PROMPT = re.compile(rb"E\d{1,3}:>|\?")
+_LINE = re.compile(_TEXT + rb"{0,%d}(\r\n|\r|\n)" % (RUN_LIMIT - 2))
+_ANY_TEXT = re.compile(_TEXT)
+_NOISE = re.compile(_TEXT + rb"*[^ -~\t\xa0-\xff\r\n]*")  # with the text before it, which has no end
+
+
+class AsciiFramer(SisFramer):
+    """Cuts SIS telegrams, and what is between them into lines of the ASCII protocol: both may be on one bus.
+
+    A line ends with CR, CR LF or LF. A prompt is complete without an end: E21:> of a drive, "?" where it asks for the
+    next element of a list. What follows it is the next command. A line of characters that are no text is no frame.
+    """
+
+    framing = Framing.ASCII
+
+    def settle(self) -> list[Record]:
+        """Return what is certain, but not the beginning of a line: its end may still come."""
+        records: list[Record] = []
+        super()._emit_others(records, self._emit_lines(records, self._certain, final=False))
+        self._forget_done()
+        return records
+
+    def _emit_frame(self, records: list[Record], start: int, end: int, *, checksum_bad: bool) -> None:
+        super()._emit_frame(records, start, end, checksum_bad=checksum_bad)
+        records[-1] = records[-1]._replace(framing=Framing.SIS)
+
+    def _emit_certain(self, records: list[Record], *, final: bool) -> None:
+        self._emit_lines(records, self._certain, final=final)
+
+    def _emit_others(self, records: list[Record], end: int) -> None:
+        self._emit_lines(records, end, final=True)
+
+    def _emit_lines(self, records: list[Record], end: int, *, final: bool) -> int:
+        """Emit lines, and the characters before each that are none; all of them if nothing more comes (`final`).
+
+        Return the position before which no line is.
+        """
+        at = self._done
+        while at < end:
+            if line_end := self._line_end(at, end, final=final):
+                super()._emit_others(records, at)
+                records.append(self._record(Type.FRAME, at, line_end))
+                self._done = at = line_end
+                continue
+            limit = self._done + RUN_LIMIT
+            noise_end = _end_of_noise(self._data, at, min(end, limit))
+            is_open = noise_end == at or _ANY_TEXT.match(self._data, noise_end - 1)
+            if is_open and not final and noise_end < limit:
+                return at
+            at = noise_end
+            if at == limit:
+                super()._emit_others(records, at)
+        if final:
+            super()._emit_others(records, end)
+        return at
+
+    def _line_end(self, at: int, end: int, *, final: bool) -> int:
+        """Return the end of the line that begins here; 0: none, or not all of it has come."""
+        prompt = _PROMPT.match(self._data, at, end)
+        if prompt:
+            return prompt.end()
+        line = _LINE.match(self._data, at, end)
+        if not line or (line[1] == b"\r" and line.end() == end and not final):
+            return 0
+        return line.end()
+
+
+def _end_of_noise(data: bytearray, at: int, end: int) -> int:
+    found = _NOISE.match(data, at, end)
+    return found.end() if found else end

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The record: one packet of protocol `sertap` as bytes (layout: plugin/README.md; network byte order)."""
+"""The record: one packet of protocol `sertap` as bytes (layout: plugin/docs/record.md; network byte order)."""
 
 from __future__ import annotations
 
 import enum
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from sistap.line.settings import ERROR_FLAGS, PARITIES, UNCERTAINTY_UNKNOWN, Flag, LineSettings
@@ -17,6 +17,11 @@ INTERVAL_MAX = 0xFFFFFFFF
 LARGEST_RATE = 0xFFFFFFFF
 _NO_ERROR = Flag(0)
 _NO_ERRORS = bytes(flags for flags in range(256) if not flags & ERROR_FLAGS)
+
+
+def interval_text(interval_ns: int) -> str:
+    """Write an interval in ms. The longest that can be stored was any longer."""
+    return f"{'more than ' if interval_ns == INTERVAL_MAX else ''}{interval_ns / 1e6:.3f} ms"
 
 
 class Type(enum.IntEnum):
@@ -32,6 +37,7 @@ class Framing(enum.IntEnum):
 
     SIS = 0
     PROCEDURE_3964R = 1
+    ASCII = 2
     SILENCE = 255
 
 
@@ -45,6 +51,7 @@ class Event(enum.IntEnum):
     ADAPTER_LOST = 4
     MARKER = 5
     LIMITS_TOLD = 6  # by the user; the text is for the dissector: TzA = 8 ms, TrS = 20 ms
+    TOLD_BEFORE = 7  # at the beginning of a file that continues another: facts from before, one in a line
 
     @classmethod
     def _missing_(cls, value: object) -> Event | None:
@@ -54,6 +61,14 @@ class Event(enum.IntEnum):
         later = int.__new__(cls, value)
         later._name_, later._value_ = f"LATER_{value}", value
         return later
+
+
+class Character(NamedTuple):
+    """A character of a record. It came between `time_ns - uncertainty` of the record and `time_ns`."""
+
+    time_ns: int
+    value: int
+    flags: Flag
 
 
 class Record(NamedTuple):
@@ -97,6 +112,13 @@ class Record(NamedTuple):
         if self.type == Type.EVENT:
             return header + self.data
         return header + self.data + struct.pack(f">{count}I", *self.intervals) + self.flags
+
+    def characters(self) -> Iterator[Character]:
+        """Yield its characters; an event has none."""
+        time_ns = self.time_ns
+        for place, (interval, flags) in enumerate(zip(self.intervals, self.flags, strict=True)):
+            time_ns += interval if place else 0
+            yield Character(time_ns, self.data[place], Flag(flags))
 
     @property
     def end_ns(self) -> int:

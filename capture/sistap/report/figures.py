@@ -10,11 +10,13 @@ from dataclasses import dataclass, field
 from sistap.accesses.listing import Listing, Place
 from sistap.packets.dissection import Judged, Packet, Telegram
 from sistap.packets.distribution import Distribution, Slices
-from sistap.packets.moments import LOST, Moments
+from sistap.packets.faults import LOST, faults
 from sistap.report.curves import Curves
+from sistap.report.pauses import Pauses
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20
+SILENCE_S = 0.2  # after which an operator terminal gives up (IF02 chapter 10.1)
 
 
 @dataclass
@@ -78,6 +80,21 @@ class Exactness:
 
 
 @dataclass
+class Silences:
+    """Those of the line before telegrams."""
+
+    long: int = 0  # above SILENCE_S
+    longest_s: float = 0.0
+    before: int | None = None  # the packet after the longest
+
+    def add(self, silence_s: float, packet: int) -> None:
+        """Count one."""
+        self.long += silence_s > SILENCE_S
+        if silence_s > self.longest_s:
+            self.longest_s, self.before = silence_s, packet
+
+
+@dataclass
 class Figures:
     """All of them; times in s."""
 
@@ -94,13 +111,15 @@ class Figures:
     intervals: Distribution = field(default_factory=Distribution)  # inside telegrams, from character to character
     framings: Counter[int] = field(default_factory=Counter)  # frames that are no SIS telegrams, by framing
     frame_intervals: Distribution = field(default_factory=Distribution)  # inside those
+    silences: Silences = field(default_factory=Silences)
     limits: dict[str, Limit] = field(default_factory=lambda: {name: Limit() for name in ("tza", "trs", "tmas")})
     services: defaultdict[int, Service] = field(default_factory=lambda: defaultdict(Service))
     stations: defaultdict[int, Station] = field(default_factory=lambda: defaultdict(Station))
-    moments: Moments = field(default_factory=Moments)
+    faults: Counter[str] = field(default_factory=Counter)  # packets that have each
     slices: Slices = field(default_factory=Slices)
     parameters: Listing = field(default_factory=Listing)
     curves: Curves = field(default_factory=Curves)
+    pauses: Pauses = field(default_factory=Pauses)
 
     def add(self, packet: Packet) -> None:
         """Count a packet."""
@@ -114,17 +133,21 @@ class Figures:
             self.events.append(packet)
         if packet.type in (FRAME, OTHER):
             self._add_record(packet)
+            self.pauses.add(packet)
         at = self.slices.at(packet.time_s)
         for telegram in packet.telegrams:
             self._add_telegram(telegram, at)
+            if telegram.silence:
+                self.silences.add(telegram.silence.time_s, packet.number)
             # In the first second it is the load of a shorter time, 100 % to begin with.
             if telegram.load_percent is not None and packet.time_s >= 1:
                 self.slices.add_load(at, telegram.load_percent)
         for access in packet.accesses:
             self.parameters.add(Place("", packet.number, packet.epoch_s), access)
             self.curves.add(packet.time_s, access)
-        for kind in self.moments.add(packet):
-            self.slices.counts[kind.name][at] += 1
+        for fault in faults(packet):
+            self.faults[fault.name] += 1
+            self.slices.counts[fault.name][at] += 1
 
     def _add_record(self, packet: Packet) -> None:
         self.exactness.add(packet)
@@ -147,7 +170,7 @@ class Figures:
                 self.limits[name].add(found)
         if telegram.reaction and telegram.service is not None:
             service = self.services[telegram.service]
-            service.times.add([telegram.reaction.time_s])
+            service.times.add(telegram.reaction.measured_s)
             service.trs.add(telegram.reaction)
         if telegram.good:
             self.good += 1
@@ -162,12 +185,12 @@ class Figures:
         self.slices.counts[str(telegram.talker)][at] += 1
         if telegram.is_reaction:
             station.reactions += 1
-            station.errors += bool(telegram.status)
+            station.errors += telegram.is_refusal
         else:
             station.commands += 1
             station.repeats += telegram.is_repeat
         if telegram.reaction:
-            station.times.add([telegram.reaction.time_s])
+            station.times.add(telegram.reaction.measured_s)
             station.trs.add(telegram.reaction)
         if telegram.pause:
             station.tza.add(telegram.pause)

@@ -3,18 +3,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+from sistap.common.garbage import uncollected
+from sistap.episodes.engine import Engine
+from sistap.episodes.episode import Episode
+from sistap.episodes.lines import Line, lines
 from sistap.packets.dissection import Dissection
-from sistap.packets.moments import Moment
 from sistap.report import windows
 from sistap.report.figures import Figures
 from sistap.report.windows import Window
-from sistap.terminal.garbage import uncollected
-from sistap.terminal.visible import visible
+from sistap.terminal.console import visible
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -26,35 +29,47 @@ class Report:
 
     name: str  # of the capture
     figures: Figures
-    worst: list[Moment]
-    info: dict[int, str]  # lines of Wireshark's packet list, by packet number
+    episodes: list[Episode]
     windows: list[Window]
     missing: list[str]  # fields that the installed dissector does not know
     warning: str  # what tshark said of a capture that is cut
     limits_ms: Mapping[str, int]  # tza and trs, where the person who asks tells them
+    files: int = 1  # read as one
+
+    @property
+    def answer(self) -> list[Line]:
+        """Return the five lines that say what happened."""
+        begin_s = self.figures.first_epoch_s or 0.0
+        return lines(self.episodes, begin_s, begin_s + self.figures.duration_s)
 
 
-def gather(
+def gather(  # noqa: PLR0913 - each comes from another part
     tshark: Tshark,
     capture: Path,
     asked: Sequence[Window],
     progress: Callable[[str], None],
     limits_ms: Mapping[str, int] = MappingProxyType({}),
+    since_s: float = -math.inf,
 ) -> Report:
-    """Read a capture; `asked` are the windows that a person wants to see, `limits_ms` those to judge by.
+    """Read a capture; `asked` are the windows that a person wants to see, `limits_ms` those to judge by. What came
+    before `since_s` only tells what is usual.
 
     NotACapture, TsharkError, Incomplete.
     """
-    figures = Figures()
+    figures, engine = Figures(), Engine()
     preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}
-    with Dissection(tshark, capture, preferences=preferences) as dissection, uncollected():
+    with Dissection(tshark, capture, preferences=preferences, since_s=since_s) as dissection, uncollected():
         progress(f"reading {capture}")
         for packet in dissection.packets():
+            engine.add(packet)
+            if packet.is_before:
+                continue
             figures.add(packet)
             if figures.packets % _PROGRESS_EVERY == 0:
                 progress(f"{figures.packets} packets read, {packet.time_s:.0f} s of the capture")
-        worst = figures.moments.worst()
-        shown = [*asked, *windows.around(worst, asked)]
+        episodes = [episode for episode in engine.finish() if episode.to_s >= since_s]
+        shown = [*asked, *windows.around(episodes, figures.first_epoch_s or 0.0, asked)]
         progress(f"{figures.packets} packets read; reading the worst of them once more")
-        info = windows.fill(dissection, shown, worst)
-    return Report(visible(capture.name), figures, worst, info, shown, dissection.missing, dissection.warning, limits_ms)
+        windows.fill(dissection, shown)
+    said = dissection.missing, dissection.warning, limits_ms
+    return Report(visible(capture.name), figures, episodes, shown, *said)

@@ -6,6 +6,8 @@ from __future__ import annotations
 from html import escape
 
 import sistap
+from sistap.draw.panel import COLOURS, Drawing
+from sistap.draw.svg import svg
 from sistap.report import plots, tables
 from sistap.report.gather import Report
 from sistap.report.tables import Table
@@ -21,7 +23,7 @@ _DARK = {
     "other": "#858c95",
     "bad": "#ff7350",
 }
-_LIGHT = {"paper": "#ffffff", "shade": "#eef1f4", "faint": "#5b6672", **plots.COLOURS}
+_LIGHT = {"paper": "#ffffff", "shade": "#eef1f4", "faint": "#5b6672", **COLOURS}
 
 _STYLE = """\
 body { margin: 0 auto; padding: 1rem; max-width: 84rem; background: var(--paper); color: var(--ink);
@@ -42,7 +44,10 @@ th[scope=row], td { white-space: nowrap; }
 thead th { vertical-align: bottom; border: 0; }
 td.folded { white-space: normal; min-width: 10rem; }
 code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; user-select: all; }
-.headline { font-size: 1.1rem; }
+.headline, .answer { font-size: 1.1rem; }
+.answer li { margin: .35rem 0; }
+a { color: inherit; text-decoration-color: var(--line); }
+tr:target { background: var(--shade); outline: .15rem solid var(--command); }
 .remarks { padding: .6rem 1rem .6rem 2rem; background: var(--shade); border-left: .3rem solid var(--line); }
 footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line); }
 @media screen and (max-width: 42rem) {  /* a telephone: each row a card */
@@ -85,6 +90,14 @@ _VALUES = (
     "Where nothing was read for a long time, the curve has a gap. A dot is a value that was written. Red lines are the "
     "limits, if minimum and maximum were read and are not far away."
 )
+_TIMELINE = (
+    "A bar is an episode: red where something has to be looked at, grey where it is only noted. A click leads to its "
+    "row, which has its display filter."
+)
+_PAUSES = (
+    "The smallest safe TzA is the whole number of ms that every telegram of the capture surely kept. A longer capture "
+    "makes it surer."
+)
 _REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
 _OVERVIEW = (
     "The load is that of the second before, from the first whole second on. The steps of a station count its "
@@ -98,13 +111,16 @@ def page(report: Report, title: str = "", note: str = "") -> str:
     parts = [
         f"<h1>{escape(title)}</h1>",
         "".join(f"<p>{escape(text)}</p>" for text in note.splitlines() if text.strip()),
-        f'<p class="headline">{escape(tables.headline(report))}</p>',
+        _answer(report),
+        _figure(plots.timeline(report), "timeline", _TIMELINE),
         _remarks(tables.remarks(report)),
+        _table(tables.episodes(report), "Each filter finds its packets: paste it into Wireshark's filter line."),
         _table(tables.summary(report)),
         _overview(report),
         _table(tables.faults(report)),
         _table(tables.verdicts(report)),
-        _table(tables.worst(report), "Each filter finds its moment: paste it into Wireshark's filter line."),
+        _table(tables.pauses(report), _PAUSES),
+        _table(tables.places(report)),
         _windows(report),
         _times(report),
         _table(tables.services(report)),
@@ -126,10 +142,7 @@ def _document(title: str, body: str) -> str:
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <title>{escape(title)}: report</title>
-<style>
-{_variables(_LIGHT)}
-@media screen and (prefers-color-scheme: dark) {{ {_variables(_DARK)} }}
-{_STYLE}</style>
+<style>{style()}</style>
 </head>
 <body>
 {body}
@@ -138,8 +151,33 @@ def _document(title: str, body: str) -> str:
 """
 
 
+def style() -> str:
+    """Return the style of every page, which the page of a browser has to allow."""
+    dark = f"@media screen and (prefers-color-scheme: dark) {{ {_variables(_DARK)} }}"
+    return f"\n{_variables(_LIGHT)}\n{dark}\n{_STYLE}"
+
+
 def _variables(colours: dict[str, str]) -> str:
     return f":root {{ {' '.join(f'--{role}: {colour};' for role, colour in colours.items())} }}"
+
+
+def _answer(report: Report) -> str:
+    """Write the five lines; each phrase is a link to its episode, where the display filter is."""
+    if not report.episodes:
+        return "".join(f'<p class="headline">{escape(line)}</p>' for line in tables.answer(report)[:1])
+    places = {id(episode): number for number, episode in enumerate(report.episodes[: tables.EPISODES_SHOWN])}
+    items = []
+    for line in report.answer:
+        head = f"<b>{escape(line.verdict or line.subject)}</b>{'.' if line.verdict else ':'} "
+        phrases = [_phrase(phrase.text, places.get(id(phrase.episode))) for phrase in line.phrases]
+        more = [f"and {line.left_out} more"] if line.left_out else []
+        items.append(f"<li>{head}{'; '.join([*phrases, *more]) or ('' if line.verdict else 'nothing')}</li>")
+    return f'<ol class="answer">{"".join(items)}</ol>'
+
+
+def _phrase(text: str, row: int | None) -> str:
+    """Write a phrase, as a link to its row if the table has it."""
+    return escape(text) if row is None else f'<a href="#{tables.ANCHOR}{row}">{escape(text)}</a>'
 
 
 def _remarks(remarks: list[str]) -> str:
@@ -152,7 +190,10 @@ def _table(table: Table, note: str = "") -> str:
         return ""
     heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
     head = f"<thead><tr>{heads}</tr></thead>" if heads else ""
-    rows = "\n".join(f"<tr>{''.join(_cells(table, row))}</tr>" for row in table.rows)
+    rows = "\n".join(
+        f"<tr{f' id={table.anchor}{number}' if table.anchor else ''}>{''.join(_cells(table, row))}</tr>"
+        for number, row in enumerate(table.rows)
+    )
     text = f"<p>{escape(note)}</p>" if note else ""
     return (
         f'<h2>{escape(table.title)}</h2>{text}<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
@@ -169,13 +210,13 @@ def _cells(table: Table, row: tuple[str, ...]) -> list[str]:
     return cells
 
 
-def _figure(drawing: plots.Drawing | None, name: str, text: str) -> str:
+def _figure(drawing: Drawing | None, name: str, text: str) -> str:
     if drawing is None:
         return ""
-    svg = plots.svg_for_page(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
+    shown = svg(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
     kind = ' class="wide"' if drawing.is_wide else ""
     caption = f"<figcaption><b>{escape(drawing.title)}</b><br>{escape(text)}</figcaption>"
-    return f'<figure{kind}>{caption}<div class="scroll">{svg}</div></figure>'
+    return f'<figure{kind}>{caption}<div class="scroll">{shown}</div></figure>'
 
 
 def _overview(report: Report) -> str:

@@ -4,27 +4,40 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from typing import Any
 
 from sistap.accesses.listing import Listed
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.packets.distribution import Distribution
-from sistap.packets.moments import Moment
+from sistap.packets.faults import COUNTED
 from sistap.report import tables
 from sistap.report.figures import Figures, Limit, Station
 from sistap.report.gather import Report
+from sistap.report.pauses import Pause, Talker
 from sistap.report.windows import Window
-from sistap.sis.names import service_name
+from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
+
+WIDTH = 72  # characters of the lines that answer: a mail has room for them
 
 
 def as_text(report: Report, title: str = "", note: str = "") -> str:
     """Write all tables, columns aligned, below a title and a note."""
-    shown = [tables.summary, tables.events, tables.verdicts, tables.faults, tables.worst, tables.services]
+    shown = [
+        tables.episodes,
+        tables.summary,
+        tables.events,
+        tables.verdicts,
+        tables.pauses,
+        tables.places,
+        tables.faults,
+        tables.services,
+    ]
     parts = [
         title,
         note,
-        tables.headline(report),
+        "\n".join(textwrap.fill(line, WIDTH, subsequent_indent="  ") for line in tables.answer(report)),
         *tables.remarks(report),
         *(_table(make(report)) for make in [*shown, tables.stations, tables.parameters]),
         "\n".join(["Words", "-----", *tables.GLOSSARY]),
@@ -52,6 +65,8 @@ def _report(report: Report) -> dict[str, Any]:
         "capture": report.name,
         "warning": report.warning,
         "missing_fields": report.missing,
+        "answer": tables.answer(report),
+        "episodes": [episode.as_json() for episode in report.episodes],
         "began_epoch_s": figures.first_epoch_s,
         "duration_s": figures.duration_s,
         "ports": list(figures.interfaces),
@@ -67,8 +82,18 @@ def _report(report: Report) -> dict[str, Any]:
         "clock": _clock(figures),
         "events": [_event(packet) for packet in figures.events],
         "limits": {name: _limit(limit) for name, limit in figures.limits.items()},
-        "faults": figures.moments.counts,
-        "worst": [_moment(moment, report.info) for moment in report.worst],
+        "tza_by_talker": [_pause(*found) for found in sorted(figures.pauses.talkers.items())],
+        "tza_by_character": [
+            {"before_character": place, "count": one.count, "average_s": one.total_s / one.count}
+            | {"longest_s": one.longest_s}
+            for place, one in sorted(figures.pauses.places.items())
+        ],
+        "faults": {fault.name: figures.faults[fault.name] for fault in COUNTED},
+        "silences": {
+            "above_200_ms": figures.silences.long,
+            "longest_s": figures.silences.longest_s,
+            "longest_before_packet": figures.silences.before,
+        },
         "intervals": _distribution(figures.intervals),
         "other_frame_intervals": _distribution(figures.frame_intervals),
         "services": [
@@ -115,17 +140,19 @@ def _distribution(times: Distribution) -> dict[str, Any]:
     }
 
 
-def _moment(moment: Moment, info: dict[int, str]) -> dict[str, Any]:
-    judged = moment.judged
+def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
     return {
-        "kind": moment.kind.name,
-        "packet": moment.number,
-        "time_s": moment.time_s,
-        "measured_s": judged.time_s if judged else None,
-        "limit_s": judged.limit_s if judged else None,
-        "uncertainty_s": moment.uncertainty_s,
-        "info": info.get(moment.number, ""),
-        "filter": moment.filter,
+        "station": talker.station,
+        "baud": talker.baud or None,
+        "telegrams": pause.telegrams,
+        "longest_s": pause.longest_s,
+        "before_character": pause.position,
+        "longest_with_uncertainty_s": pause.most_s,
+        "part_of_limit": pause.ratio or None,
+        "smallest_safe_ms": pause.safe_ms,
+        "longer_at_most_one_in": pause.one_in,
+        "unresolved": pause.unresolved,
+        "resolved_if_more_exact_than_s": pause.exact_s if pause.unresolved else None,
     }
 
 

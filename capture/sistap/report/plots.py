@@ -1,59 +1,39 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The pictures of a report, drawn by matplotlib. What was counted in bins is drawn from bins."""
+"""The pictures of a report. What was counted in bins is drawn from bins."""
 
 from __future__ import annotations
 
-import io
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
-
-import matplotlib
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
-from matplotlib.patches import Patch, PathPatch
-from matplotlib.path import Path as Outline
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from collections.abc import Iterator, Sequence
 
 from sistap.accesses.listing import Listed
+from sistap.draw.panel import (
+    Area,
+    Axis,
+    Bar,
+    Dots,
+    Drawing,
+    Line,
+    Mark,
+    Panel,
+    Strokes,
+    Text,
+    linear,
+    logarithmic,
+    milliseconds,
+    times_of_day,
+)
+from sistap.episodes.rules import Severity
 from sistap.packets.dissection import EXCEEDED, Packet, Telegram
 from sistap.packets.distribution import Distribution, Slices
-from sistap.packets.moments import KINDS
+from sistap.packets.faults import COUNTED
 from sistap.report.curves import Curve, Point
 from sistap.report.gather import Report
-from sistap.report.tables import ms, of_device
+from sistap.report.tables import ANCHOR, EPISODES_SHOWN, ms, of_device
 from sistap.report.windows import Window
-from sistap.sis.names import service_name
+from sistap.sis.telegram import service_name
 
-# By role, on white paper. The page gives each role another colour in the dark. Blue, green and vermilion can be told
-# apart by people who do not see red or green; red things have words beside them as well.
-COLOURS = {
-    "ink": "#1d2733",
-    "line": "#8b95a1",
-    "command": "#0072b2",
-    "reaction": "#009e73",
-    "other": "#9aa0a6",
-    "bad": "#d1350f",
-}
-_SETTINGS: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "sistap",
-    "font.size": 10,
-    "figure.facecolor": "white",
-    "axes.facecolor": "none",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "text.color": COLOURS["ink"],
-    "axes.labelcolor": COLOURS["ink"],
-    "axes.edgecolor": COLOURS["line"],
-    "axes.titlesize": 10,
-    "xtick.color": COLOURS["line"],
-    "ytick.color": COLOURS["line"],
-    "xtick.labelcolor": COLOURS["ink"],
-    "ytick.labelcolor": COLOURS["ink"],
-    "legend.frameon": False,
-}
 _LANES = 12  # the busiest stations and services; more would not be readable
 _LABELS = 24  # packet numbers in a window
 _LABELLED = 0.97  # of its width: a number at the right edge would be cut
@@ -62,103 +42,93 @@ _FEW = 40  # points, each of which is drawn
 _FAR = 2.0  # times the span of the values: a limit farther away is not drawn
 _JOINED = 5  # bins of a Distribution that make one bar
 _WIDE_IN, _NARROW_IN = 10.0, 5.2
+_RED_PT = 1.5
+_LEAST_SHOWN = 0.003  # of the width: a shorter episode could not be seen
 
 
-class Pen(NamedTuple):
-    """What strokes are drawn with."""
+def timeline(report: Report) -> Drawing | None:
+    """Every episode, in the lane of its station."""
+    if not report.episodes:
+        return None
+    begin_s = min(report.figures.first_epoch_s or 0.0, *(one.from_s for one in report.episodes))
+    end_s = max(begin_s + report.figures.duration_s, *(one.to_s for one in report.episodes))
+    stations = sorted({one.station for one in report.episodes if one.station is not None})
+    lanes: list[int | None] = [None, *stations][: 2 * _LANES]
 
-    role: str  # of COLOURS
-    width_pt: float
+    def draw() -> list[list[Panel]]:
+        panel = Panel(x=times_of_day(begin_s, end_s))
+        least_s = (end_s - begin_s) * _LEAST_SHOWN
+        for number, one in enumerate(report.episodes[:EPISODES_SHOWN]):
+            if one.station in lanes:
+                role = "bad" if one.severity >= Severity.WARNING else "other"
+                until_s, opacity = max(one.to_s, one.from_s + least_s), 0.5 if one.to_s - one.from_s > least_s else 1.0
+                lane = -lanes.index(one.station)
+                panel.add(Bar(one.from_s, until_s, lane, 0.7, role, opacity, link=f"#{ANCHOR}{number}", tip=one.text))
+        panel.name_lanes(["the bus" if lane is None else f"station {lane}" for lane in lanes])
+        return [[panel]]
 
-
-_RED = Pen("bad", 1.5)
-
-
-class Drawing(NamedTuple):
-    """A picture to be drawn into a figure of its own, or with others into one."""
-
-    title: str
-    width_in: float
-    height_in: float
-    draw: Callable[[SubFigure | Figure], None]
-
-    @property
-    def is_wide(self) -> bool:
-        """Whether it needs the width of a page."""
-        return self.width_in == _WIDE_IN
+    return Drawing("What happened when", _WIDE_IN, 0.6 + 0.33 * len(lanes), draw)
 
 
 def overview(report: Report) -> Drawing | None:
     """The bus over the whole capture: load, what each station sent, where the faults are."""
-    slices, moments = report.figures.slices, report.figures.moments
+    slices, counts_of = report.figures.slices, report.figures.faults
     busiest = sorted(report.figures.stations, key=lambda address: -sum(slices.counts[str(address)]))[:_LANES]
     stations = [(f"station {address}", slices.counts[str(address)]) for address in sorted(busiest)]
-    faults = [(kind.short, slices.counts[kind.name]) for kind in KINDS if kind.is_fault and moments.counts[kind.name]]
+    faults = [(fault.short, slices.counts[fault.name]) for fault in COUNTED if counts_of[fault.name]]
     has_load = any(load is not None for load in slices.loads)
     if not stations and not faults:
         return None
 
-    def draw(figure: SubFigure | Figure) -> None:
-        lanes = len(stations) + len(faults)
-        if has_load:
-            upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 0.5 + lanes * 0.5])
-            upper.fill_between(*_load(slices), color=COLOURS["other"])
-            upper.set(ylim=(0, 100), ylabel="bus load\nin %")
-        else:
-            lower = figure.subplots()
+    def draw() -> list[list[Panel]]:
+        end_s = slices.used * slices.width_s
+        lower = Panel(x=linear(0, end_s, 8), height=0.5 + (len(stations) + len(faults)) * 0.5)
+        lower.x.label = f"seconds since the first packet; a step is {slices.width_s:g} s"
         for lane, (_, counts) in enumerate(stations):
             most = max(counts) or 1
-            _steps(lower, counts[: slices.used], slices.width_s, -lane, 0.8 / most)
+            lower.add(_steps(counts[: slices.used], slices.width_s, -lane, 0.8 / most))
         for lane, (_, counts) in enumerate(faults, len(stations)):
             times = [(number + 0.5) * slices.width_s for number, count in enumerate(counts) if count]
-            _strokes(lower, times, -lane, 0.8, _RED)
-        _name_lanes(lower, [name for name, _ in stations + faults])
-        lower.set_xlim(0, slices.used * slices.width_s)
-        lower.set_xlabel(f"seconds since the first packet; a step is {slices.width_s:g} s")
+            lower.add(Strokes(times, -lane, 0.8, "bad", _RED_PT))
+        lower.name_lanes([name for name, _ in stations + faults])
+        if not has_load:
+            return [[lower]]
+        upper = Panel(x=Axis(0, end_s), y=linear(0, 100, 4, "bus load\nin %"), height=2.0)
+        upper.add(Area(_load(slices), 0.0, "other"))
+        return [[upper], [lower]]
 
     return Drawing("The whole capture", _WIDE_IN, 1.0 + 1.3 * has_load + 0.33 * (len(stations) + len(faults)), draw)
 
 
-def _load(slices: Slices) -> tuple[list[float], list[float]]:
+def _load(slices: Slices) -> list[tuple[float, float]]:
     """Return times and percent of the load. It is that of the last second: a second after a telegram it is 0."""
-    times: list[float] = []
-    percents: list[float] = []
+    points: list[tuple[float, float]] = []
     for number, percent in enumerate(slices.loads):
         if percent is None:
             continue
         time_s = number * slices.width_s
-        if times and time_s - times[-1] > 1 + slices.width_s:
-            times += [times[-1] + 1, time_s]
-            percents += [0.0, 0.0]
-        times.append(time_s)
-        percents.append(percent)
-    return times, percents
+        if points and time_s - points[-1][0] > 1 + slices.width_s:
+            points += [(points[-1][0] + 1, 0.0), (time_s, 0.0)]
+        points.append((time_s, percent))
+    return points
 
 
-def _steps(axes: Axes, values: Sequence[float], width: float, base: float, scale: float) -> None:
-    """Fill the area under steps that begin at x = 0."""
-    edges = [number * width for number in range(len(values) + 1)]
-    axes.stairs([base + value * scale for value in values], edges, baseline=base, fill=True, color=COLOURS["command"])
+def _steps(values: Sequence[float], width: float, base: float, scale: float) -> Area:
+    """Return the area under steps that begin at x = 0."""
+    return Area(
+        _corners_of([base + value * scale for value in values], [n * width for n in range(len(values) + 1)]),
+        base,
+        "command",
+    )
 
 
-def _strokes(axes: Axes, times: Iterable[float], base: float, height: float, pen: Pen) -> None:
-    """Draw upright strokes, all as one path: there can be thousands."""
-    points = [point for time in times for point in ((time, base), (time, base + height))]
-    if points:
-        codes = [Outline.MOVETO, Outline.LINETO] * (len(points) // 2)
-        axes.add_patch(
-            PathPatch(Outline(points, codes), edgecolor=COLOURS[pen.role], linewidth=pen.width_pt, fill=False)
-        )
-
-
-def _name_lanes(axes: Axes, names: Sequence[str]) -> None:
-    """Give lanes at 0, -1, -2 ... their names and a ground line each."""
-    axes.set_ylim(0.7 - len(names), 0.95)
-    axes.spines.left.set_visible(False)
-    axes.set_yticks([0.4 - lane for lane in range(len(names))], names)
-    axes.tick_params(axis="y", length=0)
-    for lane in range(len(names)):
-        axes.axhline(-lane, color=COLOURS["line"], linewidth=0.5)
+def _corners_of(heights: Sequence[float], edges: Sequence[float]) -> list[tuple[float, float]]:
+    """Return the upper corners of steps."""
+    return [
+        corner
+        for height, begin, end in zip(heights, edges, edges[1:], strict=False)
+        for corner in ((begin, height), (end, height))
+    ]
 
 
 def intervals(report: Report) -> Drawing | None:
@@ -167,17 +137,18 @@ def intervals(report: Report) -> Drawing | None:
     if not times.bins:
         return None
 
-    def draw(figure: SubFigure | Figure) -> None:
-        axes = figure.subplots()
+    def draw() -> list[list[Panel]]:
         counts, edges = _bars(times)
-        axes.stairs(counts, edges, fill=True, color=COLOURS["command"])
-        axes.set(xscale="log", yscale="log", ylabel="intervals")
-        axes.set_ylim(0.5, 5 * max(counts))
-        _ms_axis(axes, [*edges, *limits], "ms from character to character in a telegram")
+        x = milliseconds([*edges, *limits], "ms from character to character in a telegram")
+        panel = Panel(x=x, y=logarithmic(0.5, 5 * max(counts), "intervals"))
+        panel.add(Area(_corners_of([max(count, 0.5) for count in counts], edges), 0.5, "command"))
         for limit_s in limits:
-            _limit(axes, limit_s, "TzA")
+            top = panel.y.high
+            panel.add(Line([(limit_s, 0.5), (limit_s, top)], "bad", _RED_PT, is_dashed=True))
+            panel.add(Text(limit_s, top, f"TzA {limit_s * 1e3:g} ms", "bad", 10, up=-10, right=3))
+        return [[panel]]
 
-    return Drawing("Intervals between characters", _NARROW_IN, 3.2, draw)
+    return Drawing("Intervals between characters", _NARROW_IN, 3.2, draw, is_wide=False)
 
 
 def _bars(times: Distribution) -> tuple[list[int], list[float]]:
@@ -189,30 +160,6 @@ def _bars(times: Distribution) -> tuple[list[int], list[float]]:
     return counts, [times.edge_s(number * _JOINED) for number in range(first, last + 2)]
 
 
-def _limit(axes: Axes, limit_s: float, name: str) -> None:
-    axes.axvline(limit_s, color=COLOURS["bad"], linewidth=1.5, linestyle="--")
-    axes.annotate(
-        f"{name} {limit_s * 1e3:g} ms",
-        (limit_s, 1.0),
-        (3, -2),
-        xycoords=("data", "axes fraction"),
-        textcoords="offset points",
-        color=COLOURS["bad"],
-        va="top",
-    )
-
-
-def _ms_axis(axes: Axes, shown_s: Sequence[float], label: str) -> None:
-    """Make a logarithmic time axis that has at least a decade, so that it has numbers."""
-    low, high = min(shown_s), max(shown_s)
-    middle, half = math.sqrt(low * high), max(math.sqrt(high / low) * 1.3, 10**0.6)
-    axes.set_xlim(middle / half, middle * half)
-    axes.set_xlabel(label)
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if half < 30 else (1.0,)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda time_s, _: f"{time_s * 1e3:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-
-
 def reactions(report: Report) -> Drawing | None:
     """Reaction times of each service, with TrS."""
     found = {number: service for number, service in report.figures.services.items() if service.times.bins}
@@ -220,24 +167,25 @@ def reactions(report: Report) -> Drawing | None:
     if not busiest:
         return None
 
-    def draw(figure: SubFigure | Figure) -> None:
-        axes = figure.subplots()
-        axes.set_xscale("log")
+    def draw() -> list[list[Panel]]:
+        panel = Panel()
         shown: list[float] = []
         for lane, number in enumerate(busiest):
             service = found[number]
             counts, edges = _bars(service.times)
             heights = [0.5 * count / max(counts) - lane for count in counts]
-            axes.stairs(heights, edges, baseline=-lane, fill=True, color=COLOURS["reaction"])
-            axes.plot(service.times.within_s(0.5), -lane, "o", color=COLOURS["ink"], markersize=4)
-            _strokes(axes, service.trs.limits_s, -lane, 0.5, _RED)
-            shown += [*edges, *service.trs.limits_s]
-            name = f"0x{number:02x} {service_name(number)}"
-            axes.text(0, 0.55 - lane, name, transform=axes.get_yaxis_transform(), va="bottom", size=9)
-        _name_lanes(axes, [""] * len(busiest))
-        _ms_axis(axes, shown, "ms from command to reaction; dot: half of them, red: TrS")
+            limits_s = list(service.trs.limits_s)
+            panel.add(Area(_corners_of(heights, edges), -lane, "reaction"))
+            panel.add(Dots([(service.times.within_s(0.5), -lane)], "ink", 4))
+            panel.add(Strokes(limits_s, -lane, 0.5, "bad", _RED_PT))
+            shown += [*edges, *limits_s]
+            panel.add(Text(0, 0.55 - lane, f"0x{number:02x} {service_name(number)}", size_pt=9, in_front=True))
+        panel.name_lanes([""] * len(busiest))
+        panel.x = milliseconds(shown, "ms from command to reaction; dot: half of them, red: TrS")
+        return [[panel]]
 
-    return Drawing("Reaction times by service", _NARROW_IN, max(1.2 + 0.55 * len(busiest), 2.0), draw)
+    height_in = max(1.2 + 0.55 * len(busiest), 2.0)
+    return Drawing("Reaction times by service", _NARROW_IN, height_in, draw, is_wide=False)
 
 
 def values(report: Report) -> Drawing | None:
@@ -248,34 +196,32 @@ def values(report: Report) -> Drawing | None:
         return None
     lines = math.ceil(len(shown) / _CURVES_IN_A_ROW)
 
-    def draw(figure: SubFigure | Figure) -> None:
-        grid = figure.subplots(lines, _CURVES_IN_A_ROW, squeeze=False, sharex=True).flatten()
-        for axes, listed in zip(grid, shown, strict=False):
-            _draw_curve(axes, moved[listed.parameter], listed, report.figures.duration_s)
-        for axes in grid[len(shown) :]:
-            axes.set_axis_off()
-        for axes in grid[max(len(shown) - _CURVES_IN_A_ROW, 0) : len(shown)]:
-            axes.tick_params(labelbottom=True)
-            axes.set_xlabel("seconds", size=8)
+    def draw() -> list[list[Panel]]:
+        panels = [_curve(moved[listed.parameter], listed, report.figures.duration_s) for listed in shown]
+        for panel in panels[-_CURVES_IN_A_ROW:]:
+            panel.x.label = "seconds"
+        panels += [Panel(size_pt=8) for _ in range(-len(panels) % _CURVES_IN_A_ROW)]
+        return [panels[first : first + _CURVES_IN_A_ROW] for first in range(0, len(panels), _CURVES_IN_A_ROW)]
 
     rest = len(moved) - len(shown)
     title = "Values that moved" + (f" (and {rest} more)" if rest else "")
     return Drawing(title, _WIDE_IN, 0.5 + 1.7 * lines, draw)
 
 
-def _draw_curve(axes: Axes, curve: Curve, listed: Listed, duration_s: float) -> None:
-    """Draw a line where values came one after the other, with its least and greatest where they are joined."""
+def _curve(curve: Curve, listed: Listed, duration_s: float) -> Panel:
+    """Return a line where values came one after the other, with its least and greatest where they are joined."""
+    marks: list[Mark] = []
     for piece in curve.pieces(duration_s):
         points = [point for found in piece for point in _corners(found)]
-        marker = "|" if len(points) <= _FEW else ""
-        axes.plot(*zip(*points, strict=True), color=COLOURS["reaction"], linewidth=1.0, marker=marker, markersize=4)
+        marks.append(Line(points, "reaction", has_ticks=len(points) <= _FEW))
     written = [(point.end_s, point.last) for point in curve.points if point.is_written]
-    if written:
-        axes.plot(*zip(*written, strict=True), "o", color=COLOURS["command"], markersize=3)
-    _draw_value_limits(axes, curve, (listed.minimum, listed.maximum))
-    axes.set_xlim(0, duration_s or None)
-    axes.tick_params(labelsize=8)
-    axes.set_title("\n".join(_curve_title(listed)), size=8, loc="left")
+    marks.append(Dots(written, "command", 3))
+    limits = list(_value_limits(curve, (listed.minimum, listed.maximum)))
+    marks += [Line([(0, limit), (duration_s, limit)], "bad", is_dashed=True) for limit in limits]
+    found = [value for point in curve.points for value in (point.least, point.greatest)] + limits
+    margin = (max(found) - min(found)) * 0.05
+    y = linear(min(found) - margin, max(found) + margin, 4)
+    return Panel(linear(0, duration_s, 4), y, marks, list(_curve_title(listed)), size_pt=8)
 
 
 def _curve_title(listed: Listed) -> Iterator[str]:
@@ -293,15 +239,18 @@ def _corners(point: Point) -> list[tuple[float, float]]:
     return [(point.begin_s, point.first), *inside, (point.end_s, point.last)]
 
 
-def _draw_value_limits(axes: Axes, curve: Curve, texts: Sequence[str]) -> None:
-    """Draw minimum and maximum, but for those beside which the values would be a flat line."""
+def _value_limits(curve: Curve, texts: Sequence[str]) -> Iterator[float]:
+    """Yield minimum and maximum, but for those beside which the values would be a flat line."""
     least = min(point.least for point in curve.points)
     greatest = max(point.greatest for point in curve.points)
     far = _FAR * (greatest - least)
     for text in texts:
         found = re.match(r"-?\d+(\.\d+)?(e[-+]\d+)?(?![\dx])", text)
         if found and least - far <= float(found[0]) <= greatest + far:
-            axes.axhline(float(found[0]), color=COLOURS["bad"], linewidth=1.0, linestyle="--")
+            yield float(found[0])
+
+
+_KEY = (("command", "command"), ("reaction", "reaction"), ("other", "other characters"), ("bad", "exceeded or wrong"))
 
 
 def window(shown: Window) -> Drawing | None:
@@ -310,20 +259,13 @@ def window(shown: Window) -> Drawing | None:
     if not lanes:
         return None
 
-    def draw(figure: SubFigure | Figure) -> None:
-        axes = figure.subplots()
+    def draw() -> list[list[Panel]]:
+        x = linear(0, (shown.end_s - shown.start_s) * 1e3, 8, f"ms after {shown.start_s:.6f} s")
+        panel = Panel(x=x, key=_KEY)
         for packet in shown.packets:
-            _draw_packet(axes, packet, -lanes.index(_lane(packet)), shown)
-        _name_lanes(axes, [_lane_name(lane) for lane in lanes])
-        axes.set_xlim(0, (shown.end_s - shown.start_s) * 1e3)
-        axes.xaxis.set_major_locator(MaxNLocator(8))
-        axes.set_xlabel(f"ms after {shown.start_s:.6f} s")
-        keys = {"command": "command", "reaction": "reaction", "other": "other characters", "bad": "exceeded or wrong"}
-        handles = [Patch(color=COLOURS[role], label=name) for role, name in keys.items()]
-        # Above the axes, in words that matplotlib 3.6 (Debian 12) has.
-        axes.legend(
-            handles=handles, loc="lower right", bbox_to_anchor=(1, 1), ncols=len(keys), fontsize=9, handlelength=1.2
-        )
+            _draw_packet(panel, packet, -lanes.index(_lane(packet)), shown)
+        panel.name_lanes([_lane_name(lane) for lane in lanes])
+        return [[panel]]
 
     return Drawing(shown.title, _WIDE_IN, 1.3 + 0.6 * len(lanes), draw)
 
@@ -340,43 +282,39 @@ def _lane_name(lane: int) -> str:
     return "no station" if lane == _NO_STATION else f"station {lane}"
 
 
-def _draw_packet(axes: Axes, packet: Packet, base: float, shown: Window) -> None:
+def _draw_packet(panel: Panel, packet: Packet, base: float, shown: Window) -> None:
     telegram = packet.telegrams[0] if packet.telegrams else None
     times = [(packet.time_s - shown.start_s) * 1e3]
     for interval_s in packet.intervals_s:
         times.append(times[-1] + interval_s * 1e3)
     role = "other" if telegram is None else "reaction" if telegram.is_reaction else "command"
-    axes.broken_barh([(times[0], times[-1] - times[0])], (base, 0.6), facecolors=COLOURS[role], alpha=0.55)
     has_room = len(shown.packets) <= _LABELS
-    _strokes(axes, times, base, 0.6, Pen("ink", 0.6 if has_room else 0.25))
+    panel.add(Bar(times[0], times[-1], base, 0.6, role, 0.55))
+    panel.add(Strokes(times, base, 0.6, "ink", 0.6 if has_room else 0.25))
     if has_room and 0 <= times[0] <= _LABELLED * (shown.end_s - shown.start_s) * 1e3:
-        axes.text(times[0], base + 0.62, str(packet.number), size=8, va="bottom", clip_on=True)
+        panel.add(Text(times[0], base + 0.6, str(packet.number), up=2))
     if telegram:
-        _mark_exceeded(axes, packet, telegram, base, times)
+        _mark_exceeded(panel, packet, telegram, base, times)
 
 
-def _mark_exceeded(axes: Axes, packet: Packet, telegram: Telegram, base: float, times: Sequence[float]) -> None:
+def _mark_exceeded(panel: Panel, packet: Packet, telegram: Telegram, base: float, times: Sequence[float]) -> None:
     """Draw red what the dissector judged exceeded or wrong."""
     for index, time_s in _exceeded(packet, telegram).items():
-        axes.broken_barh([(times[index - 1], times[index] - times[index - 1])], (base, 0.6), color=COLOURS["bad"])
-        _say(axes, times[index - 1], base, ms(time_s))
+        panel.add(Bar(times[index - 1], times[index], base, 0.6, "bad"))
+        panel.add(_say(times[index - 1], base, ms(time_s)))
     if telegram.reaction and telegram.reaction.verdict == EXCEEDED:
         begin = times[0] - telegram.reaction.time_s * 1e3
-        axes.broken_barh([(begin, times[0] - begin)], (base + 0.2, 0.2), color=COLOURS["bad"])
-        _say(axes, max(begin, 0.0), base, ms(telegram.reaction.time_s))
+        panel.add(Bar(begin, times[0], base + 0.2, 0.2, "bad"))
+        panel.add(_say(max(begin, 0.0), base, ms(telegram.reaction.time_s)))
     words = {"no reaction": telegram.unanswered, "damaged": not telegram.good}
     said = ", ".join(word for word, applies in words.items() if applies)
     if said:
-        axes.broken_barh(
-            [(times[0], times[-1] - times[0])], (base, 0.6), facecolors="none", edgecolors=COLOURS["bad"], linewidth=2
-        )
-        axes.annotate(
-            said, (times[-1], base + 0.3), (4, 0), textcoords="offset points", color=COLOURS["bad"], va="center"
-        )
+        panel.add(Bar(times[0], times[-1], base, 0.6, "bad", is_outline=True))
+        panel.add(Text(times[-1], base + 0.3, said, "bad", 10, up=-3, right=4))
 
 
-def _say(axes: Axes, at_ms: float, base: float, text: str) -> None:
-    axes.text(at_ms, base - 0.02, text, size=8, va="top", color=COLOURS["bad"], clip_on=True)
+def _say(at_ms: float, base: float, text: str) -> Text:
+    return Text(at_ms, base, text, "bad", up=-9)
 
 
 def _exceeded(packet: Packet, telegram: Telegram) -> dict[int, float]:
@@ -399,40 +337,12 @@ def _exceeded(packet: Packet, telegram: Telegram) -> dict[int, float]:
 
 def drawings(report: Report) -> list[Drawing]:
     """Return all pictures that the capture has something for."""
-    made = [overview(report), *map(window, report.windows), intervals(report), reactions(report), values(report)]
+    made = [
+        timeline(report),
+        overview(report),
+        *map(window, report.windows),
+        intervals(report),
+        reactions(report),
+        values(report),
+    ]
     return [drawing for drawing in made if drawing]
-
-
-def svg_for_page(drawing: Drawing, name: str) -> str:
-    """Draw one picture as an element of a page: its colours are variables of the page, its ids begin with `name`."""
-    with matplotlib.rc_context(_SETTINGS | {"figure.facecolor": "none"}):
-        figure = Figure(figsize=(drawing.width_in, drawing.height_in), layout="constrained")
-        drawing.draw(figure)
-        text = _saved(figure, "svg").decode()
-    text = text[text.index("<svg") :]
-    for role, colour in COLOURS.items():
-        text = text.replace(colour, f"var(--{role})")
-    text = re.sub(r' id="', f' id="{name}-', text)
-    text = re.sub(r'(url\(#|href="#)', rf"\g<1>{name}-", text)
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    return re.sub(r"<svg ", '<svg role="img" ', text, count=1)
-
-
-def picture(report: Report, kind: str) -> bytes:
-    """Draw everything into one PNG or SVG file, on white."""
-    made = drawings(report)
-    with matplotlib.rc_context(_SETTINGS):
-        heights = [drawing.height_in + 0.4 for drawing in made]
-        figure = Figure(figsize=(_WIDE_IN, sum(heights) + 0.6), layout="constrained", dpi=150)
-        figure.suptitle(report.name)
-        rows = figure.subfigures(max(len(made), 1), 1, height_ratios=heights or [1.0], squeeze=False)[:, 0]
-        for row, drawing in zip(rows, made, strict=False):
-            row.suptitle(drawing.title, x=0.01, ha="left", size=11)
-            drawing.draw(row)
-        return _saved(figure, kind)
-
-
-def _saved(figure: Figure, kind: str) -> bytes:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, metadata={"Date": None} if kind == "svg" else None)
-    return buffer.getvalue()

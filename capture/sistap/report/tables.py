@@ -6,23 +6,27 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from datetime import datetime
 from typing import NamedTuple
 
 from sistap.accesses.access import Parameter
 from sistap.accesses.listing import Listed
-from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged
+from sistap.episodes.lines import clock_of
+from sistap.episodes.silence import seconds
+from sistap.line import drivers
+from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED
 from sistap.packets.distribution import Distribution
-from sistap.packets.moments import KINDS, Moment
-from sistap.records.record import Event, Framing
-from sistap.report.figures import Figures, Limit
+from sistap.packets.faults import COUNTED
+from sistap.records.record import Event, Framing, interval_text
+from sistap.report.figures import SILENCE_S, Figures, Limit
 from sistap.report.gather import Report
+from sistap.report.pauses import MOST_PLACES
 from sistap.sis.limits import NAMES, told
-from sistap.sis.names import service_name
-from sistap.wireshark.rows import EVENT, FRAME, OTHER
+from sistap.sis.telegram import service_name
+from sistap.wireshark.rows import EVENT, FRAME, OTHER, local
 
 _FRAMINGS = {
     int(Framing.PROCEDURE_3964R): "handshakes and blocks of 3964R",
+    int(Framing.ASCII): "lines of text",
     int(Framing.SILENCE): "frames cut by silence",
 }
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
@@ -35,6 +39,8 @@ GLOSSARY = (
     "a command again.",
     "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit.",
 )
+ANCHOR = "episode"
+EPISODES_SHOWN = 1000
 PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
 _LIMITS = {
     "tza": ("TzA, from character to character in a telegram", "sis.tza.verdict"),
@@ -50,11 +56,12 @@ class Table(NamedTuple):
     heads: tuple[str, ...]
     rows: Sequence[tuple[str, ...]]
     code: int | None = None  # the column with display filters
+    anchor: str = ""  # the beginning of the names by which its rows are found
 
 
 def ms(time_s: float) -> str:
     """Write a time as the dissector writes it."""
-    return f"{time_s * 1e3:.3f} ms"
+    return interval_text(round(time_s * 1e9))
 
 
 def ms_short(time_s: float) -> str:
@@ -62,13 +69,39 @@ def ms_short(time_s: float) -> str:
     return f"{time_s * 1e3:g} ms"
 
 
-def headline(report: Report) -> str:
-    """Say in one sentence what is wrong."""
-    counts = report.figures.moments.counts
-    found = [f"{kind.short}: {counts[kind.name]}" for kind in KINDS if kind.is_fault and counts[kind.name]]
-    if found:
-        return f"Found: {', '.join(found)}."
-    return "No fault was found." if report.figures.telegrams else "There is nothing to judge."
+def answer(report: Report) -> list[str]:
+    """Say in five lines what happened."""
+    if not report.episodes and not report.figures.telegrams:
+        return ["There is nothing to judge."]
+    return [line.text for line in report.answer]
+
+
+def episodes(report: Report) -> Table:
+    """All episodes, in the order of their time."""
+    begin_s = report.figures.first_epoch_s or 0.0
+    time_of_day = clock_of(begin_s, begin_s + report.figures.duration_s)
+    rows = [
+        (
+            time_of_day(one.from_s),
+            _lasting(one.to_s - one.from_s),
+            one.severity.name.lower(),
+            "" if one.station is None else str(one.station),
+            one.rule.title,
+            one.hit.parameter,
+            one.hit.detail,
+            str(one.count),
+            one.filter if report.files == 1 else one.filter_by_time,
+        )
+        for one in report.episodes[:EPISODES_SHOWN]
+    ]
+    left_out = max(len(report.episodes) - EPISODES_SHOWN, 0)
+    title = "What happened" + (f" (and {left_out} more)" if left_out else "")
+    heads = ("From", "Duration", "Severity", "Station", "What", "Parameter", "Details", "Times", "Display filter")
+    return Table(title, heads, rows, code=8, anchor=ANCHOR)
+
+
+def _lasting(time_s: float) -> str:
+    return seconds(time_s) if time_s >= 1 else ""
 
 
 def summary(report: Report) -> Table:
@@ -85,6 +118,7 @@ def summary(report: Report) -> Table:
         ("Telegrams", f"{figures.telegrams}, {damaged} of them damaged"),
         ("Uncertainty of the times", _uncertainty(figures)),
         ("In the same read", _same_read(figures)),
+        (f"Silences above {ms_short(SILENCE_S)}", str(figures.silences.long)),
     ]
     if figures.frame_intervals.count:
         rows.append(("Intervals in other frames", _frame_intervals(figures.frame_intervals)))
@@ -94,14 +128,17 @@ def summary(report: Report) -> Table:
 def _date(epoch_s: float | None) -> str:
     if epoch_s is None:
         return "there is no packet"
-    return datetime.fromtimestamp(epoch_s).astimezone().strftime("%Y-%m-%d %H:%M:%S %z")
+    then = local(epoch_s)
+    return then.strftime("%Y-%m-%d %H:%M:%S %z") if then else "a time in no calendar"
 
 
 def clock(figures: Figures, time_s: float) -> str:
     """Write the time of day of a second of the capture; with the date where the capture lasts longer than a day."""
     if figures.first_epoch_s is None:
         return ""
-    then = datetime.fromtimestamp(figures.first_epoch_s + time_s).astimezone()
+    then = local(figures.first_epoch_s + time_s)
+    if not then:
+        return ""
     day = "%Y-%m-%d " if figures.duration_s > DAY_S else ""
     return then.strftime(f"{day}%H:%M:%S.") + f"{then.microsecond // 1000:03}"
 
@@ -177,43 +214,49 @@ def limits(limit: Limit) -> str:
     return ", ".join(map(ms_short, sorted(limit.limits_s))) or "not known"
 
 
-def faults(report: Report) -> Table:
-    """What was found, and the display filter that finds all of it."""
-    counts = report.figures.moments.counts
-    rows = [(kind.title, str(counts[kind.name]), kind.filter) for kind in KINDS if kind.is_fault]
-    return Table("Faults", ("What", "How often", "Display filter for all of them"), rows, code=2)
+def pauses(report: Report) -> Table:
+    """Which TzA each talker would keep."""
+    rows = []
+    for (station, baud), one in sorted(report.figures.pauses.talkers.items()):
+        known = one.safe_ms is not None
+        rows.append(
+            (
+                str(station),
+                f"{baud} Bd" if baud else "",
+                str(one.telegrams),
+                ms(one.longest_s),
+                str(one.position or ""),
+                ms(one.most_s) if known else "",
+                f"{one.ratio:.0%}" if one.ratio and known else "",
+                f"{one.safe_ms} ms" if known else "not known",
+                f"fewer than 1 in {one.one_in}" if known and one.one_in > 1 else "",
+                f"{one.unresolved}: times more exact than {ms(one.exact_s)} would do" if one.unresolved else "",
+            )
+        )
+    heads = ("Talker", "Rate", "Telegrams", "Longest interval", "Before character", "With its uncertainty")
+    more = ("Part of TzA", "Smallest safe TzA", "Longer ones (95 % sure)", "Unresolved")
+    return Table("TzA: intervals by talker", (*heads, *more), rows)
 
 
-def worst(report: Report) -> Table:
-    """The worst moments."""
+def places(report: Report) -> Table:
+    """Where in a telegram the intervals are long."""
     rows = [
         (
-            str(moment.number),
-            f"{moment.time_s:.6f}",
-            clock(report.figures, moment.time_s),
-            moment.kind.title,
-            _judged(moment.judged),
-            "" if moment.uncertainty_s is None or not moment.judged else ms(moment.uncertainty_s),
-            moment.filter,
-            report.info.get(moment.number) or _description(moment),
+            f"{place}{' and later' * (place == MOST_PLACES)}",
+            str(one.count),
+            ms(one.total_s / one.count),
+            ms(one.longest_s),
         )
-        for moment in report.worst
+        for place, one in sorted(report.figures.pauses.places.items())
     ]
-    heads = ("Packet", "Second", "Clock", "What", "Time", "Uncertainty", "Display filter", "Line in Wireshark")
-    return Table("The ten worst moments", heads, rows, code=6)
+    return Table("TzA: intervals by place", ("Before character", "Intervals", "Average", "Longest"), rows)
 
 
-def _judged(judged: Judged | None) -> str:
-    if judged is None:
-        return ""
-    limit = "" if judged.limit_s is None else f", limit {ms_short(judged.limit_s)}"
-    return ms(judged.time_s) + limit + (", unresolved" if judged.verdict == UNRESOLVED else "")
-
-
-def _description(moment: Moment) -> str:
-    if moment.service is None:
-        return ""
-    return f"{moment.talker} -> {moment.listener}  {service_name(moment.service)}"
+def faults(report: Report) -> Table:
+    """What was found, and the display filter that finds all of it."""
+    counts = report.figures.faults
+    rows = [(fault.title, str(counts[fault.name]), fault.filter) for fault in COUNTED]
+    return Table("Faults", ("What", "How often", "Display filter for all of them"), rows, code=2)
 
 
 def services(report: Report) -> Table:
@@ -260,7 +303,7 @@ def _parameter(listed: Listed, *, has_port: bool) -> tuple[str, ...]:
     extremes = [access.value if access else "" for access in (listed.least, listed.greatest)]
     written = ["", ""]
     if listed.written_in:
-        written = [str(listed.written_by), str(listed.written_in.packet)]
+        written = ["" if listed.written_by is None else str(listed.written_by), str(listed.written_in.packet)]
     device = of_device(listed.parameter, has_port=has_port)
     return (
         *(listed.parameter.ident, device, listed.name, listed.unit, *counts),
@@ -295,6 +338,21 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
     yield (
         f"The installed dissector does not know {', '.join(report.missing)}; what they would tell is left out.",
         report.missing,
+    )
+    said = [packet.text for packet in figures.events if packet.event == Event.CAPTURE_STARTED]
+    silent = any(drivers.reports(text) is False for text in said)
+    yield "The adapter reports no line errors: damaged characters look like good ones.", silent
+    yield (
+        "Telegrams are damaged, but there is not one line error: they were sent so, or the adapter reports none.",
+        not silent
+        and any(map(drivers.reports, said))
+        and figures.telegrams > figures.good
+        and not figures.faults["line_error"],
+    )
+    yield (
+        f"The packet numbers count through all {report.files} files in the order of their time. "
+        "`mergecap -a -w all.pcapng FILES` makes the capture that has them.",
+        report.files > 1,
     )
     yield from ((text, True) for text in _told(report))
     for name, text in NAMES.items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Stretches of a capture that are shown in full detail: those asked for, and those around the worst moments."""
+"""Stretches of a capture that are shown in full detail: those asked for, and those around what is worst."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from sistap.episodes.episode import Episode
+from sistap.episodes.rules import RULES, Subject
 from sistap.packets.dissection import Dissection, Packet
 from sistap.packets.kept import Span
-from sistap.packets.moments import Moment
 from sistap.wireshark.rows import FRAME, OTHER
 
-WORST_SHOWN = 3  # windows around the worst moments
+WORST_SHOWN = 3  # windows around what is worst
 PACKETS_KEPT = 1000  # in a window: more would be a grey bar and a page of many megabytes
 _LEAST_MARGIN_S = 0.03  # so that what came before and after is seen, also at 9600 Bd
 _LONGEST_PACKET_S = 5.0  # a packet that reaches into a window can begin this much earlier
@@ -37,9 +38,9 @@ class Window:
         else:
             self.left_out += 1
 
-    def shows(self, moment: Moment) -> bool:
-        """Tell whether it shows a moment from its beginning to its end."""
-        return self.start_s <= moment.start_s and moment.end_s <= self.end_s
+    def shows(self, start_s: float, end_s: float) -> bool:
+        """Tell whether it shows a time from its beginning to its end."""
+        return self.start_s <= start_s and end_s <= self.end_s
 
 
 def parse(text: str) -> Window:
@@ -54,28 +55,37 @@ def parse(text: str) -> Window:
     return Window(f"Asked for: {length_s:g} s from {start_s:g} s", start_s, start_s + length_s)
 
 
-def around(moments: Iterable[Moment], shown: Sequence[Window]) -> list[Window]:
-    """Make windows around the first moments that no window shows yet. Packets without times cannot be shown."""
+def around(episodes: Iterable[Episode], first_epoch_s: float, shown: Sequence[Window]) -> list[Window]:
+    """Make windows around the worst of each kind that is about single telegrams, unless a window shows it already."""
+    worst: dict[str, Episode] = {}
+    for one in episodes:
+        if one.rule.subject == Subject.LIMITS and one.kind != "clock":
+            worst[one.kind] = max(worst.get(one.kind, one), one, key=_badness)
     made: list[Window] = []
-    for moment in moments:
-        if not moment.has_times or any(window.shows(moment) for window in [*shown, *made]):
+    for one in sorted(worst.values(), key=lambda one: (-one.severity, _ORDER[one.kind])):
+        waited_s = one.hit.worst or 0.0 if one.kind == "late" else 0.0
+        start_s, end_s = one.hit.from_s - first_epoch_s - waited_s, one.hit.to_s - first_epoch_s
+        if any(window.shows(start_s, end_s) for window in [*shown, *made]):
             continue
-        margin_s = max((moment.end_s - moment.start_s) / 2, _LEAST_MARGIN_S)
-        title = f"Packet {moment.number}: {moment.kind.title}"
-        made.append(Window(title, max(moment.start_s - margin_s, 0.0), moment.end_s + margin_s))
+        margin_s = max((end_s - start_s) / 2, _LEAST_MARGIN_S)
+        made.append(
+            Window(f"Packet {one.hit.packet}: {one.rule.title}", max(start_s - margin_s, 0.0), end_s + margin_s)
+        )
         if len(made) == WORST_SHOWN:
             break
     return made
 
 
-def fill(dissection: Dissection, windows: Sequence[Window], moments: Iterable[Moment]) -> dict[int, str]:
-    """Read the packets of all windows; give the line that Wireshark's packet list has for each moment, by number."""
-    numbers = {moment.number for moment in moments}
+def _badness(episode: Episode) -> tuple[int, float]:
+    return episode.severity, episode.hit.worst or 0.0
+
+
+_ORDER = {kind: number for number, kind in enumerate(RULES)}
+
+
+def fill(dissection: Dissection, windows: Sequence[Window]) -> None:
+    """Read the packets of all windows."""
     spans = [Span(max(window.start_s - _LONGEST_PACKET_S, 0), window.end_s) for window in windows]
-    info: dict[int, str] = {}
-    for packet in dissection.again(numbers, spans):
-        if packet.number in numbers:
-            info[packet.number] = packet.info
+    for packet in dissection.again(spans) if windows else ():
         for window in windows:
             window.add(packet)
-    return info

@@ -9,22 +9,21 @@ import os
 from collections.abc import Sequence
 from contextlib import closing
 
-from sistap.capture.command import rate_argument
-from sistap.capture.options import CaptureOptions, checked
-from sistap.capture.session import Capture, Conditions
+from sistap.capture.options import CaptureOptions, checked, rate
+from sistap.capture.session import Capture
+from sistap.capture.tap import Conditions
 from sistap.files.output import Output
 from sistap.line import ports, priority
-from sistap.line.bus_socket import Hello, Kind
 from sistap.line.clock import CLOCK
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
-from sistap.line.sockets import Network, host_port, plain_ip
 from sistap.records.counters import Counters
-from sistap.serve.listeners import Listeners
-from sistap.serve.published import EventSink, PublishedReader
+from sistap.serve.listeners import EventSink, Listeners, PublishedReader
 from sistap.terminal.console import Console
-from sistap.terminal.exits import USAGE, UsageError
+from sistap.terminal.exits import USAGE, UsageError, argument
 from sistap.terminal.stop import Stop
+from sistap.wire.protocol import Hello, Kind
+from sistap.wire.server import Network, host_port, plain_ip
 
 LISTEN = "127.0.0.1:5000"
 
@@ -36,7 +35,7 @@ anything here.
 
 EPILOG = """\
 Programs of this computer may always listen. To admit others, choose another address with --listen and name them with
---allow. The network traffic is neither encrypted nor signed: use ssh or WireGuard, as the README describes.
+--allow. The network traffic is neither encrypted nor signed: use ssh or WireGuard.
 
 Times come from this computer's clock. If a listener is too slow, or away for a while, sistap tells it how many
 characters it missed. A slow listener never delays the tap.
@@ -61,14 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     add = parser.add_argument
-    add(
-        "-i",
-        dest="port",
-        metavar="PORT",
-        type=ports.short,
-        required=True,
-        help="the port to listen to, written as for capture",
-    )
+    add_line(parser, is_needed=True)
     add("--listen", metavar="ADDRESS:PORT|PATH", default=LISTEN, help=f"where to wait for listeners ({LISTEN})")
     add(
         "--allow",
@@ -79,22 +71,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS/BITS",
         help="other computers that may listen, such as 192.168.7.0/24; may be given several times",
     )
-    add("--baud", type=rate_argument, default=9600, metavar="RATE|auto", help="as capture's --baud (9600)")
+
+
+def add_line(parser: argparse.ArgumentParser, *, is_needed: bool) -> None:
+    """Declare the arguments that say which line is shared."""
+    add = parser.add_argument
+    add(
+        "-i",
+        dest="port",
+        metavar="PORT",
+        type=ports.short,
+        required=is_needed,
+        help="the port to listen to, written as for capture",
+    )
+    add("--baud", type=argument(rate), default=9600, metavar="RATE|auto", help="as capture's --baud (9600)")
     add("--format", metavar="FORMAT", help="as capture's --format (8E1)")
     add("--follow-baud", action="store_true", help="follow rate changes on the bus")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
+
+
+def line_of(args: argparse.Namespace) -> tuple[CaptureOptions, LineSettings]:
+    """Return what these arguments say. May raise UsageError or ValueError."""
+    options = CaptureOptions(
+        ports=(args.port,), baud=args.baud, format=args.format, follow_baud=args.follow_baud, quiet=args.quiet
+    )
+    if args.port.startswith("bus://"):
+        raise UsageError(f"{args.port} is already shared: pass it to `sistap capture`")
+    return options, checked(options).settings
 
 
 def run(args: argparse.Namespace) -> int:
     """Serve until a signal comes or the port is lost; return the exit code. May raise PortError."""
     console = Console()
     try:
-        options = CaptureOptions(
-            ports=(args.port,), baud=args.baud, format=args.format, follow_baud=args.follow_baud, quiet=args.quiet
-        )
-        settings = checked(options).settings
-        if args.port.startswith("bus://"):
-            raise UsageError(f"{args.port} is already shared: pass it to `sistap capture`")
+        options, settings = line_of(args)
         _check_address(args.listen, args.allowed)
         listeners = Listeners(args.listen, args.allowed, console.say)
     except (UsageError, ValueError) as error:
@@ -104,11 +114,16 @@ def run(args: argparse.Namespace) -> int:
         why = error.strerror or error
         raise PortError(f"cannot listen at {args.listen}: {why}; choose another address with --listen") from error
     with closing(listeners):
-        return _serve(options, settings, listeners, console)
+        return serve(options, settings, listeners, console)
 
 
 @priority.real_time()
-def _serve(options: CaptureOptions, settings: LineSettings, listeners: Listeners, console: Console) -> int:
+def serve(
+    options: CaptureOptions, settings: LineSettings, listeners: Listeners, console: Console, name: str = ""
+) -> int:
+    """Serve a line until a signal comes or the port is lost; print `name`, or where the listeners are, when it begins.
+    Return the exit code. May raise PortError.
+    """
     with closing(open_reader(options.ports[0], settings)) as reader, closing(Output(os.devnull)) as output:
         about = (reader.name, reader.adapter, reader.timing, reader.notes)
         listeners.begin(Hello(Kind.TAP, 0, CLOCK.now_ns(), 0, *about), reader.settings)
@@ -122,7 +137,7 @@ def _serve(options: CaptureOptions, settings: LineSettings, listeners: Listeners
             quiet=options.quiet,
             progress=not options.quiet and console.shows_progress,
         )
-        print(listeners.name, flush=True)
+        print(name or listeners.name, flush=True)
         return capture.run(Stop.current())
 
 

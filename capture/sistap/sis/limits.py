@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 
 NAMES = {"tza": "TzA", "trs": "TrS"}
@@ -15,14 +14,6 @@ def milliseconds(text: str) -> int:
     if text.isascii() and text.isdigit() and len(text) < 9 and 0 < (value := int(text)) <= LARGEST_MS:
         return value
     raise ValueError(f"'{text}' is not a whole number of milliseconds from 1 to {LARGEST_MS}")
-
-
-def argument(text: str) -> int:
-    """Parse a limit given as an argument."""
-    try:
-        return milliseconds(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def told(limits_ms: Mapping[str, int | None]) -> str:

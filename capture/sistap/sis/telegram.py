@@ -1,12 +1,45 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The SIS telegram header (IF02 chapter 2.2, fig. 2-9): recognise it, parse it, build it.
+"""The SIS telegram (IF02 chapter 2.2, fig. 2-9): recognise it, parse it, build it; its services, and text of drives.
 
 Wireshark decodes telegrams for users. This is only what cutting, counting and playing needs.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
+
+from sistap.sis.codes import LIKE, RANGES, SERVICES, WITH_CONTROL, WITH_STATUS, Item
+
+
+def service_name(service: int) -> str:
+    """Return the name of a service, or its range with its number."""
+    name = SERVICES.get(service)
+    if name is None:
+        kind = next(text for first, last, text in RANGES if first <= service <= last)
+        name = f"{kind} 0x{service:02x}"
+    return name
+
+
+def general(service: int) -> int:
+    """Return the general service that a service of a product group is like, or the service itself (chapter 8)."""
+    return LIKE.get(service, service)
+
+
+def has_status(service: int) -> bool:
+    """Tell whether a reaction begins with a status byte (chapter 2.1)."""
+    return service in WITH_STATUS
+
+
+def has_control(service: int) -> bool:
+    """Tell whether the useful data begin with a parameter control byte and a device address (fig. 8-1)."""
+    return general(service) in WITH_CONTROL
+
+
+def least(items: Iterable[Item]) -> int:
+    """Return the bytes that a layout has at least."""
+    return sum(item.size for item in items if not item.may_be_missing)
+
 
 START = 0x02
 STATIC_LENGTH = 8  # the header without subaddresses and telegram number
@@ -50,8 +83,7 @@ class Header(NamedTuple):
 
 def status(header: Header) -> int | None:
     """Return the status byte of a reaction, or None: product groups need not send one (chapter 2.1)."""
-    has_status = header.reaction and (header.service <= 0x1F or 0x80 <= header.service <= 0x9F)
-    return header.body[0] if has_status and header.body else None
+    return header.body[0] if header.reaction and header.body and has_status(header.service) else None
 
 
 def checksum_good(telegram: bytes) -> bool:
@@ -109,3 +141,15 @@ def build(  # noqa: PLR0913 - the fields of the header
         raise ValueError(f"{len(subaddresses)} subaddresses and {len(body)} body bytes do not fit into one telegram")
     rest = bytes([len(variable), len(variable), control, service, sender, receiver]) + variable
     return bytes([START, -(START + sum(rest)) & 0xFF]) + rest
+
+
+_SHOWN = str.maketrans(
+    {code: chr(0x2400 + code) for code in range(0x20)}
+    | {0x7F: "\u2421"}
+    | {code: f"<{code:02x}>" for code in (*range(0x80, 0xA0), 0xAD)}
+)
+
+
+def shown(text: str) -> str:
+    """Return Latin-1 text as the plugin shows it (plugin/parameters/text.c), with pictures of control characters."""
+    return text.translate(_SHOWN)

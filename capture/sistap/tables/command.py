@@ -4,22 +4,24 @@
 from __future__ import annotations
 
 import argparse
-import sys
+import tempfile
 from pathlib import Path
 
+from sistap.captures.joining import check_captures, in_order
+from sistap.common.packages import missing
+from sistap.common.writing import Incomplete
 from sistap.tables.rows import NoSuchTime
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
-from sistap.terminal.writing import Incomplete
 from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Collect captures in tables (Parquet files), to query many months and many machines: telegrams, values of parameters,
-events. DuckDB, Spark, pandas and other programs read them. Run it as often as you like: it adds only what is new. A
-capture may have grown, or have telegrams of another capture. The contents come from Wireshark's dissector: install
-tshark with the plugin or sis.lua.
+events, and what happened. DuckDB, Spark, pandas and other programs read them. Run it as often as you like: it adds only
+what is new. A capture may have grown, or have telegrams of another capture. The contents come from Wireshark's
+dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
@@ -81,20 +83,15 @@ def _put(args: argparse.Namespace, console: Console) -> None:
 
     store, tap = Store(args.output), slug(args.tap) if args.tap else ""
     with Tshark() as tshark:
-        for capture in args.captures:
+        for capture in in_order(args.captures):
             put(tshark, capture, store, tap, console)
 
 
 def _check(args: argparse.Namespace) -> None:
-    for capture in args.captures:
-        if capture.exists() and not capture.is_file():
-            raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
-        try:
-            capture.open("rb").close()
-        except OSError as error:
-            raise UsageError(f"cannot read {capture}: {error.strerror}; name a capture file") from None
+    args.captures = check_captures(args.captures)
     try:
         args.output.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=args.output).close()  # not after the work
     except OSError as error:
         raise UsageError(f"cannot write {args.output}: {error.strerror}; name another folder with -o") from None
 
@@ -104,6 +101,4 @@ def _check_pyarrow() -> None:
         with held():
             import pyarrow  # noqa: F401, PLC0415
     except ImportError:
-        raise _NoPyarrow(
-            f"pyarrow is missing for {sys.executable}: `{sys.executable} -m pip install pyarrow`"
-        ) from None
+        raise _NoPyarrow(missing("pyarrow")) from None

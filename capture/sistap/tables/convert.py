@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import sistap
+from sistap.common.garbage import uncollected
+from sistap.episodes.engine import Engine
 from sistap.packets.dissection import Dissection
-from sistap.tables.rows import FIELDS, Row, rows
+from sistap.tables.rows import FIELDS, Row, of_episode, rows
 from sistap.tables.store import Store
 from sistap.terminal.console import Console
-from sistap.terminal.garbage import uncollected
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -25,7 +26,7 @@ def put(tshark: Tshark, capture: Path, store: Store, tap: str, console: Console)
         console.say(f"{capture}: is in the tables")
         return
     with Dissection(tshark, capture, FIELDS, keeps=False) as dissection, uncollected():
-        count = store.put(digest, capture.name, tap, _rows(dissection, capture, console))
+        count = store.put(digest, capture, tap, _rows(dissection, capture, console))
     if dissection.warning:
         console.say(f"{capture}: only what comes before the damage: {dissection.warning}")
     if dissection.missing:
@@ -34,10 +35,13 @@ def put(tshark: Tshark, capture: Path, store: Store, tap: str, console: Console)
 
 
 def _rows(dissection: Dissection, capture: Path, console: Console) -> Iterator[Row]:
+    engine = Engine()
     for count, packet in enumerate(dissection.packets(), 1):
         yield from rows(packet, capture.name)
+        engine.add(packet)
         if count % _PROGRESS_EVERY == 0 and console.shows_progress:
             console.progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
+    yield from (of_episode(episode, capture.name) for episode in engine.finish())
 
 
 def _digest(capture: Path, tap: str) -> str:

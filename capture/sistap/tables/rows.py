@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The rows of a packet: of its telegrams, of the values that were read and written, or of an event."""
+"""The rows of a packet: of its telegrams, of the values that were read and written, or of an event; and of episodes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from sistap.episodes.episode import Episode
 from sistap.line.settings import Flag
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged, Packet, Telegram
 from sistap.records.record import Event
-from sistap.sis.names import service_name
+from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import EVENT, JOINT
 
 # Fields besides those of a Packet.
-FIELDS = ("sertap.line", "sis.parameter", "sis.value", "sis.value.number", "sis.error")
+FIELDS = ("sis.parameter", "sis.value", "sis.value.number", "sis.error")
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
 _LARGEST = 1 << 63
 
@@ -47,8 +48,28 @@ def rows(packet: Packet, file: str) -> Iterator[Row]:
         number_of = None if access.number is None else float(access.number)
         values |= {"station": station, "device": device, "parameter": ident, "number": number_of}
         yield Row("values", place | {"place": number} | values)
-    if packet.type == EVENT:
+    if packet.type == EVENT and not packet.is_again:
         yield Row("events", place | {"place": 0, "code": packet.event, "text": packet.text} | _event(packet.event))
+
+
+def of_episode(episode: Episode, file: str) -> Row:
+    """Return the row of an episode."""
+    hit = episode.hit
+    said = {
+        "port": hit.port,
+        "kind": hit.kind,
+        "count": episode.count,
+        "worst": hit.worst,
+        "text": episode.text,
+        "epoch_ns": round(episode.from_s * 1e9),
+        "file": file,
+        "packet": episode.packets[0] if episode.packets else None,
+        "until": round(episode.to_s * 1e6),
+        "severity": episode.severity.name.lower(),
+        "station": None if episode.station is None else str(episode.station),
+        "parameter": hit.parameter or None,
+    }
+    return Row("episodes", said)
 
 
 def _epoch_ns(packet: Packet) -> int:
@@ -98,7 +119,7 @@ def _judged(limit: str, time: str, judged: Judged | None) -> dict[str, Any]:
     if not judged:
         return {}
     verdict = _VERDICTS.get(judged.verdict) if judged.verdict is not None else None
-    return {time: judged.time_s, f"{limit}_limit_s": judged.limit_s, f"{limit}_verdict": verdict}
+    return {time: judged.time_s or None, f"{limit}_limit_s": judged.limit_s, f"{limit}_verdict": verdict}
 
 
 def _one(text: str | None) -> str | None:

@@ -89,4 +89,20 @@ TABLES = {
         pa.schema([*_PLACE, ("code", pa.int32()), ("event", _TEXT), ("text", pa.string())]),
         ("epoch_ns", "line", "place", "code", "text"),
     ),
+    "episodes": Table(
+        pa.schema(
+            [
+                *_PLACE,
+                ("until", _TIME),
+                ("kind", _TEXT),
+                ("severity", _TEXT),
+                ("station", _TEXT),
+                ("parameter", _TEXT),
+                ("count", pa.int64()),
+                ("worst", pa.float64()),
+                ("text", pa.string()),
+            ]
+        ),
+        ("epoch_ns", "kind", "station", "parameter"),
+    ),
 }

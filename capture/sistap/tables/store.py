@@ -9,21 +9,22 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from sistap.common.writing import Beside, Incomplete
 from sistap.tables.rows import Row
 from sistap.tables.schema import TABLES
-from sistap.terminal.writing import Incomplete
+from sistap.terminal.stop import held
+from sistap.terminal.writing import mode_like
 
 _TOGETHER = 1 << 17  # rows of all tables that wait to be written
 _OPEN = 32  # files open at a time
@@ -59,7 +60,7 @@ class Store:
             return False
         return all((self._root / file).is_file() for file in files)
 
-    def put(self, digest: str, capture: str, tap: str, rows: Iterable[Row]) -> int:
+    def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row]) -> int:
         """Add a capture's rows; return how many are new. Incomplete if there is no room."""
         incoming = _Incoming(self._root, capture, tap)
         try:
@@ -67,7 +68,7 @@ class Store:
                 incoming.add(row)
             files = incoming.finish()
             self._forget(incoming.id, set(files))
-            self._write_note(digest, incoming.id, files)
+            self._write_note(digest, capture, incoming.id, files)
         except OSError as error:
             reason = error.strerror or error
             raise Incomplete(f"{self._root} is incomplete: {reason}; make room, and run it again") from None
@@ -80,12 +81,15 @@ class Store:
     def _note(self, digest: str) -> Path:
         return self._root / _NOTES / f"{digest}.json"
 
-    def _write_note(self, digest: str, capture_id: str, files: list[str]) -> None:
+    def _write_note(self, digest: str, capture: Path, capture_id: str, files: list[str]) -> None:
         note = self._note(digest)
         note.parent.mkdir(parents=True, exist_ok=True)
-        new = note.with_suffix(f".{os.getpid()}.new")
-        new.write_text(json.dumps({"id": capture_id, "files": files}), "utf-8")
-        new.replace(note)
+        new = Beside(note, mode_like([capture]))
+        try:
+            new.file.write(json.dumps({"id": capture_id, "files": files}).encode())
+            new.replace()
+        finally:
+            new.remove()
 
     def _forget(self, capture_id: str, files: set[str]) -> None:
         """Remove earlier files of the capture that it no longer has."""
@@ -103,15 +107,16 @@ class _Strange(Exception):
 class _Incoming:
     """A capture on its way into the folder."""
 
-    def __init__(self, root: Path, capture: str, tap: str) -> None:
+    def __init__(self, root: Path, capture: Path, tap: str) -> None:
         self._root = root
-        self._capture = capture
+        self._capture = capture.name
+        self._mode = mode_like([capture])
         self._tap = tap
         self._waiting: defaultdict[Part, list[dict[str, Any]]] = defaultdict(list)
         self._waiting_rows = 0
-        self._writers: dict[Part, pq.ParquetWriter] = {}
+        self._writers: dict[Part, tuple[pq.ParquetWriter, BinaryIO]] = {}
         self._numbers: defaultdict[Part, int] = defaultdict(int)  # files of each partition
-        self._files: list[tuple[Path, Path]] = []  # temporary and final paths
+        self._files: list[tuple[Beside, Path]] = []  # new files, and their places
         self.id = ""  # stays the same if the capture grows or is dissected again
         self.count = 0
 
@@ -133,8 +138,8 @@ class _Incoming:
         self._write()
         for part in list(self._writers):
             self._close(part)
-        for new, file in self._files:
-            new.replace(file)
+        for new, _ in self._files:
+            new.replace()
         return [file.relative_to(self._root).as_posix() for _, file in self._files]
 
     def clear(self) -> None:
@@ -143,8 +148,7 @@ class _Incoming:
             with suppress(OSError):
                 self._close(part)
         for new, _ in self._files:
-            with suppress(OSError):
-                new.unlink()
+            new.remove()
 
     def _write(self) -> None:
         for part, values in self._waiting.items():
@@ -175,19 +179,24 @@ class _Incoming:
         if part not in self._writers:
             if len(self._writers) == _OPEN:
                 self._close(next(iter(self._writers)))
-            self._writers[part] = pq.ParquetWriter(self._file(part), TABLES[part.table].schema, compression="zstd")
-        return self._writers[part]
+            file = self._file(part)
+            self._writers[part] = pq.ParquetWriter(file, TABLES[part.table].schema, compression="zstd"), file
+        return self._writers[part][0]
 
-    def _file(self, part: Part) -> Path:
+    def _file(self, part: Part) -> BinaryIO:
         folder = part.folder(self._root)
         folder.mkdir(parents=True, exist_ok=True)
         name = f"{slug(Path(self._capture).stem)}-{self.id}-{self._numbers[part]}.parquet"
         self._numbers[part] += 1
-        self._files.append((folder / f"_{name}.{os.getpid()}.new", folder / name))
-        return self._files[-1][0]
+        with held():
+            new = Beside(folder / name, self._mode)
+            self._files.append((new, folder / name))
+        return new.file
 
     def _close(self, part: Part) -> None:
-        self._writers.pop(part).close()
+        writer, file = self._writers.pop(part)
+        writer.close()
+        file.close()
 
 
 def slug(name: str) -> str:

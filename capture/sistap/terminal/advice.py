@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cures in the words of each system: one column each for Linux, Windows and macOS; examples."""
+"""Cures in the words of each system: one column each for Linux, Windows and macOS."""
 
 from __future__ import annotations
 
-import re
 import shlex
 import subprocess
 import sys
-from pathlib import Path
 from typing import NamedTuple
 
 
@@ -19,8 +17,6 @@ class Advice(NamedTuple):
     tshark: str
     wireshark: str  # tshark is installed, Wireshark is not
     libpcap: str
-    matplotlib: str  # {python} runs sistap
-    pyserial: str  # {python} runs sistap
     no_pseudo_terminal: str
     in_use: str  # another program has the port {port}: what follows "by another program"
     held: str  # a file cannot be replaced or removed
@@ -29,6 +25,7 @@ class Advice(NamedTuple):
     latency_timer: str  # of an FTDI adapter: {name} is its name in Windows
     ports_group: str = ""  # users of serial ports must belong to it
     package: str = ""  # how to remove the package of the system
+    no_wireshark: str = ""  # none was found; it may be somewhere else
 
 
 _LINUX = Advice(
@@ -37,10 +34,6 @@ _LINUX = Advice(
     tshark="Debian and Ubuntu: `apt-get install tshark`",
     wireshark="`apt-get install wireshark`",
     libpcap="install the package libpcap0.8 (or libpcap)",
-    matplotlib="`sudo apt-get install python3-matplotlib`, or in a virtual environment "
-    "`{python} -m pip install matplotlib`",
-    pyserial="`sudo apt-get install python3-serial` for the system's own python3, or in a virtual environment "
-    "`{python} -m pip install pyserial`",
     no_pseudo_terminal="close some terminals",
     in_use="(often ModemManager): `sudo fuser -v {port}` names it",
     held="see who may write to its folder",
@@ -58,8 +51,6 @@ _MACOS = _LINUX._replace(
     wireshark="install Wireshark",
     libpcap="macOS includes it: start sistap with the Python of this system",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
-    matplotlib="`{python} -m pip install matplotlib`",
-    pyserial="`{python} -m pip install pyserial`",
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
     latency_timer="the driver of macOS has no such setting: capture with `sistap serve` on a Linux computer",
     ports_group="",
@@ -72,8 +63,6 @@ _WINDOWS = Advice(
     tshark="run Wireshark's installer again and tick TShark",
     wireshark="run Wireshark's installer again and tick Wireshark",
     libpcap="install Npcap, which Wireshark's installer includes",
-    matplotlib="type {python} -m pip install matplotlib",
-    pyserial="type {python} -m pip install pyserial",
     no_pseudo_terminal="Windows has none: use --listen HOST:PORT, or --port PORT --transmit",
     in_use=": close that program first",
     held="a program has it open: close Wireshark, then try again",
@@ -82,64 +71,16 @@ _WINDOWS = Advice(
     "for windows that are opened then; py -m sistap works without it",
     latency_timer="in Device Manager > Ports (COM & LPT) > {name} > Properties > Port Settings > Advanced set Latency "
     "Timer (msec) to 1, then start again",
+    no_wireshark="install it, with TShark; if it is in another folder, as a portable one is, type sistap install "
+    "--wireshark FOLDER",
 )
 
 _OF_SYSTEM = {"darwin": _MACOS, "win32": _WINDOWS}
-
-# Help texts have the ports of Linux and, in commands, single quotes, which cmd.exe does not know.
-_TYPED = "  sistap "
-_OF_EXAMPLES = {"win32": {"/dev/ttyUSB0": "COM5", "/dev/ttyUSB1": "COM6", "'": '"'}}
 
 
 def advice(system: str = "") -> Advice:
     """Return the column of a system, named as in sys.platform; by default of this system."""
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
-
-
-def no_pyserial() -> str:
-    """Say in a clause for whom pyserial is missing, and what to do."""
-    return f"missing for {sys.executable}: {advice().pyserial.format(python=sys.executable)}"
-
-
-def no_matplotlib() -> str:
-    """Return what to do if matplotlib is missing."""
-    return f"matplotlib is missing for {sys.executable}: {advice().matplotlib.format(python=sys.executable)}"
-
-
-_PACKED = {
-    rb"\xfd7zXZ\x00": "xz -dk",
-    rb"\x1f\x8b": "gunzip -k",
-    rb"BZh[1-9]1A": "bunzip2 -k",
-    rb"PK\x03\x04": "unzip",
-    rb"7z\xbc\xaf": "7z x",
-}
-
-
-def unpack(path: Path) -> str:
-    """Return how to unpack a packed file; empty if it is not packed, or cannot be read."""
-    try:
-        if not path.is_file():  # opening a pipe would wait for a writer
-            return ""
-        with path.open("rb") as file:
-            head = file.read(6)
-    except OSError:
-        return ""
-    command = next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
-    return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""
-
-
-def examples(text: str, system: str = "") -> str:
-    """Return a help text with the ports of a system; text after two blanks keeps its column."""
-    words = _OF_EXAMPLES.get(system or sys.platform, {})
-    return "".join(_translated(line, words) for line in text.splitlines(keepends=True))
-
-
-def _translated(line: str, words: dict[str, str]) -> str:
-    new = line
-    for word, other in words.items():
-        if len(word) > 1 or line.startswith(_TYPED):
-            new = new.replace(word, other)
-    return re.sub(r"(?<=\S)  ", " " * (2 + len(line) - len(new)), new, count=1)
 
 
 def shell_word(text: str, system: str = sys.platform) -> str:

@@ -20,8 +20,8 @@ from sistap.terminal.advice import advice
 from sistap.terminal.stop import held
 
 ROOT = 0  # user
+WINDOWS = os.name == "nt"
 FOR_ROOT = Path("/var/lib/sistap")
-HOME_OF_ROOT = "~root"  # whatever the environment says
 
 
 class StateError(RuntimeError):
@@ -49,26 +49,19 @@ def folder() -> Path:
 
 
 def of_environment() -> Path:
-    """Return the folder that the environment names (XDG base directories). RuntimeError if this user has no home."""
-    state = os.environ.get("XDG_STATE_HOME", "")
+    """Return the folder that the environment names (XDG base directories; on Windows what belongs to this computer).
+
+    RuntimeError if this user has no home.
+    """
+    state = os.environ.get("XDG_STATE_HOME", "") or (os.environ.get("LOCALAPPDATA", "") if WINDOWS else "")
     return (Path(state) if Path(state).is_absolute() else Path.home() / ".local/state") / "sistap"
-
-
-def old_folders() -> list[Path]:
-    """Return where earlier versions kept root's state: in the home of root, or of the caller of sudo -E."""
-    places = []
-    with suppress(RuntimeError):
-        places.append(Path(HOME_OF_ROOT).expanduser() / ".local/state/sistap")
-    with suppress(RuntimeError):
-        places.append(of_environment())
-    return places
 
 
 def check(path: Path) -> None:
     """Raise StateError if anybody but root could write to root's file or folder."""
     with suppress(FileNotFoundError):
         found = path.lstat()
-        if stat.S_ISLNK(found.st_mode) or not _only_root_writes(found):
+        if stat.S_ISLNK(found.st_mode) or not only_root_writes(found):
             raise StateError(
                 f"{path} is not used, because others than root could have written it: look at what is in it, then "
                 f"`chown root {path}; chmod go-w {path}`, or delete it"
@@ -80,12 +73,13 @@ def is_roots_alone(path: Path) -> bool:
     for step in reversed((path, *path.parents)):
         found = step.lstat()
         is_shared = step != path and found.st_mode & stat.S_ISVTX  # like /tmp: everybody adds, only owners remove
-        if stat.S_ISLNK(found.st_mode) or not (_only_root_writes(found) or (is_shared and found.st_uid in (0, ROOT))):
+        if stat.S_ISLNK(found.st_mode) or not (only_root_writes(found) or (is_shared and found.st_uid in (0, ROOT))):
             return False
     return True
 
 
-def _only_root_writes(found: os.stat_result) -> bool:
+def only_root_writes(found: os.stat_result) -> bool:
+    """Tell whether nobody but root may write there, by owner and mode."""
     return found.st_uid in (0, ROOT) and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
@@ -95,6 +89,14 @@ def save(name: str, content: bytes) -> Path:
     path.mkdir(mode=0o755 if is_root() else 0o777, parents=True, exist_ok=True)
     replace(folder() / name, content)
     return path / name
+
+
+def forget(name: str) -> None:
+    """Remove a file from the folder, and the folder if nothing else is in it."""
+    with suppress(OSError, RuntimeError):
+        (folder() / name).unlink()
+    with suppress(OSError, RuntimeError):
+        folder().rmdir()
 
 
 @contextmanager
@@ -116,11 +118,19 @@ def replace(file: Path, content: bytes, *, executable: bool = False) -> None:
     with held():
         descriptor, new = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
         try:
-            with open(descriptor, "wb") as stream:
-                stream.write(content)
+            _fill(descriptor, content, file)
             Path(new).chmod(0o755 if executable else 0o644)
             with closed(file):
                 Path(new).replace(file)
         finally:
             with suppress(OSError):
                 Path(new).unlink()
+
+
+def _fill(descriptor: int, content: bytes, file: Path) -> None:
+    """Write the contents and close; an OSError names the file."""
+    try:
+        with open(descriptor, "wb") as stream:
+            stream.write(content)
+    except OSError as error:
+        raise OSError(error.errno, f"{error.strerror}; make room", str(file)) from None

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The signals that end a command: SIGINT, SIGTERM, SIGQUIT, and SIGHUP (the terminal is gone) unless nohup ignores it.
 
-Any number of signals ends a command once. The first raises Stopped wherever the command is, so that everything open is
-closed on the way out. Later ones are ignored until the process has ended. A command that must not be interrupted (a
-capture, while it writes) checks `asked` instead.
+Any number of signals ends a command once: Stopped is raised wherever the command is, and `with` and `finally` close
+what is open. A command that must not be interrupted (a capture, while it writes) checks `asked` instead. Most others
+wait where nothing can check it: for tshark, for the reader of a pipe, in a library.
+
+An exception that comes at any instruction can be swallowed: Python drops it in `__del__`, and libraries catch anything.
+So Stopped is raised again and again until the command has ended, but never where Stopped is being handled.
 
 Two things must never be interrupted: making something that must be removed again, and removing it. Both happen while
 Stopped is `held`. Everything else may be left at any instruction.
@@ -13,27 +16,20 @@ This is imported before the rest of sistap, so it imports next to nothing.
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import sys
-from types import FrameType, TracebackType
+import time
+from types import FrameType
 
 from sistap.terminal.exits import DONE
 
-_AGAIN_S = 0.01  # pause before trying a swallowed stop again
-_DEAF = "ignored due to race condition"  # Python's message about a signal just before it was ignored
+AGAIN_S = 0.1  # pause before Stopped is raised again
 
 
 class Stopped(BaseException):
     """A signal has requested the end. It is no Exception, so that no handler of failures catches it."""
-
-    def __init__(self, stop: Stop) -> None:
-        """Belong to a stop that must know when this object is gone."""
-        super().__init__()
-        self._stop = stop
-
-    def __del__(self) -> None:
-        self._stop.listen()
 
 
 class Stop:
@@ -47,11 +43,14 @@ class Stop:
     def __init__(self) -> None:
         self.asked = False
         self.at_once = True  # False: the command checks `asked`
-        self._handle_now = self._ignore
-        self._ends_process = False
+        self._owns_process = False
+        self._is_importing = False
+        self._insists = False
         self._holds = 0
         self._before: dict[int, signal._HANDLER] = {}
         self._hook = sys.unraisablehook
+        self._main_thread = _thread.get_ident()
+        self._poking = _thread.allocate_lock()
 
     @classmethod
     def current(cls) -> Stop:
@@ -60,29 +59,26 @@ class Stop:
 
     def begin(self) -> None:
         """Let a signal end the process at once during imports, when there is nothing to undo."""
-        self._ends_process = True
-        self._handle_now = self._leave
+        self._owns_process = self._is_importing = True
         self._install()
 
     def __enter__(self) -> Stop:
         if not self._before:
             self._install()
         Stop._of_command = self
-        self._handle_now = self._stop
+        self._is_importing = False
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Call `end`. If a signal comes just before, the handler of Stopped must call it."""
         self.end()
 
     def end(self) -> None:
         """Ignore signals if the process ends now; else restore the former handlers."""
-        self._handle_now = self._ignore
-        Stop._of_command = None
+        with self._poking:
+            Stop._of_command = None
         for number, handler in self._before.items():
-            signal.signal(number, signal.SIG_IGN if self._ends_process else handler)
+            signal.signal(number, signal.SIG_IGN if self._owns_process else handler)
         self._before = {}
         sys.unraisablehook = self._hook
 
@@ -97,16 +93,7 @@ class Stop:
     def release(self) -> None:
         """Let signals raise Stopped again; raise it now if one came meanwhile."""
         self._holds -= 1
-        if self.asked and self._handle_now == self._stop:
-            self._stop()
-
-    def listen(self) -> None:
-        """Let signals raise Stopped again if the raised one was swallowed and the command still runs."""
-        if Stop._of_command is not self:
-            return
-        self._handle_now = self._stop
-        for number in self._before:
-            signal.signal(number, self._handle)
+        self._raise_if_asked()
 
     def _install(self) -> None:
         numbers = [signal.SIGINT, signal.SIGTERM]
@@ -115,54 +102,50 @@ class Stop:
             if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
                 numbers.append(signal.SIGHUP)
         self._before = {number: signal.signal(number, self._handle) for number in numbers}
-        self._hook, sys.unraisablehook = sys.unraisablehook, self._told
+        self._hook, sys.unraisablehook = sys.unraisablehook, self._tell
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self._handle_now()
+        if self._is_importing:
+            os._exit(DONE)  # an exception during an import could appear as a traceback, or be lost
+        if Stop._of_command is self:
+            self.asked = True
+            try:
+                self._raise_if_asked()
+            except SystemError:  # C code went on although Stopped was raised in it, and met the next signal
+                raise Stopped from None
 
-    def _leave(self) -> None:
-        os._exit(DONE)  # an exception during an import could appear as a traceback, or be lost
+    def _raise_if_asked(self) -> None:
+        if not (self.asked and self.at_once) or self._holds or Stop._of_command is not self or _is_being_handled():
+            return
+        if not self._insists:
+            self._insists = True
+            _thread.start_new_thread(self._insist, ())
+        raise Stopped
 
-    def _ignore(self) -> None:
-        pass
+    def _insist(self) -> None:
+        """Send the main thread a signal again and again, which interrupts a system call as well."""
+        while True:
+            time.sleep(AGAIN_S)
+            with self._poking:
+                if Stop._of_command is not self or not self.at_once:
+                    return
+                if sys.platform == "win32":
+                    signal.raise_signal(signal.SIGINT)
+                else:
+                    signal.pthread_kill(self._main_thread, signal.SIGTERM)
 
-    def _stop(self) -> None:
-        self.asked = True
-        if self.at_once and not self._holds:
-            self._be_deaf()
-            raise Stopped(self)
-
-    def _be_deaf(self) -> None:
-        """Block handlers while Stopped propagates: Python fails if a handler runs in C code that continues.
-
-        For several simultaneous signals Python calls the handlers one after the other. So this calls the others first.
-        """
-        self._handle_now = self._ignore
-        signal.raise_signal(next(iter(self._before)))
-        for number in self._before:
-            signal.signal(number, signal.SIG_IGN)
-
-    def _told(self, args: sys.UnraisableHookArgs) -> None:
-        """Try again if Stopped was raised where nobody can catch it, such as in the callback of a weak reference."""
-        if isinstance(args.exc_value, Stopped):
-            import threading  # imported late, as it is hardly ever needed
-
-            again = threading.Timer(_AGAIN_S, self._signal_again)
-            again.daemon = True
-            again.start()
-        elif not (isinstance(args.exc_value, OSError) and _DEAF in str(args.exc_value)):
+    def _tell(self, args: sys.UnraisableHookArgs) -> None:
+        """Report as ever what was raised where nobody can catch it, but not Stopped, which comes again."""
+        if not isinstance(args.exc_value, Stopped):
             self._hook(args)
 
-    def _signal_again(self) -> None:
-        """Send the main thread a signal, which interrupts a system call as well."""
-        if Stop._of_command is not self:
-            return
-        if sys.platform == "win32":
-            signal.raise_signal(signal.SIGINT)
-        else:
-            import threading
 
-            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
+def _is_being_handled() -> bool:
+    """Tell whether the interrupted code handles Stopped, as `finally` does, or was called by code that does."""
+    error = sys.exc_info()[1]
+    while error and not isinstance(error, Stopped):
+        error = error.__context__
+    return error is not None
 
 
 class held:
@@ -172,8 +155,6 @@ class held:
         self._stop = Stop.current()
         self._stop.hold()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Release it; may raise Stopped."""
         self._stop.release()

@@ -3,9 +3,9 @@
 
 import sys
 
+from sistap.terminal.console import visible
 from sistap.terminal.exits import DONE, FAILED
 from sistap.terminal.stop import Stop, Stopped
-from sistap.terminal.visible import visible
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 

@@ -59,6 +59,13 @@ class Own:
         own = [Path(named[name]) for name in sorted(names) if named.get(name)]
         self._folders = [folder.resolve() for folder in (*own, *others)]
 
+    @classmethod
+    def of(cls, folders: Iterable[Path]) -> Own:
+        """Make it of folders that are known without tshark."""
+        own = cls.__new__(cls)
+        own._folders = [folder.resolve() for folder in folders]
+        return own
+
     def have(self, file: Path) -> bool:
         """Tell whether a file is in one of them or below, after resolving links."""
         folder = file.parent.resolve()

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from datetime import datetime
 from pathlib import Path
 
-from sistap.terminal.advice import unpack
-from sistap.terminal.visible import visible
+from sistap.common.packed import unpack
+from sistap.terminal.console import visible
 from sistap.wireshark.tshark import TsharkError
 
 NO_DISSECTOR = (
@@ -54,6 +55,14 @@ def info(columns: dict[str, str]) -> str:
     """
     column, field = INFO_FIELDS
     return columns.get(column) or columns.get(field, "").replace("\\\\", "\\")
+
+
+def local(epoch_s: float) -> datetime | None:
+    """Return a time of a packet as local time; None if no calendar has it."""
+    try:
+        return datetime.fromtimestamp(epoch_s).astimezone()
+    except (ValueError, OverflowError, OSError):
+        return None
 
 
 def unknown_fields(said: str) -> set[str]:

@@ -13,9 +13,9 @@ import itertools
 import os
 import re
 import shutil
+import stat
 import subprocess
 import sys
-import tempfile
 import weakref
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -23,20 +23,72 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
-from sistap.terminal import temporary
+from sistap.common import temporary
+from sistap.common.complaints import Complaints
+from sistap.terminal import programs
 from sistap.terminal.advice import advice
+from sistap.terminal.console import Console
+from sistap.terminal.state import is_roots_alone, only_root_writes
 from sistap.terminal.stop import held
+
+# What the folder of each variable holds; None: programs of any name.
+HOLDS: dict[str, tuple[str, ...] | None] = {"WIRESHARK_PLUGIN_DIR": (".so", ".lua"), "WIRESHARK_EXTCAP_DIR": None}
+# -- Copies of plugins and extcaps for a tshark that root runs as nobody -----------------------------------------------
+
+# The environment of `sudo -E` is that of its caller. It may name a folder with links to secrets, devices without an end
+# and pipes without a reader. So only regular files are copied, of folders that nobody but root can change.
+
+_CHECKOUT = Path(__file__).resolve().parents[3]
+
+
+def is_trusted(folder: Path) -> bool:
+    """Tell whether only root could have filled a folder, or whoever could have changed this program as well."""
+    return is_roots_alone(folder) or (folder.is_relative_to(_CHECKOUT) and not is_roots_alone(_CHECKOUT))
+
+
+def copy(source: Path, target: Path, suffixes: tuple[str, ...] | None) -> None:
+    """Copy the regular files of a folder and its subfolders; follow no link, wait for no pipe. May raise OSError."""
+    if sys.platform == "win32":
+        return  # there is no root
+    is_strict = is_roots_alone(source)
+    for folder, folders, names, descriptor in os.fwalk(source):
+        if is_strict and not only_root_writes(os.fstat(descriptor)):
+            folders.clear()
+            continue
+        made = target / Path(folder).relative_to(source)
+        made.mkdir()
+        for name in names:
+            if suffixes is None or name.endswith(suffixes):
+                _copy_file(name, descriptor, made / name, is_strict=is_strict)
+
+
+def _copy_file(name: str, folder: int, target: Path, *, is_strict: bool) -> None:
+    try:
+        descriptor = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK, dir_fd=folder)
+    except OSError:  # a link, or a socket
+        return
+    with open(descriptor, "rb") as file:
+        about = os.fstat(descriptor)
+        if stat.S_ISREG(about.st_mode) and (only_root_writes(about) or not is_strict):
+            with target.open("xb") as made:
+                shutil.copyfileobj(file, made)
+            target.chmod(stat.S_IMODE(about.st_mode) & 0o777)
+
+
+# -- tshark ----------------------------------------------------------------------------------------------------------
 
 NOBODY = 65534
 OLDEST_WIRESHARK = (4, 0)
 _PIECE = 1 << 20  # bytes copied at once
-_FOLDER_VARIABLES = ("WIRESHARK_PLUGIN_DIR", "WIRESHARK_EXTCAP_DIR")
 
-# Where installers put Wireshark without adding it to PATH.
-_FOLDERS = {
-    "darwin": "/Applications/Wireshark.app/Contents/MacOS",
-    "win32": os.path.join(os.environ.get("PROGRAMFILES", r"C:\Program Files"), "Wireshark"),  # noqa: PTH118
-}
+
+def environment(program: str) -> dict[str, str]:
+    """Return the environment of a program of Wireshark. A portable one has its own settings, as its starter says."""
+    folder = Path(program).parent
+    own = dict(os.environ)
+    if folder.match(str(programs.PORTABLE)) and (data := folder.parents[1] / "Data").is_dir():
+        own.setdefault("WIRESHARK_APPDATA", str(data))
+    return own
 
 
 class TsharkError(Exception):
@@ -71,16 +123,14 @@ def loaded(text: str) -> list[Loaded]:
     return [Loaded(row[0], row[1], row[-1]) for row in rows if Path(row[0]).stem == "sis" and len(row) > 1]
 
 
-def program(name: str) -> str | None:
-    """Return the path of a Wireshark program, also where its installers put it without adding it to PATH."""
-    return shutil.which(name) or shutil.which(name, path=_FOLDERS.get(sys.platform, ""))
-
-
-def _found(name: str) -> str:
-    path = program(name)
-    if path is None:
-        raise TsharkError(f"{name} is not on PATH; {advice().tshark}")
-    return path
+def found(name: str) -> str:
+    """Return the path of a program of Wireshark. May raise TsharkError."""
+    if path := programs.of_wireshark(name):
+        return path
+    if advice().no_wireshark and not programs.of_wireshark("wireshark"):
+        raise TsharkError(f"no Wireshark was found: {advice().no_wireshark}")
+    cure = advice().wireshark if name == "wireshark" else advice().tshark
+    raise TsharkError(f"{name} is not on PATH; {cure}")
 
 
 class Used(NamedTuple):
@@ -102,8 +152,8 @@ class Tshark:
         It sees the plugins of a folder, or those that WIRESHARK_PLUGIN_DIR names. Without `drop_rights` root stays
         root: then it uses root's own folders, and personal plugins are not loaded.
         """
-        self._path = _found(program)
-        self._environment = dict(os.environ)
+        self._path = found(program)
+        self._environment = environment(self._path)
         if plugins is not None:
             self._environment["WIRESHARK_PLUGIN_DIR"] = str(plugins)
         self._children: list[subprocess.Popen[Any]] = []
@@ -114,7 +164,14 @@ class Tshark:
             # Also at the end of the program, if a signal comes between the `with` and its end.
             self._end = weakref.finalize(self, _end, self._children, self._own)
         if self._own:
-            self._own.prepare(self._environment)
+            try:
+                self._own.prepare(self._environment)
+            except OSError as error:
+                self._end()
+                raise TsharkError(
+                    f"{self._own.path.parent} has no room for a copy of the plugins ({error.strerror}), which tshark "
+                    "needs as root: run it as an ordinary user, or name a larger folder with TMPDIR"
+                ) from error
 
     def __enter__(self) -> Tshark:
         return self
@@ -193,16 +250,17 @@ class Tshark:
 
         Closing the generator ends tshark.
         """
-        with self._command(arguments) as command, tempfile.TemporaryFile() as errors:
-            settings = self._settings(arguments) | {"stdout": subprocess.PIPE, "stderr": errors}
+        with self._command(arguments) as command, Complaints() as complaints:
+            settings = self._settings(arguments) | {"stdout": subprocess.PIPE, "stderr": complaints.stream}
             with self._running(command, encoding="utf-8", errors="replace", **settings) as process:
+                complaints.stream.close()
                 assert process.stdout is not None
                 for line in process.stdout:
                     yield line.rstrip("\n")
             if process.returncode != 0:
-                errors.seek(0)
-                said = errors.read().decode(errors="replace").strip()
-                raise TsharkError(said or f"{Path(self._path).name} ended with exit code {process.returncode}")
+                raise TsharkError(
+                    complaints.text() or f"{Path(self._path).name} ended with exit code {process.returncode}"
+                )
 
     def start(self, arguments: Sequence[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
         """Start tshark with pipes to its stdin and from its stdout; its stderr goes to `errors`.
@@ -256,10 +314,19 @@ class _OwnFolder:
         home.mkdir()
         environment["HOME"] = str(home)
         environment.pop("XDG_CONFIG_HOME", None)
-        for variable in _FOLDER_VARIABLES:
-            source = environment.get(variable)
-            if source and Path(source).is_dir():
-                environment[variable] = str(shutil.copytree(source, self.path / variable.lower()))
+        for variable, suffixes in HOLDS.items():
+            source = Path(environment.get(variable) or os.devnull).resolve()
+            if not source.is_dir():
+                continue
+            if not is_trusted(source):
+                del environment[variable]
+                Console().say(
+                    f"{variable} is ignored, because others than root can write to {source}: run this as an ordinary "
+                    "user, or name a folder of root's"
+                )
+                continue
+            environment[variable] = str(self.path / variable.lower())
+            copy(source, Path(environment[variable]), suffixes)
         for path in (*self.path.rglob("*"), self.path):
             shutil.chown(path, NOBODY, NOBODY)
 
@@ -306,3 +373,7 @@ def _end(children: Sequence[subprocess.Popen[Any]], folder: _OwnFolder | None) -
         child.wait()
     if folder:
         folder.close()
+
+
+if sys.platform == "emscripten":  # a browser, where no process can run
+    from sistap.wireshark.wiregasm import Tshark  # type: ignore[assignment]

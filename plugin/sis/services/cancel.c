@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Service 0x01, cancel data transmission (chapter 4): address and service may be missing, each or both. */
-
 #include "sis/services/services.h"
 
-static int hf_canceled_service = -1;
+#include "sis/names.h"
 
 static void
 take_ambiguous(sis_body_t *body)
@@ -13,7 +12,7 @@ take_ambiguous(sis_body_t *body)
         body->request->subservice = compat_get_uint8(body->tvb, body->offset);
     }
     sis_take_rest(body, hf_sis_raw);
-    sis_mark(body, &ei_sis_note, "device address or service, one byte does not tell");
+    sis_mark(body, &ei_sis_body_note, "device address or service, one byte does not tell");
 }
 
 static void
@@ -21,7 +20,7 @@ take_device_and_service(sis_body_t *body)
 {
     uint32_t device, service;
 
-    if (!sis_take(body, hf_sis_device, 1, &device) || !sis_take(body, hf_canceled_service, 1, &service))
+    if (!sis_take(body, hf_sis_device, 1, &device) || !sis_take(body, hf_sis_canceled_service, 1, &service))
         return;
     sis_request_device(body, device);
     if (body->request != NULL) {
@@ -29,6 +28,8 @@ take_device_and_service(sis_body_t *body)
         body->request->subservice = (uint8_t)service;
     }
     sis_say(body, ", %s, device %u", sis_service_name(body->pinfo->pool, (uint8_t)service), device);
+    if (sis_general_service((uint8_t)service) == 0x1D)
+        sis_mark(body, &ei_sis_body_note, "a phase switch cannot be cancelled"); /* chapter 8.5 */
 }
 
 static void
@@ -67,16 +68,4 @@ sis_dissect_cancel(sis_body_t *body)
         dissect_reaction(body);
     else
         dissect_command(body);
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_canceled_service, {"Cancelled service", "sis.canceled_service", FT_UINT8, BASE_HEX | BASE_RANGE_STRING, RVALS(sis_services), 0, NULL, HFILL}},
-};
-/* clang-format on */
-
-void
-sis_cancel_register(void)
-{
-    proto_register_field_array(proto_sis, fields, array_length(fields));
 }

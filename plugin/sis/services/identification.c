@@ -1,72 +1,77 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Service 0x00, node identification (chapter 3). */
-
 #include "sis/services/services.h"
+
+#include "protocol/services.h"
+#include "sis/learned.h"
 
 #define VERSION_LENGTH  5 /* "nnVmm" */
 #define MOST_CHARACTERS 40
 
-static int hf_version = -1;
-static int hf_firmware = -1;
-static int hf_type_key = -1;
-
 static void
-take_long_text(sis_body_t *body, int hf)
+take_identity(sis_body_t *body, int hf, sis_identity_t what)
 {
     bool is_too_long = sis_left(body) > MOST_CHARACTERS;
 
+    sis_station_identify(body, what, tvb_new_subset_length(body->tvb, body->offset, sis_left(body)));
     sis_take_text(body, hf);
     if (is_too_long)
-        sis_mark(body, &ei_sis_note, "more than %u characters", MOST_CHARACTERS);
+        sis_mark(body, &ei_sis_body_note, "more than %u characters", MOST_CHARACTERS);
 }
 
 static void
-dissect_data(sis_body_t *body, uint32_t subservice)
+take_firmware(sis_body_t *body, unsigned size _U_)
 {
-    switch (subservice) {
-    case 0x01:
-        if (sis_left(body) != VERSION_LENGTH && !body->is_cut)
-            sis_mark(body, sis_left(body) < VERSION_LENGTH ? &ei_sis_missing : &ei_sis_unexpected,
-                     "a SIS version has %u characters", VERSION_LENGTH);
-        sis_take_text(body, hf_version);
-        break;
-    case 0x02:
-        take_long_text(body, hf_firmware);
-        break;
-    case 0x03:
-        take_long_text(body, hf_type_key);
-        break;
-    case 0x04:
-        sis_take_baud_mask(body, true);
-        break;
-    default:
-        sis_take_rest(body, hf_sis_raw);
-    }
+    take_identity(body, hf_sis_firmware, SIS_FIRMWARE);
 }
+
+static void
+take_type_key(sis_body_t *body, unsigned size _U_)
+{
+    take_identity(body, hf_sis_type_key, SIS_TYPE_KEY);
+}
+
+/* Two digits, V, two digits. */
+static void
+check_version(sis_body_t *body)
+{
+    bool is_good = true;
+
+    if (sis_left(body) != VERSION_LENGTH) {
+        if (!body->is_cut)
+            sis_mark(body, sis_left(body) < VERSION_LENGTH ? &ei_sis_body_missing : &ei_sis_body_unexpected,
+                     "a SIS version has %u characters", VERSION_LENGTH);
+        return;
+    }
+    for (unsigned i = 0; i < VERSION_LENGTH; i++) {
+        char c = (char)compat_get_uint8(body->tvb, body->offset + i);
+
+        is_good &= i == 2 ? c == 'V' : g_ascii_isdigit(c);
+    }
+    if (!is_good)
+        sis_mark(body, &ei_sis_body_note, "a SIS version has the form nnVmm");
+}
+
+static void
+take_version(sis_body_t *body, unsigned size _U_)
+{
+    check_version(body);
+    sis_take_text(body, hf_sis_version);
+}
+
+static void
+take_init_baud_mask(sis_body_t *body, unsigned size _U_)
+{
+    sis_take_baud_mask(body, true);
+}
+
+static const sis_layouts_t layouts = SIS_LAYOUTS_IDENTIFICATION;
 
 void
 sis_dissect_identification(sis_body_t *body)
 {
     uint32_t subservice;
 
-    if (!sis_take_subservice(body, sis_subservices_identification, &subservice) || !body->is_reaction)
-        return;
-    if (sis_is_ok(body))
-        dissect_data(body, subservice);
-    else if (!sis_take_channel_error(body))
-        sis_take_rest(body, hf_sis_raw); /* chapter 3 has no error codes */
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_version, {"SIS version", "sis.version", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_firmware, {"Firmware (FWA) number", "sis.firmware", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_type_key, {"Device type key", "sis.type_key", FT_STRING, BASE_NONE, NULL, 0, NULL, HFILL}},
-};
-/* clang-format on */
-
-void
-sis_identification_register(void)
-{
-    proto_register_field_array(proto_sis, fields, array_length(fields));
+    if (sis_take_subservice(body, &subservice) && body->is_reaction)
+        sis_take_layout_or_error(body, &layouts, subservice);
 }

@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Service 0x03, initialization of the SIS communication (chapter 6). */
-
 #include "sis/services/services.h"
 
+#include "protocol/services.h"
 #include "sis/bus.h"
-
-#define UNKNOWN_SIZE 255u
-
-static int hf_time = -1;
-static int hf_test_time = -1;
 
 static bool
 take_time(sis_body_t *body, int hf, uint32_t *ms)
@@ -22,7 +17,7 @@ take_time(sis_body_t *body, int hf, uint32_t *ms)
     body->item =
         proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &value, "%u ms", *ms);
     body->offset += 2;
-    sis_say(body, hf == hf_time ? " = %u ms" : ", %u ms", *ms);
+    sis_say(body, hf == hf_sis_init_time ? " = %u ms" : ", %u ms", *ms);
     return true;
 }
 
@@ -45,54 +40,71 @@ say_subservice(sis_body_t *body, uint32_t subservice)
     sis_say_words(body, short_text(body, text), NULL);
 }
 
-/* The data of a subservice; its request if the data are complete. */
-static bool
+static void
+take_init_time(sis_body_t *body, unsigned size _U_)
+{
+    uint32_t ms;
+
+    if (take_time(body, hf_sis_init_time, &ms))
+        body->request->setting = ms;
+}
+
+static void
+take_init_test_time(sis_body_t *body, unsigned size _U_)
+{
+    uint32_t ms;
+
+    if (take_time(body, hf_sis_init_test_time, &ms))
+        body->request->test_ms = (uint16_t)ms;
+}
+
+/* A mask without a rate sets nothing. */
+static void
+take_init_baud_mask(sis_body_t *body, unsigned size _U_)
+{
+    body->request->setting = sis_take_baud_mask(body, false);
+    if (body->request->setting == 0)
+        body->request->has_setting = false;
+}
+
+static const sis_layouts_t layouts = SIS_LAYOUTS_INITIALIZATION;
+
+/* The data of a subservice in a command; its request has a setting if they are complete. */
+static void
 take_setting(sis_body_t *body, uint32_t subservice, sis_request_t *request)
 {
-    uint32_t test_ms;
+    sis_request_t *first = body->request;
+    const sis_layout_t *layout = sis_find_layout(&layouts, subservice);
 
-    switch (subservice) {
-    case SIS_SET_TRS:
-    case SIS_SET_TZA:
-    case SIS_SET_TMAS:
-        return take_time(body, hf_time, &request->setting);
-    case SIS_TEST_BAUD:
-        if (!take_time(body, hf_test_time, &test_ms))
-            return false;
-        request->test_ms = (uint16_t)test_ms;
-        /* FALLTHROUGH */
-    case SIS_SET_BAUD_RATE:
-        request->setting = sis_take_baud_mask(body, false);
-        return request->setting != 0;
-    case SIS_ACCEPT:
-        return true;
-    default: /* the data of a group are not documented; an undefined subservice has its note already */
+    if (layout == NULL) { /* an undefined subservice has its note already */
         if (sis_take_rest(body, hf_sis_raw) &&
             try_val_to_str(subservice, sis_subservices_initialization) != NULL)
-            sis_mark(body, &ei_sis_note, "no document says what is in it");
-        return false;
+            sis_mark(body, &ei_sis_body_note, "no document says what is in it");
+        return;
     }
+    body->request = request;
+    request->has_setting = true;
+    sis_take_layout(body, layout);
+    if (body->is_short)
+        request->has_setting = false;
+    body->request = first;
 }
 
-/* The length of a subservice's data: it is fixed, so several may follow one another (chapter 6.1). A
- * reaction has none. */
+/* The bytes of a subservice's data. A reaction has none. */
 static unsigned
-size_of_setting(const sis_body_t *body, uint8_t subservice)
+size_of_setting(const sis_body_t *body, const sis_layout_t *layout)
 {
-    static const struct {
-        uint8_t subservice, size;
-    } sizes[] = {{SIS_SET_TRS, 2},       {SIS_SET_TZA, 2},   {SIS_SET_TMAS, 2},
-                 {SIS_SET_BAUD_RATE, 1}, {SIS_TEST_BAUD, 3}, {SIS_ACCEPT, 0}};
+    unsigned size = 0;
 
-    for (unsigned i = 0; i < array_length(sizes); i++) {
-        if (sizes[i].subservice == subservice)
-            return body->is_reaction ? 0 : sizes[i].size;
+    if (!body->is_reaction) {
+        for (const sis_item_t *item = layout->command; item->hf != NULL; item++)
+            size += item->size;
     }
-    return UNKNOWN_SIZE;
+    return size;
 }
 
-/* Whether the rest is entirely further subservices, each with the device address before it or without. A
- * reaction has those of its command. */
+/* Whether the rest is entirely further subservices of fixed length (chapter 6.1), each with the device
+ * address before it or without. A reaction has those of its command. */
 static bool
 is_layout(const sis_body_t *body, uint8_t device, bool has_device)
 {
@@ -101,14 +113,14 @@ is_layout(const sis_body_t *body, uint8_t device, bool has_device)
 
     while (at + head <= body->end) {
         uint8_t subservice = compat_get_uint8(body->tvb, at + head - 1);
-        unsigned size = size_of_setting(body, subservice);
+        const sis_layout_t *layout = sis_find_layout(&layouts, subservice);
 
-        if ((has_device && compat_get_uint8(body->tvb, at) != device) || size == UNKNOWN_SIZE)
+        if ((has_device && compat_get_uint8(body->tvb, at) != device) || layout == NULL)
             return false;
         if (body->is_reaction && body->asked != NULL && (asked == NULL || asked->subservice != subservice))
             return false;
         asked = asked != NULL ? asked->next : NULL;
-        at += head + size;
+        at += head + size_of_setting(body, layout);
     }
     return at == body->end;
 }
@@ -140,9 +152,7 @@ take_further(sis_body_t *body, uint8_t device, bool has_device)
     text = sis_take_code(body, hf_sis_subservice, 1, sis_subservices_initialization, &subservice);
     sis_say_words(body, "; ", short_text(body, text), NULL);
     if (body->request != NULL) {
-        sis_request_t *request = add_request(body, device, (uint8_t)subservice);
-
-        request->has_setting = take_setting(body, subservice, request);
+        take_setting(body, subservice, add_request(body, device, (uint8_t)subservice));
     }
 }
 
@@ -157,7 +167,7 @@ take_all_further(sis_body_t *body, uint8_t device)
         return;
     if (is_once == is_each) {
         sis_take_rest(body, hf_sis_raw);
-        sis_mark(body, &ei_sis_note, "more data: %s",
+        sis_mark(body, &ei_sis_body_note, "more data: %s",
                  is_once ? "further subservices, but which is not certain"
                          : "no further subservices fit them");
         return;
@@ -172,28 +182,15 @@ sis_dissect_initialization(sis_body_t *body)
     unsigned device_at = body->offset;
     uint32_t subservice;
 
-    if (!sis_take_subservice(body, sis_subservices_initialization, &subservice))
+    if (!sis_take_subservice(body, &subservice))
         return;
     say_subservice(body, subservice);
     if (!body->is_reaction)
-        body->request->has_setting = take_setting(body, subservice, body->request);
+        take_setting(body, subservice, body->request);
     if (!body->is_reaction || sis_is_ok(body)) {
         take_all_further(body, compat_get_uint8(body->tvb, device_at));
     } else if (!sis_take_channel_error(body)) {
         sis_take_error_byte(body, (uint8_t)subservice, sis_errors_initialization);
     }
     sis_bus_learn(body);
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_time, {"Time", "sis.init.time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_test_time, {"Duration of the test", "sis.init.test_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, NULL, HFILL}},
-};
-/* clang-format on */
-
-void
-sis_initialization_register(void)
-{
-    proto_register_field_array(proto_sis, fields, array_length(fields));
 }

@@ -1,38 +1,19 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Services 0x10, 0x11, 0x1E, 0x1F and their equivalents of the product groups: SERCOS parameters (chapter
  * 8). */
-
 #include "sis/services/services.h"
 
 #include "parameters/ident.h"
 #include "parameters/values.h"
 #include "sis/access.h"
 #include "sis/export.h"
-#include "sis/layouts.h"
 #include "sis/learned.h"
+#include "sis/names.h"
 #include "sis/sequence.h"
 
-#define CONTROL_RESERVED      0xC3
 #define DATA_STATUS_UNDEFINED 0xFEF0 /* fig. 8-44 */
 #define NO_DRIVE              0
 #define UNDEFINED_DEVICE      255
-
-static int hf_control = -1;
-static int hf_control_reserved = -1;
-static int hf_element = -1;
-static int hf_transmission = -1;
-static int hf_list_offset = -1;
-static int hf_list_length = -1;
-static int hf_data_status = -1;
-static int hf_data_status_set = -1;
-static int hf_data_status_enabled = -1;
-static int hf_data_status_not_executed = -1;
-static int hf_data_status_impossible = -1;
-static int hf_data_status_invalid = -1;
-
-static int ett_control = -1;
-static int ett_data_status = -1;
-static int ett_whole = -1;
 
 /* A body of a parameter service being decoded. */
 typedef struct {
@@ -72,11 +53,12 @@ is_write(const access_t *access)
 static void
 show_control(const access_t *access)
 {
-    static int *const bits[] = {&hf_control_reserved, &hf_element, &hf_transmission, NULL};
+    static int *const bits[] = {&hf_sis_parameter_control_reserved, &hf_sis_element, &hf_sis_transmission,
+                                NULL};
     const sis_body_t *body = access->body;
 
-    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_control), body->tvb, body->offset - 1,
-                                1, bits, ENC_NA);
+    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_sis_parameter_control), body->tvb,
+                                body->offset - 1, 1, bits, ENC_NA);
     proto_item_append_text(body->item, " (%s, %s)", val_to_str_const(access->element, sis_elements, ""),
                            access->is_last ? "last transmission" : "more follows");
 }
@@ -90,7 +72,17 @@ check_device(const access_t *access)
     if (access->device == NO_DRIVE && body->tree != NULL)
         proto_item_append_text(body->item, " (the SERCOS master, or the drive that is addressed)");
     if (access->device == UNDEFINED_DEVICE)
-        sis_mark(body, &ei_sis_note, "device address 255 is not defined");
+        sis_mark(body, &ei_sis_body_note, "device address 255 is not defined");
+}
+
+/* Only 0x10 and 0x1F have sequential telegrams, and ECODRIVE's 0x81. */
+static void
+check_control(const access_t *access, uint32_t control)
+{
+    if (control & SIS_PARAMETER_CONTROL_RESERVED)
+        sis_mark(access->body, &ei_sis_body_note, "reserved bits of the parameter control");
+    if (is_single(access) && !access->is_last)
+        sis_mark(access->body, &ei_sis_body_note, "bit 2 is 0, but this service has no sequential telegrams");
 }
 
 static bool
@@ -99,14 +91,13 @@ take_control(access_t *access)
     sis_body_t *body = access->body;
     uint32_t control;
 
-    if (!sis_take(body, hf_control, 1, &control))
+    if (!sis_take(body, hf_sis_parameter_control, 1, &control))
         return false;
-    access->element = (sis_element_t)SIS_ELEMENT(control);
-    access->is_last = control & SIS_LAST_TRANSMISSION;
+    access->element = (sis_element_t)SIS_ELEMENT_OF(control);
+    access->is_last = control & SIS_TRANSMISSION;
     if (body->tree)
         show_control(access);
-    if (control & CONTROL_RESERVED)
-        sis_mark(body, &ei_sis_note, "reserved bits of the parameter control");
+    check_control(access, control);
     if (!sis_take(body, hf_sis_device, 1, &access->device))
         return false;
     check_device(access);
@@ -162,11 +153,11 @@ static void
 check_ident(sis_body_t *body, sis_ident_t ident)
 {
     if (ident.type > 7)
-        sis_mark(body, &ei_sis_note, "reserved bits of the parameter's type");
+        sis_mark(body, &ei_sis_body_note, "reserved bits of the parameter's type");
     else if (ident.type > 2)
-        sis_mark(body, &ei_sis_note, "parameter type %u is not defined", ident.type);
+        sis_mark(body, &ei_sis_body_note, "parameter type %u is not defined", ident.type);
     if (ident.type > 0 && ident.number & 0x8000)
-        sis_mark(body, &ei_sis_note, "bit 15 is only defined for parameters of drives");
+        sis_mark(body, &ei_sis_body_note, "bit 15 is only defined for parameters of drives");
 }
 
 static bool
@@ -177,8 +168,8 @@ take_parameter(access_t *access)
 
     if (!sis_needs(body, hf_sis_parameter, 3))
         return false;
-    know_parameter(access,
-                   (sis_ident_t){compat_get_uint8(body->tvb, offset), tvb_get_letohs(body->tvb, offset + 1)});
+    know_parameter(access, (sis_ident_t){.type = compat_get_uint8(body->tvb, offset),
+                                         .number = tvb_get_letohs(body->tvb, offset + 1)});
     show_parameter(access, 3);
     body->offset += 3;
     say_parameter(access);
@@ -203,8 +194,8 @@ check_announced(sis_body_t *body, unsigned announced)
     unsigned sent = sis_left(body);
 
     if (!body->is_cut && sent > 0 && sent != announced)
-        sis_mark(body, sent < announced ? &ei_sis_missing : &ei_sis_unexpected,
-                 "%u byte%s announced, %u sent", announced, plurality(announced, "", "s"), sent);
+        sis_mark(body, sent < announced ? &ei_sis_body_missing : &ei_sis_body_unexpected,
+                 "%s bytes than announced", sent < announced ? "fewer" : "more");
 }
 
 /* Offset and length count words in ECODRIVE's services, bytes in all others. A read may request any
@@ -217,10 +208,10 @@ take_segment(access_t *access)
     const char *unit = is_words ? "word" : "byte";
     uint32_t offset, length;
 
-    if (!sis_take(body, hf_list_offset, 2, &offset))
+    if (!sis_take(body, hf_sis_list_offset, 2, &offset))
         return false;
     proto_item_append_text(body->item, " %s%s", unit, plurality(offset, "", "s"));
-    if (!sis_take(body, hf_list_length, 2, &length))
+    if (!sis_take(body, hf_sis_list_length, 2, &length))
         return false;
     proto_item_append_text(body->item, " %s%s", unit, plurality(length, "", "s"));
     if (body->request != NULL)
@@ -263,21 +254,24 @@ check_status_request(const access_t *access, tvbuff_t *tvb)
 {
     if (access->has_ident &&
         (tvb_captured_length(tvb) != 2 || tvb_get_letohs(tvb, 0) != access->ident.number))
-        sis_mark(access->body, &ei_sis_note,
+        sis_mark(access->body, &ei_sis_body_note,
                  "a request for the data status carries its own ident number or nothing");
 }
 
-/* A list may end before the requested length, and the device may have less room. */
+/* A list may end before the requested length, and the device may have less room. SYNAX sends one element for
+ * any length (its page 2-30). */
 static void
 check_segment(const access_t *access, unsigned length)
 {
     sis_body_t *body = access->body;
     unsigned asked = (access->segment & 0xFFFF) * (counts_words(body) ? 2 : 1);
 
-    if (!is_segment(access) || !body->is_reaction || body->is_cut || length >= asked)
+    if (!is_segment(access) || !body->is_reaction || !access->has_ident || body->is_cut || length == asked ||
+        (body->service == 0x91 && length > 0))
         return;
     body->item = body->root;
-    sis_mark(body, &ei_sis_note, "%u byte%s asked for, %u sent", asked, plurality(asked, "", "s"), length);
+    sis_mark(body, &ei_sis_body_note, "%s",
+             length < asked ? "fewer bytes than asked for" : "more bytes than asked for");
 }
 
 /* The data of an element: all of them, or a segment of a list. */
@@ -287,14 +281,15 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
     sis_body_t *body = access->body;
     sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, !is_segment(access)};
     unsigned length = tvb_captured_length(tvb);
-    const char *text = sis_add_element(tree, body->pinfo, &data, access->element,
-                                       access->has_ident ? &access->ident : NULL, &access->known);
-    const char *misfit;
+    const char *text, *misfit;
 
     if (is_write(access) && access->element == SIS_ELEMENT_IDENT) {
+        proto_tree_add_item(tree, hf_sis_data, tvb, 0, length, ENC_NA); /* not a value */
         check_status_request(access, tvb);
         return;
     }
+    text = sis_add_element(tree, body->pinfo, &data, access->element,
+                           access->has_ident ? &access->ident : NULL, &access->known);
     if (text != NULL) {
         sis_say_words(body, " = ", text, NULL);
     } else {
@@ -303,11 +298,10 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         say_few_bytes(body, tvb);
     }
     access->data = data.is_whole ? tvb : NULL;
-    misfit =
-        body->is_cut ? NULL : sis_element_misfit(body->pinfo->pool, &data, access->element, &access->known);
+    misfit = body->is_cut ? NULL : sis_element_misfit(&data, access->element, &access->known);
     if (misfit != NULL) {
         body->item = body->root;
-        sis_mark(body, &ei_sis_note, "%s", misfit);
+        sis_mark(body, &ei_sis_body_note, "%s", misfit);
     }
     check_segment(access, length);
     if (access->has_ident && data.is_whole && body->is_reaction)
@@ -327,7 +321,7 @@ show_piece(access_t *access, tvbuff_t *whole)
     if (whole == NULL)
         return;
     length = tvb_captured_length(whole);
-    tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_whole, NULL,
+    tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_sis_whole, NULL,
                                          "Data of all pieces, %u byte%s", length, plurality(length, "", "s"));
     show_data(access, tree, whole);
     if (!is_segment(access))
@@ -364,24 +358,24 @@ take_data(access_t *access)
 static void
 take_data_status(sis_body_t *body)
 {
-    static int *const bits[] = {&hf_data_status_invalid,      &hf_data_status_impossible,
-                                &hf_data_status_not_executed, &hf_data_status_enabled,
-                                &hf_data_status_set,          NULL};
+    static int *const bits[] = {&hf_sis_data_status_invalid,      &hf_sis_data_status_impossible,
+                                &hf_sis_data_status_not_executed, &hf_sis_data_status_enabled,
+                                &hf_sis_data_status_set,          NULL};
     uint32_t status;
     const char *word;
     bool is_defined;
 
-    if (!sis_take(body, hf_data_status, 2, &status))
+    if (!sis_take(body, hf_sis_data_status, 2, &status))
         return;
     word = val_to_str_const(status & 0x0F, sis_data_states, "not defined");
     is_defined = !(status & DATA_STATUS_UNDEFINED) && try_val_to_str(status & 0x0F, sis_data_states) != NULL;
-    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_data_status), body->tvb,
+    proto_tree_add_bitmask_list(proto_item_add_subtree(body->item, ett_sis_data_status), body->tvb,
                                 body->offset - 2, 2, bits, ENC_LITTLE_ENDIAN);
     proto_item_append_text(body->item, " (command %s%s)", word,
                            status & 0x0100 ? ", operating data invalid" : "");
     sis_say(body, " = command %s%s", word, status & 0x0100 ? ", operating data invalid" : "");
     if (!is_defined)
-        sis_mark(body, &ei_sis_note, "undefined bits of the data status");
+        sis_mark(body, &ei_sis_body_note, "undefined bits of the data status");
 }
 
 /* The upper digit of a code selects the element, even if the code is undefined. */
@@ -403,11 +397,13 @@ dissect_parameter_command(access_t *access)
 
     if (!take_control(access) || !take_parameter(access))
         return;
+    if (!is_write(access) && access->element <= SIS_ELEMENT_IDENT)
+        sis_mark(body, &ei_sis_body_note, "no document allows reading this element"); /* chapter 8.1 */
     if (is_segment(access) && !take_segment(access))
         return;
     if (is_write(access)) {
         if (access->element != SIS_ELEMENT_DATA && access->element != SIS_ELEMENT_IDENT)
-            sis_mark(body, &ei_sis_note, "only operating data and ident number can be written");
+            sis_mark(body, &ei_sis_body_note, "only operating data and ident number can be written");
         if (sis_left(body) == 0 && access->element != SIS_ELEMENT_IDENT)
             sis_needs(body, hf_sis_data, 1);
         take_data(access);
@@ -449,32 +445,4 @@ sis_dissect_parameter(sis_body_t *body)
         sis_note_answer(body, is_write(&access));
     else if (access.is_last || is_single(&access))
         sis_note_read(body, access.data);
-}
-
-/* clang-format off */
-static const true_false_string last_current = {"last", "current, more follows"};
-
-static hf_register_info fields[] = {
-    {&hf_control, {"Parameter control", "sis.parameter_control", FT_UINT8, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_control_reserved, {"Reserved", "sis.parameter_control.reserved", FT_UINT8, BASE_HEX, NULL, CONTROL_RESERVED, NULL, HFILL}},
-    {&hf_element, {"Element", "sis.element", FT_UINT8, BASE_DEC, VALS(sis_elements), 0x38, NULL, HFILL}},
-    {&hf_transmission, {"Transmission", "sis.transmission", FT_BOOLEAN, 8, TFS(&last_current), SIS_LAST_TRANSMISSION, NULL, HFILL}},
-    {&hf_list_offset, {"List offset", "sis.list_offset", FT_UINT16, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_list_length, {"List length", "sis.list_length", FT_UINT16, BASE_DEC, NULL, 0, NULL, HFILL}},
-    {&hf_data_status, {"Data status", "sis.data_status", FT_UINT16, BASE_HEX, NULL, 0, NULL, HFILL}},
-    {&hf_data_status_set, {"Command set", "sis.data_status.set", FT_BOOLEAN, 16, NULL, 0x0001, NULL, HFILL}},
-    {&hf_data_status_enabled, {"Command enabled", "sis.data_status.enabled", FT_BOOLEAN, 16, NULL, 0x0002, NULL, HFILL}},
-    {&hf_data_status_not_executed, {"Not yet executed", "sis.data_status.not_executed", FT_BOOLEAN, 16, NULL, 0x0004, NULL, HFILL}},
-    {&hf_data_status_impossible, {"Execution not possible", "sis.data_status.impossible", FT_BOOLEAN, 16, NULL, 0x0008, NULL, HFILL}},
-    {&hf_data_status_invalid, {"Operating data invalid", "sis.data_status.invalid", FT_BOOLEAN, 16, NULL, 0x0100, NULL, HFILL}},
-};
-/* clang-format on */
-
-void
-sis_parameter_register(void)
-{
-    static int *trees[] = {&ett_control, &ett_data_status, &ett_whole};
-
-    proto_register_field_array(proto_sis, fields, array_length(fields));
-    proto_register_subtree_array(trees, array_length(trees));
 }

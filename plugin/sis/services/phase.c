@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Services 0x12 and 0x1D and their equivalents of the product groups: reading and switching the phase
  * (chapters 8.4 and 8.5). */
-
 #include "sis/services/services.h"
 
-#include "sis/layouts.h"
-
-static int hf_switch_in = -1;
-static int hf_switch_time = -1;
+#include "items.h"
+#include "sis/names.h"
 
 #define HIGHEST_PHASE 4
 
@@ -24,7 +21,7 @@ take_phase(sis_body_t *body, uint32_t *phase)
     sis_say(body, ": phase %u%s%s%s", *phase, mode != NULL ? " (" : "", mode != NULL ? mode : "",
             mode != NULL ? ")" : "");
     if (*phase > HIGHEST_PHASE && body->telegram->is_good) /* in a damaged one it may be the damage */
-        sis_mark(body, &ei_sis_note, "phase %u is not defined", *phase);
+        sis_mark(body, &ei_sis_body_note, "phase %u is not defined", *phase);
     return true;
 }
 
@@ -60,24 +57,29 @@ show_switch(sis_body_t *body)
     const sis_record_t *record = body->record;
     int64_t elapsed;
     nstime_t taken;
-    const char *text;
+    const char *words, *text;
     proto_item *item;
 
     if (record->phase_switch == NULL)
         return;
-    item = proto_tree_add_uint(body->tree, hf_switch_in, body->tvb, 0, 0, record->phase_switch->command_in);
-    proto_item_set_generated(item);
+    item = add_generated(body->tree, hf_sis_phase_switch_in, body->tvb, record->phase_switch->command_in);
     proto_item_append_text(item, " (to phase %u)", record->phase_switch->to);
     if (!record->is_switch_end) {
         sis_say(body, ", switching to phase %u", record->phase_switch->to);
         return;
     }
+    words = body->status == 0 ? "reached" : "failed";
     elapsed = sertap_elapsed(record->phase_switch->begin, body->telegram->times.begin);
+    if (!sis_is_measured(elapsed, &body->telegram->times)) {
+        sis_say(body, ", %s", words);
+        return;
+    }
     taken = sertap_time(elapsed);
     text = sertap_s_text(body->pinfo->pool, elapsed);
-    item = proto_tree_add_time_format_value(body->tree, hf_switch_time, body->tvb, 0, 0, &taken, "%s", text);
+    item = proto_tree_add_time_format_value(body->tree, hf_sis_phase_switch_time, body->tvb, 0, 0, &taken,
+                                            "%s", text);
     proto_item_set_generated(item);
-    sis_say(body, ", %s after %s", body->status == 0 ? "reached" : "failed", text);
+    sis_say(body, ", %s after %s", words, text);
 }
 
 static void
@@ -93,6 +95,8 @@ dissect_phase_reaction(sis_body_t *body)
     }
     if (is_switch && body->status == 0)
         sis_say_words(body, ", accepted", NULL); /* the documents differ whether the phase of now follows */
+    if (is_switch && body->status == 0 && body->asked != NULL && body->asked->phase > HIGHEST_PHASE)
+        sis_mark(body, &ei_sis_body_note, "a phase above 4 is refused with 0x8004, not accepted");
     if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &phase))
         return;
     if (body->status == 0x02)
@@ -113,17 +117,4 @@ sis_dissect_phase(sis_body_t *body)
         dissect_phase_reaction(body);
     else if (sis_general_service(body->service) == 0x1D && take_phase(body, &phase) && body->request != NULL)
         body->request->phase = (uint8_t)phase;
-}
-
-/* clang-format off */
-static hf_register_info fields[] = {
-    {&hf_switch_in, {"Phase switch in", "sis.phase.switch_in", FT_FRAMENUM, BASE_NONE, NULL, 0, NULL, HFILL}},
-    {&hf_switch_time, {"Time of the phase switch", "sis.phase.switch_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From its command to the poll that ended it", HFILL}},
-};
-/* clang-format on */
-
-void
-sis_phase_register(void)
-{
-    proto_register_field_array(proto_sis, fields, array_length(fields));
 }

@@ -14,11 +14,4 @@ void sis_dissect_initialization(sis_body_t *body);
 void sis_dissect_parameter(sis_body_t *body);
 void sis_dissect_phase(sis_body_t *body);
 
-void sis_identification_register(void);
-void sis_cancel_register(void);
-void sis_flash_register(void);
-void sis_initialization_register(void);
-void sis_parameter_register(void);
-void sis_phase_register(void);
-
 #endif

@@ -1,19 +1,72 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The devices of a station, made from its table: one drive, or a control and its drives."""
+"""The devices of a station, made from its table: one drive, or a control and its drives. Gates stand before them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sistap.bus.devices import gates, parameter_sets
+from sistap.bus.devices import parameter_sets
 from sistap.bus.devices.device import Device
-from sistap.bus.devices.drive import Drive
-from sistap.bus.devices.gates import Gate
-from sistap.bus.devices.indradrive import IndraDrive
+from sistap.bus.devices.drive import Drive, IndraDrive
 from sistap.bus.devices.parameter_sets import changed
+from sistap.bus.devices.parameters import AccessError, Element
 from sistap.bus.devices.phases import MASTER_AXIS_TURNS, OPERATING_MODE, Phases
+from sistap.bus.service import ChannelError, Request, ServiceFailed
 from sistap.bus.table import NO_TABLES, Table, flag, tables, whole
+
+# Raises ServiceFailed or AccessError while access is not possible.
+Gate = Callable[[Request], None]
+
+_CHANNEL_NOT_OPEN = 0x0001
+_CHANNEL_BUSY = 0x8001
+_NOT_ALLOWED = 0x00A0
+_ELEMENT_NOT_ALLOWED = 0x00B0
+_FIRST_WITH_CHANNEL = 2  # the phase from which on drives have a service channel
+
+
+def to_drive(device: Device) -> Gate:
+    """Guard a drive that is a station itself: its service channel is busy while its phase is switched."""
+
+    def gate(request: Request) -> None:
+        if device.phases.busy(request.now_ns):
+            raise AccessError(_CHANNEL_BUSY)
+
+    return gate
+
+
+def to_control(*, refuses_elements: bool) -> Gate:
+    """Guard a control. SYNAX refuses writes to elements other than data and ident number itself."""
+
+    def gate(request: Request) -> None:
+        writes, element = request.service & 0x0F >= 0xE, request.body[0] >> 3 & 7
+        if refuses_elements and writes and element not in (Element.DATA, Element.IDENT_NUMBER):
+            raise AccessError(_ELEMENT_NOT_ALLOWED)
+
+    return gate
+
+
+def through_control(device: Device, off: bool, *, initialization_mode: bool) -> Gate:
+    """Guard a drive behind a control.
+
+    It may be switched off. While phases are switched the way to it is busy. Before phase 2 there is none: SYNAX calls
+    that the initialization mode and does not allow the request.
+    """
+
+    def gate(request: Request) -> None:
+        if request.body[2] != 0:
+            return  # parameters of the axis are in the control
+        if off:
+            raise ServiceFailed.in_channel(ChannelError.FAULT)
+        if device.phases.switching(request.now_ns):
+            raise ServiceFailed.in_channel(ChannelError.BUSY)
+        if device.phases.at(request.now_ns) < _FIRST_WITH_CHANNEL:
+            raise AccessError(_NOT_ALLOWED if initialization_mode else _CHANNEL_NOT_OPEN)
+
+    return gate
+
+
+# -- The devices -----------------------------------------------------------------------------------------------------
 
 _OWN = 0  # device address of a control, and the second one of a drive (fig. 8-2)
 _DEVICE = whole(1, 254)
@@ -52,7 +105,7 @@ class Equipment:
         made = _made(table, *model.sets)
         drive = model.made(made.parameters, f"{seed} drive {address}", made.modulo, tmas_ms)
         for own in {address, _OWN}:
-            equipment.by_address[own] = (drive, gates.to_drive(drive))
+            equipment.by_address[own] = (drive, to_drive(drive))
         drive.join(equipment.phases)
         equipment.drives.append(drive)
         return equipment
@@ -64,7 +117,7 @@ class Equipment:
         equipment._turning = table.take("turning", flag, False)
         own = Device(_made(table, "control").parameters)
         own.join(equipment.phases)
-        equipment.by_address[_OWN] = (own, gates.to_control(refuses_elements=synax))
+        equipment.by_address[_OWN] = (own, to_control(refuses_elements=synax))
         for axis in table.take("devices", tables(f"{table.where}, device"), NO_TABLES):
             equipment._add(axis, f"{seed} drive {address}", synax)
         return equipment
@@ -83,7 +136,7 @@ class Equipment:
         drive = Drive(made.parameters, f"{seed}.{address}", made.modulo)
         off = table.take("off", flag, False)
         table.end()
-        self.by_address[address] = (drive, gates.through_control(drive, off, initialization_mode=synax))
+        self.by_address[address] = (drive, through_control(drive, off, initialization_mode=synax))
         drive.join(self.phases)
         self.drives.append(drive)
 

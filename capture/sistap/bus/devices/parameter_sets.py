@@ -17,12 +17,13 @@ from sistap.bus.devices.parameters import (
     Format,
     Length,
     Parameter,
+    Procedure,
     as_list,
     attribute,
     ident,
 )
-from sistap.bus.devices.procedure import Procedure
 from sistap.bus.table import WORD, Reading, Table, ascii_text, choice, flag, whole
+from sistap.sis.names import S_NAMES
 
 Rows = Mapping[str, Mapping[str, object]]
 
@@ -102,7 +103,7 @@ def _parameter(name: str, table: Table) -> Parameter:
     protection = table.take("writable", choice(_WRITABLE), 0)
     return Parameter(
         name,
-        table.take("name", ascii_text(), None),
+        table.take("name", ascii_text(), _standard_name(name)),
         attribute(kind.length, kind.format, decimals, protection, command=kind.command),
         _data(table, kind, value),
         table.take("unit", ascii_text(), None),
@@ -113,6 +114,11 @@ def _parameter(name: str, table: Table) -> Parameter:
         procedure=_procedure(table) if kind.command else None,
         refuse=table.take("refuse", WORD, None),
     )
+
+
+def _standard_name(name: str) -> str | None:
+    """Return the name of an S parameter of set 0, if SERCOS III has one."""
+    return S_NAMES.get(int(name[4:])) if name.startswith("S-0-") else None
 
 
 def _procedure(table: Table) -> Procedure:

@@ -1,15 +1,114 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Passes the word from one master to the next, and performs the actions of their scripts on the line."""
+"""Scripts of masters, the line they act on, and the word that passes from one master to the next."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
+from typing import NamedTuple, Protocol
 
-from sistap.bus.playing.line import Line
-from sistap.bus.playing.played import Played
-from sistap.bus.playing.script import Action, Rate, Raw, Script, Token, Wait
+from sistap.bus.playing.characters import Played
+from sistap.line.settings import LineSettings
 from sistap.sis.telegram import is_whole
+
+_GROUPS = 200  # nobody answers at this receiver address or above (IF02 chapter 2.2)
+
+
+class Rate(NamedTuple):
+    """The bus has this rate from here on; the master stays silent until `after_ms` after the former rate began."""
+
+    baud: int
+    after_ms: int = 0
+
+
+class Wait(NamedTuple):
+    """The master is silent for that long."""
+
+    ns: int
+
+
+class Raw(NamedTuple):
+    """Characters as they are, telegram or not; never sent again."""
+
+    characters: bytes
+
+
+class Typed(NamedTuple):
+    """A line of the ASCII protocol, with its end; never sent again."""
+
+    characters: bytes
+
+
+class Token(NamedTuple):
+    """Another master gets the word; the telegram says so (service 0x0F)."""
+
+    receiver: int
+    telegram: bytes
+
+
+# Bytes are a command telegram. The script receives its reaction, or None.
+Action = bytes | Rate | Wait | Raw | Typed | Token
+Script = Generator[Action, bytes | None, None]
+
+
+def is_answered(command: bytes) -> bool:
+    """Tell whether a whole command is for one station: its last address decides."""
+    subaddresses = command[4] & 0x07
+    return command[7 + subaddresses] < _GROUPS
+
+
+def repeating(script: Script, repeats: int, twm_ns: int) -> Script:
+    """Repeat an unanswered command after TwM, up to that many times (chapter 10.5: only the originator repeats)."""
+    reaction = None
+    while True:
+        try:
+            action = script.send(reaction)
+        except StopIteration:
+            return
+        reaction = yield action
+        if isinstance(action, bytes) and is_answered(action):
+            for _ in range(repeats):
+                if reaction is not None:
+                    break
+                yield Wait(twm_ns)
+                reaction = yield action
+
+
+# -- A line: the simulated one (player.py) or a real one (wires/talking.py) ------------------------------------------
+
+Exchange = Generator[Played, None, bytes | None]  # yields what is sent, returns the reaction
+
+
+class Line(Protocol):
+    """Carries what a master says to the stations."""
+
+    collided: bool  # in the last exchange, with the rival's command
+
+    @property
+    def settings(self) -> LineSettings:
+        """Return the present settings."""
+
+    @property
+    def now_ns(self) -> int:
+        """Return the time in ns since the bus was started; nothing more is sent before it."""
+
+    def exchange(self, command: bytes, rival: bytes | None) -> Exchange:
+        """Send a command; return its reaction, or None after TrS. `rival` is a command that another master may send."""
+
+    def send(self, characters: bytes) -> Iterator[Played]:
+        """Send characters that need no answer."""
+
+    def type(self, characters: bytes) -> Iterator[Played]:
+        """Send a line of the ASCII protocol; yield what comes back, too."""
+
+    def wait(self, ns: int) -> None:
+        """Be silent for that long."""
+
+    def change(self, rate: Rate) -> None:
+        """Continue at another rate."""
+
+
+# -- Conducting ------------------------------------------------------------------------------------------------------
 
 
 class _Master:
@@ -61,11 +160,13 @@ def _exchange(line: Line, holder: _Master, command: bytes, others: list[_Master]
     holder.tell(reaction)
 
 
-def _silent_or_raw(line: Line, action: Rate | Wait | Raw) -> Iterator[Played]:
+def _silent_or_raw(line: Line, action: Rate | Wait | Raw | Typed) -> Iterator[Played]:
     if isinstance(action, Rate):
         line.change(action)
     elif isinstance(action, Wait):
         line.wait(action.ns)
+    elif isinstance(action, Typed):
+        yield from line.type(action.characters)
     elif is_whole(action.characters):
         yield from line.exchange(action.characters, None)
     else:

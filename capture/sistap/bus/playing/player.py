@@ -8,18 +8,61 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
-from sistap.bus.playing.collision import collide
-from sistap.bus.playing.line import Exchange
-from sistap.bus.playing.played import Character, Played
-from sistap.bus.playing.script import Rate
-from sistap.bus.playing.sending import Sending
-from sistap.bus.playing.tap_faults import Branch, Faults
-from sistap.bus.playing.times import Times
-from sistap.bus.stations.station import Station
-from sistap.line.settings import LineSettings
-from sistap.sis.follow import Change, Follow
+from sistap.bus.playing.characters import Branch, Character, Faults, Played, Sending, Slot
+from sistap.bus.playing.conducting import Exchange, Rate
+from sistap.bus.stations.slave import Station
+from sistap.line.settings import Flag, LineSettings
+from sistap.sis.initialization import Change, Follow
 from sistap.sis.telegram import is_whole
+
+
+class Times(NamedTuple):
+    """The times that the master sets with service 0x03, in ms."""
+
+    trs: int  # slave reaction time
+    tza: int  # character interval
+    tmas: int  # cycle of the master control word
+
+    @classmethod
+    def for_line(cls, settings: LineSettings) -> Times:
+        """Return times that the line can keep: TzA 5 ms, or four characters of a slow line."""
+        tza = max(5, -(-4 * settings.character_ns // 1_000_000))
+        return cls(10 * tza, tza, 100 * tza)
+
+
+# -- Two masters that send at the same time: what a receiver hears ---------------------------------------------------
+
+# Where both transmitters of an RS485 line send the same level, the line has it. Where they differ, the stronger one
+# wins, at random. This applies to a parity bit, too.
+
+
+def collide(sending: Sending, other: bytes, scatter: random.Random) -> None:
+    """Mix the characters of another telegram, which begins within this one, into what is sent."""
+    start = scatter.randrange(len(sending.slots))
+    for place, value in enumerate(other, start=start):
+        if place < len(sending.slots):
+            sending.slots[place] = mixed = _mixed(sending.slots[place].value, value, scatter)
+            mixed.flags = 0 if sending.settings.parity == "N" else mixed.flags
+        else:
+            sending.slots.append(Slot(value))
+    sending.marks.append(f"collision@{start}={other.hex().upper()}")
+    sending.damaged = True
+
+
+def _mixed(one: int, other: int, scatter: random.Random) -> Slot:
+    value = _either(one, other, 8, scatter)
+    parity = _either(one.bit_count() & 1, other.bit_count() & 1, 1, scatter)
+    return Slot(value, 0 if parity == value.bit_count() & 1 else int(Flag.CHARACTER_ERROR))
+
+
+def _either(one: int, other: int, bits: int, scatter: random.Random) -> int:
+    """Return the bits on which both agree; the others are random."""
+    return one ^ ((one ^ other) & scatter.getrandbits(bits))
+
+
+# -- The player ------------------------------------------------------------------------------------------------------
 
 _MS = 1_000_000
 
@@ -91,6 +134,16 @@ class Player:
         marks = [] if is_whole(characters) else ["ascii"]
         yield from self._put(self._disturb(Sending(characters, self.settings, marks=marks), self._now))
         self._now += self._trs_ns
+
+    def type(self, characters: bytes) -> Iterator[Played]:
+        """Send a line of the ASCII protocol, and what the drives say to it."""
+        yield from self._put(Sending(characters, self.settings, marks=["ascii"]))
+        terminals = [station.terminal for station in self._stations if station.terminal]
+        said = [terminal.hear(value, self._now) for value in characters for terminal in terminals]
+        for answer in filter(None, said):
+            self._now += self._tza_ns + self._timing.randrange(2 * _MS, 12 * _MS)
+            yield from self._put(Sending(answer, self.settings, marks=["ascii"]))
+        self._now += self._tza_ns + self._timing.randrange(20 * _MS, 60 * _MS) if any(said) else self._trs_ns
 
     def wait(self, ns: int) -> None:
         """Let time pass."""

@@ -9,12 +9,9 @@ import random
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sistap.bus.playing.played import Character, Played
-from sistap.bus.playing.sending import Slot
-from sistap.bus.playing.tap_faults import Branch, Faults
+from sistap.bus.playing.characters import Branch, Character, Faults, Played, Slot
+from sistap.bus.procedure3964.controls import S5, Ppc
 from sistap.bus.procedure3964.partner import MS, Saying
-from sistap.bus.procedure3964.ppc import Ppc
-from sistap.bus.procedure3964.s5 import S5
 from sistap.line.settings import LineSettings
 
 BOTH = "both"  # marks a request at the same time as one of the S5

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from sistap.bus.devices.parameters import Element, as_list, control, ident
 from sistap.bus.table import BYTE, WORD, Reading, Table, characters, choice, octets, text, whole
+from sistap.sis.codes import LAYOUTS, Item
 from sistap.sis.rates import BAUD_MASKS
 
 
@@ -44,16 +45,16 @@ _OPERATING_DATA: dict[str, Reading[bytes]] = {
     "text": _characters,
 }
 
-# Subservices of service 0x02: number, and keys in the order of the bytes (chapter 5).
-_FLASH: dict[str, tuple[int, dict[str, Reading[bytes]]]] = {
-    "shutdown": (0x90, {"target": lambda value: bytes([choice(_TARGETS)(value)]), "address": _sized(4)}),
-    "reboot": (0x91, {"address": _sized(4)}),
-    "read": (0x92, {"address": _sized(4), "length": _sized(1)}),
-    "find-header": (0x93, {}),
-    "erase": (0x94, {"address": _sized(4), "length": _sized(4)}),
-    "program": (0x96, {"address": _sized(4), "device_type": _sized(1), "data": octets}),
-    "checksum": (0x97, {"address": _sized(4), "length": _sized(4)}),
-    "reset-errors": (0x9F, {}),
+# Subservices of service 0x02 (chapter 5).
+_FLASH = {
+    "shutdown": 0x90,
+    "reboot": 0x91,
+    "read": 0x92,
+    "find-header": 0x93,
+    "erase": 0x94,
+    "program": 0x96,
+    "checksum": 0x97,
+    "reset-errors": 0x9F,
 }
 
 
@@ -81,10 +82,17 @@ def _cancel(table: Table, device: int) -> Body:
 
 
 def _flash(table: Table, device: int) -> Body:
-    name = table.need("flash", choice({name: name for name in _FLASH}))
-    subservice, keys = _FLASH[name]
-    data = b"".join(table.need(key, reading) for key, reading in keys.items())
+    subservice = table.need("flash", choice(_FLASH))
+    data = b"".join(_flash_item(table, item) for item in LAYOUTS[0x02][subservice].command)
     return Body(0x02, bytes([table.take("device", BYTE, device), subservice]) + data)
+
+
+def _flash_item(table: Table, item: Item) -> bytes:
+    """Read a part of a flash command: its key is the last word of the field (sis.flash.address: address)."""
+    key = item.field.rpartition(".")[2]
+    if key == "target":
+        return bytes([table.need(key, choice(_TARGETS))])
+    return table.need(key, _sized(item.size) if item.size else octets)
 
 
 def _set(table: Table, device: int) -> Body:

@@ -8,8 +8,8 @@ import random
 from collections.abc import Iterator, Sequence
 
 from sistap.bus.devices.parameters import Element, control, ident, number
-from sistap.bus.playing.script import Rate, Script
-from sistap.bus.playing.times import Times
+from sistap.bus.playing.conducting import Rate, Script
+from sistap.bus.playing.player import Times
 from sistap.line.settings import LineSettings
 from sistap.sis.rates import BAUD_MASKS
 from sistap.sis.telegram import BROADCAST, build

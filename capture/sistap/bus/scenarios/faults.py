@@ -7,7 +7,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from sistap.bus.playing.sending import CHECKSUM, Sending, Slot
+from sistap.bus.playing.characters import CHECKSUM, Sending, Slot
 from sistap.bus.table import (
     BYTE,
     RATE,

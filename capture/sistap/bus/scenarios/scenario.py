@@ -6,26 +6,22 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 
-from sistap.bus.playing.conducting import conduct
-from sistap.bus.playing.line import Line
-from sistap.bus.playing.played import Played
-from sistap.bus.playing.player import Player
-from sistap.bus.playing.script import Script, repeating
-from sistap.bus.playing.tap_faults import NO_FAULTS, Faults
-from sistap.bus.playing.times import Times
-from sistap.bus.scenarios import procedure3964
+from sistap.bus.playing.characters import NO_FAULTS, Faults, Played
+from sistap.bus.playing.conducting import Line, Script, conduct, repeating
+from sistap.bus.playing.player import Player, Times
+from sistap.bus.procedure3964 import procedure
+from sistap.bus.procedure3964.procedure import Procedure
 from sistap.bus.scenarios.faults import Disturbances, Fault
-from sistap.bus.scenarios.procedure3964 import Procedure
 from sistap.bus.scenarios.steps import Master, Step, read_steps, script
 from sistap.bus.stations.making import make
-from sistap.bus.stations.station import Station
+from sistap.bus.stations.slave import Station
 from sistap.bus.table import NO_TABLES, RATE, STATION, Table, characters, flag, instant_ns, tables, text, whole
 from sistap.line.settings import LineSettings
-from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.records.cut import ASCII, PROCEDURE_3964R, SIS, Cut
 
 DEFAULT = "demo"
 _SUFFIX = ".toml"
@@ -65,11 +61,12 @@ class Scenario:
     faults: Sequence[Fault]
     procedure: Procedure | None = None  # of a scenario of 3964R: all that is played
     begin_ns: int | None = None  # since 1970: its time 0, where time is simulated
+    is_typed: bool = False  # a master speaks the ASCII protocol
 
     @property
     def cut(self) -> Cut:
         """Return how a tap cuts what it hears."""
-        return PROCEDURE_3964R if self.procedure else SIS
+        return PROCEDURE_3964R if self.procedure else ASCII if self.is_typed else SIS
 
     @property
     def lines(self) -> Sequence[int]:
@@ -79,12 +76,12 @@ class Scenario:
     @property
     def has_masters(self) -> bool:
         """Tell whether it has masters."""
-        return bool(self.masters or self.procedure)
+        return bool(self.masters or (self.procedure and self.procedure.steps))
 
     @property
     def has_stations(self) -> bool:
         """Tell whether it has stations."""
-        return bool(self.station_tables or self.procedure)
+        return bool(self.station_tables or (self.procedure and self.procedure.has_ppc))
 
     @property
     def is_complete(self) -> bool:
@@ -140,7 +137,9 @@ def load(name: str) -> Scenario:
     try:
         content = tomllib.loads(data.decode("utf-8-sig"))  # Windows editors add a byte order mark
         scenario = _read(Table(content, "the scenario"))
-        _check(scenario, set(_tokens(content.get("master"))))
+        masters = content.get("master")
+        scenario = replace(scenario, is_typed=any(True for _ in _values(masters, "type")))
+        _check(scenario, set(_values(masters, "token")))
     except UnicodeDecodeError as error:
         raise ValueError(f"{name}: byte {error.start} is no UTF-8: save the file as UTF-8") from None
     except RecursionError:
@@ -184,7 +183,7 @@ def _read_procedure(table: Table, line: Table) -> Scenario:
     title, duplex = table.need("title", text), line.take("duplex", flag, False)
     faults = table.take("fault", tables("[[fault]]"), NO_TABLES)
     settings, times = _line(line)
-    scenario = Scenario(title, settings, times, b"", [], [], [], procedure3964.read(table, duplex, faults))
+    scenario = Scenario(title, settings, times, b"", [], [], [], procedure.read(table, duplex, faults))
     if times:
         raise ValueError("[line]: trs_ms, tza_ms and twm_ms are for SIS: leave them out")
     table.end()
@@ -221,15 +220,15 @@ def _master(table: Table) -> _MasterTable:
     return _MasterTable(address, repeats, steps)
 
 
-def _tokens(content: object) -> Iterator[object]:
-    """Yield the receivers of tokens, anywhere in scripts."""
+def _values(content: object, key: str) -> Iterator[object]:
+    """Yield the values of a key, anywhere in scripts."""
     if isinstance(content, Mapping):
-        if "token" in content:
-            yield content["token"]
+        if key in content:
+            yield content[key]
         content = list(content.values())
     if isinstance(content, list):
         for item in content:
-            yield from _tokens(item)
+            yield from _values(item, key)
 
 
 def _check(scenario: Scenario, tokens: Set[object]) -> None:
@@ -240,7 +239,7 @@ def _check(scenario: Scenario, tokens: Set[object]) -> None:
         raise ValueError("two [[master]] have one address: give each another")
     if strangers := tokens - set(addresses):
         raise ValueError(f"token = {min(strangers, key=str)}: there is no such master; add a [[master]]")
-    if not addresses and not scenario.has_stations:
+    if not addresses and not scenario.has_stations and not scenario.procedure:
         raise ValueError("nobody is on the bus: add [[station]] or [[master]]")
     if not scenario.is_complete and (scenario.faults or scenario.ascii_first):
         raise ValueError(

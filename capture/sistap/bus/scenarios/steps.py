@@ -9,12 +9,23 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from sistap.bus.devices.parameters import LAST
-from sistap.bus.playing.line import Line
-from sistap.bus.playing.script import Raw, Script, Token, Wait
+from sistap.bus.playing.conducting import Line, Raw, Script, Token, Typed, Wait
 from sistap.bus.scenarios.bodies import BODIES, Body, access, operating_data, rate_mask
 from sistap.bus.scenarios.demo import commands
-from sistap.bus.stations.memory import CHECKSUMS, module
-from sistap.bus.table import BYTE, LONG, STATION, Table, choice, milliseconds, octets, several, tables, whole
+from sistap.bus.stations.flash import CHECKSUMS, module
+from sistap.bus.table import (
+    BYTE,
+    LONG,
+    STATION,
+    Table,
+    ascii_text,
+    choice,
+    milliseconds,
+    octets,
+    several,
+    tables,
+    whole,
+)
 from sistap.sis.telegram import build, parse, status
 
 _POLL_NS = 100_000_000  # interval between questions whether the phase is reached
@@ -125,6 +136,17 @@ def _raw(table: Table) -> Step:
 
     def step(master: Master) -> Script:
         yield Raw(sent)
+
+    return step
+
+
+def _type(table: Table) -> Step:
+    """Type lines of the ASCII protocol, each with CR LF, as known clients do."""
+    lines = table.need("type", several(ascii_text()))
+
+    def step(master: Master) -> Script:  # noqa: ARG001
+        for line in lines:
+            yield Typed(f"{line}\r\n".encode("ascii"))
 
     return step
 
@@ -311,6 +333,7 @@ _STEPS: dict[str, Callable[[Table], Step]] = {
     "list": _list,
     "download": _download,
     "raw": _raw,
+    "type": _type,
     "wait_ms": _wait,
     "at_ms": _until,
     "repeat": _repeat,

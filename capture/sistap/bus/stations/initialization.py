@@ -6,9 +6,29 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import NamedTuple
 
-from sistap.bus.service import Request, Service, ServiceFailed, Subservice
-from sistap.bus.stations.settings import settings
+from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status, Subservice
+from sistap.sis import initialization
+from sistap.sis.initialization import Misfit, Setting
 from sistap.sis.rates import RATES, rate_of
+
+_STATUS = {
+    Misfit.ADDRESS: Status.INVALID_ADDRESS,
+    Misfit.SUBSERVICE: Status.INVALID_SUBSERVICE,
+    Misfit.DATA: Status.DATA_MISSING,
+}
+
+
+def settings(body: bytes) -> list[Setting]:
+    """Split a body into subservices.
+
+    Raise ServiceRefused if no layout consumes all bytes, with the status of the layout that went further. Refuse also
+    if both do and differ: then the meaning is ambiguous.
+    """
+    if (found := initialization.settings(body)) is not None:
+        return found
+    furthest = max(initialization.layouts(body), key=lambda layout: layout.end)
+    raise ServiceRefused(_STATUS[furthest.misfit] if furthest.misfit else Status.INVALID_TELEGRAM)
+
 
 _MS = 1_000_000
 _LONGEST_TEST_MS = 0x7FFF  # a timer of 16 bits that counts half milliseconds
@@ -44,13 +64,13 @@ class Initialization:
         """Switch it on; `rates` are those that it accepts."""
         self._rates = rates
         self.power_on()
-        self._subservices = {
-            0x01: Subservice(2, lambda data, now_ns: self._set("trs", data)),
-            0x02: Subservice(2, lambda data, now_ns: self._set("tza", data)),
-            0x03: Subservice(2, lambda data, now_ns: self._set("tmas", data)),
-            0x07: Subservice(1, self._set_rate),
-            0x08: Subservice(3, self._test_rate),
-            0xFF: Subservice(0, self._accept),
+        self._subservices: dict[int, Subservice] = {
+            0x01: lambda data, now_ns: self._set("trs", data),
+            0x02: lambda data, now_ns: self._set("tza", data),
+            0x03: lambda data, now_ns: self._set("tmas", data),
+            0x07: self._set_rate,
+            0x08: self._test_rate,
+            0xFF: self._accept,
         }
         self.service = Service(2, 2, self._execute)
 
@@ -78,7 +98,7 @@ class Initialization:
         said = settings(request.body)
         for setting in said:
             try:
-                self._subservices[setting.subservice].execute(setting.data, request.now_ns)
+                self._subservices[setting.subservice](setting.data, request.now_ns)
             except ServiceFailed as failed:
                 header = request.body[:1] + bytes([setting.subservice])
                 raise ServiceFailed(failed.code, failed.status, header) from None

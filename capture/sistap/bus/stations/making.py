@@ -9,18 +9,12 @@ from typing import NamedTuple
 from sistap.bus.devices.equipment import ECODRIVE, INDRADRIVE, DriveModel, Equipment
 from sistap.bus.devices.phases import Phases
 from sistap.bus.service import Service
-from sistap.bus.stations.cancel import cancel
-from sistap.bus.stations.edition import EDITIONS, Edition
-from sistap.bus.stations.flash import Flash
-from sistap.bus.stations.identification import LONGEST, identification
+from sistap.bus.stations.flash import Flash, Memory
 from sistap.bus.stations.initialization import Initialization
-from sistap.bus.stations.memory import Memory
-from sistap.bus.stations.routing import Router
 from sistap.bus.stations.sercos import OF_DRIVES, Parameters, Segments
-from sistap.bus.stations.service_list import SERVICE as LIST
-from sistap.bus.stations.service_list import service_list
-from sistap.bus.stations.slave import Slave
-from sistap.bus.stations.station import Station
+from sistap.bus.stations.services import LIST, LONGEST_TEXT, cancel, identification, service_list
+from sistap.bus.stations.slave import EDITIONS, Edition, Router, Slave, Station
+from sistap.bus.stations.terminal import Terminal
 from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole
 from sistap.sis.rates import BAUD_MASKS, RATES
 
@@ -97,6 +91,7 @@ def _station(table: Table, seed: int) -> Station:
         refuse=table.take("refuse", _refuse, _NOTHING),
         available=lambda service: service in _LOADER_SERVICES or not flash.in_loader,
         error=lambda: flash.error or any(drive.error is not None for drive in equipment.drives),
+        terminal=Terminal(address, equipment.by_address[address][0]) if kind.model else None,
     )
     if edition.lists:
         services[LIST] = service_list(slave.execute)
@@ -112,7 +107,7 @@ def _equipment(table: Table, kind: _Kind, address: int, seed: int, initializatio
 
 
 def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
-    text = ascii_text(LONGEST)
+    text = ascii_text(LONGEST_TEXT)
     return identification(
         table.take("type_key", text, kind.type_key), table.take("firmware", text, kind.firmware), rates
     )

@@ -6,13 +6,30 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from sistap.bus.devices import segments
-from sistap.bus.devices.device import Device
-from sistap.bus.devices.gates import Gate
-from sistap.bus.devices.parameters import LAST, TOO_LONG, WRONG_ACCESS, AccessError, Element, Parameter
-from sistap.bus.devices.transfers import HEADER, SEGMENT, Transfer
+from sistap.bus.devices.device import HEADER, SEGMENT, Device, Transfer
+from sistap.bus.devices.equipment import Gate
+from sistap.bus.devices.parameters import LAST, LENGTH_WORDS, TOO_LONG, WRONG_ACCESS, AccessError, Element, Parameter
 from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
-from sistap.bus.stations.edition import Edition
+from sistap.bus.stations.slave import Edition
+
+
+def _read_elements(parameter: Parameter, offset: int, length: int) -> bytes:
+    """Return a part, as far as it goes; the lengths are at 0, and elements follow. May raise AccessError."""
+    if offset == 0:
+        parameter.check_list()
+        return parameter.data[:length]
+    return parameter.read_segment(offset - LENGTH_WORDS, length)
+
+
+def _write_elements(parameter: Parameter, offset: int, data: bytes, phase: int) -> None:
+    """Write a part. The lengths are at 0 and are written alone: they change the length of the list. May raise
+    AccessError.
+    """
+    if offset == 0:
+        parameter.resize(data, phase)
+    else:
+        parameter.write_segment(offset - LENGTH_WORDS, data, phase)
+
 
 _LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can describe
 
@@ -32,13 +49,13 @@ class Segments(NamedTuple):
     def read(self, parameter: Parameter, offset: int, length: int) -> bytes:
         """Return a part. May raise AccessError."""
         if self.length_words:
-            return segments.read(parameter, offset, length)
+            return _read_elements(parameter, offset, length)
         return parameter.read_segment(offset, length)
 
     def write(self, parameter: Parameter, offset: int, data: bytes, phase: int) -> None:
         """Write a part. May raise AccessError."""
         if self.length_words:
-            segments.write(parameter, offset, data, phase)
+            _write_elements(parameter, offset, data, phase)
         else:
             parameter.write_segment(offset, data, phase)
 

@@ -1,14 +1,104 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A station that answers for itself: which telegrams it accepts, and how it answers them (IF02 chapter 2)."""
+"""A station: command telegram in, reaction telegram out. A router is one with others behind it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple, Protocol
 
 from sistap.bus.service import Request, Service, ServiceFailed, ServiceRefused, Status
-from sistap.bus.stations.edition import Edition
 from sistap.bus.stations.initialization import Initialization
-from sistap.sis.telegram import BROADCAST, LEVEL_BROADCAST, START, STATIC_LENGTH, Header, build, checksum_good, parse
+from sistap.bus.stations.terminal import Terminal
+from sistap.sis.telegram import (
+    BROADCAST,
+    CONTROL_SYSTEM,
+    LEVEL_BROADCAST,
+    START,
+    STATIC_LENGTH,
+    Header,
+    build,
+    checksum_good,
+    parse,
+)
+
+
+class Station(Protocol):
+    """Anything that hears commands.
+
+    Its time is the bus's, in ns since the bus was started, and never goes back.
+    """
+
+    @property
+    def address(self) -> int:
+        """Return its number on its level."""
+
+    @property
+    def initialization(self) -> Initialization:
+        """Return the settings that service 0x03 has set."""
+
+    @property
+    def terminal(self) -> Terminal | None:
+        """Return its ASCII protocol; None if it has none."""
+
+    def react(self, command: bytes, now_ns: int) -> bytes | None:
+        """Return the reaction to a command whose last character has arrived; None if there is none, e.g. for another
+        station.
+        """
+
+
+# -- The differences between the documents that describe SIS ---------------------------------------------------------
+
+_SYSTEM_ERROR = 0x80  # bit 7 of the telegram control
+
+# ECODRIVE03: bits 7, 6, 5 of the telegram control of a reaction, by the error code in it.
+_STATE_ERROR = 0b110
+_STATES = {0x8001: 0b001, 0x800C: 0b010}
+
+
+def _diagnosis(body: bytes, error: bool) -> int:
+    """Return the system diagnosis of the station (IF02)."""
+    return _SYSTEM_ERROR if error else 0
+
+
+def _state(body: bytes, error: bool) -> int:
+    """Return what became of the request (ECODRIVE03)."""
+    if body[0] == Status.OK:
+        return 0
+    return _STATES.get(int.from_bytes(body[-2:], "little"), _STATE_ERROR) << 5
+
+
+class Edition(NamedTuple):
+    """A document that a station follows."""
+
+    longest: int  # bytes of data in the reaction to a read parameter
+    point_to_point: int | None  # the receiver address that every station answers
+    groups: range  # receiver addresses of groups
+    lists: bool  # whether there is service 0x04
+    no_shutdown: Mapping[int, int]  # error byte of shutdown and reboot for each phase
+    control: Callable[[bytes, bool], int]  # bits 5 to 7 of the telegram control, by body and error of the station
+    channel_status: int = Status.CHANNEL_ERROR  # the status before a code of the channel to a parameter
+    crc32: bool = False  # returned by 0x97 of service 0x02
+    length_words: bool = False  # the list offset of 0x11 and 0x1E counts from the two lengths before the elements
+
+
+EDITIONS = {
+    "IF02": Edition(236, 128, range(200, 254), True, {3: 0x03, 4: 0x04}, _diagnosis),
+    "IndraDrive": Edition(
+        245,
+        128,
+        range(200, 254),
+        True,
+        {3: 0x10, 4: 0x10},
+        _diagnosis,
+        channel_status=Status.EXECUTION_ERROR,
+        crc32=True,
+        length_words=True,
+    ),
+    "ECODRIVE03": Edition(236, None, range(128, 255), False, {3: 0x03, 4: 0x04}, _state),
+}
+
+
+# -- A slave: which telegrams it accepts, and how it answers them (IF02 chapter 2) -----------------------------------
 
 
 class Slave:
@@ -25,6 +115,7 @@ class Slave:
         refuse: Mapping[int, int] | None = None,
         available: Callable[[int], bool] = lambda service: True,
         error: Callable[[], bool] = lambda: False,
+        terminal: Terminal | None = None,
     ) -> None:
         """Take the parts of the station.
 
@@ -33,6 +124,7 @@ class Slave:
         """
         self.address = address
         self.initialization = initialization
+        self.terminal = terminal
         self._edition = edition
         self._services = services
         self._all = {*groups, LEVEL_BROADCAST, BROADCAST}
@@ -119,3 +211,58 @@ def damage(command: bytes) -> int | None:
     if command[2] != command[3] or len(command) != STATIC_LENGTH + command[3]:
         return Status.WRONG_LENGTH
     return None if checksum_good(command) else Status.WRONG_CHECKSUM
+
+
+# -- Routing ---------------------------------------------------------------------------------------------------------
+
+
+class Router:
+    """A station that answers for itself and routes telegrams with subaddresses."""
+
+    def __init__(self, station: Slave, behind: Sequence[Station]) -> None:
+        """Put the stations `behind` on a level below `station`."""
+        self.address = station.address
+        self._station = station
+        self._behind = behind
+
+    @property
+    def initialization(self) -> Initialization:
+        """Return the settings of the line above."""
+        return self._station.initialization
+
+    @property
+    def terminal(self) -> Terminal | None:
+        """Return the ASCII protocol of the router itself."""
+        return self._station.terminal
+
+    def react(self, command: bytes, now_ns: int) -> bytes | None:
+        """Return the station's own reaction, or that from below; None if nobody answers."""
+        if damage(command) is not None:
+            return self._station.react(command, now_ns)
+        header = parse(command)
+        if not header.reaction and header.receiver == BROADCAST:
+            self._pass_on(header, BROADCAST, header.subaddresses, now_ns)  # global: for all levels
+        if header.reaction or not self._station.is_meant(header.receiver) or not header.subaddresses:
+            return self._station.react(command, now_ns)
+        answer = self._pass_on(header, header.subaddresses[0], header.subaddresses[1:], now_ns)
+        if answer is None:
+            return None
+        below = parse(answer)
+        return build(
+            header.service,
+            header.sender,
+            header.receiver,
+            below.body,
+            reaction=True,
+            system=below.control & CONTROL_SYSTEM,
+            subaddresses=header.subaddresses,
+            number=header.number,
+        )
+
+    def _pass_on(self, header: Header, receiver: int, subaddresses: bytes, now_ns: int) -> bytes | None:
+        """Let all stations of the level below hear the command; return the reaction of its receiver."""
+        passed_on = build(
+            header.service, self.address, receiver, header.body, subaddresses=subaddresses, number=header.number
+        )
+        reactions = [station.react(passed_on, now_ns) for station in self._behind]
+        return next((reaction for reaction in reactions if reaction), None)

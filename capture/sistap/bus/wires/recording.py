@@ -7,8 +7,7 @@ import random
 from collections.abc import Sequence
 
 import sistap
-from sistap.bus.playing.hearing import received
-from sistap.bus.playing.played import TIMING, Played, reads, uncertainty
+from sistap.bus.playing.characters import TIMING, Played, reads, received, uncertainty
 from sistap.files.output import Output
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
@@ -17,7 +16,7 @@ from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Framing, Record, event
-from sistap.sis.follow import Change, Follow
+from sistap.sis.initialization import Change, Follow
 
 START_NS = 946_684_800_000_000_000  # 2000-01-01: obviously not today, and the same seed makes the same file
 _LINE = 0  # of SIS: one shared bus
@@ -46,15 +45,17 @@ class Recording:
         self._output = output
         self._most = most
         self._noise = random.Random(f"{seed} tap")
-        self._assembler = Assembler(self._write, cut)
+        self._assembler = Assembler(cut)
         for line in lines:
             self._assembler.add_line(line, settings, start_ns)
         self._follow = Follow(settings.baud)
         self._now_ns = start_ns
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, text, f"{settings}; {TIMING}", settings.baud, "virtual bus")
-        self._writer = PcapngWriter(output, dict.fromkeys(lines, interface), self.counters)
+        self.interfaces = dict.fromkeys(lines, interface)
+        self._writer = PcapngWriter(output, self.interfaces, self.counters, system="")
         said = f"sistap {sistap.__version__}; {text} (virtual bus); {settings}; {TIMING}{cut.said}"
-        self._writer.begin(*(event(start_ns, line, settings, Event.CAPTURE_STARTED, said) for line in lines))
+        self.started = [event(start_ns, line, settings, Event.CAPTURE_STARTED, said) for line in lines]
+        self._writer.begin(*self.started)
 
     @property
     def written(self) -> str:
@@ -79,13 +80,16 @@ class Recording:
     def close(self) -> None:
         """End the file. May raise OutputError."""
         self._assembler.flush(self._assembler.lines, self._now_ns)
+        self._write_due()
         self._writer.end(self._now_ns)
         self._output.close()
 
     def _take(self, read: Read) -> None:
         self._now_ns = read.time_ns
         self.counters.add_read(read)
-        for record in self._assembler.take(read, read.time_ns, ""):
+        completed = self._assembler.take(read, read.time_ns, "")
+        self._write_due()
+        for record in completed:
             if record.is_good_frame and record.framing == Framing.SIS:
                 self._change(self._follow.take(record.data, record.end_ns))
 
@@ -94,9 +98,11 @@ class Recording:
         settings = self._assembler.settings(_LINE)
         if change and change.baud != settings.baud:
             self._assembler.change(_LINE, settings._replace(baud=change.baud), change.why, self._now_ns)
+            self._write_due()
+
+    def _write_due(self) -> None:
+        for record in self._assembler.due(self._now_ns):
+            self._write(record)
 
     def _write(self, record: Record) -> None:
-        written = self._writer.write(record)
-        if record.event == Event.NONE:
-            self.counters.accepted[record.line] += written
-            self.counters.add_record(record)
+        self.counters.add_record(record, written=self._writer.write(record))

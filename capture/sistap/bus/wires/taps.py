@@ -13,15 +13,13 @@ import socket
 import sys
 from collections.abc import Callable, Sequence
 
-from sistap.bus.playing.hearing import received
-from sistap.bus.playing.played import TIMING, Character, Played, reads, uncertainty
-from sistap.bus.wires.pace import Pace
-from sistap.line import bus_socket
-from sistap.line.clock import CLOCK
-from sistap.line.clocks import monotonic_ns
-from sistap.line.peers import Peer, Peers
+from sistap.bus.playing.characters import TIMING, Character, Played, reads, received, uncertainty
+from sistap.bus.wires.wire import Pace
+from sistap.line.clock import CLOCK, monotonic_ns
 from sistap.line.settings import LineSettings, Read
-from sistap.terminal.visible import visible
+from sistap.terminal.console import visible
+from sistap.wire import protocol
+from sistap.wire.server import Peer, Peers
 
 PATIENCE_S = 30.0  # for a tap that does not read, or does not answer
 INTRODUCTION_S = 10.0  # for a new connection to send line settings
@@ -39,7 +37,7 @@ class Tap(Peer):
         super().__init__(connection)
         self.settings: LineSettings | None = None
         self._noise = random.Random(f"{seed} tap")
-        self._decoder = bus_socket.Decoder(bus_socket.FROM_LISTENER)
+        self._decoder = protocol.Decoder(protocol.FROM_LISTENER)
         self._dealt_with_ns: int | None = None  # everything before this; None: this tap does not say
         self._told_ns = 0  # nothing arrives before this, as it was told
 
@@ -58,15 +56,15 @@ class Tap(Peer):
         for message in self._decoder.feed(data):
             if isinstance(message, LineSettings):
                 self.settings = message
-                self.put(bus_socket.pack_settings(message))
-            elif isinstance(message, bus_socket.Time):
+                self.put(protocol.pack_settings(message))
+            elif isinstance(message, protocol.Time):
                 self._dealt_with_ns = message.time_ns
 
     def tell(self, wall_ns: int) -> None:
         """Tell it that nothing arrives before this time, if it asks for times."""
         if self._dealt_with_ns is not None:
             self._told_ns = wall_ns
-            self.put(bus_socket.pack_time(wall_ns))
+            self.put(protocol.pack_time(wall_ns))
 
     def play(self, read: Sequence[Character], played: Played, wall_ns: int) -> None:
         """Send one read of what was played, heard with the tap's own settings."""
@@ -75,7 +73,7 @@ class Tap(Peer):
         heard = [received(character, played.settings, self.settings, self._noise) for character in read]
         values, flags = bytes(value for value, _ in heard), bytes(flag for _, flag in heard)
         uncertainty_ns = max(uncertainty(read), played.uncertainty_ns)
-        self.put(bus_socket.pack_read(Read(played.line, wall_ns, values, flags, uncertainty_ns)))
+        self.put(protocol.pack_read(Read(played.line, wall_ns, values, flags, uncertainty_ns)))
 
 
 class Taps:
@@ -130,8 +128,8 @@ class Taps:
         tap = Tap(connection, self._seed)
         began_ns = self._pace.wall_ns()
         now_ns = self._pace.wall_ns(self._now) if self._pace.simulated else CLOCK.now_ns()
-        hello = bus_socket.Hello(bus_socket.Kind.BUS, now_ns, began_ns, 0, self.name, "virtual bus", TIMING)
-        tap.put(bus_socket.pack_hello(hello))
+        hello = protocol.Hello(protocol.Kind.BUS, now_ns, began_ns, 0, self.name, "virtual bus", TIMING)
+        tap.put(protocol.pack_hello(hello))
         return tap
 
     def _wait_until(self, time_ns: int) -> None:

@@ -7,26 +7,18 @@ adapters RTS switches the RS485 transmitter on.
 
 from __future__ import annotations
 
+import importlib
 import sys
 
-from sistap.line.analyser import is_analyser
-from sistap.line.bus_socket import Kind
-from sistap.line.reader.contract import Distant, Measuring, OwnTime, PortError, PortLost, Reader
+from sistap.line.reader.contract import Distant, Measuring, OwnTime, PortError, PortLost, Reader, needs_rate
 from sistap.line.reader.several import Several, Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = [
-    "Distant",
-    "Measuring",
-    "OwnTime",
-    "PortError",
-    "PortLost",
-    "Reader",
-    "Several",
-    "Source",
-    "open_reader",
-    "together",
-]
+__all__ = ["Distant", "Measuring", "OwnTime", "PortError", "PortLost", "Reader", "Several", "Source", "together"]
+
+
+# Rooms that bring readers of other ports, each with an `open_reader`.
+ELSEWHERE = {"bus://": "sistap.wire", "sigrok:": "sistap.analyser"}
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
@@ -35,25 +27,14 @@ def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
     May raise PortError.
     """
     # Each reader is imported where it is needed, so that listing ports starts quickly.
-    if port.startswith("bus://"):
-        from sistap.line.reader.connection import connect
-
-        connection = connect(port)
-        if connection.hello.kind == Kind.TAP:
-            from sistap.line.reader.distant import DistantReader
-
-            return DistantReader(port, line, connection)
-        from sistap.line.reader.virtual import WireReader
-
-        return WireReader(port, settings, line, connection)
+    for kind, module in ELSEWHERE.items():
+        if port.startswith(kind):
+            reader: Reader = importlib.import_module(module).open_reader(port, settings, line)
+            return reader
     if settings.baud <= 0:
-        raise PortError(f"{port} needs a rate: give it with --baud")
-    if is_analyser(port):
-        from sistap.line.reader.sigrok import SigrokReader
-
-        return SigrokReader(port, settings, line)
+        raise needs_rate(port)
     if "://" in port:
-        from sistap.line.reader.url import UrlReader
+        from sistap.line.reader.pyserial import UrlReader
 
         return UrlReader(port, settings, line)
     if sys.platform == "win32":

@@ -15,6 +15,11 @@ class PortError(Exception):
     """A port cannot be opened; the text is one line that names the cure."""
 
 
+def needs_rate(port: str) -> PortError:
+    """Return the error of a port without a rate."""
+    return PortError(f"{port} needs a rate: give it with --baud")
+
+
 class PortLost(Exception):
     """A port was lost while it was read; the text is one line that names the cure."""
 

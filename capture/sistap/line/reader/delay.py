@@ -14,7 +14,7 @@ import tty
 from array import array
 from contextlib import suppress
 
-from sistap.line.clocks import monotonic_ns
+from sistap.line.clock import monotonic_ns
 from sistap.line.reader.contract import READ_SIZE
 
 if sys.platform == "win32":
@@ -53,15 +53,20 @@ def through(reading: int, writing: int, duration_ns: int, character_ns: int = 0)
     writer.start()
     delays = _read(reading, written, writer)
     writer.join()
+    if not written:
+        raise LoopBroken("the port takes no character")
     return array("q", (max(0, delay - character_ns) for delay in delays))
 
 
 def _write(writing: int, written: array[int], end_ns: int, character_ns: int) -> None:
-    """Write a character now and then, at random times that no rhythm of the hardware can match; at least one."""
+    """Write a character now and then, at random times that no rhythm of the hardware can match; try at least one."""
     with suppress(OSError), os.fdopen(writing, "wb", buffering=0) as stream:
-        while (now := monotonic_ns()) < end_ns or not written:
+        is_first = True
+        while (now := monotonic_ns()) < end_ns or is_first:
+            is_first = False
             written.append(now)
-            stream.write(_characters(len(written) - 1, 1))
+            if not stream.write(_characters(len(written) - 1, 1)):
+                written.pop()  # a port such as that of cdc_acm takes no more while 16 characters are on their way
             time.sleep(character_ns / 1e9 + random.uniform(0.0002, 0.0008))
 
 

@@ -5,32 +5,29 @@ from __future__ import annotations
 
 import fcntl
 import os
-import select
 import struct
 import sys
-from collections import deque
+import termios
 from functools import partial
 
 from sistap.line import ports, priority
-from sistap.line.clock import CLOCK
-from sistap.line.clocks import monotonic_ns
+from sistap.line.clock import CLOCK, monotonic_ns
 from sistap.line.reader import latency
-from sistap.line.reader.contract import READ_SIZE, STEP_MS, PortLost
+from sistap.line.reader.contract import READ_SIZE, PortLost
 from sistap.line.reader.errors import Counts, Errors
 from sistap.line.reader.opening import change_device, open_device, true_rate
+from sistap.line.reader.several import PolledReaders
 from sistap.line.reader.trouble import lost_text
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import Flag, LineSettings, Read
 
 if sys.platform == "win32":
-    raise ImportError("Windows has no terminals: sistap.line.reader.url reads its ports")
+    raise ImportError("Windows has no terminals: sistap.line.reader.windows reads its ports")
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct; of it the counters frame, overrun, parity, brk and
 # buf_overrun.
 _TIOCGICOUNT = 0x545D
 _COUNTERS = struct.Struct("24x5i36x")
-
-_MARKING_PACKETS = ("ftdi_sio",)  # drivers that mark all characters of a USB packet if one has an error
 
 
 class PosixReader:
@@ -45,55 +42,50 @@ class PosixReader:
         self.line = line
         pseudo_terminal = ports.adapter(port).pseudo_terminal
         self._known = latency.known()  # before opening: the port would fill during this measurement
-        self._emptied_ns = monotonic_ns()  # everything unread came after this
         self._serial = open_device(port, settings, pseudo_terminal)
-        self._lost = lost_text(port, pseudo_terminal)
+        self._lost = lost_text(port, pseudo_terminal=pseudo_terminal)
         self._fd: int = self._serial.fileno()
         self._tuning = Tuning(port, self._fd, settings)
+        self._emptied_ns = self._asked_ns = monotonic_ns()  # everything unread came after this; the last read
+        termios.tcflush(self._fd, termios.TCIFLUSH)  # tuning may clear a FIFO: a gap without a flag
         self._behind = ports.adapter(port)  # after tuning
         self.adapter = str(self._behind)
         bound = latency.bound(self._known, port, self._behind, settings)
         self._latency_ns = bound.ns
         rate = true_rate(self._fd, port, settings)
         rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
-        self.timing = "; ".join([bound.how, *rates, *self._tuning.done, priority.words()])
-        self.notes: tuple[str, ...] = (*self._tuning.missed, *bound.notes)
-        poll = select.poll()
-        poll.register(self._fd, select.POLLIN)
-        self._poll = poll.poll
+        tells = self._behind.tells
+        self.timing = "; ".join(filter(None, [bound.how, *rates, *self._tuning.done, priority.words(), tells.words]))
+        self.notes: tuple[str, ...] = tuple(filter(None, (*self._tuning.missed, *bound.notes, tells.doubt(port))))
         self._decoder = MarkDecoder()
         counters = partial(_error_counters, self._fd)  # without self: that would be a cycle, which nobody frees
-        self._errors = Errors(counters, by_packet=self._behind.driver in _MARKING_PACKETS)
-        self._reads: deque[Read] = deque()
+        self._errors = Errors(counters, tells)
+        self._alone: PolledReaders | None = None  # it polls this reader, if nobody else does
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
-        while not self._reads:
-            in_time = self._wait(timeout_s)
-            if in_time is not None:
-                self._reads.extend(self.take(in_time=in_time))
-            if in_time is None or not self._errors.holding:
-                break
-        if not self._reads and not timeout_s:
-            self._reads.extend(self.held())
-        return self._reads.popleft() if self._reads else None
+        self._alone = self._alone or PolledReaders([self])
+        return self._alone.read(timeout_s)
 
     def fileno(self) -> int:
         """Return the descriptor, for a caller that polls several ports and then calls take() and nothing_until()."""
         return self._fd
 
-    def nothing_until(self, time_ns: int) -> list[Read]:
-        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back until then."""
-        if not self._decoder.pending:
+    def nothing_until(self, time_ns: int, slept_ns: int) -> list[Read]:
+        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back until then.
+
+        The process had just slept so long. If it had not, the kernel may have had no time to pass on what had come.
+        """
+        if slept_ns and not self._decoder.pending:
             self._emptied_ns = time_ns
-        return self._errors.due(time_ns)
+        return self._errors.silent(slept_ns)
 
     def held(self) -> list[Read]:
         """Stop holding characters back: return them."""
         return self._errors.all()
 
-    def take(self, *, in_time: bool) -> list[Read]:
-        """Return what is there; `in_time`: it came during the wait. May raise PortLost.
+    def read_now(self, slept_ns: int) -> list[Read]:
+        """Return what is there. The process slept until it came; 0: it was there before. May raise PortLost.
 
         What was held back comes first. If the driver has counted an error whose place is not known yet, the read is
         held.
@@ -102,7 +94,7 @@ class PosixReader:
         try:
             data = os.read(self._fd, READ_SIZE)
         except BlockingIOError:
-            return self._errors.due(asked_ns)
+            return self._errors.silent(0)
         except OSError:
             data = b""
         now = monotonic_ns()
@@ -111,45 +103,33 @@ class PosixReader:
                 return held  # the next read finds the port lost again
             raise PortLost(self._lost)
         decoder = self._decoder
-        in_time = in_time and not decoder.pending
+        # A worker of the kernel passes characters on. A busy process can keep the processor from it. So what comes at
+        # once when this process sleeps may have come before. And if characters come without a sleep, the worker has had
+        # the processor since the last read, but perhaps not until this one.
+        in_time = slept_ns >= self._known.machine_ns and not decoder.pending
+        if in_time:
+            self._emptied_ns = asked_ns - slept_ns
         characters, flags = decoder.feed(data)
         uncertainty_ns = latency.uncertainty_ns(
             self._latency_ns, self.settings, len(characters), now - self._emptied_ns, in_time=in_time
         )
         if not decoder.pending and len(data) < READ_SIZE:
-            self._emptied_ns = asked_ns
+            self._emptied_ns = asked_ns if slept_ns else self._asked_ns
+        self._asked_ns = asked_ns
         if not characters:
             return []
         read = Read(self.line, CLOCK.wall_ns(now), characters, flags, uncertainty_ns, self.settings)
-        return self._errors.take(read, now)
+        return self._errors.take(read, slept=slept_ns > 0)
 
     def change(self, settings: LineSettings) -> None:
-        """Read with other settings from now on. PortError if the port does not support them: then the old settings
-        stay.
-        """
+        """Read with other settings from now on. PortError if the port does not support them."""
         change_device(self._serial, settings, self._behind.pseudo_terminal)
         self.settings = settings
         self._latency_ns = latency.bound(self._known, self.name, self._behind, settings).ns
 
-    def _wait(self, timeout_s: float) -> bool | None:
-        """Wait for characters. Return None if none came, else whether they came during the wait.
-
-        Also return None if something that was held back is due.
-        """
-        left_ms, step_ms = timeout_s * 1000, 0.0
-        asked_ns = monotonic_ns()
-        while not self._poll(step_ms):
-            # poll looks once more when its time is up
-            self._reads.extend(self.nothing_until(asked_ns + int(step_ms * 1e6)))
-            if left_ms <= 0 or self._reads:
-                return None
-            step_ms = min(STEP_MS, left_ms)
-            left_ms -= step_ms
-            asked_ns = monotonic_ns()
-        return step_ms > 0
-
     def close(self) -> None:
         """Restore the settings of the port and release it."""
+        self._alone = None  # otherwise a cycle
         self._tuning.undo()
         self._serial.close()
 

@@ -1,17 +1,58 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How late a character can be seen: the delay of the adapter, and the measured delay of this computer."""
+"""How late a character can be seen: the delay of the adapter, and the measured delay of this computer.
+
+The computer is measured with characters through a pseudo terminal, or through a socket where there is none.
+"""
 
 from __future__ import annotations
 
 import functools
+import random
+import socket
 import sys
+import threading
+import time
+from array import array
 from contextlib import suppress
 from typing import NamedTuple
 
 from sistap.line import measurement, ports
+from sistap.line.clock import monotonic_ns
 from sistap.line.ports import Adapter
 from sistap.line.reader.contract import STEP_MS
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+
+_PATIENCE_S = 1.0  # longest wait for a byte
+
+
+def through_socket(duration_ns: int) -> array[int]:
+    """Send bytes one by one through a socket of our own; return the time of each in ns. May raise OSError."""
+    reading, writing = socket.socketpair()
+    with reading, writing:
+        reading.settimeout(_PATIENCE_S)
+        for end in (reading, writing):
+            with suppress(OSError):  # not TCP
+                end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        written = array("q")
+        writer = threading.Thread(target=_write, args=(writing, written, monotonic_ns() + duration_ns), daemon=True)
+        writer.start()
+        delays = array("q")
+        while data := reading.recv(4096):
+            now_ns = monotonic_ns()
+            delays.extend(now_ns - sent for sent in written[len(delays) : len(delays) + len(data)])
+        writer.join()
+    return delays
+
+
+def _write(writing: socket.socket, written: array[int], end_ns: int) -> None:
+    """Write a byte now and then at random times; then end the connection."""
+    with suppress(OSError):
+        while (now_ns := monotonic_ns()) < end_ns:
+            written.append(now_ns)
+            writing.send(b"@")
+            time.sleep(random.uniform(0.0002, 0.0008))
+        writing.shutdown(socket.SHUT_WR)
+
 
 MEASURE_NS = 200_000_000
 
@@ -130,10 +171,8 @@ def measured_latency_ns() -> int:
     measured.
     """
     if sys.platform == "win32":
-        from sistap.line.reader import loopback
-
         with suppress(OSError):
-            return max(loopback.through_socket(MEASURE_NS), default=UNCERTAINTY_UNKNOWN)
+            return max(through_socket(MEASURE_NS), default=UNCERTAINTY_UNKNOWN)
         return UNCERTAINTY_UNKNOWN
     from sistap.line.reader import delay
 

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Opens and configures serial devices of this computer so that they only listen."""
+"""Opens and configures serial devices of this computer so that they only listen, and finds their true rate.
+
+Many drivers report the requested rate. The true one is the clock of the port, divided by a whole number: a 16550 with a
+clock of 115200 Hz runs 76800 Bd at 57600.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +16,49 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from sistap.line import ports
-from sistap.line.reader import divisor
 from sistap.line.reader.contract import PortError
-from sistap.line.reader.listening import closed_serial
+from sistap.line.reader.pyserial import closed_serial
 from sistap.line.reader.trouble import Otherwise, device_trouble
 from sistap.line.settings import LineSettings
 
 if sys.platform == "win32":
-    raise ImportError("Windows has no terminals: sistap.line.reader.url opens its ports")
+    raise ImportError("Windows has no terminals: sistap.line.reader.windows reads its ports")
 
 if TYPE_CHECKING:  # imported late: the rest works without pyserial
     import serial
+
+# Linux, <linux/serial.h>: baud_base is the eighth member of struct serial_struct; the buffer is larger than any
+# system's.
+_SERIAL = struct.Struct("28xi96x")
+
+
+def divided_rate(fd: int, baud: int) -> int | None:
+    """Return the true rate of a port whose driver says `baud`; None if it does not state its clock."""
+    try:
+        (clock,) = _SERIAL.unpack(fcntl.ioctl(fd, termios.TIOCGSERIAL, bytes(_SERIAL.size)))
+    except (OSError, AttributeError):  # not Linux
+        return None
+    divisor = max((2 * clock + baud) // (2 * baud), 1)  # rounded to the nearest, as the driver does
+    return round(clock / divisor) if clock > 0 else None
+
+
+# Linux, drivers/usb/serial/ch341.c: ch341_get_divisor.
+_CH341_SLOWEST, _CH341_FASTEST = 46, 3_000_000
+_CH341_CLOCK = 12_000_000
+_CH341_FINE = 23_437  # up to here a slower clock is used, whose steps are below 1 %
+
+
+def ch341_rate(baud: int) -> int:
+    """Return the true rate of a CH340 or CH341."""
+    baud = min(max(baud, _CH341_SLOWEST), _CH341_FASTEST)
+    if baud <= _CH341_FINE:
+        return baud
+    clock, divisor = _CH341_CLOCK, _CH341_CLOCK // baud
+    if not 9 <= divisor <= 255:
+        clock, divisor = clock // 2, divisor // 2
+    above, below = clock / divisor, clock / (divisor + 1)
+    return round(below if above - baud >= baud - below else above)
+
 
 _STICK_PARITY = 0o10000000000 if sys.platform == "linux" else 0  # CMSPAR, which the module termios lacks
 _PARITIES = {
@@ -150,9 +186,11 @@ def _format(control: int) -> str:
 
 
 def true_rate(fd: int, port: str, settings: LineSettings) -> int:
-    """Return the true rate of an open port in Bd, as far as its driver states it."""
+    """Return the true rate of an open port in Bd, as far as it is known."""
     set_by_driver = _speed(fd) or settings.baud
-    return (divisor.rate(fd, set_by_driver) if ports.is_8250(port) else None) or set_by_driver
+    if ports.adapter(port).driver == "ch341-uart":
+        return ch341_rate(set_by_driver)
+    return (divided_rate(fd, set_by_driver) if ports.is_8250(port) else None) or set_by_driver
 
 
 def _speed(fd: int) -> int | None:

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from queue import Empty, SimpleQueue
 from typing import Protocol, runtime_checkable
 
-from sistap.line.clocks import monotonic_ns
+from sistap.line.clock import monotonic_ns
 from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 
@@ -40,11 +40,14 @@ class Pollable(Reader, Protocol):
     def fileno(self) -> int:
         """Return the descriptor to poll."""
 
-    def take(self, *, in_time: bool) -> list[Read]:
-        """Return what is there; `in_time`: it came during the wait. May raise PortLost."""
+    def read_now(self, slept_ns: int) -> list[Read]:
+        """Return what is there. The process slept until it came; 0: it was there before. May raise PortLost."""
 
-    def nothing_until(self, time_ns: int) -> list[Read]:
-        """Note that nothing was unread at this instant of the monotonic clock. Return what was held back until then."""
+    def nothing_until(self, time_ns: int, slept_ns: int) -> list[Read]:
+        """Note that nothing was unread at this instant of the monotonic clock, just after a sleep of that length or 0.
+
+        Return what was held back until then.
+        """
 
     def held(self) -> list[Read]:
         """Stop holding characters back: return them."""
@@ -113,23 +116,24 @@ class PolledReaders:
                 return
             step_ms = min(STEP_MS, left_ms)
             left_ms -= step_ms
-        if step_ms:
-            self._look(0)  # note until when the others were silent
+        if step_ms and len(self._readers) > 1:
+            self._look(0, has_slept=True)  # note until when the others were silent
 
-    def _look(self, step_ms: float) -> bool:
-        """Take what comes within the step; tell whether anything did."""
+    def _look(self, step_ms: float, *, has_slept: bool = False) -> bool:
+        """Take what comes within the step; tell whether anything did. `has_slept`: the process has, just before."""
         asked_ns = monotonic_ns()
         ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
+        slept_ns = max(monotonic_ns() - asked_ns, 1) if step_ms else 0
         for descriptor in ready:  # before anything else: it gets its time here
-            self._take(descriptor, self._readers[descriptor], in_time=step_ms > 0)
+            self._take(descriptor, self._readers[descriptor], slept_ns)
         silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looks once more when its time is up
         for descriptor in self._readers.keys() - ready:
-            self._reads.extend(self._readers[descriptor].nothing_until(silent_ns))
+            self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or int(has_slept)))
         return bool(self._reads or self._lost)
 
-    def _take(self, descriptor: int, reader: Pollable, *, in_time: bool) -> None:
+    def _take(self, descriptor: int, reader: Pollable, slept_ns: int) -> None:
         try:
-            self._reads.extend(reader.take(in_time=in_time))
+            self._reads.extend(reader.read_now(slept_ns))
         except PortLost as lost:
             self._poll.unregister(descriptor)
             del self._readers[descriptor]

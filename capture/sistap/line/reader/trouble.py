@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import errno
+import re
 import socket
 import stat
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,11 +18,22 @@ from sistap.terminal.advice import advice
 if sys.platform == "win32":
     _NUMBERED: tuple[type[BaseException], ...] = (OSError,)
 else:
-    import grp
-    import pwd
     import termios
 
     _NUMBERED = (OSError, termios.error)
+
+
+# Errors of Windows, which says them in its own language; pyserial quotes the exception, with the number last.
+_OF_WINDOWS = {
+    2: "does not exist: `sistap ports` lists the ports there are",
+    3: "does not exist: `sistap ports` lists the ports there are",
+    5: "is in use by another program: close that program first",
+    31: "is there, but its adapter does not work (Windows error 31): unplug it, and plug it in again",
+    121: "is there, but its adapter does not answer (Windows error 121): unplug it, and plug it in again",
+    433: "is gone: plug the adapter in",
+    1167: "is gone: plug the adapter in",
+}
+_QUOTED = re.compile(r"Error\(.*, (\d+)\)")
 
 
 class Otherwise(ValueError):
@@ -47,10 +60,12 @@ def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     return text
 
 
-def lost_text(port: str, pseudo_terminal: bool) -> str:
+def lost_text(port: str, *, pseudo_terminal: bool = False, windows_error: int | None = None) -> str:
     """Return that a device was lost while it was read, and the cure."""
     if pseudo_terminal:
         return f"{port}: the program at its other end has ended: start it and a new capture"
+    if windows_error in (31, 121):
+        return f"{port} {_OF_WINDOWS[windows_error]}, then start a new capture"
     return f"{port} is gone: plug the adapter in and start a new capture"
 
 
@@ -61,7 +76,10 @@ def url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     known = "bus://HOST:PORT, socket://HOST:PORT, rfc2217://HOST:PORT"
     text = f"{port} cannot be opened: {error}"
     cause = error.__context__
-    if "invalid baudrate" in str(error) or "Cannot configure port" in str(error):
+    quoted = _QUOTED.search(str(error))
+    if quoted and (words := _OF_WINDOWS.get(int(quoted[1]))):
+        text = f"{port} {words}"
+    elif "invalid baudrate" in str(error) or "Cannot configure port" in str(error):
         text = f"{port} cannot do {settings.baud} Bd {settings.format}: choose another --baud or --format"
     elif isinstance(error, OSError) and error.errno == errno.ENOENT:  # spy:// and the like have a device behind them
         text = f"{port} does not exist: `sistap ports` lists the ports there are"
@@ -69,10 +87,6 @@ def url_trouble(port: str, settings: LineSettings, error: Exception) -> str:
         text = connection_trouble(port, cause)
     elif "://" in port and (cause or isinstance(error, ValueError | KeyError)):
         text = f"{port} is not the URL of a port: write {known}"
-    elif "FileNotFoundError" in str(error):  # Windows
-        text = f"{port} does not exist: `sistap ports` lists the ports there are"
-    elif "PermissionError" in str(error):
-        text = f"{port} is in use by another program: close that program first"
     return text
 
 
@@ -98,6 +112,8 @@ def _errno(error: BaseException) -> int | None:
 
 
 def _permission_cure(port: str) -> str:
+    if sys.platform == "win32":
+        return "close the program that has it"
     try:
         status = Path(port).stat()
     except OSError:
@@ -105,20 +121,13 @@ def _permission_cure(port: str) -> str:
     if not stat.S_ISCHR(status.st_mode):
         return "it is not a serial port; `sistap ports` lists the ports there are"
     if status.st_mode & 0o060 == 0o060 and status.st_gid != 0:
-        group = _group(status.st_gid)
+        group = _name(Path(port).group, status.st_gid)
         return f"it is for group {group}: `sudo usermod -aG {group} $USER`, then log in again"
-    return f"it belongs to {_user(status.st_uid)}: run sistap as that user"
+    return f"it belongs to {_name(Path(port).owner, status.st_uid)}: run sistap as that user"
 
 
-def _group(number: int) -> str:
-    if sys.platform != "win32":
-        with suppress(KeyError):
-            return grp.getgrgid(number).gr_name
-    return str(number)
-
-
-def _user(number: int) -> str:
-    if sys.platform != "win32":
-        with suppress(KeyError):
-            return pwd.getpwuid(number).pw_name
+def _name(look_up: Callable[[], str], number: int) -> str:
+    """Return the name of an owner or a group, or its number; a browser's Python has no such names."""
+    with suppress(KeyError, ImportError, NotImplementedError):
+        return look_up()
     return str(number)

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads several captures as one: in the order of their time, joined into one file for tshark."""
+
+from __future__ import annotations
+
+import struct
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+from sistap.captures import reading
+from sistap.captures.reading import NotCaptured
+from sistap.common import temporary
+from sistap.files import pcapng
+from sistap.terminal.exits import UsageError
+
+_OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
+_HEAD = struct.pack("<I", pcapng.SECTION_HEADER)
+_LITTLE_ENDIAN = struct.pack("<I", 0x1A2B3C4D)
+
+
+def check_captures(named: Iterable[Path], output: str | None = None) -> list[Path]:
+    """Return all captures, those of a folder one by one. UsageError unless all can be read, twice, and none is the
+    output.
+    """
+    captures = [capture for path in named for capture in (_inside(path) if path.is_dir() else [path])]
+    for capture in captures:
+        if capture.exists() and not capture.is_file():
+            raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
+        try:
+            capture.open("rb").close()
+        except OSError as error:
+            raise UsageError(f"cannot read {capture}: {error.strerror}; name a capture file") from None
+        if output and Path(output).exists() and capture.samefile(output):
+            raise UsageError(f"{output} is the capture itself; name another file with -o")
+    return captures
+
+
+def _inside(folder: Path) -> list[Path]:
+    """Return the captures in a folder. What a recorder has kept is in its ring, too."""
+    found = sorted(folder.glob("ring_*.pcapng")) or sorted(folder.glob("*.pcapng"))
+    if not found:
+        raise UsageError(f"{folder} has no captures: name one, or another folder")
+    return found
+
+
+class _Part(NamedTuple):
+    """A capture in a joined one."""
+
+    first: int  # number of its first packet
+    capture: Path
+
+
+class Joined(NamedTuple):
+    """A file with the packets of one or several captures."""
+
+    path: Path
+    parts: Sequence[_Part]
+
+    def place(self, number: int) -> tuple[Path, int]:
+        """Return the capture of a packet, and its number there."""
+        part = self.parts[bisect_right(self.parts, number, key=lambda part: part.first) - 1]
+        return part.capture, number - part.first + 1
+
+
+def in_order(captures: Iterable[Path]) -> list[Path]:
+    """Sort captures by their first packets. If any has no such time, the order stays."""
+    times = [(begin_ns(capture), capture) for capture in captures]
+    if any(begin_ns is None for begin_ns, _ in times):
+        return [capture for _, capture in times]
+    return [capture for _, capture in sorted(times, key=lambda time: time[0] or 0)]
+
+
+def portions(captures: Iterable[Path], most: int) -> Iterator[list[Path]]:
+    """Yield captures that can be joined, in the order of their time, up to so many bytes. A foreign one is alone."""
+    portion: list[Path] = []
+    size = 0
+    for capture in in_order(captures):
+        more = capture.stat().st_size
+        if portion and (size + more > most or not (_is_joinable(capture) and _is_joinable(portion[0]))):
+            yield portion
+            portion, size = [], 0
+        portion.append(capture)
+        size += more
+    yield portion
+
+
+@contextmanager
+def together(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
+    """Join captures; a single one stays as it is. Report damage. Raise NotCaptured for a foreign one."""
+    if len(captures) == 1:
+        yield Joined(captures[0], [_Part(1, captures[0])])
+        return
+    with temporary.folder() as folder:
+        path = folder / "joined.pcapng"
+        with path.open("wb") as file:
+            joining = _Joining(file)
+            parts = [joining.add(capture, say) for capture in captures]
+        yield Joined(path, parts)
+
+
+class _Joining:
+    """A file with one section. Equal interfaces of several captures are one."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._packets = 0
+        self._interfaces: dict[bytes, int] = {}
+
+    def add(self, capture: Path, say: Callable[[str], None]) -> _Part:
+        """Append the packets of a capture; report where it is damaged. Raise NotCaptured if it is foreign."""
+        if not _is_joinable(capture):
+            raise NotCaptured(f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng")
+        part = _Part(self._packets + 1, capture)
+        try:
+            with capture.open("rb") as source:
+                size = sum(self._take(block, capture) for block in reading.blocks(source, capture))
+            damage = "" if size == capture.stat().st_size else f"{capture} is cut off"
+        except NotCaptured as error:
+            damage = str(error)
+        if damage:
+            say(f"{capture}: only what comes before the damage: {damage}")
+        return part
+
+    def _take(self, block: reading.Block, capture: Path) -> int:
+        """Append a block if it is a packet or new; return its size."""
+        kind, order, body = block
+        if order != "<" or kind in _OTHER_PACKETS:
+            raise NotCaptured(f"{capture} was not written by sistap: read it alone")
+        if kind == pcapng.SECTION_HEADER:
+            self._numbers: list[int] = []  # of its interfaces
+            if not self._file.tell():
+                self._write(kind, body)
+        elif kind == pcapng.INTERFACE_DESCRIPTION:
+            if body not in self._interfaces:
+                self._interfaces[body] = len(self._interfaces)
+                self._write(kind, body)
+            self._numbers.append(self._interfaces[body])
+        elif kind == pcapng.ENHANCED_PACKET:
+            (number,) = struct.unpack_from("<I", body)
+            if number >= len(self._numbers):
+                raise NotCaptured(f"{capture} is damaged: a packet names interface {number}, which is not there")
+            self._write(kind, struct.pack("<I", self._numbers[number]) + body[4:])
+            self._packets += 1
+        return len(body) + 12
+
+    def _write(self, kind: int, body: bytes) -> None:
+        length = struct.pack("<I", len(body) + 12)
+        self._file.write(struct.pack("<I", kind) + length + body + length)
+
+
+def _is_joinable(capture: Path) -> bool:
+    with capture.open("rb") as file:
+        head = file.read(12)
+    return head[:4] == _HEAD and head[8:] == _LITTLE_ENDIAN
+
+
+def begin_ns(capture: Path) -> int | None:
+    """Return the time of its first packet; None if it has none, or another program wrote it."""
+    try:
+        return next((packet.time_ns for packet in reading.packets(capture)), None)
+    except (OSError, NotCaptured):
+        return None

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A hit, an episode, and how an episode is written for programs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, NamedTuple
+
+from sistap.episodes.rules import RULES, Rule, Severity
+
+PACKETS = 10  # numbers that an episode keeps; then only the last one is replaced
+
+_CLOSE_S = 2e-6  # a number with decimals may be that far from the time of a packet
+
+
+class Hit(NamedTuple):
+    """Something unusual; times in s since 1970."""
+
+    kind: str
+    packet: int  # 0: all that have the parameter
+    from_s: float
+    to_s: float
+    station: int | None = None
+    parameter: str = ""
+    detail: str = ""  # words about it
+    worst: float | None = None  # how bad: a time in s, or a value
+    severity: Severity | None = None  # where it is not that of the rule
+    port: str = ""
+    topic: str = ""  # hits with another one are another episode
+
+
+@dataclass
+class Episode:
+    """Hits that belong together."""
+
+    hit: Hit  # the worst
+    severity: Severity
+    from_s: float
+    to_s: float
+    count: int
+    packets: list[int]
+
+    @classmethod
+    def of(cls, hit: Hit) -> Episode:
+        """Begin one."""
+        severity = RULES[hit.kind].severity if hit.severity is None else hit.severity
+        return cls(hit, severity, hit.from_s, hit.to_s, 1, [hit.packet] if hit.packet else [])
+
+    def join(self, other: Episode) -> None:
+        """Take in a later one."""
+        if (other.severity, other.hit.worst or 0) > (self.severity, self.hit.worst or 0):
+            self.severity, self.hit = other.severity, other.hit
+        self.from_s, self.to_s = min(self.from_s, other.from_s), max(self.to_s, other.to_s)
+        self.count += other.count
+        self.packets += other.packets
+        self.packets[PACKETS - 1 : -1] = []
+
+    @property
+    def kind(self) -> str:
+        """Return its kind, a key of RULES."""
+        return self.hit.kind
+
+    @property
+    def station(self) -> int | None:
+        """Return whose it is; None: of the bus."""
+        return self.hit.station
+
+    @property
+    def rule(self) -> Rule:
+        """Return the rule of its kind."""
+        return RULES[self.kind]
+
+    @property
+    def subject(self) -> str:
+        """Return its title, with whom it is about."""
+        station = "" if self.station is None else f"station {self.station}"
+        return " ".join(filter(None, [f"{self.rule.title}{',' if station else ''}", station, self.hit.parameter]))
+
+    @property
+    def text(self) -> str:
+        """Return a sentence."""
+        times = f" ({self.count} times)" if self.count > 1 else ""
+        return f"{self.subject}{': ' if self.hit.detail else ''}{self.hit.detail}{times}"
+
+    @property
+    def filter(self) -> str:
+        """Return the display filter that finds its packets."""
+        if not self.packets:
+            return f'sis.parameter == "{self.hit.parameter}" && sis.talker == {self.station} && sis.value'
+        if len(self.packets) < PACKETS or not self.rule.filter:
+            return f"frame.number in {{{', '.join(map(str, self.packets))}}}"
+        return f"frame.number >= {self.packets[0]} && frame.number <= {self.packets[-1]} && ({self.rule.filter})"
+
+    @property
+    def filter_by_time(self) -> str:
+        """Return the display filter that finds its time, in whichever file."""
+        during = f"frame.time_epoch >= {self.from_s - _CLOSE_S:.6f} && frame.time_epoch <= {self.to_s + _CLOSE_S:.6f}"
+        return f"{during} && ({self.rule.filter})" if self.rule.filter else during
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it for programs."""
+        return {
+            "kind": self.kind,
+            "severity": self.severity.name.lower(),
+            "station": self.station,
+            "parameter": self.hit.parameter or None,
+            "from": utc(self.from_s),
+            "to": utc(self.to_s),
+            "count": self.count,
+            "worst": self.hit.worst,
+            "packets": self.packets,
+            "text": self.text,
+        }
+
+
+def utc(epoch_s: float) -> str | None:
+    """Write a time as ISO 8601 in UTC; None if no calendar has it."""
+    try:
+        return datetime.fromtimestamp(epoch_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    except (ValueError, OverflowError, OSError):
+        return None

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hits in single packets: times against their limits, damage, errors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from sistap.episodes.episode import Hit
+from sistap.episodes.rules import Severity
+from sistap.packets.dissection import EXCEEDED, UNRESOLVED, Judged, Packet, Telegram
+from sistap.packets.faults import LOST
+from sistap.records.record import Event, interval_text
+from sistap.sis.telegram import service_name
+from sistap.wireshark.rows import OTHER
+
+_ALL = 255  # the address of all stations
+_LIMITS = (("late", "TrS", "reaction"), ("interval", "TzA", "pause"), ("cycle", "Tmas", "cycle"))
+
+
+def ms(time_s: float) -> str:
+    """Write a time as the dissector writes it."""
+    return interval_text(round(time_s * 1e9))
+
+
+def slave(telegram: Telegram) -> int | None:
+    """Return the station that a telegram is about: not the master; None for all stations."""
+    station = telegram.talker if telegram.is_reaction else telegram.listener
+    return None if station == _ALL else station
+
+
+class Faults:
+    """Those of a port."""
+
+    def __init__(self) -> None:
+        """Begin without a command."""
+        self._asked: int | None = None  # the station whose reaction is due
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield the hits of a packet."""
+        yield from self._damage(packet)
+        for telegram in packet.telegrams:
+            if telegram.good:
+                yield from _limits(packet, telegram)
+                yield from _errors(packet, telegram)
+                self._asked = None if telegram.is_reaction else telegram.listener
+
+    def _damage(self, packet: Packet) -> Iterator[Hit]:
+        """Yield damage: of one cause, the first that is known. Its station is the one whose telegram was due."""
+        bad = [telegram for telegram in packet.telegrams if not telegram.good]
+        is_other = packet.type == OTHER and self._asked is not None
+        station = self._asked
+        if station is None and packet.telegrams:
+            station = slave(packet.telegrams[0])
+        what = "in a telegram that is damaged" if bad or is_other else "in a telegram that is not damaged"
+        if packet.errors & ~LOST:
+            yield _hit("line_error", packet, station, what)
+        elif packet.errors & LOST:
+            yield _hit("lost", packet, station, what)
+        elif packet.event == Event.CHARACTERS_LOST:
+            yield _hit("lost", packet, None, packet.text)
+        elif bad or is_other:
+            yield _hit("damaged", packet, station, "its checksum is wrong" if bad else "its rest is not a telegram")
+
+
+def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
+    for kind, name, field in _LIMITS:
+        judged: Judged | None = getattr(telegram, field)
+        if not judged or judged.verdict not in (EXCEEDED, UNRESOLVED) or (kind == "interval" and packet.errors & LOST):
+            continue
+        limit = f", {name} {judged.limit_s * 1e3:g} ms" if judged.limit_s is not None else ""
+        position = f" before character {telegram.pause_position}" if kind == "interval" else ""
+        perhaps = "" if judged.verdict == EXCEEDED else "perhaps: "
+        yield _hit(
+            kind,
+            packet,
+            telegram.talker,
+            f"{perhaps}{ms(judged.time_s)}{position}{limit}",
+            worst=judged.time_s,
+            severity=None if judged.verdict == EXCEEDED else Severity.NOTE,
+            topic=perhaps,
+        )
+
+
+def _errors(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
+    if telegram.has_system_error:
+        yield _hit("system_error", packet, telegram.talker)
+    if not telegram.is_refusal:
+        return
+    errors = [access for access in packet.accesses if access.error]
+    service = service_name(telegram.service or 0)
+    what = errors[0].error if errors else f"{service}, status 0x{telegram.status or 0:02x}"
+    parameter = errors[0].parameter.ident if errors else ""
+    yield _hit("error", packet, telegram.talker, what, parameter=parameter, topic=what)
+
+
+def _hit(kind: str, packet: Packet, station: int | None, detail: str = "", **more: Any) -> Hit:
+    found = Hit(kind, packet.number, packet.epoch_s, packet.ended_s, station, detail=detail, port=packet.interface)
+    return found._replace(**more)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The values of a parameter as levels: where each begins, which are unusual, and the drift of all."""
+
+from __future__ import annotations
+
+import statistics
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.episodes.trend import Slots, Trend, quartiles, scatter, trend
+
+_RECENT = 32  # values that make the present level
+_LEAST = 8
+_FADING = 0.97  # of the usual scatter, for each _LEAST values: a drive that stands still is not the usual
+_RESOLUTION = 0.005  # of the level: what scatters less is a constant
+
+
+@dataclass
+class Level:
+    """Values in a row that are alike."""
+
+    from_s: float
+    to_s: float
+    packet: int  # the first
+    value: float = 0.0  # the middle of the last ones
+
+    @property
+    def seconds(self) -> float:
+        """Return its duration."""
+        return self.to_s - self.from_s
+
+
+class Levels:
+    """The values of one parameter."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._levels: list[Level] = []
+        self._recent: deque[float] = deque(maxlen=_RECENT)
+        self._outside: list[tuple[float, float, int]] = []
+        self._slots = Slots()
+        self._scatter = 0.0
+        self.scale = 0.0  # of the quantity, where the values are only a part of it
+        self._since = 0  # values since the level was last computed
+        self.count = 0
+
+    def add(self, time_s: float, value: float, packet: int) -> None:
+        """Add a value."""
+        self.count += 1
+        if len(self._levels) > THRESHOLDS.lively:
+            return
+        if not self._levels:
+            self._levels.append(Level(time_s, time_s, packet, value))
+        if self._is_inside(value):
+            self._outside.clear()
+            self._take(time_s, value)
+            return
+        self._outside.append((time_s, value, packet))
+        if len(self._outside) == THRESHOLDS.level_values:
+            self._next()
+
+    def _is_inside(self, value: float) -> bool:
+        if len(self._recent) < _LEAST and len(self._levels) == 1:
+            return True
+        level = self._levels[-1].value
+        return abs(value - level) <= THRESHOLDS.level_noise * max(self._scatter, _RESOLUTION * abs(level), 1e-9)
+
+    def _take(self, time_s: float, value: float) -> None:
+        self._slots.add(time_s, value)
+        self._recent.append(value)
+        self._levels[-1].to_s = max(time_s, self._levels[-1].to_s)
+        self._since += 1
+        if self._since >= _LEAST:
+            self._compute()
+
+    def _compute(self) -> None:
+        self._since = 0
+        level = self._levels[-1].value = statistics.median(self._recent)
+        if len(self._recent) >= _LEAST:
+            self._scatter = max(scatter(self._recent, level), _FADING * self._scatter)
+
+    def _next(self) -> None:
+        """Begin a level with the values outside of the last one."""
+        outside, self._outside = self._outside, []
+        self._levels[-1].to_s = max(self._levels[-1].to_s, self._levels[-1].from_s)
+        self._levels.append(Level(outside[0][0], outside[-1][0], outside[0][2]))
+        self._recent.clear()
+        for time_s, value, _ in outside:
+            self._take(time_s, value)
+        self._compute()
+        self._scatter = max(self._scatter, min(scatter(self._recent, self._levels[-1].value), 2 * self._scatter))
+
+    @property
+    def usual(self) -> float:
+        """Return the level that holds longest."""
+        return max(self._levels, key=lambda level: level.seconds).value
+
+    def unusual(self) -> Iterator[tuple[Level, Severity]]:
+        """Yield the levels that are far from all others, or that a value has that rarely changes."""
+        levels = [level for level in self._levels if level.seconds >= THRESHOLDS.level_s]
+        if len(levels) < 2 or len(self._levels) > THRESHOLDS.lively:
+            return
+        values = self._without_drift(levels)
+        low, high = quartiles([(value, level.seconds) for value, level in zip(values, levels, strict=True)])
+        usual = max(zip(values, levels, strict=True), key=lambda pair: pair[1].seconds)[0]
+        least = THRESHOLDS.level_least * max(abs(usual), self.scale)
+        far = max(THRESHOLDS.level_far * (high - low), least, THRESHOLDS.level_noise * self._scatter)
+        for value, level in zip(values, levels, strict=True):
+            if value < low - far or value > high + far:
+                yield level, Severity.WARNING
+            elif len(levels) <= THRESHOLDS.few_levels and abs(value - usual) > least:
+                yield level, Severity.NOTE
+
+    def _without_drift(self, levels: Sequence[Level]) -> list[float]:
+        """Return their values as if they had not drifted."""
+        drift = self.drift()
+        slope = drift[1].slope if drift else 0.0
+        return [level.value - slope * (level.to_s - levels[-1].to_s) for level in levels]
+
+    def drift(self) -> tuple[Sequence[tuple[float, float]], Trend] | None:
+        """Return the points and the line, if there is a drift."""
+        points = self._slots.points()
+        if len(points) < _LEAST * 2 or points[-1][0] - points[0][0] < THRESHOLDS.drift_s:
+            return None
+        found = trend(points)
+        moved = abs(found.slope) * (points[-1][0] - points[0][0])
+        middle = statistics.median(value for _, value in points)
+        least = THRESHOLDS.drift_least * max(abs(middle), self.scale)
+        is_far = moved >= max(least, THRESHOLDS.drift_noise * found.scatter, 1e-9)
+        return (points, found) if is_far and found.chance < THRESHOLDS.drift_chance else None

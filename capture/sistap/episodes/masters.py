@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Who asks on the bus, and what they write."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+
+from sistap.accesses.access import Access, Parameter
+from sistap.accesses.listing import MOST, Listing, Place
+from sistap.episodes.episode import Hit
+from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.packets.dissection import Packet
+
+
+def station_of(parameter: Parameter) -> int:
+    """Return the station that the master addresses; others may be behind it: `3/2/8`."""
+    return int(parameter.station.partition("/")[0])
+
+
+class Masters:
+    """The masters of a port."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._commands = 0
+        self._usual: set[int] = set()
+
+    def is_new(self, master: int | None) -> bool:
+        """Tell whether it did not ask at the beginning. The ASCII protocol does not say who asks."""
+        return master is not None and master not in self._usual
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield commands of a new master."""
+        for telegram in packet.telegrams:
+            if not telegram.good or telegram.is_reaction or telegram.talker is None:
+                continue
+            self._commands += 1
+            if self._commands <= THRESHOLDS.learning_commands:
+                self._usual.add(telegram.talker)
+            elif self.is_new(telegram.talker) and telegram.listener not in self._usual:  # to a master: a token
+                yield Hit(
+                    "master",
+                    packet.number,
+                    packet.epoch_s,
+                    packet.ended_s,
+                    telegram.listener,
+                    detail=f"asked by new master {telegram.talker}",
+                    port=packet.interface,
+                    topic=str(telegram.talker),
+                )
+
+
+class Writes:
+    """What is written by somebody new, or is usually not written."""
+
+    def __init__(self, masters: Masters) -> None:
+        """Begin with nothing written."""
+        self._masters = masters
+        self._listing = Listing()  # it knows the value before
+        self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield writes of new masters."""
+        for access in packet.accesses:
+            change = self._listing.add(Place("", packet.number, packet.epoch_s), access)
+            if not access.is_write or access.error:
+                continue
+            before = change.before if change else access.value
+            hit = self._hit(packet, access, before)
+            if self._masters.is_new(access.master):
+                yield hit
+            elif len(self._rare) < MOST and len(self._rare[access.parameter]) <= THRESHOLDS.rare_writes:
+                self._rare[access.parameter].append(hit if change else hit._replace(kind=""))
+
+    def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:
+        was = f"{before} -> " if before is not None else ""
+        who = "new " if self._masters.is_new(access.master) else ""
+        return Hit(
+            "write",
+            packet.number,
+            packet.epoch_s,
+            packet.ended_s,
+            station_of(access.parameter),
+            access.parameter.ident,
+            f"{was}{access.value or 'another value'} by {who}{'' if access.master is None else 'master '}{access.by}",
+            access.number,
+            port=packet.interface,
+            topic=f"{access.parameter} {access.master}",
+        )
+
+    def finish(self) -> Iterator[Hit]:
+        """Yield changes by usual masters of what is rarely written."""
+        for hits in self._rare.values():
+            if len(hits) <= THRESHOLDS.rare_writes:
+                yield from (hit._replace(severity=Severity.NOTE) for hit in hits if hit.kind)

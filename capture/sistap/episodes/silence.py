@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Silences: of the bus, and of stations that do not answer."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sistap.episodes.episode import Hit
+from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.packets.dissection import Packet, Telegram
+from sistap.records.record import Event
+from sistap.wireshark.rows import EVENT
+
+_USUAL = 200  # silences that say what is usual
+_ENOUGH, _FEW = 20, 3  # with fewer, it is not certain, or not known at all
+_TIMES_HEARD = 2  # a bus that was heard for less than so many silences may pause as long as usual
+
+
+def seconds(time_s: float) -> str:
+    """Write a duration."""
+    return f"{time_s:.0f} s" if time_s >= 10 else f"{time_s:.1f} s"
+
+
+class BusSilence:
+    """The bus of a port without any character."""
+
+    def __init__(self) -> None:
+        """Begin with nothing known."""
+        self._usual: deque[float] = deque(maxlen=_USUAL)
+        self._last: Packet | None = None
+        self._began_s = 0.0
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield the silence before a packet."""
+        if packet.type == EVENT:
+            if packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again:
+                self._last = None
+            return
+        last, self._last = self._last, packet
+        if last is None:
+            self._began_s = packet.epoch_s
+            return
+        apart_s = packet.epoch_s - last.ended_s
+        # The interval is that of its line, of which a bus may have two. Time stamps may jump.
+        silence_s = apart_s if packet.since_s is None else min(packet.since_s, apart_s)
+        is_long = silence_s >= THRESHOLDS.bus_silent_s and self._is_long(silence_s)
+        known = len(self._usual)
+        self._usual.append(silence_s)  # a long one, too: a master that asks once a minute is no fault
+        if not is_long:
+            return
+        detail = f"{seconds(silence_s)}: cable or master off?"
+        begin_s = packet.epoch_s - silence_s
+        is_known = known >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
+        severity = None if is_known else Severity.NOTE
+        place = "bus_silent", packet.number, begin_s, packet.epoch_s, None, ""
+        yield Hit(*place, detail, silence_s, severity, packet.interface)
+
+    def _is_long(self, silence_s: float) -> bool:
+        return len(self._usual) >= _FEW and silence_s > THRESHOLDS.bus_silent_times * max(self._usual)
+
+
+@dataclass
+class _Asked:
+    """A station, and its commands without a reaction since it last answered."""
+
+    count: int = 0
+    repeats: int = 0
+    from_s: float = 0.0
+    to_s: float = 0.0
+    first: int = 0  # packet
+    has_answered: bool = False
+
+
+class StationSilence:
+    """Stations that do not answer, or only when asked again."""
+
+    def __init__(self) -> None:
+        """Begin with nobody asked."""
+        self._stations: dict[int, _Asked] = {}
+        self._pending: tuple[Packet, Telegram] | None = None  # a command without a reaction: perhaps that is damaged
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield silences that end with a packet."""
+        if packet.type != EVENT and not any(telegram.good for telegram in packet.telegrams):
+            self._pending = None  # what came may have been the reaction
+        for telegram in packet.telegrams:
+            if telegram.good:
+                self._resolve()
+                if telegram.is_reaction:
+                    yield from self._answered(packet, telegram)
+                elif telegram.unanswered:
+                    self._pending = packet, telegram
+                elif telegram.is_repeat and telegram.listener in self._stations:
+                    self._stations[telegram.listener].repeats += 1
+
+    def finish(self, port: str) -> Iterator[Hit]:
+        """Yield silences that last to the end."""
+        self._resolve()
+        for station, asked in self._stations.items():
+            yield from self._told(port, station, asked)
+
+    def _resolve(self) -> None:
+        if not self._pending:
+            return
+        packet, telegram = self._pending
+        self._pending = None
+        if telegram.listener is None:
+            return
+        asked = self._stations.setdefault(telegram.listener, _Asked())
+        if not asked.count:
+            asked.from_s, asked.first = packet.epoch_s, packet.number
+        asked.count += 1
+        asked.repeats += telegram.is_repeat
+        asked.to_s = packet.ended_s
+
+    def _answered(self, packet: Packet, telegram: Telegram) -> Iterator[Hit]:
+        if telegram.talker is None:
+            return
+        asked = self._stations.get(telegram.talker)
+        if asked and asked.count:
+            asked.to_s = packet.epoch_s
+            asked.has_answered = True
+            yield from self._told(packet.interface, telegram.talker, asked)
+        self._stations[telegram.talker] = _Asked(has_answered=True)
+
+    def _told(self, port: str, station: int, asked: _Asked) -> Iterator[Hit]:
+        if not asked.count:
+            return
+        kind, detail, severity = "unanswered", "", None
+        lasted_s = asked.to_s - asked.from_s
+        if asked.count >= THRESHOLDS.silent_commands and lasted_s >= THRESHOLDS.silent_s:
+            kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
+            if not asked.has_answered:
+                detail, severity = f"it never answered {asked.count} commands", Severity.NOTE
+        elif asked.repeats:
+            kind, detail = "repeated", "a command without a reaction"
+        yield Hit(kind, asked.first, asked.from_s, asked.to_s, station, "", detail, float(asked.count), severity, port)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Changes of the state of the bus and of the tap: phases, rate, limits, clock, adapter, the capture itself."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+
+from sistap.episodes.episode import Hit
+from sistap.episodes.faults import slave
+from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.packets.dissection import Packet, Telegram
+from sistap.records.record import Event
+from sistap.wireshark.rows import EVENT, first
+
+_SWITCH = 0x1D  # the service that switches phases
+_JUMPED = re.compile(r"system time jumped by ([-+][\d.]+) s")
+
+
+def _hit(kind: str, packet: Packet, station: int | None, detail: str) -> Hit:
+    return Hit(kind, packet.number, packet.epoch_s, packet.ended_s, station, detail=detail, port=packet.interface)
+
+
+class Phases:
+    """The communication phase of each station."""
+
+    def __init__(self) -> None:
+        """Begin with none known."""
+        self._phases: dict[int, str] = {}
+        self._switched_s: dict[int, float] = {}
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield switches, and phases that changed by themselves."""
+        for telegram in packet.telegrams:
+            phase, station = first(telegram.columns.get("sis.phase", "")), slave(telegram)
+            if not telegram.good or not phase or station is None:
+                continue
+            before = self._phases.get(station, "")
+            if telegram.service == _SWITCH:
+                self._switched_s[station] = packet.epoch_s
+            elif packet.epoch_s - self._switched_s.get(station, -math.inf) < THRESHOLDS.switching_s:
+                continue
+            self._phases[station] = phase
+            if before != phase and (before or telegram.service == _SWITCH):
+                yield _hit("phase", packet, station, f"{before or 'unknown'} -> {phase}")
+
+
+class Rate:
+    """The rate of the line."""
+
+    def __init__(self) -> None:
+        """Begin with none known."""
+        self._baud = 0
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield changes."""
+        if packet.baud and packet.baud != self._baud:
+            if self._baud:
+                yield _hit("rate", packet, None, f"{self._baud} -> {packet.baud} Bd")
+            self._baud = packet.baud
+
+
+class Limits:
+    """TzA and TrS of each station."""
+
+    def __init__(self) -> None:
+        """Begin with none known."""
+        self._limits: dict[tuple[str, int], float] = {}
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield changes; the first ones known are none."""
+        for telegram in packet.telegrams:
+            if telegram.good and telegram.is_reaction:
+                yield from self._changes(packet, telegram)
+
+    def _changes(self, packet: Packet, telegram: Telegram) -> Iterator[Hit]:
+        for name, judged in (("TzA", telegram.pause), ("TrS", telegram.reaction)):
+            if not judged or judged.limit_s is None or telegram.talker is None:
+                continue
+            before = self._limits.get((name, telegram.talker))
+            if before != judged.limit_s:
+                self._limits[name, telegram.talker] = judged.limit_s
+                if before is not None:
+                    yield _hit(
+                        "limits", packet, telegram.talker, f"{name} {before * 1e3:g} -> {judged.limit_s * 1e3:g} ms"
+                    )._replace(topic=name)
+
+
+class Tap:
+    """What happened to the tap: its clock, its adapter, the capture."""
+
+    def __init__(self) -> None:
+        """Begin with no packet."""
+        self._ends_s: dict[int | None, float] = {}  # of the last characters, by line
+
+    def add(self, packet: Packet) -> Iterator[Hit]:
+        """Yield what a packet says of it."""
+        if packet.type == EVENT:
+            yield from self._event(packet, max(self._ends_s.values(), default=None))
+            return
+        end_s = self._ends_s.get(packet.line)
+        self._ends_s[packet.line] = packet.ended_s
+        if end_s is not None and packet.since_s is not None:
+            jump_s = packet.epoch_s - packet.since_s - end_s
+            if abs(jump_s) > THRESHOLDS.clock_s:
+                yield self._jump(packet, jump_s)
+        elif end_s is not None and packet.epoch_s < end_s - THRESHOLDS.clock_s:
+            yield self._jump(packet, packet.epoch_s - end_s)
+
+    def _event(self, packet: Packet, end_s: float | None) -> Iterator[Hit]:
+        if packet.event == Event.ADAPTER_LOST:
+            yield _hit("adapter", packet, None, packet.text)
+        elif packet.event == Event.CAPTURE_STARTED and end_s is not None and not packet.is_again:
+            hit = _hit("gap", packet, None, f"{packet.epoch_s - end_s:.0f} s between two captures")
+            yield hit._replace(from_s=min(end_s, packet.epoch_s))
+        elif jumped := _JUMPED.search(packet.text):
+            hit = _hit("clock", packet, None, f"{jumped[1]} s; the times of the capture go on without the jump")
+            yield hit._replace(worst=float(jumped[1]), severity=Severity.NOTE)
+
+    def _jump(self, packet: Packet, jump_s: float) -> Hit:
+        return _hit("clock", packet, None, f"{jump_s:+.0f} s")._replace(
+            worst=jump_s, to_s=packet.epoch_s + max(-jump_s, 0.0)
+        )

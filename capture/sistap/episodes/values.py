@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Values that are not as usual: texts and bits that changed, numbers that stepped or drifted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from sistap.accesses.access import Access, Parameter
+from sistap.accesses.listing import MOST
+from sistap.episodes.episode import Hit
+from sistap.episodes.levels import Levels
+from sistap.episodes.masters import station_of
+from sistap.episodes.rules import THRESHOLDS
+from sistap.episodes.trend import Trend
+from sistap.packets.dissection import Packet
+
+# Feedback values and the command values that they follow: where the bus carries the command, their difference counts.
+FOLLOWS = {"S-0-0040": "S-0-0036", "S-0-0084": "S-0-0080"}
+_HOUR_S = 3600.0
+_LARGEST = 1e100  # nothing that a drive measures; and squares of it are still numbers
+_SHOWN = 40  # characters of a text
+
+
+@dataclass
+class _State:
+    """A text that held for a time."""
+
+    value: str
+    from_s: float
+    to_s: float
+    packet: int
+
+
+@dataclass
+class _Followed:
+    """What is known of a parameter."""
+
+    unit: str = ""
+    command: float | None = None  # of what it follows
+    states: list[_State] = field(default_factory=list)
+    levels: Levels = field(default_factory=Levels)
+    is_written: bool = False
+
+
+class Values:
+    """All of a capture, in bounded memory."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._followed: dict[Parameter, _Followed] = {}
+
+    def add(self, packet: Packet) -> None:
+        """Take the values in a packet."""
+        for access in packet.accesses:
+            if access.error or not access.value or access.is_raw:
+                continue
+            followed = self._of(access.parameter)
+            if followed is None:
+                continue
+            followed.unit = access.unit or followed.unit
+            followed.is_written |= access.is_write
+            if access.is_write:
+                self._command(access)
+            elif access.number is None or access.value.startswith("0x"):
+                self._state(followed, packet, access.value)
+            elif abs(access.number) < _LARGEST:
+                followed.levels.add(packet.epoch_s, access.number - (followed.command or 0.0), packet.number)
+
+    def _of(self, parameter: Parameter) -> _Followed | None:
+        if parameter not in self._followed and len(self._followed) >= MOST:
+            return None
+        return self._followed.setdefault(parameter, _Followed())
+
+    def _command(self, access: Access) -> None:
+        """Note a command for what follows it. What came before the first command was another quantity."""
+        for measured, command in FOLLOWS.items():
+            if access.parameter.ident == command and access.number is not None:
+                followed = self._of(access.parameter._replace(ident=measured))
+                if followed is not None:
+                    if followed.command is None:
+                        followed.levels = Levels()
+                    followed.command = access.number
+                    followed.levels.scale = max(followed.levels.scale, abs(access.number))
+
+    def _state(self, followed: _Followed, packet: Packet, value: str) -> None:
+        states = followed.states
+        if states and states[-1].value == value:
+            states[-1].to_s = packet.epoch_s
+        elif len(states) <= THRESHOLDS.lively:
+            states.append(_State(value, packet.epoch_s, packet.epoch_s, packet.number))
+
+    def finish(self) -> Iterator[Hit]:
+        """Yield what was not as usual."""
+        for parameter, followed in self._followed.items():
+            if not followed.is_written:
+                yield from _changes(parameter, followed)
+                yield from _steps(parameter, followed)
+                yield from _drifts(parameter, followed)
+
+
+def _changes(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
+    """Yield states that are not the usual one."""
+    states = followed.states
+    if not 1 < len(states) <= THRESHOLDS.few_levels * 4:
+        return
+    spans: dict[str, float] = {}
+    for state in states:
+        spans[state.value] = spans.get(state.value, 0.0) + state.to_s - state.from_s
+    usual = max(spans, key=lambda value: spans[value])
+    for before, state, after in zip([states[0], *states], states, [*states[1:], states[-1]], strict=False):
+        if state.value != usual:
+            was = f"{before.value[:_SHOWN]} -> " if before is not state else ""
+            hit = _hit("changed", parameter, state.packet, state.from_s, max(after.from_s, state.to_s))
+            yield hit._replace(detail=f"{was}{state.value[:_SHOWN]}")
+
+
+def _steps(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
+    command = followed.command
+    for level, severity in followed.levels.unusual():
+        usual = followed.levels.usual
+        hit = _hit("step", parameter, level.packet, level.from_s, level.to_s)
+        if command is None:
+            detail = f"{_number(level.value)} {followed.unit}, usually {_number(usual)}"
+        else:
+            detail = f"{_number(level.value)} {followed.unit} beside {FOLLOWS[parameter.ident]}"
+        yield hit._replace(detail=detail.replace("  ", " "), worst=level.value, severity=severity)
+
+
+def _drifts(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
+    drift = followed.levels.drift()
+    if drift is None:
+        return
+    points, found = drift
+    hit = _hit("drift", parameter, 0, points[0][0], points[-1][0])
+    yield hit._replace(detail=_drift(found, followed.unit), worst=found.slope * _HOUR_S)
+
+
+def _drift(found: Trend, unit: str) -> str:
+    likely = f"by chance 1 in {1 / found.chance:.0f}" if found.chance > 1e-6 else "not by chance"
+    return f"{found.slope * _HOUR_S:+.3g} {unit}/h ({likely})"
+
+
+def _number(value: float) -> str:
+    return f"{value:.5g}"
+
+
+def _hit(kind: str, parameter: Parameter, packet: int, from_s: float, to_s: float) -> Hit:
+    topic = str(parameter)
+    return Hit(kind, packet, from_s, to_s, station_of(parameter), parameter.ident, port=parameter.port, topic=topic)

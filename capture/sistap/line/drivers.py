@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What each driver of Linux can say about line errors. Readers, `ports`, `doctor` and docs/line-errors.md use it.
+
+The facts are those of the drivers themselves (drivers/usb/serial, drivers/usb/class, drivers/tty/serial). Only counters
+(TIOCGICOUNT) tell of lost characters. They are ahead of the characters: what is counted with one read may belong to one
+of the next.
+"""
+
+from __future__ import annotations
+
+import enum
+from typing import NamedTuple
+
+
+class Place(enum.Enum):
+    """Where a damaged character is, as far as a driver says. The value is for a table."""
+
+    CHARACTER = "at the character"
+    PACKET = "somewhere in a USB packet"  # all its characters are marked
+    READ = "somewhere in a read"  # an error is counted, no character is marked
+    NOWHERE = "none"
+    UNKNOWN = "not known"
+
+
+class Driver(NamedTuple):
+    """A driver, or several that say the same."""
+
+    names: tuple[str, ...]  # as sysfs has them
+    adapters: str  # for people
+    place: Place
+    counts: bool = False  # it counts line errors, and so lost characters
+    breaks: bool = False  # a break differs from a damaged 00
+    begins_late: bool = False  # on a busy line, the first character may be a false 00
+    caveat: str = ""  # what else to know, in sentences without the last full stop
+
+    @property
+    def words(self) -> str:
+        """Return what it says, as a clause for the description of a capture; empty if that is not known."""
+        return _WORDS[self.place]
+
+    @property
+    def told(self) -> str:
+        """Return all that a user should know, in sentences without the last full stop; empty if nothing is known."""
+        limits = (
+            (self.place == Place.NOWHERE, "A damaged character looks like a good one"),
+            (self.place == Place.NOWHERE, "FTDI and CP210x adapters report line errors"),
+            (self.errors and not self.breaks, "A break looks like any other error"),
+            (self.errors and not self.counts, "Lost characters are not reported"),
+        )
+        return ". ".join(filter(None, (self.words, *(text for applies, text in limits if applies), self.caveat)))
+
+    @property
+    def errors(self) -> bool:
+        """Tell whether it is known to report line errors."""
+        return self.place not in (Place.NOWHERE, Place.UNKNOWN)
+
+    def doubt(self, port: str) -> str:
+        """Return a message about a port for the beginning of a capture, if its line errors say less than usual."""
+        return f"{port}: {self.told}" if self.told and not self.breaks else ""
+
+
+def reports(description: str) -> bool | None:
+    """Tell from the description of a capture whether its adapter reports line errors; None: it does not say."""
+    if NOT_REPORTED in description:
+        return False
+    return any(words and words in description for words in _WORDS.values()) or None
+
+
+NOT_REPORTED = "no line errors are reported"
+_WORDS = {
+    Place.CHARACTER: "line errors at their character",
+    Place.PACKET: "line errors somewhere in their USB packet",
+    Place.READ: "line errors somewhere in their read or beside it",
+    Place.NOWHERE: NOT_REPORTED,
+    Place.UNKNOWN: "",
+}
+_UPORT = ("mxuport", "quatech-serial")
+_EDGEPORT = ("edgeport_2", "edgeport_4", "edgeport_8", "epic", "edgeport_ti_1", "edgeport_ti_2")
+_SILENT = (
+    *("mct_u232", "moschip7720", "mos7840", "oti6858", "SPCP8x5", "xr_serial", "ti_usb_3410_5052_1"),
+    *("ti_usb_3410_5052_2", "kl5kusb105d", "keyspan_pda", "whiteheat", "upd78f0730", "generic"),
+)
+
+UART = Driver((), "8250, 16550: ports without USB", Place.CHARACTER, counts=True, breaks=True)
+UNKNOWN = Driver((), "any other", Place.UNKNOWN)
+DRIVERS = (
+    UART,
+    Driver(
+        ("cp210x",),
+        "CP210x, from Linux 5.10 on",
+        Place.CHARACTER,
+        counts=True,
+        breaks=True,
+        begins_late=True,
+        caveat="Some copies of the CP2102 report nothing, and Linux does not tell. Damaged telegrams without any line "
+        "error show it. On a busy line the first character may be a false 00. It is marked as an error without a place",
+    ),
+    Driver(
+        ("ftdi_sio",),
+        "FTDI: FT232, FT2232 ...",
+        Place.PACKET,
+        counts=True,
+        breaks=True,
+        caveat="A damaged character that is alone in its packet is marked. After a break, Linux may "
+        "take a good 00 for another break. In the next two reads, such a 00 is marked as an error without a place",
+    ),
+    Driver(
+        ("pl2303", "belkin", "digi_2", "digi_4", "earthmate", "cyphidcom", "nokiaca42v2"),
+        "PL2303; Belkin, Digi AccelePort, Cypress M8",
+        Place.PACKET,
+        caveat="The damaged character may also be beside the packet. After a break, Linux makes 00 of all characters "
+        "of a packet. So a 00 with such an error is doubtful",
+    ),
+    Driver(("ark3116", "ssu100"), "ARK3116, SSU-100", Place.PACKET, counts=True, caveat="As PL2303"),
+    Driver(
+        ("cdc_acm",),
+        "CDC ACM: `ttyACM0`",
+        Place.READ,
+        counts=True,
+        breaks=True,
+        caveat="Errors come by another way than the characters. So the next two reads are marked, too",
+    ),
+    Driver((*_UPORT, *_EDGEPORT), "Moxa UPort, Quatech, Edgeport", Place.READ, counts=True, caveat="As CDC ACM"),
+    Driver(
+        ("f81232", "f81534", "f81534a", "keyspan_1", "keyspan_2", "keyspan_4"),
+        "Fintek F81232, F81534; Keyspan",
+        Place.CHARACTER,
+    ),
+    Driver(
+        ("ch341-uart",),
+        "CH340, CH341",
+        Place.NOWHERE,
+        caveat="Chips of a version below 0x30 never get the format, and Linux does not tell",
+    ),
+    Driver(_SILENT, "MCT U232, MosChip, OTi-6858, SPCP8x5, XR21, TI 3410 ...", Place.NOWHERE),
+)
+_BY_NAME = {name: driver for driver in DRIVERS for name in driver.names}
+
+
+def driver(name: str, *, is_uart: bool = False) -> Driver:
+    """Return what a driver can say, by its name in sysfs."""
+    return UART if is_uart else _BY_NAME.get(name, UNKNOWN)

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads parameter backups of drives: "SERCOS-ASCII", the .par files of IndraWorks.
+
+Such a file has one drive or several, each with a head of five lines. A line "|" begins each parameter.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.parameters.values import Attribute, Unreadable, encoded
+from sistap.terminal.console import visible
+
+MARK = "SERCOS-ASCII"
+NOTHING = "--"  # in place of a unit, a limit or a value
+
+_BEGIN = "|"
+_HEAD = ("date and time", "name", "type", "address")
+_PARTS = ("ident", "name", "attribute", "unit", "minimum", "maximum", "value")
+_IDENT = re.compile(r"([SP]-[0-7]-\d{4})(\.\d{1,3}\.\d{1,3})?")
+_TEXT = re.compile(r"(\d+) (\d+)(?: (.*))?", re.DOTALL)
+
+
+class Damaged(Exception):
+    """A backup cannot be read; the text is the line to show."""
+
+
+class Saved(NamedTuple):
+    """A parameter in a backup. Unknown texts are empty."""
+
+    ident: str  # "S-0-0001", or with a structure "S-0-0390.0.136"
+    name: str
+    attribute: Attribute
+    unit: str
+    minimum: str
+    maximum: str
+    values: Sequence[str]  # of a list: its elements; of a text: the text
+    data: bytes | None  # None: its value is not known, or nobody knows how it is written
+
+
+class Drive(NamedTuple):
+    """A drive in a backup."""
+
+    name: str
+    type: str  # firmware, power section and more
+    address: str
+    parameters: Sequence[Saved]
+
+
+def drives(path: Path) -> list[Drive]:
+    """Read a backup. Raise Damaged."""
+    try:
+        text = path.read_bytes().decode("latin-1")
+    except OSError as error:
+        raise Damaged(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
+    reader = _Reader(path, text)
+    if not text.startswith(MARK):
+        raise Damaged(f"{path} is no backup: its first line is not {MARK}; save the parameters as .par with IndraWorks")
+    found = []
+    while reader.has_more:
+        found.append(_drive(reader))
+    return found
+
+
+class _Reader:
+    """The lines of a file, and where it is damaged."""
+
+    def __init__(self, path: Path, text: str) -> None:
+        self._path = path
+        self._lines = re.split(r"\r?\n", text.rstrip("\r\n"))
+        self._at = 0
+
+    @property
+    def has_more(self) -> bool:
+        """Tell whether a line is left."""
+        return self._at < len(self._lines)
+
+    @property
+    def line(self) -> str:
+        """Return the next line; empty at the end."""
+        return self._lines[self._at] if self.has_more else ""
+
+    def take(self, what: str) -> str:
+        """Return the next line and go on."""
+        if not self.has_more or self.line in (_BEGIN, MARK):
+            raise self.damaged(f"{what} is missing")
+        self._at += 1
+        return self._lines[self._at - 1]
+
+    def skip(self, line: str) -> None:
+        """Go behind this line."""
+        if self.line != line:
+            raise self.damaged(f"this is not {line}")
+        self._at += 1
+
+    def rest(self) -> list[str]:
+        """Return the lines up to the next parameter or drive."""
+        lines = []
+        while self.has_more and self.line not in (_BEGIN, MARK):
+            lines.append(self.take("value"))
+        return lines
+
+    def damaged(self, why: str, back: int = 0) -> Damaged:
+        """Return the error of this line, or of one before it."""
+        return Damaged(f"{self._path}, line {self._at + 1 - back}: {visible(why)}; save the backup again")
+
+
+def _drive(reader: _Reader) -> Drive:
+    reader.skip(MARK)
+    _, name, kind, address = (reader.take(what) for what in _HEAD)
+    parameters = []
+    while reader.has_more and reader.line != MARK:
+        reader.skip(_BEGIN)
+        parameters.append(_saved(reader))
+    return Drive(name.strip(), kind.strip(), address.strip(), parameters)
+
+
+def _saved(reader: _Reader) -> Saved:
+    ident, name, bits, unit, minimum, maximum = (reader.take(what) for what in _PARTS[:-1])
+    found = _IDENT.fullmatch(ident)
+    if not found:
+        raise reader.damaged(f"'{ident}' is not an ident such as S-0-0001.0.0", len(_PARTS) - 1)
+    if not re.fullmatch("[01]{32}", bits):
+        raise reader.damaged("an attribute has 32 binary digits", len(_PARTS) - 3)
+    attribute = Attribute(int(bits, 2))
+    structure = "" if found[2] in (None, ".0.0") else found[2]
+    values, data = _value(reader, attribute)
+    unit, minimum, maximum = ("" if text == NOTHING else text for text in (unit, minimum, maximum))
+    return Saved(found[1] + structure, name, attribute, unit, minimum, maximum, values, data)
+
+
+def _value(reader: _Reader, attribute: Attribute) -> tuple[list[str], bytes | None]:
+    lines = reader.rest()
+    if attribute.is_text:
+        return _text(reader, lines)
+    if attribute.is_list:
+        return _list(reader, lines, attribute)
+    if len(lines) != 1:
+        raise reader.damaged(f"a value has one line, not {len(lines)}", len(lines))
+    return lines, _encoded(reader, attribute, lines[0], 1)
+
+
+def _text(reader: _Reader, lines: Sequence[str]) -> tuple[list[str], bytes | None]:
+    """Read actual and maximum length and the text, which all stand in one line."""
+    found = _TEXT.fullmatch("\n".join(lines))
+    if not found or int(found[1]) != len(found[3] or ""):
+        raise reader.damaged("the text does not have its length", len(lines))
+    return [found[3] or ""], (found[3] or "").encode("latin-1")
+
+
+def _list(reader: _Reader, lines: Sequence[str], attribute: Attribute) -> tuple[list[str], bytes | None]:
+    """Read actual and maximum length, each in a line, then an element a line."""
+    elements = list(lines[2:])
+    if len(lines) < 2 or lines[0] != str(len(elements) * attribute.size):
+        raise reader.damaged("the list does not have its length", len(lines))
+    data = [_encoded(reader, attribute, text, len(elements) - i) for i, text in enumerate(elements)]
+    return elements, b"".join(one for one in data if one is not None) if None not in data else None
+
+
+def _encoded(reader: _Reader, attribute: Attribute, text: str, back: int) -> bytes | None:
+    if text == NOTHING:
+        return None
+    try:
+        return encoded(attribute, text)
+    except Unreadable as error:
+        raise reader.damaged(str(error), back) from None

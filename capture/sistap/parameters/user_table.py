@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Wireshark's table "SIS parameters": its file `sis_parameters`, which the plugin and sis.lua read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from sistap.parameters.backup import Drive, Saved
+from sistap.parameters.values import shown_limit
+from sistap.sis.telegram import shown
+
+_MOST_STATIONS = 8  # in a route
+_PLAIN = frozenset(range(0x20, 0x7F)) - frozenset(b'"\\')
+
+
+def is_station(text: str) -> bool:
+    """Tell whether this is a station, perhaps behind routers: "3", "3/2/8"."""
+    stations = text.split("/")
+    return len(stations) <= _MOST_STATIONS and all(
+        re.fullmatch(r"\d{1,3}", one, re.ASCII) and int(one) <= 255 for one in stations
+    )
+
+
+def lines(drive: Drive, station: str) -> Iterator[str]:
+    """Yield the rows of a drive; an empty station is every station."""
+    for saved in drive.parameters:
+        yield ",".join(map(_cell, _row(saved, station)))
+
+
+def _row(saved: Saved, station: str) -> tuple[str, ...]:
+    kind, set_, number = saved.ident.split("-")
+    limits = (shown_limit(saved.attribute, limit, saved.unit) for limit in (saved.minimum, saved.maximum))
+    attribute = f"0x{saved.attribute.bits:08x}"
+    return (kind, number if set_ == "0" else f"{set_}-{number}", saved.name, saved.unit, attribute, *limits, station)
+
+
+def _cell(text: str) -> str:
+    """Quote a text as Wireshark reads it."""
+    return '"' + "".join(chr(byte) if byte in _PLAIN else f"\\x{byte:02x}" for byte in shown(text).encode()) + '"'

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Values of parameters as a backup writes them, and their bytes on the bus (IEC 61491; low byte first)."""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+from collections.abc import Callable, Mapping
+from decimal import Decimal
+from typing import NamedTuple
+
+_SIZES = (0, 2, 4, 8, 1, 2, 4, 8)  # of a value in bytes, by the code of its length; from 4 on it is a list
+_BINARY, _UNSIGNED, _SIGNED, _HEX, _TEXT, _IDENT, _FLOAT = range(7)
+_LIST_HEADER = 4  # actual and maximum length of a list, two bytes each
+_KINDS = {"S": 0, "P": 0x8000}
+_DECIMAL = re.compile(r"[+-]?\d{1,40}(\.\d{1,40})?", re.ASCII)
+
+
+class Unreadable(Exception):
+    """A text is no value of its attribute; the text says why."""
+
+
+class Attribute(NamedTuple):
+    """The attribute of a parameter."""
+
+    bits: int
+
+    @property
+    def size(self) -> int:
+        """Return the bytes of a value, or of an element of a list."""
+        return _SIZES[self.bits >> 16 & 7]
+
+    @property
+    def is_list(self) -> bool:
+        """Tell whether there are several values."""
+        return self.bits >> 16 & 7 >= 4
+
+    @property
+    def format(self) -> int:
+        """Return how it is written."""
+        return self.bits >> 20 & 7
+
+    @property
+    def is_text(self) -> bool:
+        """Tell whether the list is a text."""
+        return self.is_list and self.format == _TEXT
+
+    @property
+    def has_unit(self) -> bool:
+        """Tell whether values are numbers with a unit."""
+        return self.format in (_UNSIGNED, _SIGNED, _FLOAT)
+
+    @property
+    def is_read_only(self) -> bool:
+        """Tell whether nobody can write it, in whatever phase."""
+        return self.bits >> 28 & 7 == 7
+
+    @property
+    def decimals(self) -> int:
+        """Return the decimal places."""
+        return self.bits >> 24 & 15
+
+    @property
+    def factor(self) -> int:
+        """Return what the number on the bus is multiplied by."""
+        return max(self.bits & 0xFFFF, 1)
+
+
+def _number(text: str, attribute: Attribute) -> bytes:
+    if not _DECIMAL.fullmatch(text):
+        raise ValueError
+    raw = Decimal(text).scaleb(attribute.decimals) / attribute.factor
+    return round(raw).to_bytes(attribute.size, "little", signed=attribute.format == _SIGNED)
+
+
+def _bits(text: str, attribute: Attribute) -> bytes:
+    return int(text.replace(".", ""), 2).to_bytes(attribute.size, "little")
+
+
+def _hexadecimal(text: str, attribute: Attribute) -> bytes:
+    return int(text, 16).to_bytes(attribute.size, "little")
+
+
+def _ident(text: str, attribute: Attribute) -> bytes:
+    found = re.fullmatch(r"([SP])-([0-7])-(\d{4})(?:\.(\d+)\.(\d+))?", text)
+    if not found or int(found[3]) > 0xFFF:
+        raise ValueError
+    structure = int(found[4] or 0) << 24 | int(found[5] or 0) << 16
+    return (structure | _KINDS[found[1]] | int(found[2]) << 12 | int(found[3])).to_bytes(attribute.size, "little")
+
+
+def _float(text: str, attribute: Attribute) -> bytes:
+    return struct.pack("<d" if attribute.size == 8 else "<f", float(text))
+
+
+# By format; that of a time is not known.
+_WRITTEN: Mapping[int, tuple[Callable[[str, Attribute], bytes], str]] = {
+    _BINARY: (_bits, "binary digits such as 0000.0001"),
+    _UNSIGNED: (_number, "a number"),
+    _SIGNED: (_number, "a number"),
+    _HEX: (_hexadecimal, "a hexadecimal number such as 0x12AB"),
+    _IDENT: (_ident, "an ident such as S-0-0001"),
+    _FLOAT: (_float, "a number"),
+}
+
+
+def encoded(attribute: Attribute, text: str) -> bytes | None:
+    """Return the bytes of a value; None if it is not known how such values are written. Raise Unreadable."""
+    write, what = _WRITTEN.get(attribute.format, (None, ""))
+    if write is None or attribute.size == 0:
+        return None
+    try:
+        return write(text, attribute)
+    except (ValueError, OverflowError, struct.error):
+        raise Unreadable(f"'{text}' is not {what} of {attribute.size} bytes") from None
+
+
+def without_lengths(attribute: Attribute, data: bytes) -> bytes:
+    """Return the elements of a list without the two length words that may stand before them."""
+    actual, most = int.from_bytes(data[:2], "little"), int.from_bytes(data[2:4], "little")
+    has_lengths = attribute.is_list and len(data) == actual + _LIST_HEADER and actual <= most
+    return data[_LIST_HEADER:] if has_lengths else data
+
+
+def _decoded_one(attribute: Attribute, data: bytes) -> str:
+    raw = int.from_bytes(data, "little", signed=attribute.format == _SIGNED)
+    if attribute.format in (_UNSIGNED, _SIGNED):
+        return f"{Decimal(raw * attribute.factor).scaleb(-attribute.decimals):.{attribute.decimals}f}"
+    if attribute.format == _BINARY:
+        return ".".join(re.findall("....", f"{raw:0{attribute.size * 8}b}"))
+    if attribute.format == _IDENT and attribute.size in (2, 4):
+        structure = f".{raw >> 24}.{raw >> 16 & 0xFF}" if raw >> 16 else ""
+        return f"{'P' if raw & 0x8000 else 'S'}-{raw >> 12 & 7}-{raw & 0xFFF:04}{structure}"
+    if attribute.format == _FLOAT and attribute.size in (4, 8):
+        return f"{struct.unpack('<d' if attribute.size == 8 else '<f', data)[0]:.7g}"
+    return f"0x{raw:0{attribute.size * 2}X}"
+
+
+def decoded(attribute: Attribute, data: bytes) -> str | None:
+    """Return bytes as a backup writes them; None if they do not fit the attribute."""
+    if attribute.is_text:
+        return data.decode("latin-1")
+    if attribute.size == 0 or len(data) % attribute.size or (not attribute.is_list and len(data) != attribute.size):
+        return None
+    return ", ".join(
+        _decoded_one(attribute, data[at : at + attribute.size]) for at in range(0, len(data), attribute.size)
+    )
+
+
+def shown_limit(attribute: Attribute, limit: str, unit: str) -> str:
+    """Return a limit of a backup as the dissector shows it: binary digits in groups, numbers with their unit."""
+    if limit and attribute.format == _BINARY:
+        return "0b" + limit.replace(".", " ")
+    return f"{limit} {unit}" if limit and unit and attribute.has_unit else limit
+
+
+def same(attribute: Attribute, one: bytes, other: bytes) -> bool:
+    """Tell whether two values are equal; floating point only as exactly as people write it."""
+    if attribute.format != _FLOAT or len(one) != len(other) or len(one) != attribute.size:
+        return one == other
+    numbers = (struct.unpack("<d" if attribute.size == 8 else "<f", data)[0] for data in (one, other))
+    return math.isclose(*numbers, rel_tol=1e-6)

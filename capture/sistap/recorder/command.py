@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command `sistap record`: its options, and the recorder that a capture writes into."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from sistap.capture.command import Once, add_end_arguments, add_line_arguments, number, options_of, refusing, started
+from sistap.capture.running import Opener
+from sistap.files.output import Output
+from sistap.files.pcapng import Interface
+from sistap.files.writer import PcapngWriter
+from sistap.recorder import shelf
+from sistap.recorder.keeper import Around
+from sistap.recorder.reasons import PRESETS, Reasons
+from sistap.recorder.recorder import Recorder, Wanted
+from sistap.records.counters import Counters
+from sistap.terminal.console import STANDARD_OUTPUT, Audience, Console
+from sistap.terminal.exits import FAILED, UsageError
+from sistap.wireshark.tshark import Tshark, TsharkError
+
+AROUND_S = 30  # what is kept before and after
+AT_MOST = 100  # files that are kept
+LARGEST_S = 86_400  # before and after
+
+DESCRIPTION = """\
+Listen to a bus for months, and keep what matters. Each packet is tested with the display filter FILTER. Around each
+match, a file kept_TIME_REASON.pcapng is written into FOLDER. sistap never writes to the port.
+"""
+
+EPILOG = """\
+Overlapping times share one file. A file ends --after seconds after its last match. The recorder waits --before seconds
+more before it closes the file and starts COMMAND: a match in that time goes into the same file. FILTER is tested live:
+a command without a reaction is found at the next command (sis.unanswered_before).
+
+`sistap capture --help` describes PORT, --baud auto, --follow-baud and capture filters.
+
+examples:
+  sistap record -i /dev/ttyUSB0 --wait-for-port -w kept/       for months: half a minute around each fault
+  sistap record -i /dev/ttyUSB0 --keep writes --keep faults -w kept/
+                                                               also around each written parameter
+  sistap record -i /dev/ttyUSB0 --keep 'sis.parameter == "S-0-0044"' -w kept/
+                                                               around each telegram about a parameter
+  sistap record -i /dev/ttyUSB0 -w kept/ -b duration:3600 -b files:168
+                                                               also all records, in a ring of a week
+
+exit status:
+  0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
+  1  failed while running (port lost, disk full): what came before is saved
+  2  wrong usage, wrong filter, or a FOLDER that cannot be written
+  3  the port cannot be opened
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    add = parser.add_argument
+    add_line_arguments(parser)
+    add("-w", dest="folder", action=Once, metavar="FOLDER", help="the folder for the files; it is made if necessary")
+    add(
+        "--keep",
+        action="append",
+        default=[],
+        metavar="FILTER",
+        help="keep a file around each packet that matches this display filter (default faults). "
+        f"{' and '.join(PRESETS)} are ready-made; give it several times to combine them with one of your own",
+    )
+    add(
+        "--before",
+        dest="before_s",
+        type=_seconds,
+        default=AROUND_S,
+        metavar="SECONDS",
+        help=f"time kept before a match (default {AROUND_S})",
+    )
+    add(
+        "--after",
+        dest="after_s",
+        type=_seconds,
+        default=AROUND_S,
+        metavar="SECONDS",
+        help=f"time kept after a match (default {AROUND_S})",
+    )
+    add(
+        "--at-most",
+        type=number,
+        default=AT_MOST,
+        metavar="N",
+        help=f"number of files (default {AT_MOST}); old repeats go, the first of each reason stays",
+    )
+    add(
+        "--on-keep",
+        action=Once,
+        metavar="COMMAND",
+        help="shell command to run for each complete file; gets the name of the file",
+    )
+    add_end_arguments(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Record; return the exit code. May raise PortError."""
+    console = Console()
+    try:
+        return refusing(console, lambda: _record(args, console))
+    except TsharkError as error:
+        console.alarm(str(error))
+        return FAILED
+
+
+def _record(args: argparse.Namespace, console: Console) -> int:
+    """Check everything before a port is opened, then record. UsageError, TsharkError."""
+    folder = _folder(args.folder)
+    reasons = Reasons(args.keep or ["faults"])
+    options = options_of(args, str(folder / shelf.RING) if args.ring else os.devnull)
+    files = options.limits.keep
+    if "filesize" in options.autostop and not options.ring:
+        raise UsageError("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
+    with Tshark() as tshark:
+        reasons.check(tshark)
+    _make(folder)
+    around = Around(int(args.before_s * 1e9), int(args.after_s * 1e9))
+    wanted = Wanted(folder, reasons, around, args.at_most, args.on_keep, files)
+    # The recorder deletes the files of the ring: it counts those of earlier runs, too.
+    ring = {name: value for name, value in options.ring.items() if name != "files"}
+    return started(replace(options, ring=ring), console, _opener(wanted, has_ring=bool(ring)))
+
+
+def _opener(wanted: Wanted, *, has_ring: bool) -> Opener:
+    @contextmanager
+    def opened(
+        interfaces: Mapping[int, Interface], output: Output, counters: Counters, console: Audience
+    ) -> Iterator[Recorder]:
+        ring = PcapngWriter(output, interfaces, counters) if has_ring else None
+        with Tshark() as tshark, closing(Recorder(wanted, tshark, interfaces, console.say, ring=ring)) as recorder:
+            yield recorder
+
+    return opened
+
+
+def _folder(named: str | None) -> Path:
+    if named is None or named == STANDARD_OUTPUT:
+        raise UsageError("a recorder needs a folder for its files: say it with -w")
+    if Path(named).exists() and not Path(named).is_dir():
+        raise UsageError(f"{named} is no folder: a recorder needs one for its files, say another with -w")
+    return Path(named)
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{folder} cannot be made: {error.strerror}; name another folder with -w") from None
+
+
+def _seconds(text: str) -> float:
+    try:
+        if 0 <= (seconds := float(text)) <= LARGEST_S:
+            return seconds
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds from 0 to {LARGEST_S}")

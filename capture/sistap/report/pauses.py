@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Intervals between the characters of a telegram, by talker, rate and place: which TzA would be kept.
+
+Every interval I is known up to the uncertainty u. So a limit is surely kept if it is at least I + u.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import dataclass, field
+from itertools import chain, repeat
+from typing import NamedTuple
+
+from sistap.packets.dissection import UNRESOLVED, Packet, Telegram
+from sistap.packets.faults import LOST
+
+MOST_PLACES = 24  # characters of a telegram that have a place of their own
+_THREE = 3.0  # of n without a single one: with 95 % confidence less than 3 of n in the long run
+
+
+class Talker(NamedTuple):
+    """Who talks, at which rate; 0: unknown."""
+
+    station: int
+    baud: int
+
+
+@dataclass
+class Pause:
+    """The longest intervals of a talker, one of each telegram; times in s."""
+
+    telegrams: int = 0
+    longest_s: float = 0.0
+    position: int | None = None  # of the character after the longest, from 1
+    most_s: float = 0.0  # the largest I + u
+    unknown: int = 0  # telegrams without an uncertainty
+    unresolved: int = 0
+    exact_s: float = math.inf  # an uncertainty that would have decided all of these
+    ratio: float = 0.0  # the largest I + u as a part of the limit
+
+    def add(self, packet: Packet, telegram: Telegram) -> None:
+        """Count a telegram."""
+        pause = telegram.pause
+        if pause is None:
+            return
+        self.telegrams += 1
+        if pause.time_s > self.longest_s:
+            self.longest_s, self.position = pause.time_s, telegram.pause_position
+        if packet.uncertainty_s is None:
+            self.unknown += 1
+            return
+        most_s = pause.time_s + packet.uncertainty_s
+        self.most_s = max(self.most_s, most_s)
+        if pause.limit_s:
+            self.ratio = max(self.ratio, most_s / pause.limit_s)
+            if pause.verdict == UNRESOLVED:
+                self.unresolved += 1
+                self.exact_s = min(self.exact_s, abs(pause.time_s - pause.limit_s))
+
+    @property
+    def safe_ms(self) -> int | None:
+        """Return the smallest TzA in ms that all of these telegrams surely kept; None if nobody knows."""
+        return None if self.unknown or not self.telegrams else max(math.ceil(round(self.most_s * 1e3, 6)), 1)
+
+    @property
+    def one_in(self) -> int:
+        """Return of how many telegrams at most one exceeds it, with 95 % confidence."""
+        return int(self.telegrams / _THREE)
+
+
+@dataclass
+class Place:
+    """The intervals before one character of all telegrams."""
+
+    count: int = 0
+    total_s: float = 0.0
+    longest_s: float = 0.0
+
+
+@dataclass
+class Pauses:
+    """All of a capture, in bounded memory."""
+
+    talkers: defaultdict[Talker, Pause] = field(default_factory=lambda: defaultdict(Pause))
+    _places: list[Place] = field(default_factory=lambda: [Place() for _ in range(2, MOST_PLACES + 1)])
+
+    def add(self, packet: Packet) -> None:
+        """Count the telegrams of a packet; where characters were lost, no interval is known."""
+        if packet.errors & LOST or len(packet.telegrams) != 1 or not packet.telegrams[0].good:
+            return
+        (telegram,) = packet.telegrams
+        if telegram.talker is not None:
+            self.talkers[Talker(telegram.talker, packet.baud or 0)].add(packet, telegram)
+        for place, interval_s in zip(chain(self._places, repeat(self._places[-1])), packet.intervals_s, strict=False):
+            place.count += 1
+            place.total_s += interval_s
+            place.longest_s = max(interval_s, place.longest_s)
+
+    @property
+    def places(self) -> dict[int, Place]:
+        """Return the places, by the character after the interval, that telegrams had."""
+        return {number: place for number, place in enumerate(self._places, 2) if place.count}

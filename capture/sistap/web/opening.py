@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A log as a capture, and where in its lines the telegrams stand: the page shows both side by side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from sistap.annotate import annotating, sources
+from sistap.annotate.annotating import Passage
+from sistap.annotate.cutting import Part
+from sistap.annotate.pattern import PatternReader, TooSlow
+from sistap.annotate.raw import RawReader
+from sistap.annotate.reading import AnyReader
+from sistap.annotate.sources import SourceError
+from sistap.annotate.spool import Spool
+from sistap.annotate.troubles import Troubles
+from sistap.imports.formats import known_text
+from sistap.records.cut import SIS
+from sistap.terminal.exits import UsageError
+
+
+class Log:
+    """A log that was read."""
+
+    def __init__(self, said: list[str]) -> None:
+        self.lines: list[str] = []
+        self.places: list[list[tuple[int, int, int]]] = []  # of each packet's bytes: line from 0, first column, end
+        self.said = said
+
+    def add(self, parts: Iterable[Part]) -> None:
+        """Note where the bytes of a packet stand."""
+        places = []
+        for piece, first, end in parts:
+            spans = piece.spans[first:end]
+            places.append((piece.line.number - 1, spans[0][0], spans[-1][1]))
+        self.places.append(places)
+
+
+def is_import(name: str) -> bool:
+    """Tell whether `sistap import` is for this file: it is a text of a logic analyser. May raise UsageError."""
+    return known_text(Path(name)) is not None
+
+
+def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], None]) -> str:
+    """Write a log as a capture; its packets are an event, then the telegrams. Return a Log as JSON. May raise
+    UsageError.
+    """
+    log = Path(name)
+    said: list[str] = []
+    troubles = Troubles(said.append)
+    try:
+        reader = PatternReader(pattern) if pattern else AnyReader()
+        source = sources.look(name, None if pattern else SIS)
+        passage = Passage(RawReader() if source.is_raw else reader, troubles.add)
+        with Spool() as spool, Path(capture).open("wb") as file:
+            batches = source.lines(SIS, lambda part: progress(part / 2))
+            annotating.record(batches, passage, log.name, file.write, spool)
+            if not passage.telegrams:
+                raise UsageError(_nothing(log, passage))
+            troubles.end()
+            found = Log(said)
+            for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
+                for line, _, complete in batch:
+                    if line:
+                        found.lines.append(line.text)
+                    for parts in complete:
+                        found.add(parts)
+    except (SourceError, TooSlow, ValueError) as error:
+        raise UsageError(str(error)) from None
+    return json.dumps(found.__dict__)
+
+
+def _nothing(log: Path, passage: Passage) -> str:
+    """Say why nothing can be shown."""
+    if passage.bytes:
+        return f"{log.name} has {passage.bytes} bytes, but no telegram of SIS"
+    return f"{log.name} has no bytes in hexadecimal: make the other program log in hexadecimal"

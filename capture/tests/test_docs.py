@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The documents say what the code says: generated pages are current, and troubleshooting has every message."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from sistap.capture import hints
+
+CAPTURE = Path(__file__).parents[1]
+HOUSE = CAPTURE.parent
+MOST_WORDS = 1200
+LONGER = {  # lists to look something up in
+    *("CHANGELOG.md", "SECURITY.md", "plugin/REFERENCE.md", "test-captures/pages/glossary.md"),
+    *(
+        "capture/benchmark/README.md",
+        "capture/sistap/bus/scenarios/README.md",
+        "capture/sistap/bus/devices/sets/README.md",
+    ),
+}
+
+pytestmark = pytest.mark.style
+
+
+def test_generated_pages_are_current() -> None:
+    check = [sys.executable, CAPTURE / "docs" / "generate.py", "--check"]
+    done = subprocess.run(check, capture_output=True, text=True, check=False)
+    assert done.stdout == "" and done.returncode == 0, done.stdout + done.stderr
+
+
+def messages() -> Iterator[str]:
+    """Yield each hint as a pattern, up to what it advises; numbers and settings may be any."""
+    for node in ast.walk(ast.parse(Path(hints.__file__).read_text())):
+        if isinstance(node, ast.Assign) and "hint" in ast.unparse(node.targets[0]):
+            value = node.value
+            if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                yield re.escape(value.value.partition(":")[0])
+            elif isinstance(value, ast.JoinedStr):
+                parts = [re.escape(part.value) if isinstance(part, ast.Constant) else r"\S+" for part in value.values]
+                yield "".join(parts).partition(":")[0]
+
+
+def page(name: str) -> str:
+    """Return a page without marks, in one line."""
+    return " ".join(re.sub(r"[*`>]", "", (CAPTURE / "docs" / name).read_text()).split())
+
+
+def test_troubleshooting_has_every_hint() -> None:
+    found = list(messages())
+    assert len(found) >= 7
+    assert [hint for hint in found if not re.search(hint, page("troubleshooting.md"))] == []
+
+
+def test_troubleshooting_has_what_is_seen_on_windows() -> None:
+    text = (CAPTURE / "bundle" / "README.html").read_text()
+    table = text.partition("<th>what you see</th>")[2].partition("</table>")[0]
+    cells = re.findall(r"<tr>\s*<td>(.*?)</td>", table, re.DOTALL)
+    seen = [" ".join(re.sub("<.*?>", "", cell).split()) for cell in cells]
+    assert len(seen) >= 7
+    assert [words for words in seen if words not in page("troubleshooting.md")] == []
+
+
+def count(path: Path) -> int:
+    """Return the words of a page; marks of tables are none."""
+    return sum(any(map(str.isalnum, word)) for word in path.read_text().split())
+
+
+def test_pages_are_short() -> None:
+    pages = [
+        *HOUSE.glob("*.md"),
+        *HOUSE.glob("*/README.md"),
+        *HOUSE.glob("*/docs/*.md"),
+        *CAPTURE.glob("docs/commands/*.md"),
+    ]
+    assert len(pages) > 40
+    words = {path.relative_to(HOUSE).as_posix(): count(path) for path in pages}
+    assert {name: number for name, number in words.items() if number > MOST_WORDS and name not in LONGER} == {}

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Episodes: what was planted is found, with time and station; nothing else is."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import random
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import planted
+import pytest
+
+from sistap import cli
+from sistap.episodes.book import MOST, Book
+from sistap.episodes.episode import PACKETS, Hit
+from sistap.episodes.levels import Levels
+from sistap.episodes.rules import RULES, Severity, Subject
+from sistap.episodes.trend import trend
+
+CAPTURES = Path(__file__).parents[2] / "test-captures"
+
+
+def told(capsys: pytest.CaptureFixture[str], *captures: Path) -> list[dict[str, Any]]:
+    capsys.readouterr()
+    assert cli.main(["report", "--format", "json", *map(str, captures)]) == 0
+    found: list[dict[str, Any]] = json.loads(capsys.readouterr().out)["episodes"]
+    return found
+
+
+def second(time: str) -> float:
+    return datetime.fromisoformat(time).timestamp() - planted.BEGIN_S
+
+
+def is_told(event: planted.Planted, episodes: Sequence[dict[str, Any]]) -> bool:
+    return any(
+        episode["kind"] == event.kind
+        and episode["station"] == event.station
+        and abs(second(episode["from"]) - event.second) <= 1
+        and (episode["parameter"] or "") == event.parameter
+        for episode in episodes
+    )
+
+
+SEEDS = [1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(2, 7))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_each_planted_event_is_an_episode_with_its_time_and_station(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], seed: int
+) -> None:
+    episodes = told(capsys, planted.play(tmp_path / "night.pcapng", seed=seed))
+    assert [event for event in planted.PLANTED if not is_told(event, episodes)] == []
+    assert len(episodes) == len(planted.PLANTED) + 1  # the master that writes is new, too
+    (silent,) = (episode for episode in episodes if episode["kind"] == "silent")
+    assert second(silent["to"]) == pytest.approx(160, abs=1)
+    assert silent["count"] == 1 and silent["severity"] == "error" and silent["worst"] > 40
+    (write,) = (episode for episode in episodes if episode["kind"] == "write")
+    assert "2000.0000 -> 200.0000 by new master 17" in write["text"]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_night_without_events_has_no_episode(tmp_path: Path, capsys: pytest.CaptureFixture[str], seed: int) -> None:
+    assert told(capsys, planted.play(tmp_path / "clean.pcapng", seed=seed, is_clean=True)) == []
+
+
+def test_two_lines_have_a_silence_each_and_one_clock(capsys: pytest.CaptureFixture[str]) -> None:
+    """An interval is that to the character before on its own line."""
+    assert told(capsys, CAPTURES / "3964r.pcapng") == []
+
+
+def test_a_master_that_asks_once_a_minute_is_no_fault(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capture = tmp_path / "night.pcapng"
+    assert cli.main(["bus", "night", "--duration", "3600", "-w", str(capture)]) == 0
+    assert [episode["severity"] for episode in told(capsys, capture) if episode["kind"] == "bus_silent"] == ["note"]
+
+
+def hit(second: float, kind: str = "late", **more: Any) -> Hit:
+    return Hit(kind, int(second) + 1, second, second, 3)._replace(**more)
+
+
+def test_hits_soon_after_one_another_are_one_episode_of_the_worst() -> None:
+    book = Book()
+    assert len(book.add(hit(second, worst=second) for second in (0, 25, 50, 500))) == 2
+    first, last = book.episodes()
+    assert (first.count, first.from_s, first.to_s, first.hit.worst) == (3, 0, 50, 50)
+    assert (last.count, last.packets, last.filter) == (1, [501], "frame.number in {501}")
+
+
+def test_the_memory_of_a_month_of_hits_is_bounded() -> None:
+    book = Book()
+    book.add(hit(100.0 * number, "bus_silent") for number in range(30_000))
+    episodes = book.episodes()
+    assert len(episodes) <= MOST
+    assert sum(episode.count for episode in episodes) == 30_000
+    assert all(len(episode.packets) <= PACKETS for episode in episodes)
+    assert (episodes[0].from_s, episodes[-1].to_s) == (0, 2_999_900)
+
+
+def levels(values: Sequence[float]) -> Levels:
+    made = Levels()
+    for number, value in enumerate(values):
+        made.add(10.0 * number, value, number)
+    return made
+
+
+def scattered(seed: int, count: int, middle: float) -> list[float]:
+    numbers = random.Random(seed)
+    return [numbers.gauss(middle, 1.5) for _ in range(count)]
+
+
+def test_a_step_begins_with_its_first_value() -> None:
+    made = levels([*scattered(1, 500, 1000), *scattered(2, 30, 700), *scattered(3, 900, 1000)])
+    ((level, severity),) = made.unusual()
+    assert (level.from_s, level.to_s, level.packet, severity) == (5000, 5290, 500, Severity.WARNING)
+    assert level.value == pytest.approx(700, abs=3)
+
+
+def test_a_drive_that_stood_still_is_followed_as_before() -> None:
+    parts = [
+        scattered(1, 800, 1000),
+        [0.0] * 400,
+        scattered(2, 800, 1000),
+        scattered(3, 30, 800),
+        scattered(4, 800, 1000),
+    ]
+    found = [(level.from_s, round(level.value, -1)) for level, _ in levels(list(itertools.chain(*parts))).unusual()]
+    assert found == [(8000, 0), (20_000, 800)]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_scatter_and_values_that_go_back_and_forth_are_no_step(seed: int) -> None:
+    numbers = random.Random(seed)
+    recipe = [
+        value
+        for _ in range(40)
+        for value in scattered(numbers.randrange(1 << 30), 30, numbers.choice([950, 1000, 1100]))
+    ]
+    for values in (scattered(seed, 3000, 1000), recipe, [numbers.uniform(0, 360) for _ in range(3000)]):
+        made = levels(values)
+        assert list(made.unusual()) == []
+        assert made.drift() is None
+
+
+def test_a_drift_has_its_slope_and_a_chance() -> None:
+    made = levels([value + 0.1 * number for number, value in enumerate(scattered(1, 2000, 100))])
+    assert list(made.unusual()) == []
+    assert (drift := made.drift())
+    assert drift[1].slope == pytest.approx(0.01, rel=0.02)
+    assert drift[1].chance < 1e-6
+    assert trend([(number, (-1) ** number) for number in range(20)]).chance > 0.5
+
+
+def test_what_drifts_has_no_step_where_a_drive_only_stood_still() -> None:
+    values = [value + 0.05 * number for number, value in enumerate(scattered(1, 1500, 30))]
+    made = levels([*values[:400], *[0.0] * 30, *values[430:]])
+    assert [(level.from_s, level.value) for level, _ in made.unusual()] == [(4000, 0.0)]
+    assert made.drift()
+
+
+def test_every_kind_has_a_subject_and_a_title() -> None:
+    assert {rule.subject for rule in RULES.values()} == set(Subject)
+    assert all(rule.title for rule in RULES.values())
+
+
+def test_the_comparison_with_a_clean_night_begins_with_what_matters(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Who is new is no chance. What somebody new wrote, and codes that never came before, come first."""
+    good, bad = planted.play(tmp_path / "good.pcapng", is_clean=True), planted.play(tmp_path / "bad.pcapng", seed=2)
+    capsys.readouterr()
+    assert cli.main(["compare", "--format", "json", str(good), str(bad)]) == 0
+    members, parameters, _, errors, _ = json.loads(capsys.readouterr().out)["lines"].values()
+    assert members.startswith("new: station 17, a new master, ")
+    assert "station 17, a new master, 2 times (not by chance)" in members
+    assert parameters.startswith("station 4 S-0-0091 ") and "written by 17" in parameters
+    assert errors.startswith("station 3, S-0-4095: 0x1001 ")

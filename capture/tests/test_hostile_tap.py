@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Distant taps that say what no `sistap serve` says, or say it too fast, too slowly or too often."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from attacks import ROOT
+from portable import signals
+
+from sistap.line.reader import PortError
+from sistap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.wire import connection, distant, protocol
+from sistap.wire.protocol import Hello, Kind
+
+PATIENCE_S = 60
+START_NS = 1_700_000_000_000_000_000
+LATEST_NS = (1 << 64) - 1
+
+
+def hello(text: str = "port", time_ns: int = START_NS, kind: Kind = Kind.TAP) -> bytes:
+    return protocol.pack_hello(Hello(kind, time_ns, START_NS, 0, text, "adapter", "timing"))
+
+
+SETTINGS = protocol.pack_settings(LineSettings(9600))
+BEGIN = hello() + SETTINGS
+TIMES = protocol.pack_time(START_NS) * 7000
+ODD = "\x1b[31m\u202e\n\r\0" + "A" * 60_000
+
+
+def read(time_ns: int, data: bytes = b"\x02\xf0\x05\x05", line: int = 0) -> bytes:
+    return protocol.pack_read(Read(line, time_ns, data, bytes(len(data)), 0))
+
+
+def notices() -> bytes:
+    return b"".join(protocol.pack_notice(Notice(happening, ODD)) for happening in Happening)
+
+
+# What is said once, then again and again as fast as it is taken.
+SAID: dict[str, tuple[bytes, bytes]] = {
+    "times without an end": (BEGIN, TIMES),
+    "characters without an end": (BEGIN, read(START_NS, bytes(range(256)) * 255)),
+    "settings without an end": (BEGIN, b"".join(struct.pack(">cIBBB", b"S", rate, 8, 1, 2) for rate in range(500))),
+    "notices without an end": (BEGIN, notices()),
+    "introductions without an end": (BEGIN, BEGIN * 100),
+    "losses without an end": (BEGIN, struct.pack(">cQ", b"L", LATEST_NS) * 100),
+    "times that jump": (BEGIN, b"".join(read(at) for at in (0, 1, START_NS, 3 * 10**18, 5, START_NS))),
+    "times after 2095": (BEGIN, read(LATEST_NS)),
+    "256 lines": (BEGIN, b"".join(read(START_NS, line=line) for line in range(256))),
+    "impossible rates": (hello() + struct.pack(">cIBBB", b"S", 0, 8, 1, 2), read(START_NS) + SETTINGS),
+    "names that control a terminal": (hello(ODD) + SETTINGS, read(START_NS)),
+    "garbage": (BEGIN, os.urandom(4096)),
+    "a bus, first": (hello(kind=Kind.BUS), read(START_NS) + protocol.pack_time(START_NS)),
+    "a connection that ends at once": (BEGIN, b""),
+}
+
+
+class Hostile:
+    """A tap that never reads."""
+
+    def __init__(self, first: bytes, then: bytes) -> None:
+        self._first, self._then = first, then
+        self.connections = 0
+        self.is_heard = threading.Event()
+        self._socket = socket.create_server(("127.0.0.1", 0))
+        self.port = f"bus://127.0.0.1:{self._socket.getsockname()[1]}"
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def _accept(self) -> None:
+        with suppress(OSError):
+            while True:
+                taken = self._socket.accept()[0]
+                self.connections += 1
+                threading.Thread(target=self._speak, args=(taken,), daemon=True).start()
+
+    def _speak(self, taken: socket.socket) -> None:
+        with suppress(OSError), taken:
+            taken.sendall(self._first)
+            for number in range(1_000_000 if self._then else 0):
+                taken.sendall(self._then)
+                if number == 20:
+                    self.is_heard.set()
+        self.is_heard.set()
+
+
+@pytest.fixture(params=SAID)
+def hostile(request: pytest.FixtureRequest) -> Iterator[Hostile]:
+    tap = Hostile(*SAID[request.param])
+    yield tap
+    tap.close()
+
+
+@signals
+@pytest.mark.thorough
+@pytest.mark.attack("a distant tap floods, jumps in time, lies or hangs up", "the capture can be stopped; no traceback")
+def test_a_capture_of_it_can_be_stopped(hostile: Hostile, tmp_path: Path) -> None:
+    with (tmp_path / "errors").open("wb") as errors:
+        capture = subprocess.Popen(
+            [sys.executable, "-m", "sistap", "capture", "-i", hostile.port, "-w", str(tmp_path / "x.pcapng")],
+            cwd=ROOT / "capture",
+            stderr=errors,
+        )
+        assert hostile.is_heard.wait(PATIENCE_S)
+        capture.send_signal(signal.SIGTERM)
+        try:
+            assert capture.wait(PATIENCE_S) in (0, 1, 3)
+        finally:
+            capture.kill()
+    assert b"Traceback" not in (tmp_path / "errors").read_bytes()
+    assert hostile.connections < 20
+
+
+def connected(port: str, first: bytes = BEGIN) -> tuple[distant.DistantReader, socket.socket]:
+    """Return the reader of a tap, and the tap's end."""
+    ours, theirs = socket.socketpair()
+    theirs.sendall(first)
+    return distant.DistantReader(port, 0, connection.greeted(ours, 0)), theirs
+
+
+@pytest.mark.timeout(PATIENCE_S)
+@pytest.mark.attack("a distant tap floods, jumps in time, lies or hangs up", "the capture can be stopped; no traceback")
+def test_answers_never_wait() -> None:
+    """Seven thousand times came in one read, and each was answered with a pause."""
+    reader, tap = connected("bus://x")
+    reader._connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1)  # type: ignore[union-attr]
+    tap.settimeout(PATIENCE_S)
+    sender = threading.Thread(target=tap.sendall, args=(20 * TIMES,), daemon=True)
+    sender.start()
+    while sender.is_alive():
+        reader.read(0.1)
+        reader._reads.clear()
+    tap.settimeout(0)
+    answers = b""
+    with suppress(BlockingIOError):
+        while data := tap.recv(1 << 16):
+            answers += data
+    reader.close()
+    whole = protocol.Decoder("T").feed(answers)  # no answer was torn
+    assert whole
+
+
+def test_searches_pause_longer_and_longer(monkeypatch: pytest.MonkeyPatch) -> None:
+    pauses: list[float] = []
+
+    class Search:
+        def __init__(self, port: str, pause_s: float) -> None:
+            pauses.append(pause_s)
+            self._connection, self._tap = socket.socketpair()
+            self._tap.sendall(BEGIN)
+
+        def found(self, timeout_s: float) -> connection.Connection:
+            self._tap.close()
+            return connection.greeted(self._connection, 0)
+
+    monkeypatch.setattr(distant, "_Search", Search)
+    reader, tap = connected("bus://x")
+    tap.close()
+    for _ in range(60):
+        reader.read(0)
+    assert pauses[:2] == [0, distant.AGAIN_S]
+    assert pauses[-1] == distant.MOST_AGAIN_S
+    assert all(later >= earlier for earlier, later in pairwise(pauses))
+    monkeypatch.setattr(distant, "_STEADY_NS", -1)
+    for _ in range(60):
+        reader.read(0)
+    assert pauses[-1] == 0
+
+
+@pytest.mark.attack("a distant tap that introduces itself letter by letter", "given up after five seconds")
+def test_a_slow_introduction(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connection, "TIMEOUT_S", 0.2)
+    ended = threading.Event()
+
+    def drip(tap: socket.socket) -> None:
+        with suppress(OSError):
+            for letter in hello(ODD):
+                tap.sendall(bytes([letter]))
+                if ended.wait(0.05):
+                    return
+
+    server = socket.create_server(("127.0.0.1", 0))
+    thread = threading.Thread(target=lambda: drip(server.accept()[0]), daemon=True)
+    thread.start()
+    with pytest.raises(PortError, match="no answer|timed out|answer"):
+        connection.connect(f"bus://127.0.0.1:{server.getsockname()[1]}")
+    assert thread.is_alive()  # it had more to say
+    ended.set()
+    server.close()
+
+
+def test_texts_of_the_other_end_are_short() -> None:
+    (found,) = protocol.Decoder().feed(hello("\n".join([ODD] * 3 + ["note"] * 5000)))
+    assert isinstance(found, Hello)
+    assert len(found.notes) <= 21 and all(len(text) <= 6000 for text in (found.name, found.adapter, *found.notes))

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Several captures read as one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from commands import refused, run
+
+from sistap.captures import reading
+from sistap.captures.joining import in_order, portions, together
+from sistap.captures.reading import NotCaptured
+from sistap.files import pcapng
+from sistap.files.pcapng import Interface
+from sistap.line.settings import LineSettings
+from sistap.records.record import Event, Record, Type, event
+from sistap.sis.telegram import build
+
+SECOND = 1_000_000_000
+NAMES = ("left", "right")
+
+
+def written(path: Path, packets: Sequence[tuple[int, int]], names: Sequence[str] = NAMES) -> Path:
+    """Write a capture of these interfaces; a packet is the number of its interface, and its second."""
+    blocks = [pcapng.section_header("test", "")]
+    blocks += [pcapng.interface_description(Interface(147, name)) for name in names]
+    blocks += [pcapng.enhanced_packet(number, second * SECOND, bytes([second])) for number, second in packets]
+    path.write_bytes(b"".join([*blocks, pcapng.interface_statistics(0, pcapng.Statistics(0, 0, 1, 1, 0))]))
+    return path
+
+
+def content(path: Path) -> list[tuple[str, int]]:
+    """Return interface and second of each packet."""
+    names: list[str] = []
+    found = []
+    with path.open("rb") as file:
+        for kind, _, body in reading.blocks(file, path):
+            if kind == pcapng.INTERFACE_DESCRIPTION:
+                names.append(next(name for name in (*NAMES, "other") if name.encode() in body))
+            elif kind == pcapng.ENHANCED_PACKET:
+                found.append((names[body[0]], body[20]))
+    assert len(set(names)) == len(names)
+    return found
+
+
+def test_equal_interfaces_are_one(tmp_path: Path) -> None:
+    captures = [
+        written(tmp_path / "a", [(0, 1), (1, 2)]),
+        written(tmp_path / "b", [(1, 3), (0, 4), (2, 5)], ["right", "left", "other"]),
+    ]
+    with together(captures, pytest.fail) as joined:
+        assert content(joined.path) == [("left", 1), ("right", 2), ("left", 3), ("right", 4), ("other", 5)]
+        places = [(path.name, number) for path, number in map(joined.place, range(1, 6))]
+        assert places == [("a", 1), ("a", 2), ("b", 1), ("b", 2), ("b", 3)]
+    assert not joined.path.exists()
+
+
+def test_a_single_one_stays_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "junk"
+    path.write_bytes(b"junk")
+    with together([path], pytest.fail) as joined:
+        assert (joined.path, joined.place(7)) == (path, (path, 7))
+
+
+def test_the_order_is_that_of_their_time(tmp_path: Path) -> None:
+    late, early, foreign = written(tmp_path / "a", [(0, 9)]), written(tmp_path / "b", [(0, 2)]), tmp_path / "c"
+    foreign.write_bytes(b"no capture")
+    assert in_order([late, early]) == [early, late]
+    assert in_order([late, foreign, early]) == [late, foreign, early]
+
+
+def test_portions_are_bounded_and_a_foreign_one_is_alone(tmp_path: Path) -> None:
+    captures = [written(tmp_path / name, [(0, second)]) for second, name in enumerate("abcd", 1)]
+    size = captures[0].stat().st_size
+    names = [[path.name for path in portion] for portion in portions(captures, 2 * size + 1)]
+    assert names == [["a", "b"], ["c", "d"]]
+    captures[1].write_bytes(b"foreign")
+    names = [[path.name for path in portion] for portion in portions(captures, 9 * size)]
+    assert names == [["a"], ["b"], ["c", "d"]]
+    with pytest.raises(NotCaptured, match="save it as pcapng"), together(captures, pytest.fail):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda data: data[:-100], "is cut off"),
+        (lambda data: data[:-120] + b"\xff" * 120, "is damaged"),
+        (lambda data: data.replace(b"\6\0\0\0\x24\0\0\0\1", b"\6\0\0\0\x24\0\0\0\x63"), "interface 99"),
+    ],
+)
+def test_what_comes_before_a_damage_is_read(tmp_path: Path, change: object, words: str) -> None:
+    captures = [written(tmp_path / "a", [(0, 1), (1, 2)]), written(tmp_path / "b", [(0, 3)])]
+    captures[0].write_bytes(change(captures[0].read_bytes()))  # type: ignore[operator]
+    said: list[str] = []
+    with together(captures, said.append) as joined:
+        assert content(joined.path) == [("left", 1), ("left", 3)]
+    (text,) = said
+    assert text.startswith(f"{captures[0]}: only what comes before the damage: ") and words in text
+
+
+def record(data: bytes, second: int) -> Record:
+    return Record(second * SECOND, Type.FRAME, 0, LineSettings(), data, [0] * len(data), bytes(len(data)), 0)
+
+
+def exchange(control: int, data: bytes, second: int) -> list[Record]:
+    """Read an element of S-0-0040 of device 5."""
+    asked, said = bytes([control, 5, 0, 40, 0]), bytes([0, control, 5]) + data
+    return [record(build(0x10, 16, 3, asked), second), record(build(0x10, 16, 3, said, reaction=True), second)]
+
+
+def ring(folder: Path) -> list[str]:
+    """Write two files: values, and afterwards their attribute, 0x02210001: 2 bytes, signed, 2 decimal places."""
+    start = event(SECOND, 0, LineSettings(), Event.CAPTURE_STARTED, "from a test")
+    told = event(5 * SECOND, 0, LineSettings(), Event.TOLD_BEFORE, "3 device 5 S-0-0040 unit Nm")
+    files = {
+        "a": [start, *exchange(0x24, b"Nm", 1), *exchange(0x3C, b"\xf4\1", 2), *exchange(0x3C, b"\x18\xfc", 3)],
+        "b": [start._replace(time_ns=5 * SECOND), told, *exchange(0x1C, bytes.fromhex("01002102"), 6)],
+    }
+    files["b"] += exchange(0x3C, b"\xc4\t", 7)
+    for name, records in files.items():
+        blocks = [pcapng.section_header("test", ""), pcapng.interface_description(Interface(252, "port"))]
+        blocks += [pcapng.enhanced_packet(0, one.time_ns, pcapng.upper_pdu("sertap", one.pack())) for one in records]
+        (folder / name).write_bytes(b"".join(blocks))
+    return ["b", "a"]  # in the wrong order
+
+
+def test_values_of_an_earlier_file_are_decoded_afterwards(tmp_path: Path) -> None:
+    (head, row) = run(tmp_path, "parameters", *ring(tmp_path)).stdout.splitlines()
+    cells = "3 5 S-0-0040 Velocity feedback value 1 Nm 3 0 0 5.00 Nm 25.00 Nm -10.00 Nm 25.00 Nm"
+    assert row.split() == cells.split()
+    assert "Bytes" not in head
+
+
+def test_values_that_are_left_out_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Files that are too large to be read together."""
+    from sistap import cli  # noqa: PLC0415
+    from sistap.parameters import reading as of_parameters  # noqa: PLC0415
+
+    monkeypatch.setattr(of_parameters, "_TOGETHER", 1)
+    assert cli.main(["parameters", *(str(tmp_path / name) for name in ring(tmp_path))]) == 0
+    head, row = capsys.readouterr().out.splitlines()
+    assert "Greatest  Bytes" in head
+    assert row.split()[-5:] == ["25.00", "Nm", "25.00", "Nm", "2"]
+
+
+def test_a_report_of_several_files(tmp_path: Path) -> None:
+    """The capture started once; what was told before is no traffic. The second file alone says that it started, too."""
+    both, second = (
+        json.loads(run(tmp_path, "report", "--format", "json", *names).stdout) for names in (ring(tmp_path), ["b"])
+    )
+    assert (both["packets"], both["records"]["events"], both["telegrams"]["all"]) == (11, 1, 10)
+    assert [one["text"] for one in both["events"]] == ["from a test"]
+    assert (second["packets"], second["records"]["events"]) == (5, 1)
+    text = run(tmp_path, "report", "--format", "text", *ring(tmp_path)).stdout
+    assert "2 files, a to b" in text and "mergecap -a -w all.pcapng" in text
+    (tmp_path / "c").write_bytes(b"junk")
+    refused(run(tmp_path, "report", "--format", "text", "a", "c"), 2, "c cannot be read with others")

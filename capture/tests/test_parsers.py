@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whatever bytes a parser gets: it returns, or raises what its docstring says. Its result does not depend on pieces.
+
+Bytes are random, or valid ones with a part replaced: those get behind the first check.
+"""
+
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sistap.annotate import hexadecimal
+from sistap.annotate.stamps import TimestampParser
+from sistap.annotate.textlog import LineCutter
+from sistap.captures import reading
+from sistap.extcap.toolbar import _received
+from sistap.files import pcapng
+from sistap.files.pcapng import Interface
+from sistap.imports import cdc, ftdi
+from sistap.imports.usb_transfers import Setup
+from sistap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.records import record
+from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.records.record import Record, Type
+from sistap.sis import telegram
+from sistap.sis.initialization import Follow
+from sistap.sis.told import Told
+from sistap.wire import protocol
+from sistap.wire.protocol import Decoder, Hello, Kind
+from sistap.wireshark import rows
+
+START_NS = 1_700_000_000_000_000_000
+TELEGRAM = telegram.build(0x10, 16, 3, b"\x3c\x00\x24\x00", number=5, subaddresses=b"\x02")
+RECORD = Record(
+    START_NS, Type.FRAME, 0, LineSettings(9600), TELEGRAM, (0,) * len(TELEGRAM), bytes(len(TELEGRAM))
+).pack()
+CAPTURE = b"".join(
+    [
+        pcapng.section_header("", ""),
+        pcapng.interface_description(Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "line")),
+        pcapng.enhanced_packet(0, START_NS, pcapng.upper_pdu("sertap", RECORD)),
+    ]
+)
+WIRE = b"".join(
+    [
+        protocol.pack_hello(Hello(Kind.TAP, START_NS, START_NS, 7, "port", "adapter", "timing", ("note",))),
+        protocol.pack_settings(LineSettings()),
+        protocol.pack_read(Read(1, START_NS, b"abc", bytes(3), 5)),
+        protocol.pack_notice(Notice(Happening.MARKER, "marker")),
+        protocol.pack_lost(9),
+        protocol.pack_time(START_NS),
+    ]
+)
+TOOLBAR = struct.pack(">cBHBB", b"T", 0, 8, 1, 2) + b"marker"
+
+
+@st.composite
+def bytes_like(draw: st.DrawFn, valid: bytes) -> bytes:
+    """Draw random bytes, or the valid ones with a part replaced."""
+    if draw(st.integers(0, 3)) == 0:
+        return draw(st.binary(max_size=400))
+    start = draw(st.integers(0, len(valid)))
+    end = draw(st.integers(start, min(start + 9, len(valid))))
+    return valid[:start] + draw(st.binary(max_size=9)) + valid[end:]
+
+
+def pieces(data: bytes, size: int) -> Iterator[bytes]:
+    return (data[start : start + size] for start in range(0, len(data), size))
+
+
+@given(bytes_like(CAPTURE))
+def test_captures(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+    path = Path(tmp_path_factory.getbasetemp()) / "x.pcapng"
+    path.write_bytes(data)
+    with suppress(reading.NotCaptured):
+        list(reading.packets(path))
+    with suppress(reading.NotCaptured):
+        list(reading.records(path))
+
+
+@given(bytes_like(RECORD))
+def test_records(data: bytes) -> None:
+    with suppress(ValueError, IndexError):
+        assert record.unpack(data, START_NS).time_ns == START_NS
+
+
+@given(bytes_like(WIRE), st.integers(1, 40))
+def test_the_wire(data: bytes, size: int) -> None:
+    def fed(parts: Iterator[bytes]) -> list[protocol.Message]:
+        decoder, messages = Decoder(), []
+        with suppress(ValueError):
+            for part in parts:
+                messages += decoder.feed(part)
+        return messages
+
+    at_once, in_pieces = fed(iter([data])), fed(pieces(data, size))
+    assert in_pieces[: len(at_once)] == at_once  # an error takes what came in the same piece
+
+
+@given(bytes_like(TELEGRAM * 3), st.sampled_from([SIS, PROCEDURE_3964R]), st.integers(1, 40))
+def test_framers_keep_every_character(data: bytes, cut: Cut, size: int) -> None:
+    def framed(parts: Iterator[bytes]) -> list[tuple[Type, bytes]]:
+        framer = cut.framer(0, LineSettings(9600))
+        made: list[Record] = []
+        for number, part in enumerate(parts):
+            made += framer.feed(Read(0, START_NS + number, part, bytes(len(part)), 0))
+        return [(one.type, one.data) for one in made + framer.flush()]
+
+    whole, in_pieces = framed(iter([data])), framed(pieces(data, size))
+    assert b"".join(characters for _, characters in whole) == data
+    assert b"".join(characters for _, characters in in_pieces) == data
+    if cut is SIS:
+        assert [one for one in in_pieces if one[0] == Type.FRAME] == [one for one in whole if one[0] == Type.FRAME]
+
+
+@given(bytes_like(TELEGRAM).filter(lambda data: len(data) >= telegram.STATIC_LENGTH))
+def test_telegrams(data: bytes) -> None:
+    header = telegram.parse(data)
+    telegram.status(header)
+    told, follow = Told(), Follow(9600)
+    for time_ns in (START_NS, 0):
+        told.take(data, time_ns)
+        follow.take(data, time_ns)
+        follow.due(START_NS)
+    assert sum(map(len, told.lines(START_NS, 1000))) <= 1000
+
+
+@given(bytes_like("16.03.2026 09:00:00,123 TX: 02 6C 00 00 00 92 00 00 |.l......|\n".encode("utf-16")))
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
+def test_lines_of_logs(encoding: str, data: bytes) -> None:
+    cutter = LineCutter()
+    for line in (*cutter.feed(data), *cutter.end()):
+        text = getattr(line, "text", "")
+        hexadecimal.runs(text)
+        TimestampParser().find(text)
+    text = data.decode(encoding, errors="replace")
+    hexadecimal.runs(text)
+    with suppress(ValueError):
+        hexadecimal.parse(text)
+    rows.columns(("a", "b"), text)
+
+
+@given(
+    st.lists(
+        st.from_regex(r"(\d{1,4}[-./]\d\d?[-./]\d{1,4}[T ])?\d\d?:\d\d(:\d\d([.,]\d{1,9})?)?( ?[ap]m)?", fullmatch=True)
+    )
+)
+def test_stamps(texts: list[str]) -> None:
+    parser = TimestampParser()
+    for text in texts:
+        for stamped in parser.find(text):
+            assert 0 <= stamped.stamp.time_ns < 1 << 63
+        parser.find_date(text)
+
+
+@given(bytes_like(TOOLBAR * 3))
+def test_the_toolbar(data: bytes) -> None:
+    assert all(control <= 255 for control, _, _ in _received(io.BytesIO(data)))
+
+
+@given(st.integers(0, 255), st.integers(0, 255), st.integers(0, 0xFFFF), st.integers(0, 0xFFFF), st.binary(max_size=20))
+def test_requests_to_usb_adapters(kind: int, request: int, value: int, place: int, data: bytes) -> None:
+    setup = Setup(kind, request, value, place)
+    for adapter in (cdc, ftdi):
+        settings = adapter.settings_after(setup, data, LineSettings())
+        assert settings.baud >= 0 and 5 <= settings.data_bits <= 8
+    assert ftdi.baud_rate(value, place) > 0
+    assert sum(len(characters) for characters, _ in ftdi.packets(data)) <= len(data)
+    cdc.errors(data)

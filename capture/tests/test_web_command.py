@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap web`: opens the page; with a port, only who knows the address gets page and tap, on this computer alone."""
+
+from __future__ import annotations
+
+import http.client
+import os
+import signal
+import subprocess
+import sys
+import tty
+import webbrowser
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from portable import terminals
+
+from sistap import cli
+from sistap.web import command
+from sistap.web.command import with_tap
+from sistap.web.listen import Listening
+
+PAGE = '<!DOCTYPE html><html lang="en"><meta content="default-src \'none\'; connect-src blob:; img-src data:">'
+TELEGRAM = bytes.fromhex("02 D9 00 00 00 12 10 03")
+TIMEOUT_S = 60
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Path:
+    path = tmp_path / "sis.html"
+    path.write_text(PAGE)
+    return path
+
+
+def test_without_a_port_it_names_the_page(
+    page: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    shown: list[str] = []
+    monkeypatch.setattr(command, "PLACES", (page.with_name("none"), page))
+    monkeypatch.setattr(webbrowser, "open", shown.append)
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert cli.main(["web"]) == 0
+    assert shown == [page.as_uri()]
+    assert capfd.readouterr().out == f"{page.as_uri()}\n"
+
+
+def test_without_the_page_it_says_how_to_make_it(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(command, "PLACES", ())
+    assert cli.main(["web"]) == 1
+    assert "`./bootstrap page`" in capfd.readouterr().err
+
+
+def test_the_page_may_ask_for_the_tap_and_nothing_else() -> None:
+    text = with_tap(PAGE, '"><script>')
+    assert 'data-tap="&quot;&gt;&lt;script&gt;"' in text
+    assert "connect-src blob: 'self'; img-src data:" in text
+    with pytest.raises(ValueError, match="not the page"):
+        with_tap("<html>", "x")
+
+
+@pytest.fixture
+def served(page: Path) -> Iterator[tuple[str, int]]:
+    """Serve the page with a pseudo terminal; give the address, and where its line is written."""
+    ours, theirs = os.openpty()
+    tty.setraw(theirs)
+    code = (
+        "import sys; from pathlib import Path; from sistap import cli; from sistap.web import command;"
+        "command.PLACES = (Path(sys.argv[1]),); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
+    )
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(Path(command.__file__).parents[2]),
+        "DISPLAY": "",
+        "WAYLAND_DISPLAY": "",
+    }
+    words = [sys.executable, "-c", code, str(page), os.ttyname(theirs)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stdout
+        yield process.stdout.readline().strip(), ours
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(TIMEOUT_S) == 0
+    os.close(ours)
+    os.close(theirs)
+
+
+def asked(address: str, path: str, **headers: str) -> http.client.HTTPResponse:
+    connection = http.client.HTTPConnection(urlsplit(address).netloc, timeout=TIMEOUT_S)
+    connection.request("GET", path, headers=headers)
+    return connection.getresponse()
+
+
+@terminals
+@pytest.mark.attack("a foreign page, or program, asks `sistap web`", "404 without its secret word and its own name")
+def test_who_does_not_know_the_word_gets_nothing(served: tuple[str, int]) -> None:
+    address, _ = served
+    url = urlsplit(address)
+    assert url.hostname == "127.0.0.1"
+    assert len(url.path) > 30
+    assert asked(address, url.path).status == 200
+    for path in ("/", "/tap", "/x/", url.path[:-1], f"{url.path}../tap"):
+        assert asked(address, path).status == 404
+    for path in (url.path, f"{url.path}tap"):
+        assert asked(address, path, Host=f"evil.example:{url.port}").status == 404
+
+
+@terminals
+def test_the_page_hears_the_tap(served: tuple[str, int]) -> None:
+    address, line = served
+    with closing(asked(address, f"{urlsplit(address).path}tap")) as answer:
+        listening = Listening(f'{{"tap": {list(answer.read1())}, "system": "a browser"}}')
+        capture = b""
+        os.write(line, TELEGRAM)
+        while TELEGRAM not in capture:
+            capture += listening.step(f'[{{"line": 0, "data": {list(answer.read1())}}}]')
+    assert "1 telegram" in listening.said
+    listening.step('[{"line": 0, "gone": "the tap has ended"}]')
+    assert listening.is_over
+
+
+def test_what_is_no_tap_is_refused() -> None:
+    with pytest.raises(ValueError, match="not a sistap bus or tap"):
+        Listening('{"tap": [1, 2, 3], "system": "a browser"}')

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// One capture in libwireshark (wiregasm) with sis.lua: rows, packets, filters, figures. Runs in a worker and in node.
+
+import { isManifold, places } from "./pcapng.js";
+
+const CAPTURE = "/uploads/capture", TOLD = "/told"; // page.lua reads them, too
+const TOGETHER = 1 << 16; // characters that are written at once
+const PROFILE = "/home/web_user/.config/wireshark";
+const STATISTICS = "parameters,tree,tza,srt,bus"; // Wireshark prints the last one first
+const UNWATCHED = { progress: () => {} };
+
+// What Wireshark finds in a personal folder: the profile, and that SIS may be in captures of RTAC.
+const OWN_FILES = { decode_as_entries: "decode_as_entry: rtacser.data,0,(none),SIS\n" };
+
+// Returns the items of a vector of C++, each through a function, and frees it.
+function taken(vector, of = (item) => item) {
+  const items = [];
+  for (let place = 0; place < vector.size(); place++) items.push(of(vector.get(place)));
+  vector.delete();
+  return items;
+}
+
+const colour = (number) => `#${number.toString(16).padStart(6, "0")}`;
+const UNCOLOURED = 1; // wiregasm's background of a packet that no rule colours
+
+export class Dissector {
+  // `load` is wiregasm's loader, `files` the texts of sis.lua, page.lua and the profile, by name.
+  static async start(load, files, options = {}) {
+    const dissector = new Dissector();
+    dissector.library = await load({
+      handleStatus: () => {},
+      print: (line) => dissector.printed.push(line),
+      printErr: (line) => /DFilter INFO/.test(line) || dissector.complaints.push(line),
+      ...options,
+    });
+    dissector.begin(files);
+    return dissector;
+  }
+
+  constructor() {
+    this.printed = [];
+    this.complaints = [];
+    this.session = null;
+    this.task = UNWATCHED; // whose progress is told while the capture is read
+  }
+
+  begin({ "page.lua": page, "sis.lua": script, ...profile }) {
+    const { FS } = this.library;
+    FS.writeFile("/plugins/page.lua", page); // Wireshark loads them in this order
+    FS.writeFile("/plugins/sis.lua", script);
+    FS.mkdirTree(PROFILE);
+    for (const [name, text] of Object.entries({ ...profile, ...OWN_FILES })) FS.writeFile(`${PROFILE}/${name}`, text);
+    this.library.init();
+  }
+
+  get version() {
+    return this.library.wiresharkVersion();
+  }
+
+  // Sets preferences, such as {"sis.tza_ms": 8}; they count from the next capture on.
+  prefer(preferences) {
+    for (const [name, value] of Object.entries(preferences)) {
+      const [module, ...key] = name.split(".");
+      const { code, error } = this.library.setPref(module, key.join("."), String(value));
+      if (code) throw new Error(`${name} = ${value}: ${error || "Wireshark does not know it"}`);
+    }
+    this.library.applyPreferences();
+  }
+
+  // Opens a capture; returns how many packets it has, and what is wrong with it.
+  open(task, bytes) {
+    this.close();
+    const { FS, DissectSession } = this.library;
+    FS.writeFile(CAPTURE, bytes);
+    if (isManifold(bytes)) this.tellPlaces(bytes);
+    this.watch(FS, bytes.length);
+    this.session = new DissectSession(CAPTURE);
+    const { code, error, summary } = this.during(task, () => this.session.load());
+    if (error || (code && !summary.packet_count)) {
+      this.close();
+      throw new Error("Wireshark cannot read this file: it is no capture, or it is damaged from its beginning on. If it is a recording of another program, save it there as text");
+    }
+    return { packets: summary.packet_count, link: summary.file_encap_type, seconds: summary.elapsed_time,
+      memory: this.library.HEAPU8.length,
+      trouble: code ? "The capture is cut off or damaged: this is what comes before the damage." : "" };
+  }
+
+  // Writes for page.lua where each packet is from, in a line.
+  tellPlaces(bytes) {
+    const { FS } = this.library;
+    const file = FS.open(TOLD, "w"), encoder = new TextEncoder();
+    let lines = "";
+    const write = () => {
+      const packed = encoder.encode(lines);
+      FS.write(file, packed, 0, packed.length);
+      lines = "";
+    };
+    for (const { section, number, start, length } of places(bytes)) {
+      lines += length ? `${section} ${number} ${start} ${length}\n` : `${section} ${number}\n`;
+      if (lines.length > TOGETHER) write();
+    }
+    write();
+    FS.close(file);
+  }
+
+  close() {
+    this.session?.delete();
+    this.session = null;
+    const { FS } = this.library;
+    for (const path of [TOLD, CAPTURE]) if (FS.analyzePath(path).exists) FS.unlink(path);
+  }
+
+  // Tells the progress when the capture is read.
+  watch(FS, size) {
+    const { node } = FS.lookupPath(CAPTURE);
+    const { stream_ops } = node;
+    node.stream_ops = {
+      ...stream_ops,
+      read: (stream, buffer, offset, length, position) => {
+        this.task.progress(position / size);
+        return stream_ops.read(stream, buffer, offset, length, position);
+      },
+    };
+  }
+
+  during(task, work) {
+    this.task = task;
+    try {
+      return work();
+    } finally {
+      this.task = UNWATCHED;
+    }
+  }
+
+  // Returns Wireshark's own words about a display filter; empty if it is valid.
+  trouble(filter) {
+    return this.library.checkFilter(filter).error;
+  }
+
+  // Returns fields and protocols that begin so: [{field, type, name}].
+  completions(beginning) {
+    return taken(this.library.completeFilter(beginning).fields);
+  }
+
+  // Returns how many packets a filter leaves, and some rows of them: {number, cells, paper, ink}.
+  rows(task, filter, skip, limit) {
+    const trouble = filter && this.trouble(filter);
+    if (trouble) throw new Error(trouble);
+    const { matched, frames } = this.during(task, () => this.session.getFrames(filter, skip, limit));
+    const rows = taken(frames, ({ number, columns, bg, fg }) =>
+      ({ number, cells: taken(columns, visible), paper: bg === UNCOLOURED ? "" : colour(bg), ink: bg === UNCOLOURED ? "" : colour(fg) }));
+    return { matched, rows };
+  }
+
+  // Returns a packet: {tree, sources}. A tree is a list of {label, filter, start, length, source, kind, to, tree}.
+  packet(number) {
+    const { tree, data_sources, comments, follow } = this.session.getFrame(number);
+    taken(follow, (one) => taken(one));
+    return {
+      tree: taken(tree, branch),
+      sources: taken(data_sources, ({ name, data }) => ({ name, bytes: Uint8Array.from(atob(data), (c) => c.charCodeAt(0)) })),
+      comments: taken(comments),
+    };
+  }
+
+  // Dissects all packets once more, and returns the statistics of sis.lua and the expert items. The preferences have to
+  // be set before the capture is opened: `forFigures`.
+  figures(task) {
+    this.printed.length = 0;
+    this.graph(task, { graph0: "packets", interval: "1000000" });
+    const experts = this.library.FS.readFile("/experts", { encoding: "utf8" });
+    return {
+      statistics: this.printed.join("\n"),
+      experts: experts ? experts.split("\n").map((line) => line.split("\t")) : [],
+    };
+  }
+
+  // Runs Wireshark's I/O graphs; returns the values of each.
+  graph(task, wanted) {
+    const input = new this.library.MapInput();
+    for (const [name, text] of Object.entries(wanted)) input.set(name, text);
+    const { error, iograph } = this.during(task, () => this.session.iograph(input));
+    input.delete();
+    const graphs = taken(iograph, ({ items }) => taken(items));
+    if (error) throw new Error(error);
+    return graphs;
+  }
+}
+
+// What a person may change, as Wireshark has it.
+export const USUAL = { "sis.edition": "IF02", "sis.tza_ms": 0, "sis.trs_ms": 0 };
+
+export const forFigures = { "sis.statistics": STATISTICS, "page.experts": "TRUE" };
+
+// Marks that turn the direction of writing, as the Wireshark of Debian 12 shows them; this one leaves them as they are.
+const visible = (text) => text.replace(/[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g,
+  (mark) => `\\u${mark.charCodeAt(0).toString(16).toUpperCase().padStart(4, "0")}`);
+
+function branch({ label, filter, start, length, data_source_idx, severity, type, fnum, tree }) {
+  return { label: visible(label), filter, start, length, source: data_source_idx, severity, type, to: fnum, tree: taken(tree, branch) };
+}

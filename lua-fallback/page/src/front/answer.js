@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What happened, in short, as `sistap report` says it: a bar above the packets, and a view with all that it found.
+
+import { Stopped } from "../protocol.js";
+import { button, element, plural, table } from "./dom.js";
+import { reported } from "./report.js";
+
+const AT_ONCE = 5000; // packets of a capture that is judged without being asked: some seconds
+const MOST = 200; // packets in a filter
+const KINDS = { "NOT OK": "bad", OK: "good" }; // of the bar, by the verdict
+
+const ms = (seconds) => `${(seconds * 1000).toFixed(seconds < 0.1 ? 1 : 0)} ms`;
+
+export class Answer {
+  constructor(capture, { applyFilter, showing }) {
+    this.capture = capture;
+    this.applyFilter = applyFilter;
+    this.bar = element("div", { className: "answer-bar", role: "status" });
+    this.body = element("div", {});
+    this.root = element("section", { className: "page", "aria-labelledby": "answer-title" },
+      element("h1", { id: "answer-title" }, "What happened"), this.body);
+    this.root.enter = () => this.found || showing(() => capture.long("Looking for faults", (options) => this.look(options)));
+    capture.addEventListener("opened", () => this.begin());
+    capture.addEventListener("grown", () => this.forget());
+  }
+
+  forget() {
+    this.found = null;
+    this.bar.replaceChildren();
+    this.body.replaceChildren();
+  }
+
+  // Judges what was opened; not beside a lesson, whose reader does that.
+  begin() {
+    this.forget();
+    if (location.hash.startsWith("#learn")) return;
+    if (this.capture.packets <= AT_ONCE) this.lookAside();
+    else this.offer();
+  }
+
+  offer() {
+    this.bar.replaceChildren(button("What happened here?", () => (location.hash = "#answer")));
+  }
+
+  // Looks while a person already reads. Whatever else needs sistap ends it.
+  async lookAside() {
+    this.bar.replaceChildren("Looking for faults ...");
+    try {
+      await this.look({ givesWay: true });
+    } catch (error) {
+      if (error instanceof Stopped) this.offer();
+      else this.bar.replaceChildren(error.message);
+    }
+  }
+
+  async look(options) {
+    const { bytes } = this.capture;
+    const found = JSON.parse(new TextDecoder().decode(await reported(this.capture, "json", options)));
+    if (bytes !== this.capture.bytes) return;
+    this.found = found;
+    const [verdict] = found.answer[0].split(",");
+    this.bar.className = `answer-bar ${KINDS[verdict] ?? ""}`;
+    this.bar.replaceChildren(element("b", {}, found.answer[0]), " ", ...this.slowest(), ...this.silent(), " ", element("a", { href: "#answer" }, "What happened"));
+    this.body.replaceChildren(element("ul", { className: "answer" }, ...found.answer.map((line) => element("li", {}, line))),
+      ...this.stations(), ...this.episodes());
+  }
+
+  // The stations that answer, the slowest one first.
+  get answering() {
+    return this.found.stations.filter(({ reaction_times: { count }, not_answered: none }) => count > 0 || none > 0)
+      .sort((one, other) => (other.reaction_times.longest_s ?? 0) - (one.reaction_times.longest_s ?? 0));
+  }
+
+  slowest() {
+    const [first] = this.answering;
+    if (!first?.reaction_times.count) return [];
+    const { station, reaction_times: { half_within_s: half, longest_s: longest } } = first;
+    return ["Slowest to answer: ", this.toLongest(station, longest, `station ${station}, up to ${ms(longest)}`), ` (half of its answers: ${ms(half)}).`];
+  }
+
+  silent() {
+    const found = this.answering.filter(({ not_answered: count }) => count > 0).map(({ station, not_answered: count }) => `station ${station}, ${plural(count, "time")}`);
+    return found.length ? [` No answer: ${found.join("; ")}.`] : [];
+  }
+
+  // Leads to the answers of a station that took longest.
+  toLongest(station, seconds, words) {
+    const filter = `sis.talker == ${station} && sis.reaction_time >= ${(Math.floor(seconds * 1e6) / 1e6).toFixed(6)}`;
+    return button(words, () => this.applyFilter(filter), { className: "link", title: filter });
+  }
+
+  stations() {
+    const found = this.answering;
+    const rows = found.map(({ station, reaction_times: { count, half_within_s: half, longest_s: longest }, ...counts }) =>
+      [String(station), String(count), count ? ms(half) : "", count ? ms(longest) : "",
+        String(counts.not_answered), String(counts.sent_again), String(counts.reactions_with_error)]);
+    const head = ["Station", "Answers", "Half of them within", "Slowest", "Not answered", "Sent again", "With an error"];
+    const cell = (text, place, row) => (place === 3 && text ? this.toLongest(found[row].station, found[row].reaction_times.longest_s, text) : text);
+    return [element("h2", {}, "Who answers, and how fast"),
+      rows.length ? table([head, ...rows], { name: "Stations", numeric: [1, 2, 3, 4, 5, 6], cell }) : element("p", {}, "No answer was found.")];
+  }
+
+  episodes() {
+    const { episodes } = this.found;
+    const words = ({ length }) => (length > MOST ? `The first ${MOST} of ${length}` : plural(length, "packet"));
+    const rows = episodes.map(({ from, severity, text, packets }) => [new Date(from).toLocaleString("sv-SE"), severity, text, words(packets)]);
+    const show = (packets) => () => this.applyFilter(`frame.number in {${packets.slice(0, MOST).join(", ")}}`);
+    const cell = (text, place, row) => (place === 3 ? button(text, show(episodes[row].packets), { className: "link" }) : text);
+    return [element("h2", {}, "What was found"),
+      rows.length ? table([["From", "Severity", "What", "Packets"], ...rows], { name: "Episodes", cell }) : element("p", {}, "Nothing.")];
+  }
+}

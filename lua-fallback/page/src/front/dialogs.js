@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Small windows: the limits to judge by, what an imported file does not say, and what the page consists of.
+
+import { USUAL } from "../dissect/dissector.js";
+import { button, element, table } from "./dom.js";
+
+const field = (id, words, input) => element("p", { className: "field-line" }, element("label", { htmlFor: id }, words), input);
+const number = (id, value) => element("input", { type: "number", id, min: 0, max: 60000, step: 1, value });
+
+// Asks with a form; `done` gets what was typed, by id.
+function ask(title, explanation, fields, action, done) {
+  const form = element("form", { method: "dialog" }, element("h2", {}, title), explanation && element("p", {}, explanation), ...fields,
+    element("p", {}, element("button", { type: "submit" }, action), " ", button("Cancel", () => dialog.close())));
+  const dialog = element("dialog", { "aria-label": title, onclose: () => dialog.remove() }, form);
+  form.addEventListener("submit", () => done(Object.fromEntries([...form.elements].filter(({ id }) => id).map(({ id, value }) => [id, value.trim()]))));
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+export function askLimits(capture, done) {
+  const now = { ...USUAL, ...capture.preferences };
+  const edition = element("select", { id: "edition" }, ...["IF02", "ECODRIVE03"].map((name) =>
+    element("option", { value: name, selected: now["sis.edition"] === name }, name)));
+  ask("Limits", "Usually the bus has told its limits in the capture. If not, say them here. 0 means: as the bus was told.", [
+    field("tza", "TzA: longest interval in a telegram, in ms", number("tza", now["sis.tza_ms"])),
+    field("trs", "TrS: longest reaction time, in ms", number("trs", now["sis.trs_ms"])),
+    field("edition", "Edition of the telegram header", edition),
+  ], "Use them", (typed) => done({ "sis.tza_ms": typed.tza || "0", "sis.trs_ms": typed.trs || "0", "sis.edition": typed.edition }));
+}
+
+export function askImport(message, done) {
+  const text = (id, example) => element("input", { type: "text", id, placeholder: example });
+  ask("What the file does not say", message.replace(/^sistap: /, ""), [
+    field("baud", "Rate in Bd", text("baud", "9600")),
+    field("format", "Format of a character", text("format", "8E1")),
+    field("samplerate", "Sample rate in Hz, of a logic analyser", text("samplerate", "1000000")),
+    field("device", "Adapter, of a USB capture with several", text("device", "1.5")),
+  ], "Try again", (typed) => done(Object.entries(typed).filter(([, value]) => value).flatMap(([name, value]) => [`--${name}`, value])));
+}
+
+export function askPattern(message, done) {
+  ask("No bytes were found", `${message}. If the log has another layout, describe a line of it with a regular expression: (?<data>...) is the bytes in hexadecimal, (?<time>...) and (?<dir>...) are optional.`,
+    [field("pattern", "Pattern of a line", element("input", { type: "text", id: "pattern", placeholder: "(?<time>[^;]*);(?<dir>[^;]*);(?<data>.*)" }))],
+    "Try again", ({ pattern }) => pattern && done(pattern));
+}
+
+const PARTS = [
+  ["Part", "Licence", "Source"],
+  ["this page, sis.lua, sistap", "GPL-2.0-or-later", "the project that this page is from, in lua-fallback/ and capture/"],
+  ["Wireshark 4.4.5, for WebAssembly by wiregasm 1.9.1", "GPL-2.0-or-later", "https://www.wireshark.org/download/src/all-versions/ and https://github.com/good-tools/wiregasm"],
+  ["in it: GLib, Lua, libgcrypt, c-ares, nghttp2, PCRE2, zlib", "LGPL-2.1-or-later, MIT, LGPL-2.1-or-later, MIT, MIT, BSD-3-Clause, Zlib", "as wiregasm's lib/Makefile names them"],
+  ["Pyodide 314.0.7, with Emscripten's runtime", "MPL-2.0, MIT", "https://github.com/pyodide/pyodide"],
+  ["CPython 3.14", "PSF-2.0", "https://github.com/python/cpython"],
+];
+
+export function about() {
+  const dialog = element("dialog", { "aria-labelledby": "about-title", onclose: () => dialog.remove() },
+    element("h2", { id: "about-title" }, "About this page"),
+    element("p", {}, "It shows the SIS protocol of Rexroth and Indramat drives with Wireshark's own dissection. It loads nothing and sends nothing. ",
+      "The handbook is in the folder docs beside this file, if it was made: ",
+      element("a", { href: "docs/index.html", target: "_blank", rel: "noopener" }, "Help"), ". ",
+      "The whole is under the GNU General Public License, version 2 or later, without any warranty."),
+    table(PARTS, { name: "Parts and their licences" }), button("Close", () => dialog.close()));
+  document.body.append(dialog);
+  dialog.showModal();
+}

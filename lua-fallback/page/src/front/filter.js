@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The display filter: Wireshark checks and completes it while it is typed, and says in its own words what is wrong.
+
+import { button, element } from "./dom.js";
+
+const WORD = /[\w.]+$/; // what is typed before the cursor
+const SHOWN = 12; // completions
+
+export class FilterBar {
+  constructor(capture, buttons) {
+    this.capture = capture;
+    this.choices = element("ul", { className: "choices", role: "listbox", id: "filter-choices", hidden: true, "aria-label": "Fields" });
+    this.input = element("input", {
+      type: "text", id: "filter", spellcheck: false, autocomplete: "off", autocapitalize: "off", placeholder: "Display filter, such as sis.status > 0",
+      role: "combobox", "aria-expanded": "false", "aria-controls": "filter-choices", "aria-autocomplete": "list",
+      "aria-label": "Display filter", "aria-describedby": "filter-said",
+      oninput: () => this.look(), onkeydown: (event) => this.press(event), onblur: () => this.closeChoices(),
+    });
+    this.said = element("p", { id: "filter-said", className: "filter-said", role: "status" });
+    this.clear = button("Clear", () => this.apply(""));
+    const form = element("form", { className: "filter", role: "search", "aria-label": "Packets", onsubmit: (event) => {
+      event.preventDefault();
+      this.apply(this.input.value);
+    } }, element("div", { className: "field" }, this.input, this.choices), element("button", { type: "submit" }, "Apply"), this.clear);
+    this.quick = element("div", { className: "quick" }, ...buttons.map(({ name, filter, help }) =>
+      button(name, () => this.apply(filter), { title: `${help}: ${filter}` })));
+    this.root = element("div", { className: "filter-bar" }, form, this.quick, this.said);
+    capture.addEventListener("filtered", () => this.showApplied());
+  }
+
+  async apply(filter) {
+    this.input.value = filter;
+    this.closeChoices();
+    try {
+      await this.capture.setFilter(filter.trim());
+    } catch (error) {
+      this.judge(error.message);
+    }
+  }
+
+  showApplied() {
+    const { filter, matched, packets } = this.capture;
+    this.input.value = filter;
+    this.judge("");
+    this.said.textContent = filter ? `${matched.toLocaleString("en")} of ${packets.toLocaleString("en")} packets` : "";
+  }
+
+  judge(trouble) {
+    const isTyped = this.input.value.trim() !== "";
+    this.input.classList.toggle("bad", trouble !== "");
+    this.input.classList.toggle("good", isTyped && trouble === "");
+    this.input.setAttribute("aria-invalid", trouble !== "");
+    this.said.textContent = trouble;
+    this.said.classList.toggle("bad", trouble !== "");
+  }
+
+  async look() {
+    const viewer = await this.capture.viewer;
+    const text = this.input.value;
+    const before = text.slice(0, this.input.selectionStart).match(WORD)?.[0] ?? "";
+    const [trouble, found] = await Promise.all([
+      text.trim() ? viewer.call("trouble", [text]) : "",
+      before.length > 1 ? viewer.call("completions", [before]) : [],
+    ]);
+    if (text !== this.input.value) return;
+    this.judge(trouble);
+    this.offer(found.filter(({ field }) => field !== before).sort((one, other) => one.field.localeCompare(other.field)));
+  }
+
+  offer(found) {
+    this.chosen = -1;
+    this.choices.replaceChildren(...found.slice(0, SHOWN).map(({ field, name }, place) =>
+      element("li", { role: "option", id: `choice-${place}`, "aria-selected": "false", onmousedown: (event) => {
+        event.preventDefault();
+        this.take(field);
+      } }, element("code", {}, field), " ", element("small", {}, name))));
+    this.fields = found.slice(0, SHOWN).map(({ field }) => field);
+    this.choices.hidden = found.length === 0;
+    this.input.setAttribute("aria-expanded", found.length > 0);
+    this.input.removeAttribute("aria-activedescendant");
+  }
+
+  closeChoices() {
+    this.offer([]);
+  }
+
+  take(field) {
+    const at = this.input.selectionStart, text = this.input.value;
+    const begin = at - (text.slice(0, at).match(WORD)?.[0].length ?? 0);
+    this.input.value = text.slice(0, begin) + field + text.slice(at);
+    this.input.setSelectionRange(begin + field.length, begin + field.length);
+    this.closeChoices();
+    this.look();
+  }
+
+  press(event) {
+    if (this.choices.hidden) return;
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (step) this.highlight((this.chosen + step + this.fields.length) % this.fields.length);
+    else if (event.key === "Escape") this.closeChoices();
+    else if ((event.key === "Enter" || event.key === "Tab") && this.chosen >= 0) this.take(this.fields[this.chosen]);
+    else return;
+    event.preventDefault();
+  }
+
+  highlight(place) {
+    [...this.choices.children].forEach((choice, number) => choice.setAttribute("aria-selected", number === place));
+    this.chosen = place;
+    this.input.setAttribute("aria-activedescendant", `choice-${place}`);
+  }
+}

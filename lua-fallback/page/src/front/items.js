@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The items of a packet's tree.
+
+// Yields all of them, from the outside in.
+export function* items(tree) {
+  for (const item of tree) {
+    yield item;
+    yield* items(item.tree);
+  }
+}
+
+// The name of an item's field; the filter of an item is "name == value".
+export const nameOf = ({ filter }) => filter.split(" ")[0];
+
+export const allOf = (tree, ...names) => [...items(tree)].filter((item) => names.includes(nameOf(item)));
+
+export const firstOf = (tree, name) => allOf(tree, name)[0];

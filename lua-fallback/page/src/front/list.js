@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The packet list: only the rows that are seen are elements. Arrow keys, Page and Home, End move the selection.
+
+import { element } from "./dom.js";
+
+const ROW = 24; // pixels, as in page.css
+const MORE = 8; // rows above and below those that are seen
+const SAMPLE = 40; // rows that decide on widths
+const WIDEST = 26, WIDEST_TEXT = 54; // characters, but for the last column; of what the packet says
+
+export class PacketList {
+  constructor(capture, columns) {
+    this.capture = capture;
+    this.columns = columns;
+    this.head = element("div", { className: "row head", role: "row", "aria-rowindex": 1 },
+      ...columns.map(({ title, isRight }) => element("span", { role: "columnheader", className: isRight ? "right" : "" }, title)));
+    this.body = element("div", { className: "rows", role: "rowgroup" });
+    this.root = element("div", {
+      className: "packet-list", role: "grid", tabIndex: 0, "aria-label": "Packets", "aria-readonly": "true",
+      onscroll: () => this.draw(), onkeydown: (event) => this.press(event), onclick: (event) => this.click(event),
+    }, element("div", { role: "rowgroup", className: "head-group" }, this.head), this.body);
+    this.place = 0; // of the selected row
+    this.drawn = new Map(); // rows by place
+    capture.addEventListener("filtered", () => this.renew(0));
+    capture.addEventListener("grown", () => this.renew(this.root.scrollTop));
+    capture.addEventListener("rows", () => this.fill());
+    capture.addEventListener("selected", () => this.follow());
+    new ResizeObserver(() => this.draw()).observe(this.root);
+  }
+
+  renew(scrollTop) {
+    this.body.replaceChildren();
+    this.drawn.clear();
+    const { matched } = this.capture;
+    this.root.setAttribute("aria-rowcount", matched + 1);
+    this.body.style.height = `${matched * ROW}px`;
+    this.isFitted &&= scrollTop > 0;
+    this.root.scrollTop = scrollTop;
+    this.draw();
+  }
+
+  get first() {
+    return Math.floor(this.root.scrollTop / ROW);
+  }
+
+  get seen() {
+    return Math.ceil((this.root.clientHeight - ROW) / ROW);
+  }
+
+  draw() {
+    const { matched } = this.capture;
+    const begin = Math.max(this.first - MORE, 0), end = Math.min(this.first + this.seen + MORE, matched);
+    for (const [place, row] of this.drawn) {
+      if (place >= begin && place < end) continue;
+      row.remove();
+      this.drawn.delete(place);
+    }
+    for (let place = begin; place < end; place++) if (!this.drawn.has(place)) this.make(place);
+    this.fill();
+  }
+
+  make(place) {
+    const row = element("div", { className: "row waiting", role: "row", "aria-rowindex": place + 2, id: `row-${place}` },
+      ...this.columns.map(({ isRight }) => element("span", { role: "gridcell", className: isRight ? "right" : "" })));
+    row.style.top = `${place * ROW}px`;
+    this.drawn.set(place, row);
+    this.body.append(row);
+  }
+
+  fill() {
+    for (const [place, row] of [...this.drawn].sort(([one], [other]) => other - one)) {
+      if (!row.classList.contains("waiting")) continue;
+      const packet = this.capture.row(place);
+      if (packet) this.write(row, packet);
+    }
+    this.fit();
+    this.mark();
+  }
+
+  write(row, { number, cells, paper, ink }) {
+    row.classList.remove("waiting");
+    row.number = number;
+    row.style.background = paper;
+    row.style.color = ink;
+    cells.forEach((text, place) => {
+      const { digits } = this.columns[place];
+      const shown = digits === null || !text.includes(".") ? text : text.slice(0, text.indexOf(".") + 1 + digits);
+      row.children[place].textContent = shown;
+      row.children[place].title = shown.length > WIDEST ? shown : "";
+    });
+  }
+
+  // Gives the columns the widths of what is in the first rows.
+  fit() {
+    const rows = [...this.drawn.values()].filter((row) => row.number).slice(0, SAMPLE);
+    if (this.isFitted || !rows.length) return;
+    this.isFitted = true;
+    const widths = this.columns.map(({ title, format }, place) =>
+      Math.min(Math.max(title.length + 1, ...rows.map((row) => row.children[place].textContent.length)), format === "%i" ? WIDEST_TEXT : WIDEST));
+    const tracks = widths.map((width, place) => (place === widths.length - 1 ? "minmax(12rem, 1fr)" : `${width + 2}ch`));
+    this.root.style.setProperty("--columns", tracks.join(" "));
+  }
+
+  mark() {
+    const { number } = this.capture;
+    for (const row of this.drawn.values()) {
+      const isSelected = row.number === number && number > 0;
+      row.classList.toggle("selected", isSelected);
+      row.setAttribute("aria-selected", isSelected);
+      if (isSelected) this.root.setAttribute("aria-activedescendant", row.id);
+    }
+  }
+
+  async follow() {
+    const { number } = this.capture;
+    if (number) {
+      this.place = await this.capture.placeOf(number);
+      this.reveal(this.place);
+    }
+    this.mark();
+  }
+
+  reveal(place) {
+    const first = Math.ceil(this.root.scrollTop / ROW);
+    if (place >= first && place < first + this.seen - 1) return;
+    this.root.scrollTop = (place < first ? place : place - this.seen + 2) * ROW;
+    this.draw();
+  }
+
+  async moveTo(place) {
+    const { matched } = this.capture;
+    if (!matched) return;
+    this.place = Math.min(Math.max(place, 0), matched - 1);
+    this.reveal(this.place);
+    this.capture.isFollowing = this.place === matched - 1;
+    const { place: asked } = this;
+    const number = await this.capture.numberAt(asked);
+    if (asked === this.place) await this.capture.select(number);
+  }
+
+  press(event) {
+    const steps = { ArrowDown: 1, ArrowUp: -1, PageDown: this.seen - 1, PageUp: 1 - this.seen, Home: -Infinity, End: Infinity };
+    if (!(event.key in steps) || event.altKey || event.ctrlKey) return;
+    event.preventDefault();
+    this.moveTo(this.place + steps[event.key]);
+  }
+
+  click(event) {
+    const row = event.target.closest(".rows .row");
+    if (!row?.number) return;
+    this.capture.isFollowing = false;
+    this.capture.select(row.number);
+  }
+}

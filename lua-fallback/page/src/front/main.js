@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Puts the page together: its views, and which one is seen. The part after # in the address names it.
+
+import { Stopped } from "../protocol.js";
+import { Answer } from "./answer.js";
+import { Bytes } from "./bytes.js";
+import { Capture } from "./capture.js";
+import { learnView } from "../learn/learn.js";
+import { curveView } from "./curve.js";
+import { about, askImport, askLimits, askPattern } from "./dialogs.js";
+import { button, element, find } from "./dom.js";
+import { exportDialog } from "./export.js";
+import { importBytes, openBytes, openPasted } from "./files.js";
+import { FilterBar } from "./filter.js";
+import { findingsView } from "./findings.js";
+import { followView, streamOf } from "./follow.js";
+import { PacketList } from "./list.js";
+import { listenView } from "./listen.js";
+import { LogLines, noteOf } from "./log.js";
+import { playView } from "./play.js";
+import { readProfile } from "./profile.js";
+import { reportView } from "./report.js";
+import { splitter } from "./splitter.js";
+import { startView, takeDrops } from "./start.js";
+import { statisticsView } from "./statistics.js";
+import { Tree } from "./tree.js";
+
+const capture = new Capture();
+const views = {};
+let shown = ""; // the name of the view that is seen
+
+const PAGES = { open: "Open", listen: "Listen", play: "Play", learn: "Learn" };
+const OF_CAPTURE = { answer: "Answer", packets: "Packets", findings: "Findings", statistics: "Statistics", curve: "Curve", report: "Report" };
+
+function trouble(error) {
+  find("#trouble").textContent = error ? error.message ?? String(error) : "";
+}
+
+// Does something, and says what is wrong if it fails.
+async function showing(work) {
+  trouble("");
+  try {
+    await work();
+  } catch (error) {
+    if (!(error instanceof Stopped)) trouble(error);
+  }
+}
+
+const opening = (work, { stays = false } = {}) => showing(async () => {
+  await capture.live?.stop();
+  try {
+    await work();
+    if (!stays) location.hash = "#packets";
+  } catch (error) {
+    if (error.import) askImport(error.message, (words) => opening(() => importBytes(capture, error.import.name, error.import.bytes, words)));
+    else if (error.log) askPattern(error.message, (pattern) => opening(() => openBytes(capture, error.log.name, error.log.bytes, { pattern })));
+    else throw error;
+  }
+});
+
+const openFiles = ([file]) => file && opening(async () => openBytes(capture, file.name, new Uint8Array(await file.arrayBuffer())));
+
+const goTo = (number) => showing(async () => {
+  location.hash = "#packets";
+  await capture.goTo(number);
+});
+
+const applyFilter = (filter, { stays = false } = {}) => showing(async () => {
+  if (!stays) location.hash = "#packets";
+  await capture.setFilter(filter);
+});
+
+const reopen = (preferences) => {
+  if (shown !== "learn") capture.kept = preferences;
+  const { name, bytes, log, filter, number } = capture;
+  return opening(() => capture.open(name, bytes, { log, filter, number, preferences }), { stays: true });
+};
+
+function packetsView(profile, answer) {
+  const filter = new FilterBar(capture, profile.buttons);
+  const list = new PacketList(capture, profile.columns);
+  const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
+  const bytes = new Bytes(capture);
+  const log = new LogLines(capture);
+  const exporting = exportDialog(capture, profile.columns, { showing });
+  const follow = button("Follow", () => {
+    location.hash = "#follow";
+    views.follow.begin(streamOf(capture.packet));
+  }, { title: "All telegrams of the two stations of this packet" });
+  capture.addEventListener("selected", () => (follow.disabled = streamOf(capture.packet) === undefined));
+  filter.quick.append(element("span", { className: "right-side" }, follow, button("Limits", () => askLimits(capture, reopen)),
+    button("Export", exporting.open_)));
+  const logPane = element("div", { className: "pane log-pane", hidden: true }, log.root);
+  const below = element("div", { className: "below" }, element("div", { className: "pane" }, tree.root, tree.said),
+    element("div", { className: "pane" }, bytes.root), logPane);
+  const notes = element("div", {});
+  const showNotes = () => notes.replaceChildren(capture.trouble, capture.log ? noteOf(capture.log) : "");
+  capture.addEventListener("noted", showNotes);
+  capture.addEventListener("opened", () => {
+    logPane.hidden = !capture.log;
+    below.classList.toggle("with-log", Boolean(capture.log));
+    showNotes();
+    if (capture.log) log.begin();
+  });
+  return element("section", { className: "packets", "aria-label": "Packets" },
+    element("h1", { className: "visually-hidden" }, "Packets"), answer.bar, filter.root, notes, list.root, splitter(list.root), below, exporting);
+}
+
+function showBusy() {
+  const { busy } = capture;
+  const holder = find("#busy");
+  holder.hidden = !busy;
+  if (!busy) return holder.replaceChildren();
+  if (holder.busy !== busy) {
+    holder.busy = busy;
+    holder.replaceChildren(element("span", {}, busy.words), element("progress", { max: 1, "aria-label": busy.words }), button("Cancel", busy.cancel));
+  }
+  if (busy.part) find("progress", holder).value = busy.part;
+  return undefined;
+}
+
+function route() {
+  const asked = location.hash.slice(1).split("/")[0];
+  const name = asked in views && (capture.isOpen || asked in PAGES) ? asked : "open";
+  if (name !== shown) views[shown]?.leave?.();
+  shown = name;
+  if (name !== "learn") find("#main").append(views.packets); // a lesson has it beside its text
+  for (const [other, view] of Object.entries(views)) view.hidden = other !== name;
+  for (const link of document.querySelectorAll("nav a")) {
+    if (link.hash === `#${name}`) link.setAttribute("aria-current", "page");
+    else link.removeAttribute("aria-current");
+  }
+  views[name].enter?.();
+}
+
+const links = (names) => Object.entries(names).map(([name, words]) => element("a", { href: `#${name}` }, words));
+
+async function begin() {
+  const profile = await readProfile();
+  const acts = { goTo, applyFilter, opening, showing };
+  const answer = new Answer(capture, acts);
+  const packets = packetsView(profile, answer);
+  Object.assign(views, {
+    open: startView({ openFiles, openPasted: (text) => opening(() => openPasted(capture, text)) }),
+    listen: listenView(capture, acts),
+    play: playView(capture, acts),
+    learn: learnView(capture, packets, acts),
+    answer: answer.root,
+    packets,
+    findings: findingsView(capture, acts),
+    statistics: statisticsView(capture, acts),
+    curve: curveView(capture, profile, acts),
+    report: reportView(capture, acts),
+    follow: followView(capture, acts),
+  });
+  find("#main").append(...Object.values(views));
+  find("#pages").append(...links(PAGES));
+  find("#of-capture").append(...links(OF_CAPTURE));
+  find("#top").append(button("About", about));
+  takeDrops(openFiles);
+  capture.addEventListener("busy", showBusy);
+  for (const event of ["opened", "grown"]) {
+    capture.addEventListener(event, () => {
+      find("#open-name").textContent = capture.name;
+      find("#of-capture").hidden = false;
+      document.title = `${capture.name} - SIS`;
+      if (event === "grown" && location.hash === "#packets" && views.packets.hidden) route();
+    });
+  }
+  capture.addEventListener("closed", () => {
+    find("#of-capture").hidden = true;
+    route();
+  });
+  addEventListener("hashchange", route);
+  route();
+  await capture.viewer;
+  document.documentElement.dataset.ready = "true";
+}
+
+begin().catch(trouble);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What Wireshark's profile says that the page draws by itself: titles of the columns, filter buttons, graphs. Wireshark
+// reads its colours.
+
+import { partText } from "./parts.js";
+
+// The texts in quotes of each line of a list.
+const rows = (text) => text.split("\n").filter((line) => line.startsWith('"'))
+  .map((line) => Array.from(line.matchAll(/"([^"]*)"/g), (found) => found[1]));
+
+const DIGITS = { SEC: 0, DSEC: 1, CSEC: 2, MSEC: 3, USEC: 6, NSEC: 9 };
+
+export async function readProfile() {
+  const names = ["preferences", "recent", "dfilter_buttons", "io_graphs"];
+  const [preferences, recent, buttons, graphs] = await Promise.all(names.map(partText));
+  return { columns: columns(preferences, recent), buttons: buttonsOf(buttons), graphs: graphsOf(graphs) };
+}
+
+// Columns: {title, format, isRight, digits}; digits are those after the point of a time.
+function columns(preferences, recent) {
+  const texts = Array.from(preferences.slice(preferences.indexOf("gui.column.format")).matchAll(/"([^"]*)"/g), (found) => found[1]);
+  const right = new Set(Array.from(recent.matchAll(/"([^"]*)", -?\d+:R/g), (found) => found[1]));
+  const precision = recent.match(/gui\.time_precision: (\w+)/);
+  return Array.from({ length: texts.length / 2 }, (_, place) => {
+    const [title, format] = texts.slice(2 * place, 2 * place + 2);
+    const digits = format === "%t" && precision ? DIGITS[precision[1]] : null;
+    return { title, format, isRight: format === "%t" || format === "%m" || right.has(format.replace(/:0:R$/, "")), digits };
+  });
+}
+
+const buttonsOf = (text) => rows(text).filter(([enabled]) => enabled === "TRUE")
+  .map(([, name, filter, help]) => ({ name, filter, help }));
+
+// Graphs that draw a field: {name, filter, colour, field}.
+const graphsOf = (text) => rows(text).filter((row) => row[6])
+  .map(([, name, filter, colour, , , field]) => ({ name, filter, colour, field }));

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What `sistap report` says of the capture that is open, and its page.
+
+import { button, element, save } from "./dom.js";
+import { fileName } from "./files.js";
+import { callTap } from "./tap.js";
+
+const LIMITS = { "sis.tza_ms": "--tza", "sis.trs_ms": "--trs" }; // preferences that are options, too
+
+// Returns a report in a format of sistap, as bytes. `options` are those of callTap.
+export async function reported(capture, format, options) {
+  const file = fileName(capture.bytesName), out = `report.${format}`;
+  const limits = Object.entries(LIMITS).flatMap(([name, option]) => {
+    const limit = Number(capture.preferences[name] ?? 0);
+    return limit ? [option, String(limit)] : [];
+  });
+  const { code, said, written } = await callTap("command",
+    [["report", file, "-o", out, "--format", format, ...limits], { [file]: capture.bytes }, [out]], options);
+  if (code) throw new Error(said.trim());
+  return written[out];
+}
+
+export function reportView(capture, { showing }) {
+  const frame = element("iframe", { title: "Report", sandbox: "", className: "report-frame" });
+  const bar = element("p", { className: "report-bar" });
+  const root = element("section", { className: "report", "aria-labelledby": "report-title" },
+    element("h1", { id: "report-title", className: "visually-hidden" }, "Report"), bar, frame);
+  let of = null; // the bytes that the report is about
+  root.enter = () => of === capture.bytes || showing(async () => {
+    of = capture.bytes;
+    try {
+      const page = await capture.long("Making the report", (options) => reported(capture, "html", options));
+      frame.srcdoc = new TextDecoder().decode(page);
+      bar.replaceChildren(button("Save the report", () => save(`${capture.name}.html`, page, "text/html")));
+    } catch (error) {
+      of = null;
+      throw error;
+    }
+  });
+  capture.addEventListener("opened", () => {
+    of = null;
+    frame.removeAttribute("srcdoc");
+    bar.replaceChildren();
+  });
+  return root;
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The statistics of sis.lua, which prints them as text, as tables.
+
+import { button, element, save, table } from "./dom.js";
+
+const NUMBER = /^[<>=]*-?[\d.]+$/;
+const FILTERS = { Station: "sis.station", Talker: "sis.talker" }; // what a number in the first column is
+
+// Returns {title, rows}; the first row is the head.
+function parsed(text) {
+  return text.split("\n\n").map((block) => block.trim()).filter(Boolean).map((block) => {
+    const [title, ...lines] = block.split("\n");
+    const rows = lines[0].includes("|") ? lines.map(barred) : /^Index /.test(lines[0]) ? lines.map(spaced) : [["", "Count"], ...lines.map(indented)];
+    return { title: title.replace(/:$/, ""), rows };
+  });
+}
+
+const barred = (line) => line.split("|").slice(0, -1).map((cell) => cell.trim());
+const spaced = (line) => line.trim().split(/ {2,}/);
+
+function indented(line) {
+  const [, blanks, words, count] = line.match(/^( *)(.*?) +(\d+)$/) ?? [null, "", line, ""];
+  return [`${" ".repeat(2 * blanks.length)}${words}`, count];
+}
+
+// A text that a spreadsheet would calculate gets a ' before it, as in `sistap parameters --csv`; numbers with units stay.
+const FORMULA = /^[=+\-@\t\r]/, QUANTITY = /^[+-][\d.,]+(e[+-]?\d+)?( [\p{L}\p{N}_°%/²³·^]*)?$/u;
+const safe = (cell) => (FORMULA.test(cell) && !QUANTITY.test(cell) ? `'${cell}` : cell);
+const quoted = (cell) => (/[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+
+export const asCsv = (rows) => rows.map((row) => `${row.map((cell) => quoted(safe(cell))).join(",")}\r\n`).join("");
+
+export function statisticsView(capture, { applyFilter, showing }) {
+  const body = element("div", {});
+  const root = element("section", { className: "page", "aria-labelledby": "statistics-title" },
+    element("h1", { id: "statistics-title" }, "Statistics"), body);
+  root.enter = () => showing(async () => {
+    const { statistics } = await capture.figures();
+    body.replaceChildren(...parsed(statistics).map((found) => one(found, applyFilter)));
+  });
+  capture.addEventListener("opened", () => body.replaceChildren());
+  return root;
+}
+
+function one({ title, rows }, applyFilter) {
+  const [head, ...body] = rows;
+  const numeric = head.map((_, place) => place).filter((place) => place > 0 && body.every((row) => !row[place] || NUMBER.test(row[place])));
+  const field = FILTERS[head[0]];
+  const cell = (text, place) => (place === 0 && field && /^\d+$/.test(text)
+    ? button(text, () => applyFilter(`${field} == ${text}`), { className: "link", title: `${field} == ${text}` }) : text);
+  return element("div", { className: "statistic" }, element("h2", {}, title), table(rows, { name: title, numeric, cell }),
+    button("Save as CSV", () => save(`${title}.csv`, asCsv(rows), "text/csv")));
+}

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The list of the lessons; results of learners, for a teacher.
+
+import { button, element, save, table } from "../front/dom.js";
+import { ours } from "./ours.js";
+import { readResults } from "./progress.js";
+
+const WORDS = `Each lesson is a problem at a machine, and takes 10 to 15 minutes. Read, look at the packets, and type your \
+answers: they are checked at once.`;
+
+export function courseList({ lessons, papers }, progress, showing) {
+  const right = lessons.reduce((sum, { name }) => sum + progress.right(name), 0);
+  const count = lessons.reduce((sum, { questions }) => sum + questions.length, 0);
+  const links = [["glossary", "Glossary"], ...papers].flatMap(([id, title]) => [" ", element("a", { href: `#learn/${id}` }, title)]);
+  const root = element("article", { className: "page" });
+  const renew = () => root.replaceWith(courseList({ lessons, papers }, progress, showing));
+  root.append(element("h1", {}, "A course to do"), element("p", {}, WORDS),
+    element("p", {}, `${right} of ${count} questions answered.`,
+      progress.isKept ? "" : " This browser does not let the page keep your progress.", ...links),
+    element("ol", { className: "lessons", start: 0 }, ...lessons.map((lesson) => item(lesson, progress))),
+    element("h2", {}, "Results"), ...ofLearner(progress, renew), ...ofTeacher(lessons, showing));
+  return root;
+}
+
+function item({ name, title, aim, questions }, progress) {
+  const right = progress.right(name);
+  return element("li", {},
+    element("a", { href: `#learn/${name}` }, title.replace(/^\d+\. /, "")), " ",
+    element("progress", { max: questions.length, value: right, "aria-label": "Questions answered" }), " ",
+    element("small", {}, `${right} of ${questions.length}`), ours("p", aim));
+}
+
+function ofLearner(progress, renew) {
+  const name = element("input", { type: "text", id: "learner" });
+  const fileName = () => `results ${name.value.replace(/[^\w -]/g, "_") || "of somebody"}.json`;
+  return [element("p", { className: "form-line" }, element("label", { htmlFor: "learner" }, "Your name"), name,
+    button("Save my results", () => save(fileName(), progress.results(name.value), "application/json")),
+    button("Forget my progress", () => {
+      progress.forget();
+      renew();
+    }))];
+}
+
+function ofTeacher(lessons, showing) {
+  const holder = element("div", {});
+  const read = async () => {
+    const files = [...chooser.files];
+    chooser.value = ""; // so that the same file can be chosen again
+    const results = await Promise.all(files.map(async (file) => readResults(await file.text())));
+    holder.replaceChildren(classTable(lessons, results));
+  };
+  const chooser = element("input", { type: "file", id: "results", multiple: true, accept: ".json", className: "visually-hidden",
+    onchange: () => showing(read) });
+  const label = element("label", { htmlFor: "results", className: "button" }, "Read the results of a class");
+  return [element("p", {}, "For teachers: ", chooser, label), holder];
+}
+
+function classTable(lessons, results) {
+  const head = ["Name", ...lessons.map(({ title }) => title.match(/^\d+/)?.[0] ?? title), "Saved"];
+  const cell = (one, { name, questions }) => {
+    const shown = one.shown(name);
+    return `${one.right(name)}/${questions.length}${shown ? ` (${shown} shown)` : ""}`;
+  };
+  const rows = results.sort((one, other) => one.name.localeCompare(other.name))
+    .map((one) => [one.name || "no name", ...lessons.map((lesson) => cell(one, lesson)), one.when.slice(0, 10)]);
+  return table([head, ...rows], { name: "Results of the class" });
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The worker that runs sistap. It has a Wireshark of its own, started when a command needs one; wiregasm's own script
+// stands before this one.
+
+import "./alone.js";
+import createPyodideModule from "pyodide/pyodide.asm.mjs";
+import { loadPyodide } from "pyodide";
+
+import { startDissector } from "../dissect/start.js";
+import { Moved, serve } from "../protocol.js";
+import { text, unpacked } from "../unpack.js";
+import { Sistap } from "./sistap.js";
+
+const NOWHERE = "https://python.invalid/"; // nothing is fetched there: see below
+
+// Calls of Sistap that need no task.
+const PLAIN = ["scenarios", "play", "listen", "switch", "step", "window", "end"];
+
+let sistap, startWireshark;
+
+serve({
+  async start(task, { pythonCode, pythonLibrary, files, wireshark }) {
+    startWireshark = () => startDissector(self.loadWiregasm, wireshark);
+    const [code, library] = await Promise.all([unpacked(pythonCode), unpacked(pythonLibrary)]);
+    // Pyodide fetches two files, which are here already.
+    self.fetch = async (address) => {
+      const isCode = String(address).endsWith(".wasm");
+      return new Response(isCode ? code : library, { headers: { "Content-Type": isCode ? "application/wasm" : "application/zip" } });
+    };
+    sistap = await Sistap.start(loadPyodide, JSON.parse(await text(files)), {
+      indexURL: NOWHERE, packageBaseUrl: NOWHERE, createPyodideModule,
+    });
+  },
+  log: (task, ...args) => sistap.log(task, ...args),
+  // Runs a command of sistap on files: returns {code, said, written}, those files that it has written.
+  async command(task, words, files, wanted) {
+    sistap.wireshark ??= await startWireshark();
+    const result = sistap.command(task, words, files, wanted);
+    return new Moved(result, Object.values(result.written).map((bytes) => bytes.buffer));
+  },
+  ...Object.fromEntries(PLAIN.map((name) => [name, (task, ...args) => sistap[name](...args)])),
+});

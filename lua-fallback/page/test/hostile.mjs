@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What the page does with hostile input, in parts that need no Wireshark. Prints JSON.
+
+import { isManifold } from "../src/dissect/pcapng.js";
+import { fileName } from "../src/front/files.js";
+import { asCsv } from "../src/front/statistics.js";
+import { Peer, serve } from "../src/protocol.js";
+
+const blocks = (...numbers) => new Uint8Array(Uint32Array.from(numbers.flat()).buffer);
+const SECTION = [0x0a0d0d0a, 28, 0x1a2b3c4d, 1, -1, -1, 28], ARCNET = [1, 20, 7, 0, 20];
+
+// Returns what comes of blocks of packets that are too short for their heads.
+function cutPackets() {
+  return [12, 16, 20, 24, 28].map((size) => {
+    const block = [6, size, ...Array(size / 4 - 2).fill(0)];
+    return isManifold(blocks(SECTION, ARCNET, block));
+  });
+}
+
+// A worker in this process. Its calls are those of a Wireshark that breaks down, or that only refuses.
+function brokenPeer(error) {
+  const worker = { terminate: () => (worker.isTerminated = true), postMessage: (data) => port.onmessage({ data }) };
+  const port = { postMessage: (data) => queueMicrotask(() => worker.onmessage({ data })) };
+  const peer = new Peer(worker);
+  serve({ open() { throw error; }, rows: () => new Promise(() => {}) }, port);
+  return { peer, worker };
+}
+
+async function afterwards(error) {
+  const { peer, worker } = brokenPeer(error);
+  let told = 0;
+  peer.onbroken = () => told++;
+  const failing = (name) => peer.call(name).then(() => "answered", (trouble) => trouble.message);
+  const waiting = failing("rows");
+  const said = await failing("open");
+  const later = worker.isTerminated ? [await waiting, await failing("open")] : [];
+  return { said, later, told };
+}
+
+process.stdout.write(JSON.stringify({
+  cut: cutPackets(),
+  names: ["log.pcapng", "imported.pcapng", "-w.txt", "../../x", "..", "<img src=x>.log", ""].map(fileName),
+  csv: asCsv([JSON.parse(process.argv[2])]),
+  broken: await afterwards(new WebAssembly.RuntimeError("Aborted(OOM)")),
+  stack: await afterwards(new RangeError("Maximum call stack size exceeded")),
+  refused: await afterwards(new RangeError("Array buffer allocation failed")),
+}));

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The page and hostile files: what they are named, what is in them, and what they do to a worker."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from chromium import Chromium, program
+from make import HERE as CAPTURES
+from sistap.files import pcapng
+from sistap.line.settings import LineSettings
+from sistap.records.record import Event, event
+
+PAGE = Path(__file__).parent
+IMAGE = "<img src=x onerror=alert(1)>"
+FORMULAS = ['=HYPERLINK("x")', "@SUM(1)", "-1+1|cmd", "+1+cmd|' /C calc'!A0", "\t=1", "\r=1"]
+HONEST = ["-12.5 mm/min", "+1", "-3e-05", "-40 °C", "S-0-0036", "", "3 - 2"]
+TOO_MUCH = "This file is damaged, or needs more memory than a page has: open it in Wireshark itself"
+
+
+def ran(*words: str) -> Any:
+    """Run a script that needs no package."""
+    if shutil.which("node") is None:
+        pytest.skip("needs node")
+    done = subprocess.run(["node", *words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def found() -> Any:
+    return ran(str(PAGE / "test" / "hostile.mjs"), json.dumps(FORMULAS + HONEST))
+
+
+@pytest.mark.attack("page: a packet block that is shorter than its head", "Wireshark says what is wrong")
+def test_cut_packets(found: dict[str, Any]) -> None:
+    assert found["cut"] == [False] * 5
+
+
+@pytest.mark.attack("page: 60 MB of packets with 4 bytes", "read with less than 32 MB of memory more")
+def test_tiny_packets() -> None:
+    assert ran("--max-old-space-size=32", str(PAGE / "test" / "tiny.mjs")) == 3_000_000
+
+
+@pytest.mark.attack("page: a file named like those that its commands write, like an option or a path", "another name")
+def test_names_of_files(found: dict[str, Any]) -> None:
+    assert found["names"] == ["log_.pcapng", "imported_.pcapng", "_w.txt", "__.._x", "_", "_img src_x_.log", "file"]
+
+
+@pytest.mark.attack("page: a cell of a table like a formula of a spreadsheet", "a ' before it makes it text in CSV")
+def test_no_cell_is_a_formula(found: dict[str, Any]) -> None:
+    formulas = ['"\'=HYPERLINK(""x"")"', "'@SUM(1)", "'-1+1|cmd", "'+1+cmd|' /C calc'!A0", "'\t=1", '"\'\r=1"']
+    assert found["csv"] == ",".join(formulas + HONEST) + "\r\n"
+
+
+@pytest.mark.attack(
+    "page: a capture breaks its Wireshark down", "another Wireshark takes its place; no call waits for ever"
+)
+def test_a_worker_that_breaks_down(found: dict[str, Any]) -> None:
+    for name, text in (("broken", "Aborted(OOM)"), ("stack", "Maximum call stack size exceeded")):
+        said = f"{TOO_MUCH} ({text})"
+        assert found[name] == {"said": said, "later": [said, "stopped"], "told": 1}
+    assert found["refused"] == {"said": "Array buffer allocation failed", "later": [], "told": 0}
+
+
+@pytest.fixture
+def chromium(page: Path) -> Iterator[Chromium]:
+    if program() is None:
+        pytest.skip("needs chromium (Debian: chromium)")
+    with Chromium() as browser:
+        browser.before(
+            "window.workers = [];"
+            "window.Worker = class extends Worker { constructor(...all) { super(...all); workers.push(this); } }"
+        )
+        browser.open(page.as_uri())
+        browser.until("document.documentElement.dataset.ready")
+        yield browser
+        assert browser.complaints == []
+
+
+def is_text(browser: Chromium, text: str) -> bool:
+    assert browser.run("document.querySelector('img, [onerror]')") is None
+    return bool(browser.run(f"document.body.textContent.includes({json.dumps(text)})"))
+
+
+@pytest.mark.thorough
+@pytest.mark.attack("page: HTML in names of files, captures and logs", "shown as text; nothing runs")
+def test_html(chromium: Chromium, tmp_path: Path) -> None:
+    name = f"{IMAGE}.pcapng"
+    marker = event(0, 0, LineSettings(), Event.MARKER, IMAGE)
+    (tmp_path / name).write_bytes(
+        pcapng.section_header(IMAGE, IMAGE)
+        + pcapng.interface_description(pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, IMAGE, IMAGE))
+        + pcapng.enhanced_packet(0, 0, pcapng.upper_pdu("sertap", marker.pack()))
+    )
+    chromium.choose("#chooser", tmp_path / name)
+    chromium.until("document.querySelector('.tree li') && !document.querySelector('section.packets').hidden")
+    assert is_text(chromium, IMAGE)
+    for view in ("findings", "statistics", "packets"):
+        chromium.run(f"location.hash = '#{view}'")
+        chromium.until("document.querySelector('#busy').hidden")
+        assert is_text(chromium, IMAGE)
+    log = tmp_path / f"{IMAGE}.log"
+    log.write_text(f"{IMAGE}\n16.03.2026 09:00:00 {IMAGE} 02 D9 02 02 00 12 03 10 02 00\n{IMAGE}\n")
+    chromium.choose("#chooser", log)
+    chromium.until("document.querySelector('.log-line') && document.querySelector('.answer-bar a')")
+    assert is_text(chromium, f"{IMAGE}.log")
+    chromium.run("location.hash = '#answer'")
+    assert is_text(chromium, f"{IMAGE}.log")
+
+
+@pytest.mark.thorough
+def test_another_capture_opens_after_one_that_broke_wireshark_down(chromium: Chromium) -> None:
+    def opened(name: str) -> None:
+        chromium.choose("#chooser", CAPTURES / name)
+        chromium.until(f"document.title === '{name} - SIS' && document.querySelector('.tree li')")
+
+    opened("specification.pcapng")
+    chromium.run("workers[0].onmessage({ data: { id: 1, error: 'x', isBroken: true } })")  # it has no such call
+    chromium.run("workers[0].onerror({ preventDefault() {}, message: 'out of memory' })")
+    chromium.until("!document.querySelector('section.start').hidden")
+    opened("routes.pcapng")
+
+
+@pytest.mark.thorough
+def test_a_page_that_is_cut_off(page: Path, tmp_path: Path) -> None:
+    if program() is None:
+        pytest.skip("needs chromium (Debian: chromium)")
+    half = tmp_path / "sis.html"
+    half.write_bytes(page.read_bytes()[: page.stat().st_size // 2])
+    with Chromium() as browser:
+        browser.open(half.as_uri())
+        browser.until("document.querySelector('#trouble').textContent")
+        said = browser.run("document.querySelector('#trouble').textContent")
+        assert said == "This page is cut off: copy its file once more"

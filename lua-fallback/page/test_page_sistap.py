@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""sistap in the page, which is Python and Wireshark as WebAssembly, does what its commands do."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from base64 import b64decode, b64encode
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from logs import LOGS
+
+from make import HERE as CAPTURES
+from parity import SCRIPT
+from sistap.bus.scenarios import scenario
+
+Job = dict[str, Any]
+PACKAGE = SCRIPT.parents[1] / "capture" / "sistap"
+# They need a library that the page has not.
+NEED_MORE = {"tables.convert", "tables.schema", "tables.store"}
+
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
+
+
+@pytest.fixture(scope="module")
+def jobs(node: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Callable[[list[Job]], list[Any]]:
+    """Run jobs of test/sistap.mjs."""
+
+    def run(jobs: list[Job]) -> list[Any]:
+        path = tmp_path_factory.mktemp("jobs") / "jobs.json"
+        path.write_text(json.dumps(jobs))
+        done: list[Any] = node("sistap.mjs", path)
+        return done
+
+    return run
+
+
+def job(words: list[str], wanted: str, **files: bytes) -> Job:
+    named = {name.replace("_", "."): b64encode(data).decode() for name, data in files.items()}
+    return {"words": words, "files": named, "wanted": [wanted]}
+
+
+def command(folder: Path, *words: str) -> str:
+    """Run a command with sis.lua; return what it says."""
+    environment = {"PYTHONPATH": str(PACKAGE.parent), "WIRESHARK_PLUGIN_DIR": str(folder), "PATH": "/usr/bin:/bin"}
+    done = subprocess.run(
+        [sys.executable, "-m", "sistap", *words],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.stderr
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Make a folder with the script."""
+    (tmp_path / SCRIPT.name).write_bytes(SCRIPT.read_bytes())
+    return tmp_path
+
+
+def test_every_portable_module_can_be_imported(jobs: Callable[[list[Job]], list[Any]]) -> None:
+    """Modules for a certain system refuse by themselves."""
+    names = [
+        ".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__")
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if path.stem != "__main__"
+    ]
+    wanted = [f"sistap.{name}" for name in names if name not in NEED_MORE | {"__init__"}]
+    assert len(wanted) > 100
+    assert jobs([{"modules": wanted}]) == [{}]
+
+
+def test_logs_are_explained_as_the_command_does(jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    logs = {name: text if isinstance(text, bytes) else text.encode() for name, (text, _) in LOGS.items()}
+    words = ["annotate", "log.txt", "-o", "out.txt", "--force"]
+    for (name, log), done in zip(
+        logs.items(), jobs([job(words, "out.txt", log_txt=log) for log in logs.values()]), strict=True
+    ):
+        (folder / "log.txt").write_bytes(log)
+        said = command(folder, *words)
+        assert (done["said"], done["code"]) == (said, 0), name
+        assert b64decode(done["written"]["out.txt"]) == (folder / "out.txt").read_bytes(), name
+
+
+@pytest.mark.parametrize("name", ["10-silence", "05-long-data"])
+def test_a_capture_becomes_the_same_log(name: str, jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    capture = (CAPTURES / "course" / f"{name}.pcapng").read_bytes()
+    words = ["log", "a.pcapng", "-o", "out.txt"]
+    (folder / "a.pcapng").write_bytes(capture)
+    command(folder, *words)
+    (done,) = jobs([job(words, "out.txt", a_pcapng=capture)])
+    assert b64decode(done["written"]["out.txt"]).decode() == (folder / "out.txt").read_text()
+
+
+@pytest.mark.parametrize("name", ["course/09-timing", "accesses", "duplex", "statistics"])
+def test_the_report_is_the_same_page(name: str, jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    capture = (CAPTURES / f"{name}.pcapng").read_bytes()
+    words = ["report", "a.pcapng", "-o", "out.html"]
+    (folder / "a.pcapng").write_bytes(capture)
+    assert command(folder, *words) == "sistap: out.html written\n"
+    (done,) = jobs([job(words, "out.html", a_pcapng=capture)])
+    assert b64decode(done["written"]["out.html"]).decode() == (folder / "out.html").read_text()
+
+
+def test_bus_plays_the_same_bytes(jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    """Every scenario with masters and stations."""
+    complete = [name for name in scenario.names() if scenario.load(name).is_complete]
+    words = {name: ["bus", name, "-w", f"{name}.pcapng", "--seed", "7", "--duration", "2"] for name in complete}
+    for name, done in zip(complete, jobs([job(words[name], f"{name}.pcapng") for name in complete]), strict=True):
+        command(folder, *words[name])
+        assert b64decode(done["written"][f"{name}.pcapng"]) == (folder / f"{name}.pcapng").read_bytes(), name

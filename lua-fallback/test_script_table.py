@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The table SIS parameters, made from a backup with 40 parameters of all formats: plugin and script read the file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import parity
+from sistap.bus.devices.parameters import ident
+from sistap.files import pcapng
+from sistap.line.settings import LineSettings
+from sistap.parameters import user_table
+from sistap.parameters.backup import Saved, drives
+from sistap.records.record import Record, Type
+from sistap.sis.telegram import build
+from sistap.wireshark.tshark import Tshark
+
+BACKUP = Path(__file__).parent.parent / "capture" / "tests" / "drive.par"
+(DRIVE,) = drives(BACKUP)
+MS = 1_000_000
+
+# The values as the documents and the backup say them, with the scaling of their attribute.
+SHOWN = {
+    "S-0-0000": "0x0000",
+    "S-0-0001": "2000 us",
+    "S-0-0013": "0b0000 1000 1100 0111",
+    "S-0-0017": "S-0-0001,S-0-0390,S-0-0390.0.136,P-0-4089.0.13",
+    "S-0-0030": "FWA-MADE1",
+    "S-0-0040": "-0.0015 rpm",
+    "S-0-0046": "-4",
+    "S-0-0099": "0b0000 0000 0000 0000 (clear)",
+    "S-0-0138": "10.000 rad/s²",
+    "S-0-0142": 'Förder "1"\\',
+    "S-0-0187": "S-0-0040,P-2-0012",
+    "S-0-0390": "0x000A0013",
+    "S-1-0100": "0.060 Nm/(rad/s)",
+    "P-0-0040": "10.5 %",
+    "P-0-0041": "500 mm",
+    "P-0-0051": "1.25 Nm/A",
+    "P-0-0052": "-0.125 mm",
+    "P-0-0053": "18446744073709551615",
+    "P-0-0054": "-1.50 mm",
+    "P-0-0147": "S-0-0051",
+    "P-0-0192": "0x000F2028,0x00000000",
+    "P-0-4006": "0.0000 Deg,-90.0000 Deg,180.0000 Deg",
+}
+
+
+@pytest.fixture
+def readable() -> Iterator[Path]:
+    """A folder that tshark may read, whoever runs it."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        yield Path(folder)
+
+
+def read(stations: tuple[int, ...]) -> list[bytes]:
+    """Return commands and reactions that read all values, as the drive would say them: lists with their lengths."""
+    telegrams = []
+    for station in stations:
+        for saved in DRIVE.parameters:
+            if saved.data is not None and "." not in saved.ident:
+                lengths = len(saved.data).to_bytes(2, "little") * 2 if saved.attribute.is_list else b""
+                telegrams.append(build(0x10, 16, station, b"\x3c\x05" + ident(saved.ident)))
+                telegrams.append(build(0x10, 16, station, b"\x00\x3c\x05" + lengths + saved.data, reaction=True))
+    return telegrams
+
+
+def write(capture: Path, telegrams: list[bytes]) -> None:
+    interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "bus")
+    packets = [pcapng.section_header("test", "test"), pcapng.interface_description(interface)]
+    settings = LineSettings()
+    for number, data in enumerate(telegrams):
+        intervals = [settings.character_ns] * len(data)
+        record = Record((number + 1) * 50 * MS, Type.FRAME, 0, settings, data, intervals, bytes(len(data)), 0)
+        packets.append(pcapng.enhanced_packet(0, record.time_ns, pcapng.upper_pdu("sertap", record.pack())))
+    capture.write_bytes(b"".join(packets))
+
+
+def tabled(folder: Path, monkeypatch: pytest.MonkeyPatch, station: str, *more: str) -> None:
+    """Put the file where Wireshark looks."""
+    (folder / "sis_parameters").write_text("\n".join([*user_table.lines(DRIVE, station), *more]) + "\n")
+    monkeypatch.setitem(os.environ, "WIRESHARK_CONFIG_DIR", str(folder))
+    monkeypatch.setitem(os.environ, "TMPDIR", str(folder))
+
+
+def script_folder(folder: Path) -> Path:
+    script = folder / "script"
+    script.mkdir(mode=0o755)
+    (script / "sis.lua").write_bytes(parity.SCRIPT.read_bytes())
+    return script
+
+
+def shown(tshark: Tshark, capture: Path) -> dict[str, str]:
+    rows = tshark.output(
+        *("-r", str(capture), "-Y", "sis.value", "-T", "fields"),
+        *("-e", "sis.parameter", "-e", "sis.value", "-e", "sis.parameter.name"),
+    )
+    return {row.split("\t")[0]: row.split("\t")[1] for row in rows.splitlines()}
+
+
+def plain() -> list[Saved]:
+    return [saved for saved in DRIVE.parameters if "." not in saved.ident]
+
+
+def test_all_formats_in_both(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert len(DRIVE.parameters) == 40
+    capture = tmp_path / "read.pcapng"
+    write(capture, read((3,)))
+    tabled(readable, monkeypatch, "")
+    with Tshark() as in_c, Tshark(plugins=script_folder(readable)) as in_lua:
+        parity.check(in_c, in_lua, capture)
+        values = shown(in_c, capture)
+        names = in_lua.output("-r", str(capture), "-Y", 'sis.parameter.name == "Velocity feedforward evaluation"')
+    assert {name: values.get(name) for name in SHOWN} == SHOWN
+    assert set(values) == {saved.ident for saved in plain() if saved.data}, "every parameter that has a value decodes"
+    assert len(names.splitlines()) == 2
+
+
+def test_names_of_bits(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """S-0-0013 is 0000.1000.1100.0111, and P-0-0192 a list of 0x000F2028 and 0."""
+    capture = tmp_path / "read.pcapng"
+    write(capture, read((3,)))
+    more = [
+        '"S","0013","","","0","","","","0=Standstill, 3=Not this,11=Last"',
+        '"P","0192","","","0","","","","3=Three, 13=Thirteen, 31=Not this, 63=Too high"',
+    ]
+    tabled(readable, monkeypatch, "", *more)
+    with Tshark() as in_c, Tshark(plugins=script_folder(readable)) as in_lua:
+        parity.check(in_c, in_lua, capture)
+        fields = ("-T", "fields", "-e", "sis.parameter", "-e", "sis.value.bit")
+        rows = in_c.output("-r", str(capture), "-Y", "sis.value.bit", *fields)
+        assert rows.splitlines() == ["S-0-0013\tStandstill,Last", "P-0-0192\tThree,Thirteen"]
+        assert len(in_lua.output("-r", str(capture), "-Y", 'sis.value.bit == "Last"').splitlines()) == 1
+
+
+def test_a_table_of_one_station(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It says nothing of the other."""
+    capture = tmp_path / "read.pcapng"
+    write(capture, read((3, 4)))
+    tabled(readable, monkeypatch, "3")
+    with Tshark() as in_c, Tshark(plugins=script_folder(readable)) as in_lua:
+        parity.check(in_c, in_lua, capture)
+        found = in_c.output("-r", str(capture), "-Y", "sis.parameter.minimum", "-T", "fields", "-e", "sis.receiver")
+    assert set(found.split()) == {"3"}

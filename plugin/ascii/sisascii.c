@@ -1,0 +1,501 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The ASCII protocol of ECODRIVE and IndraDrive, a line or a prompt a packet, as MPH-02 (p. 10-86 to 10-91)
+ * and public clients for DKCxx.3 drives have it. BCD:21 opens the connection to drive 21, whose prompt is
+ * E21:>. S-0-0051,7,R reads, and S-0-0044,7,W,VALUE writes an element; after ">" each element of a list
+ * follows a "?", and
+ * "<" ends it. "#" and four digits are an error. */
+
+#include "ascii/sisascii.h"
+
+#include <epan/tap.h>
+
+#include "ascii/exchange.h"
+#include "parameters/ident.h"
+#include "parameters/text.h"
+#include "parts.h"
+#include "sis/access.h"
+
+#define MOST_DIGITS      3
+#define LARGEST_ADDRESS  255u
+#define ERROR_DIGITS     4
+#define SHOWN_CHARACTERS 80u
+#define MS               INT64_C(1000000)
+
+static int sisascii_tap = -1;
+
+/* A line being decoded. */
+typedef struct {
+    tvbuff_t *tvb;
+    packet_info *pinfo;
+    proto_tree *tree;
+    proto_item *root;
+    sisascii_said_t said;
+    const sisascii_unit_t *unit;
+    sis_times_t times;
+    unsigned length;      /* in bytes, without its end */
+    wmem_strbuf_t *words; /* behind the kind */
+    wmem_strbuf_t *marks; /* and what is wrong, for the packet list */
+} line_t;
+
+/* A drive between two words: BCD:21, E21:>. */
+static bool
+take_drive(sisascii_said_t *said, sisascii_kind_t kind, const char *before, const char *behind)
+{
+    unsigned at = (unsigned)strlen(before), digits;
+    unsigned long address;
+
+    if (!g_str_has_prefix(said->text, before))
+        return false;
+    digits = (unsigned)strspn(said->text + at, "0123456789");
+    address = strtoul(said->text + at, NULL, 10);
+    if (digits == 0 || digits > MOST_DIGITS || address > LARGEST_ADDRESS ||
+        strcmp(said->text + at + digits, behind) != 0)
+        return false;
+    said->kind = kind;
+    said->at = at;
+    said->drive = (uint8_t)address;
+    return true;
+}
+
+static bool
+take_open(sisascii_said_t *said)
+{
+    return take_drive(said, SISASCII_OPEN, "BCD:", "");
+}
+
+static bool
+take_prompt(sisascii_said_t *said)
+{
+    return take_drive(said, SISASCII_PROMPT, "E", ":>");
+}
+
+/* S-0-0051,7,R or S-0-0044,7,W,VALUE; r and w may be small. */
+static bool
+take_access(sisascii_said_t *said)
+{
+    const char *at = sis_ident_parse(said->text, &said->ident);
+    bool is_write;
+
+    if (at == NULL || at[0] != ',' || at[1] < '1' || at[1] > '7' || at[2] != ',')
+        return false;
+    is_write = g_ascii_toupper(at[3]) == 'W' && at[4] == ',';
+    if (!is_write && (g_ascii_toupper(at[3]) != 'R' || at[4] != '\0'))
+        return false;
+    said->kind = is_write ? SISASCII_WRITE : SISASCII_READ;
+    said->at = (unsigned)(at + 1 - said->text);
+    said->element = (sis_element_t)(at[1] - '0');
+    said->value_at = said->at + 4;
+    return true;
+}
+
+static bool
+take_asking(sisascii_said_t *said)
+{
+    if (strcmp(said->text, "?") != 0)
+        return false;
+    said->kind = SISASCII_ASKS;
+    return true;
+}
+
+/* #7008 */
+static bool
+take_error(sisascii_said_t *said)
+{
+    if (said->text[0] != '#' || strspn(said->text + 1, "0123456789abcdefABCDEF") != ERROR_DIGITS ||
+        said->text[1 + ERROR_DIGITS] != '\0')
+        return false;
+    said->kind = SISASCII_ERROR;
+    said->at = 1;
+    said->error = (uint16_t)strtoul(said->text + 1, NULL, 16);
+    return true;
+}
+
+static void
+read_line(sisascii_said_t *said)
+{
+    static bool (*const kinds[])(sisascii_said_t *) = {take_open, take_prompt, take_access, take_asking,
+                                                       take_error};
+    unsigned i = 0;
+
+    while (i < array_length(kinds) && !kinds[i](said))
+        i++;
+}
+
+/* "-12.5", but not "0013": that is a code. */
+static bool
+is_number(const char *text)
+{
+    size_t digits, decimals;
+
+    text += *text == '-';
+    digits = strspn(text, "0123456789");
+    if (digits == 0 || (digits > 1 && text[0] == '0'))
+        return false;
+    text += digits;
+    if (*text != '.')
+        return *text == '\0';
+    decimals = strspn(++text, "0123456789");
+    return decimals > 0 && text[decimals] == '\0';
+}
+
+static proto_item *
+generated(proto_item *item)
+{
+    proto_item_set_generated(item);
+    return item;
+}
+
+static void
+add_frame(const line_t *line, int hf, uint32_t frame)
+{
+    if (frame != 0)
+        generated(proto_tree_add_uint(line->tree, hf, line->tvb, 0, 0, frame));
+}
+
+/* The command with the parameter: of an element, the write that began its list; NULL: it has none. */
+static const sisascii_command_t *
+access_of(const sisascii_command_t *command)
+{
+    if (command != NULL && command->list != NULL)
+        command = command->list;
+    return command != NULL && command->said.kind != SISASCII_OPEN ? command : NULL;
+}
+
+/* When the command was sent. */
+static sis_known_t
+known_of(const sisascii_command_t *access)
+{
+    sis_place_t place = sisascii_place(access);
+
+    return sis_learned_or_from_tables(access->known, access->twin, access->has_drive ? &place : NULL,
+                                      access->said.ident);
+}
+
+static const char *
+with_unit(wmem_allocator_t *pool, const char *value, const sis_known_t *known)
+{
+    bool has_unit = known->unit != NULL && known->unit[0] != '\0';
+
+    return has_unit ? wmem_strdup_printf(pool, "%s %s", value, known->unit) : value;
+}
+
+/* Operating data and limits have the unit of the parameter. */
+static void
+show_value(line_t *line, unsigned offset, const sisascii_command_t *access, const sis_known_t *known)
+{
+    const char *value = line->said.text + offset;
+    unsigned length = line->length - offset;
+    bool is_value = access->said.element >= SIS_ELEMENT_MINIMUM && is_number(value);
+    const char *shown = is_value ? with_unit(line->pinfo->pool, value, known) : value;
+
+    proto_tree_add_string(line->tree, hf_sis_value, line->tvb, offset, length, shown);
+    wmem_strbuf_append_printf(line->words, " = %s", shown);
+    if (is_value)
+        generated(proto_tree_add_double_format_value(line->tree, hf_sis_value_number, line->tvb, offset,
+                                                     length, g_ascii_strtod(value, NULL), "%s", value));
+}
+
+static void
+show_written(line_t *line, const sisascii_command_t *access, const sis_known_t *known)
+{
+    if (strcmp(line->said.text + line->said.value_at, ">") == 0)
+        wmem_strbuf_append(line->words, ", a list");
+    else
+        show_value(line, line->said.value_at, access, known);
+}
+
+/* The parameter of a command, or of the command that a line belongs to. */
+static void
+show_parameter(line_t *line, const sisascii_command_t *access, const sis_known_t *known, bool is_here)
+{
+    sis_ident_place_t place = {0, 0, SIS_NO_TYPE_BYTE, 0, ENC_NA}; /* its text is no ident of bytes */
+    sis_element_t element = access->said.element;
+    proto_item *item;
+
+    sis_add_ident(line->tree, line->pinfo->pool, line->tvb, &place, access->said.ident, known);
+    item = proto_tree_add_uint(line->tree, hf_sisascii_element, line->tvb, is_here ? line->said.at : 0,
+                               is_here, element);
+    if (!is_here)
+        generated(item);
+    if (line->unit->kind == SISASCII_ECHO)
+        return;
+    wmem_strbuf_append_printf(line->words, " %s", sis_ident_text(line->pinfo->pool, access->said.ident));
+    if (known->name != NULL)
+        wmem_strbuf_append_printf(line->words, " (%s)", known->name);
+    if (element != SIS_ELEMENT_DATA)
+        wmem_strbuf_append_printf(
+            line->words, ", %s",
+            wmem_ascii_strdown(line->pinfo->pool, val_to_str_const(element, sis_elements, ""), -1));
+}
+
+static void
+show_text(line_t *line)
+{
+    proto_tree_add_string(line->tree, hf_sisascii_text, line->tvb, 0, line->length, line->said.text);
+    wmem_strbuf_append_printf(line->words, " \"%s\"", line->said.text);
+}
+
+/* Codes of its own, else those of parameter services. */
+static const char *
+error_text(uint32_t code)
+{
+    const char *text = try_val_to_str(code, sis_errors_ascii);
+
+    return text != NULL ? text : val_to_str_const(code, sis_errors_parameter, "Not defined");
+}
+
+static void
+show_error(line_t *line)
+{
+    const char *text = error_text(line->said.error);
+    proto_item *item =
+        proto_tree_add_uint_format_value(line->tree, hf_sis_error, line->tvb, line->said.at, ERROR_DIGITS,
+                                         line->said.error, "%s (0x%04x)", text, line->said.error);
+
+    expert_add_info_format(line->pinfo, item, &ei_sis_status_execution_error, "error 0x%04x: %s",
+                           line->said.error, text);
+    wmem_strbuf_append_printf(line->words, ": 0x%04x %s", line->said.error, text);
+}
+
+/* Which drive a line is for; at that place if it says so itself. */
+static void
+show_drive(line_t *line)
+{
+    const sisascii_said_t *said = &line->said;
+    bool is_here = said->kind == SISASCII_OPEN || said->kind == SISASCII_PROMPT;
+    unsigned length = is_here ? (unsigned)strspn(said->text + said->at, "0123456789") : 0;
+    uint8_t drive = is_here ? said->drive : line->unit->drive;
+    proto_item *item;
+
+    if (!is_here && !line->unit->has_drive)
+        return;
+    item =
+        proto_tree_add_uint(line->tree, hf_sisascii_drive, line->tvb, is_here ? said->at : 0, length, drive);
+    if (is_here)
+        wmem_strbuf_append_printf(line->words, " %u", drive);
+    else
+        generated(item);
+    proto_item_set_hidden(generated(proto_tree_add_uint(line->tree, hf_sis_station, line->tvb, 0, 0, drive)));
+}
+
+static void
+show_line(line_t *line)
+{
+    const sisascii_unit_t *unit = line->unit;
+    const sisascii_command_t *access = access_of(unit->command);
+    sis_known_t known;
+
+    if (access != NULL && unit->kind != SISASCII_PROMPT) {
+        known = known_of(access);
+        show_parameter(line, access, &known, line->said.kind == access->said.kind);
+    }
+    if (unit->index > 0)
+        generated(proto_tree_add_uint(line->tree, hf_sisascii_index, line->tvb, 0, 0, unit->index));
+    switch (unit->kind) {
+    case SISASCII_WRITE:
+        show_written(line, access, &known);
+        break;
+    case SISASCII_ANSWER:
+    case SISASCII_ELEMENT:
+        show_value(line, 0, access, &known);
+        break;
+    case SISASCII_ERROR:
+        show_error(line);
+        break;
+    case SISASCII_TEXT:
+    case SISASCII_ECHO:
+        show_text(line);
+        break;
+    default:
+        break;
+    }
+}
+
+static void
+show_verdict(line_t *line, unsigned limit_ms, const char *source)
+{
+    sis_verdict_t verdict = sis_judge(line->unit->span, limit_ms * MS);
+    nstime_t limit = sertap_time(limit_ms * MS);
+    proto_item *item;
+
+    generated(proto_tree_add_time_format_value(line->tree, hf_sis_trs_limit, line->tvb, 0, 0, &limit,
+                                               "%u ms%s", limit_ms, source));
+    if (source[0] != '\0')
+        add_frame(line, hf_sis_trs_set_in, line->unit->limit.set_in);
+    item = generated(proto_tree_add_uint(line->tree, hf_sis_trs_verdict, line->tvb, 0, 0, verdict));
+    if (verdict == SIS_TIME_EXCEEDED) {
+        expert_add_info(line->pinfo, item, &ei_sis_trs_exceeded);
+        wmem_strbuf_append(line->marks, "  [TrS exceeded]");
+    } else if (verdict == SIS_TIME_UNRESOLVED) {
+        expert_add_info(line->pinfo, item, &ei_sis_trs_unresolved);
+    }
+}
+
+static bool
+is_measured(const line_t *line)
+{
+    return line->unit->is_first && sis_is_measured(line->unit->elapsed, &line->times);
+}
+
+/* How long the drive took. No document has a limit, so it is the user's. */
+static void
+show_time(line_t *line)
+{
+    int64_t elapsed = line->unit->elapsed;
+    unsigned preference = pref_sis_trs_ms;
+
+    if (!line->unit->is_first)
+        return;
+    if (is_measured(line)) {
+        generated(
+            sertap_add_ms(line->tree, hf_sis_reaction_time, line->tvb, 0, 0, line->pinfo->pool, elapsed));
+        sertap_add_column_ms(line->tree, hf_sis_reaction_time_ms, line->tvb, elapsed);
+    }
+    if (line->times.record == NULL)
+        return;
+    if (preference > 0)
+        show_verdict(line, preference, "");
+    else if (line->unit->limit.value > 0)
+        show_verdict(line, line->unit->limit.value, ", told by the user");
+}
+
+static void
+show_command(line_t *line, const sisascii_command_t *command)
+{
+    add_frame(line, hf_sis_reaction_in, command->answer_in);
+    add_frame(line, hf_sis_repeat_of, command->repeat_of);
+    add_frame(line, hf_sis_unanswered_before, command->unanswered_before);
+    add_frame(line, hf_sis_next_command_in, command->next_in);
+    if (command->repeat_of != 0) {
+        expert_add_info(line->pinfo, line->root, &ei_sis_command_repeat);
+        wmem_strbuf_append(line->marks, "  [repeat]");
+    }
+    if (command->next_in != 0) {
+        expert_add_info(line->pinfo, line->root, &ei_sis_command_unanswered);
+        wmem_strbuf_append(line->marks, "  [no reaction]");
+    }
+}
+
+static void
+show_links(line_t *line)
+{
+    const sisascii_command_t *command = line->unit->command;
+
+    if (command == NULL)
+        return;
+    if (command->frame == line->pinfo->num) {
+        show_command(line, command);
+        return;
+    }
+    add_frame(line, hf_sis_command_in, command->frame);
+    show_time(line);
+}
+
+/* The line that ends an answer completes a read or write of operating data. */
+static void
+tell_access(const line_t *line)
+{
+    const sisascii_command_t *command = access_of(line->unit->command);
+    wmem_allocator_t *pool = line->pinfo->pool;
+    sis_bus_t *bus = sis_exchange_bus(line->pinfo);
+    sis_access_t *access;
+
+    if (line->unit->kind != SISASCII_PROMPT || command == NULL || !command->has_drive ||
+        command->said.element != SIS_ELEMENT_DATA || !sis_access_is_wanted(line->tree))
+        return;
+    access = wmem_new0(pool, sis_access_t);
+    access->is_write = command->said.kind == SISASCII_WRITE;
+    access->bus = bus->number;
+    access->place = sisascii_place(command);
+    access->ident = command->said.ident;
+    access->known = known_of(command);
+    if (line->pinfo->fd->visited)
+        sis_learned_complete(sis_learned_of(bus), &access->place, command->said.ident, &access->known);
+    access->is_refused = command->has_error;
+    if (command->has_error) {
+        access->error = wmem_strdup_printf(pool, "0x%04x %s", command->error, error_text(command->error));
+    } else if (command->count > 0) {
+        const char *value = wmem_strbuf_get_str(command->value);
+
+        access->is_number = command->count == 1 && is_number(value);
+        if (access->is_number) {
+            access->number = g_ascii_strtod(value, NULL);
+            value = with_unit(pool, value, &access->known);
+        }
+        access->value = sis_text_shortened(pool, value, SHOWN_CHARACTERS);
+    }
+    sis_access_tell(access, line->tvb, line->pinfo, line->tree);
+}
+
+static void
+queue_answer(const line_t *line)
+{
+    sisascii_answer_t *answer;
+
+    if (!is_measured(line) || !have_tap_listener(sisascii_tap))
+        return;
+    answer = wmem_new(line->pinfo->pool, sisascii_answer_t);
+    answer->kind = line->unit->command->said.kind;
+    answer->elapsed = line->unit->elapsed;
+    tap_queue_packet(sisascii_tap, line->pinfo, answer);
+}
+
+static unsigned
+length_without_end(tvbuff_t *tvb)
+{
+    unsigned length = tvb_captured_length(tvb);
+
+    while (length > 0 && strchr("\r\n", compat_get_uint8(tvb, length - 1)) != NULL &&
+           compat_get_uint8(tvb, length - 1) != 0)
+        length--;
+    return length;
+}
+
+static int
+dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
+{
+    static const sisascii_unit_t cut = {.kind =
+                                            SISASCII_TEXT}; /* by the capture: it may say something else */
+    proto_item *root = proto_tree_add_item(parent, proto_sisascii, tvb, 0, -1, ENC_NA);
+    line_t line = {.tvb = tvb,
+                   .pinfo = pinfo,
+                   .tree = proto_item_add_subtree(root, ett_sisascii),
+                   .root = root,
+                   .unit = &cut};
+    const char *kind;
+
+    line.length = length_without_end(tvb);
+    line.said.text = sis_text(pinfo->pool, tvb, 0, line.length);
+    line.words = wmem_strbuf_new(pinfo->pool, "");
+    line.marks = wmem_strbuf_new(pinfo->pool, "");
+    line.times = sis_times(tvb, pinfo, tvb_reported_length(tvb), NULL);
+    if (tvb_captured_length(tvb) == tvb_reported_length(tvb)) {
+        read_line(&line.said);
+        line.unit = sisascii_find(pinfo, &line.said, &line.times);
+    }
+    generated(proto_tree_add_uint(line.tree, hf_sisascii_kind, tvb, 0, 0, line.unit->kind));
+    show_drive(&line);
+    show_line(&line);
+    show_links(&line);
+    tell_access(&line);
+    queue_answer(&line);
+    kind = val_to_str_const(line.unit->kind, sis_ascii_kinds, "");
+    proto_item_append_text(root, ", %s%s", kind, wmem_strbuf_get_str(line.words));
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SISASCII");
+    col_add_fstr(pinfo->cinfo, COL_INFO, "%s%s%s", kind, wmem_strbuf_get_str(line.words),
+                 wmem_strbuf_get_str(line.marks));
+    return tvb_captured_length(tvb);
+}
+
+void
+sisascii_register(void)
+{
+    sisascii_tap = register_tap("sisascii");
+    register_dissector("sisascii", dissect_sisascii, proto_sisascii);
+}
+
+void
+sisascii_handoff(void)
+{
+    dissector_add_uint("sertap.framing", 2, find_dissector("sisascii"));
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the parts of the plugin register with Wireshark. register.c calls these; each stands in the file whose
+ * name it has. */
+
+#ifndef SIS_PARTS_H
+#define SIS_PARTS_H
+
+#include "compat.h"
+
+void sertap_register(void); /* packet-sertap.c */
+void sertap_handoff(void);
+void sertap_line_register(void);
+void sertap_statistics_register(void);
+
+void sis_parameters_register(void);
+void sis_address_register(void);
+void sis_routes_register(void);
+void sis_exchange_register(void);
+void sis_pieces_register(void);
+void sis_packet_register(void);
+void sis_packet_handoff(void);
+void sis_export_register(void);
+void sis_before_handoff(void);
+void sis_transports_handoff(void);
+void sis_statistics_register(void);
+void sis_tables_register(void);
+void sis_access_register(void);
+void sis_access_table_register(void);
+void sis_follow_register(void);
+
+void sisascii_register(void);
+void sisascii_handoff(void);
+void sisascii_exchange_register(void);
+void sisascii_statistics_register(void);
+
+void synax_arcnet7f_register(void);
+void synax_arcnet7f_handoff(void);
+void synax_synaxpk_register(void);
+void synax_synaxpk_handoff(void);
+void synax_pieces_register(void);
+void synax_rk512i_register(void);
+void synax_3964r_register(void);
+void synax_3964r_handoff(void);
+void synax_synaxobj_register(void);
+void synax_synaxobj_handoff(void);
+void synax_synaxpcp_register(void);
+void synax_synaxpd_register(void);
+void synax_synaxpd_handoff(void);
+
+#endif

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The description in Python: what sistap needs of it without Wireshark (sistap/sis/codes.py)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from description import Code, Description, Item, Service, runs
+
+HEAD = '''# SPDX-License-Identifier: GPL-2.0-or-later
+"""Codes of services, and what stands in their useful data.
+
+Made by plugin/protocol/generate.py from codes.toml and services.toml: edit there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+
+class Item(NamedTuple):
+    """A part of the useful data: a field of the dissector without "sis.", and its bytes."""
+
+    field: str
+    size: int  # 0: the rest
+    may_be_missing: bool = False
+
+
+class Layout(NamedTuple):
+    """What follows a subservice in a command, and in a good reaction."""
+
+    command: Sequence[Item]
+    reaction: Sequence[Item]
+'''
+
+
+def _numbers(numbers: Iterable[int]) -> str:
+    return ", ".join(f"0x{number:02X}" for number in numbers)
+
+
+def _pairs(pairs: Mapping[int, int]) -> str:
+    return "{" + ", ".join(f"0x{number:02X}: 0x{other:02X}" for number, other in pairs.items()) + "}"
+
+
+def _ranges(numbers: Sequence[int]) -> str:
+    """Return the set of numbers that may be many."""
+    ranges = (f"*range(0x{first:02X}, 0x{last + 1:02X})" for first, last in runs(numbers))
+    return f"frozenset(({', '.join(ranges)}))"
+
+
+def _items(items: Sequence[Item]) -> str:
+    words = [f'Item("{item.field}", {item.size}{", True" if item.may_be_missing else ""})' for item in items]
+    return f"({', '.join(words)}{',' if len(words) == 1 else ''})"
+
+
+def _layouts(services: Iterable[Service]) -> Iterator[str]:
+    for service in services:
+        yield f"    0x{service.number:02X}: {{"
+        for row in service.layouts:
+            yield f"        0x{row.subservice:02X}: Layout({_items(row.command)}, {_items(row.reaction)}),"
+        yield "    },"
+
+
+def codes(description: Description) -> str:
+    """Return codes.py."""
+    services = description.services
+    names: dict[bool, list[Code]] = {True: [], False: []}  # of single services, of ranges
+    for code in description.tables["services"].codes:
+        names[code.first == code.last].append(code)
+    lines = [HEAD, "", "# Services with a name of their own.", "SERVICES = {"]
+    lines += [*(f'    0x{code.first:02X}: "{code.text}",' for code in names[True]), "}", ""]
+    lines += ["# First and last service of a range, and its name, for services without a name of their own."]
+    lines += ["RANGES = (", *(f'    (0x{code.first:02X}, 0x{code.last:02X}, "{code.text}"),' for code in names[False])]
+    lines += [")", "", "# Services whose reactions begin with a status byte (chapter 2.1)."]
+    lines += [f"WITH_STATUS = {_ranges(services.with_status)}", ""]
+    lines += ["# General services with a parameter control byte and a device address first (fig. 8-1)."]
+    lines += [f"WITH_CONTROL = frozenset(({_numbers(services.with_control)}))", ""]
+    lines += ["# Services of product groups that have the layout of a general one (chapter 8)."]
+    lines += ["LIKE: Mapping[int, int] = {"]
+    lines += [*(f"    0x{service:02X}: 0x{general:02X}," for service, general in services.like.items()), "}", ""]
+    lines += ["# The same, but only if a preference of the dissector is set."]
+    lines += ["LIKE_IF_SET: Mapping[str, Mapping[int, int]] = {"]
+    lines += [f'    "{preference}": {_pairs(likes)},' for preference, likes in services.like_if_set.items()]
+    lines += ["}", "", "# By service and subservice (chapters 3, 5 and 6)."]
+    lines += ["LAYOUTS: Mapping[int, Mapping[int, Layout]] = {", *_layouts(services.layouts.values()), "}"]
+    return "\n".join([*lines, ""])
+
+
+NAMES = '''# SPDX-License-Identifier: GPL-2.0-or-later
+"""Names of S parameters by number, as Wireshark's dissector for SERCOS III has them.
+
+Made by plugin/protocol/generate.py from names.toml: edit there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+S_NAMES: Mapping[int, str] = {'''
+
+
+def names(description: Description) -> str:
+    """Return names.py."""
+    rows = (f"    {number}: {_string(name)}," for number, name in description.s_names.items())
+    return "\n".join([NAMES, *rows, "}", ""])
+
+
+FAULTS = '''# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is wrong with a telegram or a record: as the colours and buttons of the profile.
+
+Made by plugin/protocol/generate.py from faults.toml: edit there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class Fault(NamedTuple):
+    """A fault and its tests, of which one must hold: FIELD (it is there), FIELD == NUMBER, or FIELD > NUMBER."""
+
+    name: str
+    short: str  # in a few words
+    title: str
+    tests: Sequence[str]
+    live: Sequence[str] = ()  # tests in their place while a capture runs: what later packets tell is not known then
+
+    @property
+    def filter(self) -> str:
+        """Return the display filter that finds it."""
+        return " || ".join(self.tests)
+
+
+# In the order of the report; where several hold, the first names the packet.
+FAULTS = ('''
+
+
+def _tuple(texts: Sequence[str]) -> str:
+    return f"({', '.join(map(_string, texts))}{',' if len(texts) == 1 else ''})"
+
+
+def _string(text: str) -> str:
+    return '"' + text.replace('"', '\\"') + '"'
+
+
+def faults(description: Description) -> str:
+    """Return faults.py."""
+    lines = [FAULTS]
+    for fault in description.faults:
+        lines += ["    Fault(", *(f"        {_string(text)}," for text in (fault.name, fault.short, fault.title))]
+        lines.append(f"        {_tuple(fault.tests)},")
+        lines += [f"        {_tuple(fault.live)},"] if fault.live else []
+        lines.append("    ),")
+    writes = ", ".join(f"0x{service:02X}" for service in description.with_layout_of([0x1E, 0x1F]))
+    return "\n".join([*lines, ")", "", "# Services that write parameters.", f"WRITES = ({writes})", ""])

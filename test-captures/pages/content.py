@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The course as data for the page in a browser: texts as HTML, what is to be typed, and captures."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from base64 import b64encode
+from hashlib import sha256
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import sistap
+from lesson import recording
+from make import Scenario
+from pages import COURSE, HERE, markdown, questions
+from pages.questions import Ask, Lesson, Question
+
+CAPTURE = Path(sistap.__file__).parents[1]
+# How the text opens its capture in Wireshark; the page has it open.
+_OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
+PAPERS = {"sheet": "The telegram on one page", "poster": "Poster"}
+
+
+def lessons() -> list[Lesson]:
+    """Read all lessons, in their order."""
+    return [questions.read(path) for path in sorted(COURSE.glob("[0-9][0-9]-*.md"))]
+
+
+def content(folder: Path) -> dict[str, Any]:
+    """Return the whole course. Captures that the virtual bus plays are kept in a folder, for the next time."""
+    _, _, words = (HERE / "glossary.md").read_text().partition("\n")
+    papers = [(name, title, (COURSE / f"{name}.svg").read_text()) for name, title in PAPERS.items()]
+    return {
+        "lessons": [_lesson(lesson, folder) for lesson in lessons()],
+        "glossary": markdown.html(words),
+        "papers": papers,
+    }
+
+
+def _lesson(lesson: Lesson, folder: Path) -> dict[str, Any]:
+    scenario = lesson.path.with_suffix(".toml")
+    return {
+        "name": lesson.path.stem,
+        "title": lesson.title,
+        "aim": markdown.inline(lesson.aim),
+        "text": markdown.html(_OPENED.sub("", lesson.text, count=1)),
+        "questions": [_question(question) for question in lesson.questions],
+        "end": markdown.html(lesson.end),
+        "capture": b64encode(capture(lesson, folder).read_bytes()).decode(),
+        "preferences": preferences(lesson),
+        "scenario": scenario.read_text() if scenario.exists() else "",
+        "seconds": _seconds(lesson),
+    }
+
+
+def _question(question: Question) -> dict[str, Any]:
+    return {
+        "number": question.number,
+        "text": markdown.inline(question.text),
+        "lead": markdown.html(question.lead),
+        "hint": markdown.html(question.hint),
+        "answer": markdown.html(question.answer),
+        "asks": [_ask(ask) for ask in question.asks],
+    }
+
+
+def _ask(ask: Ask) -> dict[str, Any]:
+    return {**ask._asdict(), "prompt": markdown.inline(ask.prompt)}
+
+
+def preferences(lesson: Lesson) -> dict[str, str]:
+    """Return what the lesson sets with options of Wireshark."""
+    text = lesson.path.with_suffix(".txt")
+    words = Scenario(text).options if text.exists() else []
+    return dict(word.split(":", 1) for word in words if ":" in word)
+
+
+def _seconds(lesson: Lesson) -> int:
+    """Return how long the bus of a lesson plays; 0 if it has none."""
+    arguments = recording(lesson.path)
+    return int(arguments[arguments.index("--duration") + 1]) if "--duration" in arguments else 0
+
+
+def capture(lesson: Lesson, folder: Path) -> Path:
+    """Return the capture of a lesson. The virtual bus writes one that is not beside it, once a version."""
+    arguments = recording(lesson.path)
+    if not arguments:
+        return lesson.path.with_suffix(".pcapng")
+    written = folder / f"{lesson.path.stem}-{_version(lesson)}.pcapng"
+    if not written.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        for old in folder.glob(f"{lesson.path.stem}-*"):
+            old.unlink(missing_ok=True)
+        with TemporaryDirectory(dir=folder) as ours:  # another process may be making the same
+            part = Path(ours).resolve() / written.name
+            arguments[arguments.index("-w") + 1] = str(part)
+            subprocess.run([sys.executable, "-m", "sistap", *arguments], cwd=CAPTURE, check=True, capture_output=True)
+            part.replace(written)
+    return written
+
+
+def _version(lesson: Lesson) -> str:
+    """Return a word that changes with the scenario, and with what plays it."""
+    rooms = (CAPTURE / "sistap" / room for room in ("bus", "files", "records", "sis"))
+    sources = [path for room in rooms for path in sorted(room.rglob("*.[pt]*")) if path.suffix in (".py", ".toml")]
+    found = sha256(lesson.path.read_bytes())
+    for path in [*sources, lesson.path.with_suffix(".toml")]:
+        if path.exists():
+            found.update(path.read_bytes())
+    return found.hexdigest()[:12]

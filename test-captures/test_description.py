@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The description of the protocol: what is made from it is current, and what makes no sense in it is refused."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import generate
+import pytest
+from description import HERE, Description
+
+DESCRIPTION = Description()
+
+NEW_FIELD = """
+["sis.new.colour"]
+name = "Colour"
+type = "uint8 hex"
+mask = 0x03
+codes = "colours"
+means = "What colour it has"
+"""
+NEW_CODES = """
+[colours]
+about = "Of a service that does not exist."
+[colours.codes]
+0x01 = "Red"
+0x02 = { text = "Blue", constant = "SIS_BLUE" }
+"""
+NEW_EXPERT = """
+["sis.new.grey"]
+group = "protocol"
+severity = "note"
+says = "Grey is no colour"
+means = "The colour is not known."
+do = "Look at the lamp."
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A copy of the description."""
+    for path in HERE.glob("*.toml"):
+        shutil.copy(path, tmp_path)
+    return tmp_path
+
+
+def add(folder: Path, name: str, text: str) -> None:
+    with (folder / name).open("a", encoding="utf-8") as file:
+        file.write(text)
+
+
+def test_what_is_made_from_it_is_current() -> None:
+    stale = [path for path, text in generate.made(DESCRIPTION) if path.read_text("utf-8") != text]
+    assert not stale, "run plugin/protocol/generate.py"
+
+
+def test_what_is_new_appears_everywhere(folder: Path) -> None:
+    add(folder, "fields.toml", NEW_FIELD)
+    add(folder, "codes.toml", NEW_CODES)
+    add(folder, "experts.toml", NEW_EXPERT)
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    assert "extern int hf_sis_new_colour;" in texts["fields.h"]
+    assert "#define SIS_NEW_COLOUR 0x03" in texts["fields.h"]
+    assert (
+        '{&hf_sis_new_colour, {"Colour", "sis.new.colour", FT_UINT8, BASE_HEX, VALS(sis_colours), 0x03, '
+        '"What colour it has", HFILL}},'
+    ) in texts["fields.c"]
+    assert (
+        '{&ei_sis_new_grey, {"sis.new.grey", PI_PROTOCOL, PI_NOTE, "Grey is no colour", EXPFILL}},' in texts["fields.c"]
+    )
+    assert "SIS_BLUE = 0x02," in texts["codes.h"]
+    assert '{0x01, "Red"},\n    {SIS_BLUE, "Blue"},' in texts["codes.c"]
+    script = texts["sis.lua"]
+    assert 'field("sis.new.colour", "Colour", ftypes.UINT8, base.HEX, N.colours, 0x03, "What colour it has")' in script
+    assert 'expert_field("sis.new.grey", "PROTOCOL", "NOTE", "Grey is no colour")' in script
+    assert 'N.colours = {\n  [0x01] = "Red",\n  [K.BLUE] = "Blue",\n}' in script
+
+
+@pytest.mark.parametrize(
+    ("name", "entry", "error"),
+    [
+        ("fields.toml", NEW_FIELD.replace("uint8", "uint7"), "sis.new.colour has an unknown type"),
+        ("fields.toml", NEW_FIELD.replace("mask", "msk"), "sis.new.colour has an unknown type, link or key"),
+        ("fields.toml", NEW_FIELD, "sis.new.colour has codes that codes.toml lacks: colours"),
+        ("experts.toml", NEW_EXPERT.replace("note", "hint"), "sis.new.grey has an unknown severity"),
+        ("experts.toml", NEW_EXPERT.replace("protocol", "colour"), "sis.new.grey has an unknown severity or group"),
+    ],
+)
+def test_an_entry_that_makes_no_sense(folder: Path, name: str, entry: str, error: str) -> None:
+    add(folder, name, entry)
+    with pytest.raises(ValueError, match=error):
+        Description(folder)
+
+
+def test_a_layout_of_what_is_no_field(folder: Path) -> None:
+    path = folder / "services.toml"
+    path.write_text(path.read_text("utf-8").replace('"flash.target ', '"flash.colour '), "utf-8")
+    with pytest.raises(ValueError, match=r"fields.toml has no sis.flash.colour"):
+        Description(folder)
+
+
+def test_a_new_subservice_appears_everywhere(folder: Path) -> None:
+    path = folder / "services.toml"
+    path.write_text(
+        path.read_text("utf-8").replace("0x9F = {}", '0x9E = { command = "flash.address:4 data:*" }'), "utf-8"
+    )
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    assert "{take_flash_address, &hf_sis_flash_address, NULL, 4, false}, {take_data" in texts["services.h"]
+    assert '[0x9E] = {\n      command = {{"flash_address", 4}, {"data", 0}},' in texts["sis.lua"]
+    assert '0x9E: Layout((Item("flash.address", 4), Item("data", 0)), ()),' in texts["codes.py"]
+
+
+def test_a_new_service_needs_no_function(folder: Path) -> None:
+    """Its fields are shown as they say; a field with codes by their texts."""
+    add(folder, "fields.toml", NEW_FIELD.replace("mask = 0x03\n", "").replace("sis.new.colour", "sis.lamp.colour"))
+    add(folder, "codes.toml", NEW_CODES)
+    add(folder, "services.toml", '[layouts.lamp]\nservice = "0x05"\nall = { command = "lamp.colour data:*" }\n')
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    items = "{NULL, &hf_sis_lamp_colour, sis_colours, 1, false}, {NULL, &hf_sis_data, NULL, 0, false}"
+    assert f"{{0x05, NULL, 1, (const sis_layout_t[]){{ \\\n        {{0x00, {{{items}}}" in texts["services.h"]
+    assert (
+        'is_by_layout = true,\n    [0x00] = {\n      command = {{"lamp_colour", 1, false, N.colours},'
+        in texts["sis.lua"]
+    )
+    assert '0x05: {\n        0x00: Layout((Item("lamp.colour", 1), Item("data", 0)), ()),' in texts["codes.py"]
+
+
+def test_a_preference_is_the_same_everywhere(folder: Path) -> None:
+    path = folder / "protocols.toml"
+    path.write_text(path.read_text("utf-8").replace("default = 220", "default = 230"), "utf-8")
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    assert "unsigned pref_3964r_zvz_ms = 230;" in texts["fields.c"]
+    assert 'p3964r.prefs.zvz_ms = Pref.uint("ZVZ in ms", 230,' in texts["sis.lua"]
+
+
+def test_a_fault_is_the_same_everywhere(folder: Path) -> None:
+    """Colours, buttons, the recorder and the report: one of them may not find more than another."""
+    path = folder / "faults.toml"
+    path.write_text(path.read_text("utf-8").replace('["sis.repeat_of"]', '["sis.repeat_of", "sis.new > 3"]'), "utf-8")
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    new = "sis.command.unanswered || sis.repeat_of || sis.new > 3"
+    assert f"@SIS: unanswered or repeated@{new}@" in texts["colorfilters"]
+    assert f'"TRUE","Unanswered","{new}",' in texts["dfilter_buttons"]
+    assert '("sis.repeat_of", "sis.new > 3"),' in texts["faults.py"]
+
+
+def test_every_field_and_expert_item_says_what_it_means() -> None:
+    """The status line, the reference and the report show it."""
+    assert [field.filter for field in DESCRIPTION.fields if not field.means] == []
+    assert [item.filter for item in DESCRIPTION.experts if not (item.means and item.do)] == []
+
+
+def test_single_services_come_first() -> None:
+    """The first entry that fits gives a service its name."""
+    singles = [code.first == code.last for code in DESCRIPTION.tables["services"].codes]
+    assert singles == sorted(singles, reverse=True)
+
+
+@pytest.mark.parametrize("name", ["services", "status"])
+def test_every_code_of_a_byte_has_a_text(name: str) -> None:
+    rows = DESCRIPTION.tables[name].codes
+    assert {code for row in rows for code in range(row.first, row.last + 1)} == set(range(256))
+
+
+def test_filters_are_named_as_wireshark_wants_them() -> None:
+    names = [field.filter for field in DESCRIPTION.fields] + [item.filter for item in DESCRIPTION.experts]
+    assert len(names) == len(set(names))
+    assert all(re.fullmatch(r"[a-z0-9_]+(\.[a-z0-9_]+)+", name) for name in names)
