@@ -7639,8 +7639,8 @@ do
     "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus")
   P.statistics = ""
 
-  -- The packet being dissected, until it is counted: {record, telegrams, accesses}. A telegram: {is_good, is_reaction, service,
-  -- talker, length, there, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
+  -- The packet being dissected, until it is counted: {record, telegrams, accesses}. A telegram: {is_good, is_reaction,
+  -- service, talker, length, there, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
   -- reaction_time}.
   local noted = {}
 
@@ -9457,7 +9457,7 @@ do
   local BUSY_CODE, SERIAL_ERRORS, TELEGRAM_START = 0x0008, 0x01, 0x02
   local DRIVE_ERROR_BIT, DRIVE_LAST_BIT = K.SYNAXPK_DRIVE_ERROR, K.SYNAXPK_DRIVE_LAST
   local FIRST_S_INDEX, S_INDEX_END = 0x2000, 0x3000
-  local SYNAX, INDRADRIVE = 0, 1
+  local SYNAX = 0 -- a layout; IndraDrive's is 1
   local GUESS, MASTER, SLAVE = 0, K.SYNAXPK_MASTER, K.SYNAXPK_SLAVE
   local SENT, RECEIVED = 0, 1 -- pinfo.p2p_dir
 
@@ -10565,7 +10565,7 @@ do
     return command
   end
 
-  local function add_value(command, text)
+  local function keep_value(command, text)
     command.values[#command.values + 1] = text
   end
 
@@ -10586,7 +10586,7 @@ do
     n.bus.list = nil
     look_up(n, command)
     if said.kind ~= WRITE then return end
-    if said.value == ">" then n.bus.list = command else add_value(command, said.value) end
+    if said.value == ">" then n.bus.list = command else keep_value(command, said.value) end
   end
 
   local function begin_open(n)
@@ -10600,7 +10600,7 @@ do
 
     command.list = n.bus.list
     if command.kind == END then return end
-    add_value(command.list, n.said.text)
+    keep_value(command.list, n.said.text)
     n.unit.index = #command.list.values
   end
 
@@ -10632,7 +10632,7 @@ do
     if #command.values == 0 and what and command.drive then
       S.learned_add(n.sis_bus, char(command.drive), command.said.ident, command.drive, what, n.said.text)
     end
-    add_value(command, n.said.text)
+    keep_value(command, n.said.text)
     if #command.values > 1 then n.unit.index = #command.values end
   end
 

@@ -46,7 +46,7 @@ FILES = {
     "lua-fallback/sis.lua": "app/sistap/sis.lua",
 }
 MODULES = "build/windows/module"  # VERSION/sis.dll in it
-PAGES = ("course", "docs", "sis.html")  # in build/, if they were made: the course, the site, the page
+PAGES = ("docs", "sis.html")  # in build/, if they were made: the handbook, and the page with the course
 TEXTS = (".cmd", ".txt")  # with the line ends of Windows
 
 # The source of what is compiled here, as the GPL wants it beside the programs. All else in the bundle is source itself.

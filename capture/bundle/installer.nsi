@@ -47,7 +47,6 @@ Var Result ; for the last page
 ; What the bundle has, so that nothing else in that folder is removed. A test compares it with the bundle.
 !macro RemoveBundle
     RMDir /r "$INSTDIR\app"
-    RMDir /r "$INSTDIR\course"
     RMDir /r "$INSTDIR\docs"
     RMDir /r "$INSTDIR\experimental"
     RMDir /r "$INSTDIR\licences"
@@ -100,9 +99,8 @@ Section
     CreateDirectory "${MENU}"
     !insertmacro Page "README.html" "Read me first"
     !insertmacro Page "CHECKLIST.html" "Checklist, 15 minutes"
-    !insertmacro Page "course\index.html" "Course"
     !insertmacro Page "docs\index.html" "Documentation"
-    !insertmacro Page "sis.html" "Captures in a browser"
+    !insertmacro Page "sis.html" "Captures and course in a browser"
     CreateShortcut "${MENU}\Demo.lnk" "$INSTDIR\demo.cmd" "" "" 0 SW_SHOWMINIMIZED
     CreateShortcut "${MENU}\Uninstall.lnk" "$INSTDIR\uninstall.exe"
     SetOutPath "$DOCUMENTS" ; where the prompt begins

@@ -40,9 +40,10 @@ def sistap(*arguments: str) -> None:
 
 
 def notes() -> str:
-    """Return what is new: the first part of the CHANGELOG."""
-    first = re.split(r"^## ", (HOUSE / "CHANGELOG.md").read_text("utf-8"), flags=re.MULTILINE)[1]
-    return f"# sistap {first.strip()}\n"
+    """Return what is new: the first part of the CHANGELOG. Links to other documents are plain words here."""
+    first = re.split(r"^## .*\n", (HOUSE / "CHANGELOG.md").read_text("utf-8"), flags=re.MULTILINE)[1]
+    words = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", first.strip())
+    return f"# sistap {__version__}\n\n{words}\n"
 
 
 def sums() -> str:
@@ -71,13 +72,15 @@ def main() -> int:
     complete = copied()
     shutil.copyfile(HOUSE / "lua-fallback" / "sis.lua", RELEASE / "sis.lua")
     contents.write_zip(RELEASE / "SIS.zip", ((f"SIS/{file.name}", file) for file in contents.profile()))
-    handbook = BUILD / "docs"
-    pages = ((f"handbook/{path.relative_to(handbook).as_posix()}", path) for path in contents.modules(handbook))
+    handbook = BUILD / "docs"  # in the zip, too: the page looks for docs beside itself
+    pages = ((f"docs/{path.relative_to(handbook).as_posix()}", path) for path in contents.modules(handbook))
     contents.write_zip(RELEASE / f"sistap-{__version__}-handbook.zip", pages)
     demo = RELEASE / "demo.pcapng"
     sistap("bus", SCENARIO, "--seed", SEED, "--faults", FAULTS, "--duration", SECONDS, "-w", str(demo))
     sistap("report", str(demo), "-o", str(RELEASE / "report.html"))
     (RELEASE / "NOTES.md").write_text(notes(), "utf-8")
+    for path in RELEASE.iterdir():  # a capture is private, but this one is of a simulated bus
+        path.chmod(0o644)
     (RELEASE / "SHA256SUMS").write_text(sums(), "utf-8")
     print((RELEASE / "SHA256SUMS").read_text("utf-8"), end="")
     return 0 if complete else 77

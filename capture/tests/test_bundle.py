@@ -31,14 +31,14 @@ DOWNLOADED = (
     "python/lib/encodings/__pycache__/x.pyc wheel/serial/__init__.py "
     "python/lib/pyexpat.pyd wheel/pyarrow/lib.pyd wheel/pyarrow/arrow.lib wheel/pyarrow.libs/msvcp140.dll "
     "wheel/pyarrow-1.dist-info/licenses/LICENSE.txt doc/mingw-w64-common/copyright doc/python3-serial/copyright "
-    "checkout/build/course/index.html checkout/build/sis.html checkout/build/docs/index.html"
+    "checkout/build/sis.html checkout/build/docs/index.html"
 ).split()
 USED = (
     "python.exe python3.dll python314.dll python314._pth vcruntime140.dll lib/os.py lib/encodings/utf_8.py "
     "lib/_socket.pyd lib/pyexpat.pyd lib/libffi-8.dll"
 ).split()
 OURS = "sistap.exe app/sistap/sistap.exe app/sistap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll "
-OURS += "source.zip demo.cmd CHECKLIST.html course/index.html docs/index.html sis.html"
+OURS += "source.zip demo.cmd CHECKLIST.html docs/index.html sis.html"
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ pytestmark = pytest.mark.style
 
 
 def test_generated_pages_are_current() -> None:
-    check = [sys.executable, CAPTURE / "docs" / "generate.py", "--check"]
+    check = [sys.executable, str(CAPTURE / "docs" / "generate.py"), "--check"]
     done = subprocess.run(check, capture_output=True, text=True, check=False)
     assert done.stdout == "" and done.returncode == 0, done.stdout + done.stderr
 

@@ -723,6 +723,7 @@ class EndStation:
 
     address = 8
     initialization = Initialization()
+    terminal = None
 
     def __init__(self) -> None:
         self.heard: list[bytes] = []
@@ -736,6 +737,7 @@ class Passing:
     """Notes what passes a station."""
 
     initialization = Initialization()
+    terminal = None
 
     def __init__(self, station: Router) -> None:
         self.address = station.address
