@@ -22,7 +22,7 @@ INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
 JOINT = "\x1f"  # between several values of a field; no text contains it
 
-_ODD = re.compile(f"[^ -~\t{JOINT}]")  # quick to find, and rare
+_ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
 _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"
 
@@ -38,8 +38,7 @@ def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:
     """Split what tshark prints for one packet, and make its text safe: it may come from elsewhere."""
-    if _ODD.search(line):
-        line = visible(line, keep="\t" + JOINT)
+    line = _ODD.sub(lambda found: visible(found[0]), line)
     return dict(zip(names, line.split("\t"), strict=False))
 
 
