@@ -6596,6 +6596,7 @@ do
     append("number", access.number)
     append("raw", access.is_raw and "true")
     append("data", access.bytes and quoted(gsub(hex(access.bytes), " ", "")))
+    append("text", access.text and quoted(access.text))
     append("name", known.name and quoted(known.name))
     append("unit", known.unit and quoted(known.unit))
     append("minimum", known.minimum and quoted(known.minimum))
@@ -10943,6 +10944,7 @@ do
     local value = concat(command.values, ", ")
 
     if #command.values == 0 then return end
+    access.text = value
     if #command.values == 1 and is_number(value) then
       access.number = value
       value = with_unit(value, access.known)

@@ -122,6 +122,18 @@ def test_all_formats_in_both(readable: Path, tmp_path: Path, monkeypatch: pytest
     assert len(names.splitlines()) == 2
 
 
+def test_limits_look_like_values(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The backup writes 0b0000.0011.0011.1111 where values have groups and blanks: S-0-0032 is 0b0000 0000 0000 0010."""
+    capture = tmp_path / "read.pcapng"
+    write(capture, read((3,)))
+    tabled(readable, monkeypatch, "")
+    fields = ("-T", "fields", "-e", "sis.parameter.minimum", "-e", "sis.parameter.maximum")
+    with Tshark() as in_c, Tshark(plugins=script_folder(readable)) as in_lua:
+        for tshark in (in_c, in_lua):
+            rows = tshark.output("-r", str(capture), "-Y", 'sis.parameter == "S-0-0032"', *fields).splitlines()
+            assert set(rows) == {"0b0000 0000 0000 0000\t0b0000 0011 0011 1111"}
+
+
 def test_names_of_bits(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """S-0-0013 is 0000.1000.1100.0111, and P-0-0192 a list of 0x000F2028 and 0."""
     capture = tmp_path / "read.pcapng"

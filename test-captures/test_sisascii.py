@@ -169,9 +169,10 @@ def test_reads_and_writes_are_counted_like_those_of_sis(tshark: Tshark) -> None:
     found = {int(frame): json.loads(text) for frame, text in (row.split("\t") for row in told.splitlines())}
     feedback = {"station": "21", "device": 21, "parameter": "S-0-0051", "name": STANDARD.split("=")[2]}
     named = feedback | {"name": "Position feedback 1 value", "unit": "mm"}
-    elements = {"station": "21", "device": 21, "parameter": "P-0-4006", "value": "1.0000, 2.5000"}
-    assert found[6] == {"access": "read", **feedback, "value": "12.3456", "number": 12.3456}
-    assert found[16] == {"access": "read", **named, "value": "-7.5000 mm", "number": -7.5}
+    values = "1.0000, 2.5000"
+    elements = {"station": "21", "device": 21, "parameter": "P-0-4006", "value": values, "text": values}
+    assert found[6] == {"access": "read", **feedback, "value": "12.3456", "number": 12.3456, "text": "12.3456"}
+    assert found[16] == {"access": "read", **named, "value": "-7.5000 mm", "number": -7.5, "text": "-7.5000"}
     assert found[32] == {"access": "write", **elements}
     assert found[36] == {"access": "read", **elements}
     assert found[48] == {"access": "write", **named, "error": "0x7004 Operating data cannot be changed"}

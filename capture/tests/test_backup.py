@@ -6,6 +6,7 @@ drive.par has 40 parameters of all formats, with the layout of a backup that Ind
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,19 @@ from sistap.parameters.values import Attribute, decoded, encoded, same
 PAR = Path(__file__).parent / "drive.par"
 CAPTURE = PAR.parents[2] / "test-captures" / "accesses.pcapng"
 TEXT = PAR.read_bytes().decode("latin-1")
+
+
+# A line, what it becomes, how far below it the damage is, and what is wrong.
+UNREADABLE = [
+    ("2000", "2 000", 0, "'2 000' is not a number of 2 bytes"),
+    ("2000", "1e999999999", 0, "'1e999999999' is not a number of 2 bytes"),
+    ("2000", "70000", 0, "'70000' is not a number of 2 bytes"),
+    ("2000", ".", 0, "'.' is not a number of 2 bytes"),
+    ("0000.1000.1100.0111", "0000.1000.1100.0112", 0, "is not binary digits"),
+    ("0x000A0013\r\n|", "0x000A00G3\r\n|", 0, "is not a hexadecimal number"),
+    ("2014-01-02T23:56:52.942499600Z", "2014-02-30T23:56:52.942499600Z", 0, "is not a time"),
+    ("S-0-0390\r\nS-0-0390.0.136", "S-0-390\r\nS-0-0390.0.136", 0, "'S-0-390' is not an ident"),
+]
 
 
 def number_of(line: str) -> int:
@@ -38,7 +52,7 @@ def test_what_a_backup_says() -> None:
     assert saved["S-0-0040"].data == bytes.fromhex("f1ffffff"), "-0.0015 with four decimal places"
     assert saved["P-0-0041"].data == bytes.fromhex("6400"), "500 with the factor 5"
     assert saved["S-0-0138"].unit == "rad/s²"
-    assert saved["S-0-1305.0.1"].data is None, "how a backup writes a time is not known"
+    assert saved["S-0-1305.0.1"].data == bytes.fromhex("c4fcc552 10672d38"), "seconds, nanoseconds"
 
 
 def test_values_come_back() -> None:
@@ -60,14 +74,10 @@ def test_line_ends_of_unix(tmp_path: Path) -> None:
         ("S-0-0001.0.0", "S-0-001", 0, "'S-0-001' is not an ident"),
         ("01100000000100010000000000000001", "0110000000010001000000000000000", 0, "32 binary digits"),
         ("65000\r\n2000\r\n", "65000\r\n", 1, "a value has one line, not 0"),
-        ("2000", "2 000", 0, "'2 000' is not a number of 2 bytes"),
-        ("2000", "1e999999999", 0, "'1e999999999' is not a number of 2 bytes"),
-        ("2000", "70000", 0, "'70000' is not a number of 2 bytes"),
-        ("0000.1000.1100.0111", "0000.1000.1100.0112", 0, "is not binary digits"),
-        ("0x000A0013\r\n|", "0x000A00G3\r\n|", 0, "is not a hexadecimal number"),
         ("20 20 A0004 Initialization", "20 20 A0004 Init", 0, "the text does not have its length"),
         ("S-0-0390\r\nS-0-0390.0.136", "S-0-0390.0.136", -3, "the list does not have its length"),
-        ("S-0-0390\r\nS-0-0390.0.136", "S-0-390\r\nS-0-0390.0.136", 0, "'S-0-390' is not an ident"),
+        ("CSB02.1C\r\n1\r\n", "CSB02.1C\r\n", 1, "address is missing"),
+        *UNREADABLE,
     ],
 )
 def test_damaged(line: str, other: str, at: int, why: str, tmp_path: Path) -> None:
@@ -79,6 +89,74 @@ def test_damaged(line: str, other: str, at: int, why: str, tmp_path: Path) -> No
         drives(path)
     assert why in str(caught.value)
     assert f"line {number}:" in str(caught.value) or "no backup" in why
+
+
+@pytest.mark.parametrize(("line", "other", "at", "why"), UNREADABLE)
+def test_one_value_does_not_cost_the_table(line: str, other: str, at: int, why: str, tmp_path: Path) -> None:
+    """The table needs no values. A comparison does: it would not be complete."""
+    path = tmp_path / "odd.par"
+    path.write_bytes(TEXT.replace(line, other, 1).encode("latin-1"))
+    place = f"line {TEXT[: TEXT.index(line)].count(chr(10)) + 1 + at}:"
+    done = run(tmp_path, "parameters", "--from", path)
+    assert done.returncode == 0
+    assert done.stdout == run(tmp_path, "parameters", "--from", PAR).stdout
+    assert place in done.stderr
+    assert why in done.stderr
+    refused(run(tmp_path, "parameters", CAPTURE, "--against", path), 2, place)
+
+
+def test_many_values_that_cannot_be_read_have_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "odd.par"
+    path.write_bytes(TEXT.replace("\r\n2000\r\n", "\r\n2 000\r\n").replace("1.25\r\n", "1,25\r\n").encode("latin-1"))
+    (line,) = run(tmp_path, "parameters", "--from", path).stderr.splitlines()
+    assert f"line {number_of('2000')}: '2 000'" in line
+    assert "1 more value" in line
+
+
+# As firmware writes backups that have no zero before the point, no names, and blanks behind units.
+TERSE = """\
+SERCOS-ASCII
+2026-11-24 13:00:00
+
+
+7
+|
+P-0-0051.0.0
+
+00000010000100010000000000000001
+Nm/A 
+.0
+655.35
+.80
+|
+P-0-0141.0.0
+
+00000010001000010000000000000001
+--
+-.05
+.05
+-.05
+|
+S-0-0032.0.0
+
+01000000000000010000000000000001
+--
+--
+0b0000001100111111
+0000000000000010
+|
+"""
+
+
+def test_a_terse_backup(tmp_path: Path) -> None:
+    path = tmp_path / "terse.par"
+    path.write_text(TERSE)
+    assert [one.data for one in drives(path)[0].parameters] == [b"\x50\0", b"\xfb\xff", b"\x02\0"]
+    assert run(tmp_path, "parameters", "--from", path).stdout.splitlines() == [
+        '"P","0051","","Nm/A","0x02110001","0.00 Nm/A","655.35 Nm/A",""',
+        '"P","0141","","","0x02210001","-0.05","0.05",""',
+        '"S","0032","","","0x40010001","","0b0000 0011 0011 1111",""',
+    ]
 
 
 def test_every_cut(tmp_path: Path) -> None:
@@ -100,6 +178,10 @@ def test_the_table_of_a_station(tmp_path: Path) -> None:
     lines = done.stdout.splitlines()
     assert len(lines) == 40
     assert lines[1] == '"S","0001","NC cycle time (TNcyc)","us","0x60110001","250 us","65000 us","3/2"'
+    assert (
+        '"S","0032","Primary operation mode","","0x40010001","0b0000 0000 0000 0000","0b0000 0011 0011 1111","3/2"'
+        in lines
+    )
     assert '"S","0390.0.136","Diagnostic message number, list","","0x70360001","","","3/2"' in lines
     assert '"S","1-0100","Velocity loop proportional gain, set 1"' in done.stdout
     assert lines[16].startswith(r'"S","0138","Bipolar acceleration limit value","rad/s\xc2\xb2","0x03120001"')
@@ -116,6 +198,14 @@ def test_several_drives(tmp_path: Path) -> None:
     refused(run(tmp_path, "parameters", "--from", two, "--station", "3"), 2, "has no drive 3: --station is one of 1, 7")
 
 
+@pytest.mark.parametrize("address", ["foo", "300", "", "3/2/"])
+def test_the_addresses_of_several_drives_are_stations(address: str, tmp_path: Path) -> None:
+    two = tmp_path / "two.par"
+    two.write_bytes((TEXT + TEXT.replace("CSB02.1C\r\n1\r\n", f"CSB02.1C\r\n{address}\r\n")).encode("latin-1"))
+    place = f"line {TEXT.count(chr(10)) + 5}: '{address}' is not the address of a drive"
+    refused(run(tmp_path, "parameters", "--from", two), 2, place)
+
+
 def test_what_differs_from_a_backup(tmp_path: Path) -> None:
     """Accesses.txt writes S-0-0047 as 05 02 03 04 to device 5, and as 11 22 33 44 to device 6: 4 decimal places."""
     done = run(tmp_path, "parameters", CAPTURE, "--against", PAR)
@@ -123,14 +213,81 @@ def test_what_differs_from_a_backup(tmp_path: Path) -> None:
     assert done.stdout.splitlines() == [
         "3 device 5  S-0-0047 (Position command value)  12.3456 Deg -> 6730.5989 Deg  written by 16 in packet 28",
         "3 device 6  S-0-0047 (Position command value)  12.3456 Deg -> 114420.1745 Deg  written by 16 in packet 32",
-        "2 of 2 parameters differ from the backup",
+        "2 of 2 parameters of station 3 differ from the backup",
     ]
     same = tmp_path / "same.par"
     same.write_bytes(TEXT.replace("\r\n12.3456\r\n", "\r\n6730.5989\r\n").encode("latin-1"))
     done = run(tmp_path, "parameters", CAPTURE, "--against", same)
-    assert done.stdout.splitlines()[-1] == "1 of 2 parameters differ from the backup"
-    done = run(tmp_path, "parameters", CAPTURE, "--against", same, "--station", "9")
-    assert done.stdout.splitlines() == ["0 of 0 parameters differ from the backup"]
+    assert done.stdout.splitlines()[-1] == "1 of 2 parameters of station 3 differ from the backup"
+
+
+# Ascii.txt reads S-0-0051 as -7.5000, writes 0x0010 to P-0-0004, and the list P-0-4006 as 1.0000 and 2.5000.
+TYPED = """\
+SERCOS-ASCII
+2026-11-24 13:00:00
+Axis
+DKC
+21
+|
+S-0-0051.0.0
+Position feedback
+00000100001000100000000000000001
+mm
+--
+--
+-7.5
+|
+P-0-0004.0.0
+Control word
+00000000001100010000000000000001
+--
+--
+--
+0x0011
+|
+P-0-4006.0.0
+Positions
+00000100001001100000000000000001
+mm
+--
+--
+8
+64
+1.0000
+2.5000
+"""
+
+
+def test_values_of_the_ascii_protocol_are_compared_by_their_number(tmp_path: Path) -> None:
+    """Both protocols write numbers with more or fewer zeros; what is no value of its attribute differs, too."""
+    par = tmp_path / "typed.par"
+    par.write_text(TYPED)
+    ascii_ = CAPTURE.with_name("ascii.pcapng")
+    changed = "21 device 21  P-0-0004 (Control word)  0x0011 -> 0x0010  written by ASCII in packet 21"
+    done = run(tmp_path, "parameters", ascii_, "--against", par)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines() == [changed, "1 of 3 parameters of station 21 differ from the backup"]
+    par.write_text(TYPED.replace("00110001", "00010001").replace("0x0011", "17").replace("2.5000", "2.5001"))
+    assert run(tmp_path, "parameters", ascii_, "--against", par).stdout.splitlines() == [
+        changed.replace("0x0011", "17"),
+        "21 device 21  P-0-4006 (Positions)  1.0000, 2.5001 mm -> 1.0000, 2.5000 mm  written by ASCII in packet 32",
+        "2 of 3 parameters of station 21 differ from the backup",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "other", "options", "why"),
+    [
+        ("", "", ("--station", "9"), "the backup is of station 9, and the capture has values of stations 3, 4/8"),
+        ("S-0-0047.0.0", "S-0-3047.0.0", (), "no value of a parameter that the backup has"),
+    ],
+)
+def test_nothing_compared_is_not_all_well(
+    line: str, other: str, options: Sequence[str], why: str, tmp_path: Path
+) -> None:
+    par = tmp_path / "drive.par"
+    par.write_bytes(TEXT.replace(line, other, 1).encode("latin-1"))
+    refused(run(tmp_path, "parameters", CAPTURE, "--against", par, *options), 2, why)
 
 
 @pytest.mark.parametrize(

@@ -417,6 +417,7 @@ tell_access(const line_t *line)
     } else if (command->count > 0) {
         const char *value = wmem_strbuf_get_str(command->value);
 
+        access->text = value;
         access->is_number = command->count == 1 && is_number(value);
         if (access->is_number) {
             access->number = g_ascii_strtod(value, NULL);

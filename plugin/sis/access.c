@@ -121,6 +121,7 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
         wmem_strbuf_append(json, ",\"raw\":true");
     if (access->data != NULL)
         append_text(json, "data", hex_text(scope, access->data));
+    append_text(json, "text", access->text);
     append_text(json, "name", access->known.name);
     append_text(json, "unit", access->known.unit);
     append_text(json, "minimum", access->known.minimum);

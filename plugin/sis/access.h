@@ -22,6 +22,7 @@ typedef struct {
     bool is_number;
     double number; /* the number in `value` */
     tvbuff_t *data;
+    const char *text;  /* of the ASCII protocol, all of it: elements with ", " between; NULL: none */
     const char *error; /* of a refused access */
 } sis_access_t;
 

@@ -36,6 +36,12 @@ class Access(NamedTuple):
     minimum: str
     maximum: str
     is_raw: bool = False  # the value is bytes, because its attribute is not known
+    text: str | None = None  # of the ASCII protocol, instead of data: elements of a list with ", " between
+
+    @property
+    def whole(self) -> str | None:
+        """Return all of the value, not to show but to compare: `value` may be cut off. None: it is not known."""
+        return self.text if self.data is None else self.data
 
     @property
     def by(self) -> str:
@@ -62,4 +68,5 @@ def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
             minimum=said.get("minimum", ""),
             maximum=said.get("maximum", ""),
             is_raw=said.get("raw", False),
+            text=said.get("text"),
         )

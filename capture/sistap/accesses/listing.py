@@ -86,13 +86,13 @@ class Listed:
             self.greatest = access
 
     def _follow(self, place: Place, access: Access) -> Change | None:
-        """Remember the present value of the parameter. Bytes are compared: a text may be cut off."""
+        """Remember the present value of the parameter. All of it is compared: what is shown may be cut off."""
         before, digest_before = self.value, self.digest
-        if access.data is not None:
-            self.value, self.digest = access.value, hashlib.blake2b(access.data.encode(), digest_size=16).digest()
+        if access.whole is not None:
+            self.value, self.digest = access.value, hashlib.blake2b(access.whole.encode(), digest_size=16).digest()
         elif access.is_write:
             self.value = None  # a part of it
-        is_same = access.data is not None and before is not None and self.digest == digest_before
+        is_same = access.whole is not None and before is not None and self.digest == digest_before
         return Change(place, access, before) if access.is_write and not is_same else None
 
 

@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import MOST, Place
 from sistap.parameters.backup import Drive, Saved
 from sistap.parameters.reading import Found
-from sistap.parameters.values import decoded, same, without_lengths
+from sistap.parameters.values import Unreadable, decoded, encoded, same, without_lengths
 from sistap.sis.telegram import shown
+from sistap.wireshark.rows import NotACapture
 
 
 class _Last(NamedTuple):
@@ -23,20 +24,72 @@ class _Last(NamedTuple):
 
 
 def lines(saved: Sequence[tuple[str, Drive]], accesses: Iterable[Found]) -> Iterator[str]:
-    """Yield a line for each parameter that differs; the drives have their stations, "" is every station."""
+    """Yield a line for each parameter that differs; the drives have their stations, "" is every station.
+
+    Raise NotACapture if nothing was compared: that is not the same as no difference.
+    """
     backups = {station: {one.ident: one for one in drive.parameters} for station, drive in saved}
-    compared = differing = 0
-    for parameter, last in sorted(_last(accesses).items()):
+    found = _last(accesses)
+    compared: list[str] = []  # the station of each parameter
+    differing = 0
+    for parameter, last in sorted(found.items()):
         backup = backups.get(parameter.station, backups.get("", {})).get(parameter.ident)
-        data = bytes.fromhex(last.access.data or "")
         if backup is None or backup.data is None or backup.attribute.is_read_only:
             continue
-        compared += 1
-        now = without_lengths(backup.attribute, data)
-        if not same(backup.attribute, now, backup.data):
+        compared.append(parameter.station)
+        now, shown_now = _now(backup, last.access)
+        if now is None or not same(backup.attribute, now, backup.data):
             differing += 1
-            yield _line(parameter, last, backup, now)
-    yield f"{differing} of {compared} parameters differ from the backup"
+            yield _line(parameter, last, backup, shown_now or last.access.value)
+    if not compared:
+        raise NotACapture(_why_nothing(backups, found))
+    yield f"{differing} of {len(compared)} parameters of {_stations(compared)} differ from the backup"
+
+
+def _stations(stations: Iterable[str]) -> str:
+    """Return them in words."""
+    several = sorted(set(stations), key=lambda station: (len(station), station))
+    return f"station{'' if len(several) == 1 else 's'} {', '.join(several)}"
+
+
+def _why_nothing(backups: Mapping[str, object], found: Iterable[Parameter]) -> str:
+    stations = {parameter.station for parameter in found}
+    if not stations:
+        return "nothing was compared: the capture has no value of a parameter"
+    if "" in backups or stations & backups.keys():
+        return (
+            "nothing was compared: the capture has no value of a parameter that the backup has and a master can write"
+        )
+    return (
+        f"nothing was compared: the backup is of {_stations(backups)}, and the capture has values of "
+        f"{_stations(stations)}: choose with --station"
+    )
+
+
+def _now(backup: Saved, access: Access) -> tuple[bytes | None, str]:
+    """Return the value on the bus: its bytes (None: it is no value of its attribute), and as a backup writes it.
+
+    The text is empty if the bytes do not fit the attribute.
+    """
+    attribute = backup.attribute
+    if access.data is not None:
+        data = without_lengths(attribute, bytes.fromhex(access.data))
+        return data, _as_saved(backup, data)
+    text = access.text or ""
+    try:
+        texts = [text] if attribute.is_text or not attribute.is_list else text.split(", ")
+        elements = [encoded(attribute, one) for one in texts]
+    except Unreadable:
+        return None, shown(text)
+    whole = b"".join(one for one in elements if one is not None)
+    return (whole, _as_saved(backup, whole)) if None not in elements else (None, shown(text))
+
+
+def _as_saved(backup: Saved, data: bytes) -> str:
+    """Return bytes as a backup writes them, with the unit; empty if they do not fit the attribute."""
+    text = decoded(backup.attribute, data)
+    unit = f" {backup.unit}" if backup.unit and backup.attribute.has_unit else ""
+    return shown(f"{text}{unit}") if text else ""
 
 
 def _last(accesses: Iterable[Found]) -> dict[Parameter, _Last]:
@@ -45,19 +98,15 @@ def _last(accesses: Iterable[Found]) -> dict[Parameter, _Last]:
     for one in accesses:
         place, access = one
         before = found.get(access.parameter)
-        if access.data is None or access.error or (before is None and len(found) == MOST):
+        if access.whole is None or access.error or (before is None and len(found) == MOST):
             continue
         found[access.parameter] = _Last(place, access, one if access.is_write else before and before.written)
     return found
 
 
-def _line(parameter: Parameter, last: _Last, backup: Saved, data: bytes) -> str:
-    unit = f" {shown(backup.unit)}" if backup.unit and backup.attribute.has_unit else ""
-    now = decoded(backup.attribute, data)
-    then = decoded(backup.attribute, backup.data or b"")
-    value = last.access.value if now is None else f"{shown(now)}{unit}"
+def _line(parameter: Parameter, last: _Last, backup: Saved, now: str) -> str:
     words = [f"{parameter.station} device {parameter.device}", f"{parameter.ident} ({shown(backup.name)})"]
-    words.append(f"{shown(then or '')}{unit} -> {value}")
+    words.append(f"{_as_saved(backup, backup.data or b'')} -> {now}")
     if last.written:
         words.append(f"written by {last.written.access.by} in packet {last.written.place.packet}")
     else:

@@ -7,7 +7,7 @@ Such a file has one drive or several, each with a head of five lines. A line "|"
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +22,7 @@ _HEAD = ("date and time", "name", "type", "address")
 _PARTS = ("ident", "name", "attribute", "unit", "minimum", "maximum", "value")
 _IDENT = re.compile(r"([SP]-[0-7]-\d{4})(\.\d{1,3}\.\d{1,3})?")
 _TEXT = re.compile(r"(\d+) (\d+)(?: (.*))?", re.DOTALL)
+_MOST_STATIONS = 8  # in a route
 
 
 class Damaged(Exception):
@@ -50,13 +51,24 @@ class Drive(NamedTuple):
     parameters: Sequence[Saved]
 
 
-def drives(path: Path) -> list[Drive]:
-    """Read a backup. Raise Damaged."""
+def is_station(text: str) -> bool:
+    """Tell whether this is a station, perhaps behind routers: "3", "3/2/8"."""
+    stations = text.split("/")
+    return len(stations) <= _MOST_STATIONS and all(
+        re.fullmatch(r"\d{1,3}", one, re.ASCII) and int(one) <= 255 for one in stations
+    )
+
+
+def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[Drive]:
+    """Read a backup. Raise Damaged.
+
+    A value that cannot be read is damage, too. Or, if someone wants to know of such values (`unreadable`), it is None.
+    """
     try:
         text = path.read_bytes().decode("latin-1")
     except OSError as error:
         raise Damaged(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
-    reader = _Reader(path, text)
+    reader = _Reader(path, text, unreadable)
     if not text.startswith(MARK):
         raise Damaged(f"{path} is no backup: its first line is not {MARK}; save the parameters as .par with IndraWorks")
     found = []
@@ -68,8 +80,9 @@ def drives(path: Path) -> list[Drive]:
 class _Reader:
     """The lines of a file, and where it is damaged."""
 
-    def __init__(self, path: Path, text: str) -> None:
+    def __init__(self, path: Path, text: str, unreadable: Callable[[str], None] | None) -> None:
         self._path = path
+        self._unreadable = unreadable
         self._lines = re.split(r"\r?\n", text.rstrip("\r\n"))
         self._at = 0
 
@@ -77,6 +90,11 @@ class _Reader:
     def has_more(self) -> bool:
         """Tell whether a line is left."""
         return self._at < len(self._lines)
+
+    @property
+    def has_several(self) -> bool:
+        """Tell whether there are several drives."""
+        return self._lines.count(MARK) > 1
 
     @property
     def line(self) -> str:
@@ -105,17 +123,30 @@ class _Reader:
 
     def damaged(self, why: str, back: int = 0) -> Damaged:
         """Return the error of this line, or of one before it."""
-        return Damaged(f"{self._path}, line {self._at + 1 - back}: {visible(why)}; save the backup again")
+        return Damaged(f"{self._told(why, back)}; save the backup again")
+
+    def unreadable(self, why: str, back: int) -> None:
+        """Tell of a value that cannot be read. Raise Damaged if nobody wants to know."""
+        told = self._told(why, back)
+        if self._unreadable is None:
+            raise Damaged(f"{told}; save the backup again, or delete this parameter from a copy of it")
+        self._unreadable(told)
+
+    def _told(self, why: str, back: int) -> str:
+        return f"{self._path}, line {self._at + 1 - back}: {visible(why)}"
 
 
 def _drive(reader: _Reader) -> Drive:
     reader.skip(MARK)
-    _, name, kind, address = (reader.take(what) for what in _HEAD)
+    _, name, kind, address = (reader.take(what).strip() for what in _HEAD)
+    if reader.has_several and not is_station(address):
+        raise reader.damaged(f"'{address}' is not the address of a drive, 0 to 255", 1)
     parameters = []
     while reader.has_more and reader.line != MARK:
         reader.skip(_BEGIN)
-        parameters.append(_saved(reader))
-    return Drive(name.strip(), kind.strip(), address.strip(), parameters)
+        if reader.has_more and reader.line != MARK:  # some backups end with a line "|"
+            parameters.append(_saved(reader))
+    return Drive(name, kind, address, parameters)
 
 
 def _saved(reader: _Reader) -> Saved:
@@ -128,7 +159,7 @@ def _saved(reader: _Reader) -> Saved:
     attribute = Attribute(int(bits, 2))
     structure = "" if found[2] in (None, ".0.0") else found[2]
     values, data = _value(reader, attribute)
-    unit, minimum, maximum = ("" if text == NOTHING else text for text in (unit, minimum, maximum))
+    unit, minimum, maximum = ("" if text == NOTHING else text.rstrip() for text in (unit, minimum, maximum))
     return Saved(found[1] + structure, name, attribute, unit, minimum, maximum, values, data)
 
 
@@ -166,4 +197,5 @@ def _encoded(reader: _Reader, attribute: Attribute, text: str, back: int) -> byt
     try:
         return encoded(attribute, text)
     except Unreadable as error:
-        raise reader.damaged(str(error), back) from None
+        reader.unreadable(str(error), back)
+        return None

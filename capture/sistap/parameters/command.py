@@ -11,7 +11,7 @@ from sistap.accesses.listing import MOST, Listing
 from sistap.captures.joining import check_captures
 from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.parameters import against, user_table, writing
-from sistap.parameters.backup import Damaged, Drive, drives
+from sistap.parameters.backup import Damaged, Drive, drives, is_station
 from sistap.parameters.reading import Found, found
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -38,7 +38,8 @@ not the value of the list. Stations with the same address at different ports are
 With --from, the output is the file "sis_parameters" of a profile of Wireshark: names, units, attributes and limits of
 all parameters, for the plugin and for sis.lua. Without --station, the rows are for every station. If the backup has
 several drives, the address of each is its station, and --station chooses one. With --against, the last value of each
-parameter in the capture is compared with the backup. Parameters that nobody can write are left out.
+parameter in the capture is compared with the backup. Parameters that nobody can write are left out. Without --station,
+a backup of one drive is compared with every station: the last line names them.
 
 examples:
   sistap parameters day.pcapng                              the list
@@ -51,7 +52,7 @@ examples:
 exit status:
   0  done; a message on standard error says if the end of a capture is missing
   1  failed while running: tshark or the plugin is missing, disk full
-  2  wrong usage, a CAPTURE or backup that cannot be read, or a FILE that cannot be written
+  2  wrong usage, a CAPTURE or backup that cannot be read, nothing to compare, or a FILE that cannot be written
 """
 
 
@@ -75,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         _check(args)
         if args.backup:
-            _write_table(args)
+            _write_table(args, console)
         else:
             _write_accesses(args, console)
     except (UsageError, NotACapture, NotOpened, Damaged) as error:
@@ -87,29 +88,32 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _write_table(args: argparse.Namespace) -> None:
-    lines = [line for station, drive in _stations(args, args.backup) for line in user_table.lines(drive, station)]
+def _write_table(args: argparse.Namespace, console: Console) -> None:
+    unreadable: list[str] = []
+    saved = _stations(args, drives(args.backup, unreadable.append))
     with opened(args.output, [args.backup], force=args.force) as file:
-        file.writelines(f"{line}\n".encode() for line in lines)
+        file.writelines(f"{line}\n".encode() for station, drive in saved for line in user_table.lines(drive, station))
+    if unreadable:
+        more = f", and so are {len(unreadable) - 1} more values" if len(unreadable) > 1 else ""
+        console.say(f"{unreadable[0]}{more}; the table is complete, because it needs no values")
 
 
 def _write_accesses(args: argparse.Namespace, console: Console) -> None:
-    saved = _stations(args, args.against) if args.against else []
+    saved = _stations(args, drives(args.against)) if args.against else []
     with Tshark() as tshark, opened(args.output, args.captures, force=args.force) as file:
         came = found(tshark, args.captures, console.say)
         lines = against.lines(saved, came) if args.against else _lines(args, came, console)
         file.writelines(f"{line}\n".encode() for line in lines)
 
 
-def _stations(args: argparse.Namespace, backup: Path) -> Sequence[tuple[str, Drive]]:
-    """Return the drives of a backup with their stations; "" is every station. Raise Damaged or NotACapture."""
-    found_drives = drives(backup)
+def _stations(args: argparse.Namespace, found_drives: Sequence[Drive]) -> Sequence[tuple[str, Drive]]:
+    """Return the drives of a backup with their stations; "" is every station. Raise NotACapture."""
     if len(found_drives) == 1:
         return [(args.station or "", found_drives[0])]
     several = [(drive.address, drive) for drive in found_drives if args.station in (None, drive.address)]
     if not several:
         addresses = ", ".join(drive.address for drive in found_drives)
-        raise NotACapture(f"{backup} has no drive {args.station}: --station is one of {addresses}")
+        raise NotACapture(f"{args.backup or args.against} has no drive {args.station}: --station is one of {addresses}")
     return several
 
 
@@ -122,7 +126,7 @@ def _check_usage(args: argparse.Namespace) -> None:
         raise NotACapture("--against has an output of its own: leave out --changes and --csv")
     if args.station is not None and not (args.backup or args.against):
         raise NotACapture("--station belongs to --from or --against")
-    if args.station is not None and not user_table.is_station(args.station):
+    if args.station is not None and not is_station(args.station):
         raise NotACapture("--station is an address from 0 to 255, behind routers such as 3/2/8")
 
 

@@ -3,23 +3,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 from sistap.parameters.backup import Drive, Saved
 from sistap.parameters.values import shown_limit
 from sistap.sis.telegram import shown
 
-_MOST_STATIONS = 8  # in a route
 _PLAIN = frozenset(range(0x20, 0x7F)) - frozenset(b'"\\')
-
-
-def is_station(text: str) -> bool:
-    """Tell whether this is a station, perhaps behind routers: "3", "3/2/8"."""
-    stations = text.split("/")
-    return len(stations) <= _MOST_STATIONS and all(
-        re.fullmatch(r"\d{1,3}", one, re.ASCII) and int(one) <= 255 for one in stations
-    )
 
 
 def lines(drive: Drive, station: str) -> Iterator[str]:

@@ -7,14 +7,17 @@ import math
 import re
 import struct
 from collections.abc import Callable, Mapping
+from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 from typing import NamedTuple
 
 _SIZES = (0, 2, 4, 8, 1, 2, 4, 8)  # of a value in bytes, by the code of its length; from 4 on it is a list
-_BINARY, _UNSIGNED, _SIGNED, _HEX, _TEXT, _IDENT, _FLOAT = range(7)
+_BINARY, _UNSIGNED, _SIGNED, _HEX, _TEXT, _IDENT, _FLOAT, _TIME = range(8)
 _LIST_HEADER = 4  # actual and maximum length of a list, two bytes each
 _KINDS = {"S": 0, "P": 0x8000}
-_DECIMAL = re.compile(r"[+-]?\d{1,40}(\.\d{1,40})?", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?(\d{1,40}(\.\d{1,40})?|\.\d{1,40})", re.ASCII)  # some backups write .80
+_UTC = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(?:\.(\d{1,9}))?Z", re.ASCII)
+_1970 = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 class Unreadable(Exception):
@@ -94,7 +97,15 @@ def _float(text: str, attribute: Attribute) -> bytes:
     return struct.pack("<d" if attribute.size == 8 else "<f", float(text))
 
 
-# By format; that of a time is not known.
+def _time(text: str, attribute: Attribute) -> bytes:
+    """Return four bytes of seconds since 1970, and four of nanoseconds."""
+    found = _UTC.fullmatch(text)
+    if not found or attribute.size != 8:
+        raise ValueError
+    seconds = int((datetime.fromisoformat(f"{found[1]}+00:00") - _1970).total_seconds())
+    return struct.pack("<II", seconds, int((found[2] or "").ljust(9, "0")))
+
+
 _WRITTEN: Mapping[int, tuple[Callable[[str, Attribute], bytes], str]] = {
     _BINARY: (_bits, "binary digits such as 0000.0001"),
     _UNSIGNED: (_number, "a number"),
@@ -102,11 +113,14 @@ _WRITTEN: Mapping[int, tuple[Callable[[str, Attribute], bytes], str]] = {
     _HEX: (_hexadecimal, "a hexadecimal number such as 0x12AB"),
     _IDENT: (_ident, "an ident such as S-0-0001"),
     _FLOAT: (_float, "a number"),
+    _TIME: (_time, "a time such as 2026-11-23T21:00:00.5Z"),
 }
 
 
 def encoded(attribute: Attribute, text: str) -> bytes | None:
     """Return the bytes of a value; None if it is not known how such values are written. Raise Unreadable."""
+    if attribute.is_text:
+        return text.encode("latin-1", errors="replace")
     write, what = _WRITTEN.get(attribute.format, (None, ""))
     if write is None or attribute.size == 0:
         return None
@@ -134,6 +148,9 @@ def _decoded_one(attribute: Attribute, data: bytes) -> str:
         return f"{'P' if raw & 0x8000 else 'S'}-{raw >> 12 & 7}-{raw & 0xFFF:04}{structure}"
     if attribute.format == _FLOAT and attribute.size in (4, 8):
         return f"{struct.unpack('<d' if attribute.size == 8 else '<f', data)[0]:.7g}"
+    if attribute.format == _TIME and attribute.size == 8:
+        seconds, ns = struct.unpack("<II", data)
+        return f"{_1970 + timedelta(seconds=seconds):%Y-%m-%dT%H:%M:%S}.{ns:09}Z"
     return f"0x{raw:0{attribute.size * 2}X}"
 
 
@@ -150,9 +167,14 @@ def decoded(attribute: Attribute, data: bytes) -> str | None:
 
 def shown_limit(attribute: Attribute, limit: str, unit: str) -> str:
     """Return a limit of a backup as the dissector shows it: binary digits in groups, numbers with their unit."""
-    if limit and attribute.format == _BINARY:
-        return "0b" + limit.replace(".", " ")
-    return f"{limit} {unit}" if limit and unit and attribute.has_unit else limit
+    try:
+        data = encoded(attribute, limit) if limit else None
+    except Unreadable:
+        data = None
+    shown = limit if data is None else decoded(attribute, data) or limit
+    if data is not None and attribute.format == _BINARY:
+        return "0b" + shown.replace(".", " ")
+    return f"{shown} {unit}" if shown and unit and attribute.has_unit else shown
 
 
 def same(attribute: Attribute, one: bytes, other: bytes) -> bool:
