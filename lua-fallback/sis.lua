@@ -4606,7 +4606,11 @@ do
       check_status_request(access, data)
       return
     end
+    local exchange = body.record and body.record.exchange
+
+    data.path = exchange and exchange.from.path
     local text = S.add_element(tree, body.pinfo, data, access.element, access.ident, access.known, is_whole)
+
     if text then
       S.say(body, " = %s", text)
     else
@@ -6421,7 +6425,7 @@ do
   local function add_value_item(tree, data, at, layout, value, words, bytes)
     local item = add(tree, F.value, data.tvb, data.offset + at, layout.size, value, words)
     local ident = tree and read_ident(bytes, at + 1, layout)
-    local name = ident and S.known_from_tables(ident).name
+    local name = ident and S.known_from_tables(ident, data.path).name
 
     if name then append_text(item, " (" .. name .. ")") end
     if tree and layout.bits then add_named_bits(item, data, at, layout, bytes) end
@@ -6524,7 +6528,7 @@ do
   -- Adds the data of an element: bytes as sis.data, and their meaning as far as known. Returns a short text for the
   -- packet list ("12.5000 rpm", "\"Velocity command value\""), nil if bytes are the best. `is_whole` is false for a
   -- segment of a list; `ident` is nil if the command is unknown. `data.is_big`: in the byte order of other
-  -- transports.
+  -- transports. `data.path`: the stations to the device; nil if unknown.
   function S.add_element(tree, _, data, element, ident, known, is_whole)
     if data.length == 0 then return nil end
     add(tree, F.data, data.tvb, data.offset, data.length)

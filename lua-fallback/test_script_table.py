@@ -123,7 +123,7 @@ def test_all_formats_in_both(readable: Path, tmp_path: Path, monkeypatch: pytest
 
 
 def test_limits_look_like_values(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The backup writes 0b0000.0011.0011.1111 where values have groups and blanks: S-0-0032 is 0b0000 0000 0000 0010."""
+    """The backup writes 0b0000.0011.0011.1111, where values have blanks between groups."""
     capture = tmp_path / "read.pcapng"
     write(capture, read((3,)))
     tabled(readable, monkeypatch, "")
@@ -160,3 +160,22 @@ def test_a_table_of_one_station(readable: Path, tmp_path: Path, monkeypatch: pyt
         parity.check(in_c, in_lua, capture)
         found = in_c.output("-r", str(capture), "-Y", "sis.parameter.minimum", "-T", "fields", "-e", "sis.receiver")
     assert set(found.split()) == {"3"}
+
+
+def test_idents_in_lists_have_the_names_of_their_station(
+    readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A backup of several drives has a station in each row. S-0-0017 of the backup lists S-0-0390."""
+    capture = tmp_path / "read.pcapng"
+    write(capture, read((3, 4)))
+    more = ['"S","0017","","","0x70560001","","","4"', '"S","0390","Number of the fault","","0","","","4"']
+    tabled(readable, monkeypatch, "3", *more)
+    show = ("-r", str(capture), "-Y", 'sis.parameter == "S-0-0017"', "-V")
+    with Tshark() as in_c, Tshark(plugins=script_folder(readable)) as in_lua:
+        parity.check(in_c, in_lua, capture)
+        for tshark in (in_c, in_lua):
+            lines = [line.strip() for line in tshark.output(*show).splitlines() if ": S-0-0390 " in line]
+            assert lines == [
+                "Element 2: S-0-0390 (Diagnostic message number)",
+                "Element 2: S-0-0390 (Number of the fault)",
+            ]

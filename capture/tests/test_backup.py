@@ -124,7 +124,7 @@ SERCOS-ASCII
 P-0-0051.0.0
 
 00000010000100010000000000000001
-Nm/A 
+Nm/A{blank}
 .0
 655.35
 .80
@@ -150,7 +150,7 @@ S-0-0032.0.0
 
 def test_a_terse_backup(tmp_path: Path) -> None:
     path = tmp_path / "terse.par"
-    path.write_text(TERSE)
+    path.write_text(TERSE.replace("{blank}", " "))
     assert [one.data for one in drives(path)[0].parameters] == [b"\x50\0", b"\xfb\xff", b"\x02\0"]
     assert run(tmp_path, "parameters", "--from", path).stdout.splitlines() == [
         '"P","0051","","Nm/A","0x02110001","0.00 Nm/A","655.35 Nm/A",""',
@@ -178,10 +178,7 @@ def test_the_table_of_a_station(tmp_path: Path) -> None:
     lines = done.stdout.splitlines()
     assert len(lines) == 40
     assert lines[1] == '"S","0001","NC cycle time (TNcyc)","us","0x60110001","250 us","65000 us","3/2"'
-    assert (
-        '"S","0032","Primary operation mode","","0x40010001","0b0000 0000 0000 0000","0b0000 0011 0011 1111","3/2"'
-        in lines
-    )
+    assert lines[5].endswith('"0x40010001","0b0000 0000 0000 0000","0b0000 0011 0011 1111","3/2"')
     assert '"S","0390.0.136","Diagnostic message number, list","","0x70360001","","","3/2"' in lines
     assert '"S","1-0100","Velocity loop proportional gain, set 1"' in done.stdout
     assert lines[16].startswith(r'"S","0138","Bipolar acceleration limit value","rad/s\xc2\xb2","0x03120001"')

@@ -27,14 +27,15 @@ typedef struct {
     sis_format_t format;
     unsigned decimals;
     unsigned factor;
-    const char *unit;  /* NULL: none or unknown */
-    const char *bits;  /* their names; NULL: unknown */
-    unsigned encoding; /* ENC_LITTLE_ENDIAN or ENC_BIG_ENDIAN */
+    const char *unit;         /* NULL: none or unknown */
+    const char *bits;         /* their names; NULL: unknown */
+    unsigned encoding;        /* ENC_LITTLE_ENDIAN or ENC_BIG_ENDIAN */
+    const sis_place_t *place; /* whose it is; NULL: unknown */
 } layout_t;
 
 /* False for undefined length codes. */
 static bool
-read_layout(const sis_known_t *known, unsigned encoding, layout_t *layout)
+read_layout(const sis_known_t *known, const sis_element_data_t *data, layout_t *layout)
 {
     static const unsigned sizes[] = {0, 2, 4, 8, 1, 2, 4, 8};
     uint32_t attribute = known->attribute;
@@ -49,7 +50,8 @@ read_layout(const sis_known_t *known, unsigned encoding, layout_t *layout)
     layout->factor = MAX(FACTOR(attribute), 1u);
     layout->unit = known->unit;
     layout->bits = known->bits;
-    layout->encoding = encoding;
+    layout->encoding = data->encoding;
+    layout->place = data->place;
     return layout->size > 0;
 }
 
@@ -237,7 +239,7 @@ add_name_of_ident(proto_item *item, tvbuff_t *tvb, unsigned offset, const layout
 
     if (!read_ident(layout, get_number(tvb, offset, layout->size, layout->encoding), &ident))
         return;
-    known = sis_known_from_tables(NULL, ident);
+    known = sis_known_from_tables(layout->place, ident);
     if (known.name != NULL)
         proto_item_append_text(item, " (%s)", known.name);
 }
@@ -302,7 +304,7 @@ list_header_size(const sis_element_data_t *data)
 const char *
 sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb)
 {
-    unsigned header = list_header_size(&(sis_element_data_t){tvb, ENC_LITTLE_ENDIAN, true});
+    unsigned header = list_header_size(&(sis_element_data_t){tvb, ENC_LITTLE_ENDIAN, true, NULL});
 
     return sis_text(scope, tvb, header, tvb_captured_length(tvb) - header);
 }
@@ -393,7 +395,7 @@ add_value(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, 
     layout_t layout;
     const char *text;
 
-    if (known == NULL || !read_layout(known, data->encoding, &layout))
+    if (known == NULL || !read_layout(known, data, &layout))
         return NULL;
     if (element != SIS_ELEMENT_DATA && length == layout.size)
         layout.is_list = false;
@@ -414,7 +416,7 @@ sis_element_number(const sis_element_data_t *data, const sis_known_t *known, con
     layout_t layout;
     char *unit;
 
-    return read_layout(known, data->encoding, &layout) && !layout.is_list &&
+    return read_layout(known, data, &layout) && !layout.is_list &&
            tvb_captured_length(data->tvb) == layout.size && read_number(&layout, text, number, &unit);
 }
 
@@ -444,7 +446,7 @@ sis_element_misfit(const sis_element_data_t *data, sis_element_t element, const 
     if (element == SIS_ELEMENT_ATTRIBUTE && length == ATTRIBUTE_SIZE &&
         (get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding) & UNDEFINED_BITS))
         return "undefined bits of the attribute";
-    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, data->encoding, &layout) ||
+    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, data, &layout) ||
         length == layout.size)
         return NULL;
     if (!layout.is_list)

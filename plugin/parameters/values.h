@@ -9,8 +9,9 @@
 /* Data of an element: all of `tvb`, with its length words where it is a list. */
 typedef struct {
     tvbuff_t *tvb;
-    unsigned encoding; /* ENC_LITTLE_ENDIAN in SIS, ENC_BIG_ENDIAN in other transports */
-    bool is_whole;     /* false: a segment of a list */
+    unsigned encoding;        /* ENC_LITTLE_ENDIAN in SIS, ENC_BIG_ENDIAN in other transports */
+    bool is_whole;            /* false: a segment of a list */
+    const sis_place_t *place; /* whose they are; NULL: unknown */
 } sis_element_data_t;
 
 /* Adds the data of an element: bytes as sis.data, and what they mean as far as that is known. Gives a short

@@ -58,7 +58,7 @@ bytes_text(wmem_allocator_t *scope, tvbuff_t *data)
 static void
 set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
 {
-    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, true};
+    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, true, &access->place};
     const char *text = sis_add_element(NULL, pinfo, &data, SIS_ELEMENT_DATA, &access->ident, &access->known);
 
     access->data = tvb;

@@ -99,7 +99,7 @@ read_limit(const event_t *event, const subject_t *subject, sis_fact_t *fact)
 {
     const sis_known_t *said = sis_learned_find(sis_learned_of(event->bus), &subject->place, subject->ident);
     sis_known_t known = sis_learned_or_from_tables(said, NULL, &subject->place, subject->ident);
-    sis_element_data_t data = {read_bytes(event, fact->text), ENC_LITTLE_ENDIAN, true};
+    sis_element_data_t data = {read_bytes(event, fact->text), ENC_LITTLE_ENDIAN, true, &subject->place};
 
     if (data.tvb == NULL)
         return false;

@@ -28,6 +28,14 @@ exchange_of(const sis_body_t *body)
     return body->record != NULL ? body->record->exchange : NULL;
 }
 
+sis_place_t
+sis_station_of(const sis_body_t *body, uint8_t device)
+{
+    const sis_exchange_t *exchange = exchange_of(body);
+
+    return exchange != NULL ? sis_station_place(exchange, device) : (sis_place_t){0};
+}
+
 /* First pass: what is known when a command is sent. */
 static void
 look_up(sis_request_t *request, const sis_exchange_t *exchange, const sis_place_t *place, sis_ident_t ident)
@@ -43,7 +51,7 @@ sis_known_t
 sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device)
 {
     const sis_exchange_t *exchange = exchange_of(body);
-    sis_place_t place = exchange != NULL ? sis_station_place(exchange, device) : (sis_place_t){0};
+    sis_place_t place = sis_station_of(body, device);
     sis_request_t found = {0};
     const sis_request_t *request = body->asked != NULL ? body->asked : &found;
 

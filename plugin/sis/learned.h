@@ -10,6 +10,9 @@
 /* The device of a command. */
 sis_place_t sis_station_place(const sis_exchange_t *exchange, uint8_t device);
 
+/* The device of a body of its station; without stations if these are unknown. */
+sis_place_t sis_station_of(const sis_body_t *body, uint8_t device);
+
 /* What was known of a parameter of that station when its command was sent. */
 sis_known_t sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device);
 

@@ -133,7 +133,7 @@ void
 synax_add_data(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, unsigned offset, unsigned encoding,
                const synax_head_t *head, wmem_strbuf_t *words)
 {
-    sis_element_data_t data = {tvb_new_subset_remaining(tvb, offset), encoding, true};
+    sis_element_data_t data = {tvb_new_subset_remaining(tvb, offset), encoding, true, NULL};
     unsigned length = tvb_captured_length(data.tvb);
     const char *text = NULL, *misfit = NULL;
 

@@ -53,17 +53,14 @@ def _stations(stations: Iterable[str]) -> str:
 
 
 def _why_nothing(backups: Mapping[str, object], found: Iterable[Parameter]) -> str:
+    nothing = "nothing was compared: "
     stations = {parameter.station for parameter in found}
     if not stations:
-        return "nothing was compared: the capture has no value of a parameter"
+        return f"{nothing}the capture has no value of a parameter"
     if "" in backups or stations & backups.keys():
-        return (
-            "nothing was compared: the capture has no value of a parameter that the backup has and a master can write"
-        )
-    return (
-        f"nothing was compared: the backup is of {_stations(backups)}, and the capture has values of "
-        f"{_stations(stations)}: choose with --station"
-    )
+        return f"{nothing}the capture has no value of a parameter that the backup has and a master can write"
+    has = f"the capture has values of {_stations(stations)}"
+    return f"{nothing}the backup is of {_stations(backups)}, and {has}: choose with --station"
 
 
 def _now(backup: Saved, access: Access) -> tuple[bytes | None, str]:

@@ -279,7 +279,8 @@ static void
 show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
 {
     sis_body_t *body = access->body;
-    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, !is_segment(access)};
+    sis_place_t place = sis_station_of(body, (uint8_t)access->device);
+    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, !is_segment(access), &place};
     unsigned length = tvb_captured_length(tvb);
     const char *text, *misfit;
 
