@@ -293,6 +293,28 @@ def test_what_cannot_be_read_is_named_and_the_rest_counted(tmp_path: Path) -> No
     assert PHASE_TEXT.encode() in done.stdout
 
 
+# A session of the ASCII protocol as a terminal program shows it: as text, in hexadecimal, and with SIS between.
+SESSION = "BCD:21\r\nE21:>S-0-0051,7,R\r\n12.3456\r\nE21:>\r\n"
+
+
+@pytest.mark.parametrize(
+    ("log", "code"),
+    [
+        ("S-0-0051,7,R\n", 2),
+        ("P-0-4006.0.2,7,w,>\n", 2),
+        (SESSION, 2),
+        (f"{SESSION.encode().hex(' ')}\n", 0),
+        (f"{PHASE.hex(' ')}\n{SESSION.encode().hex(' ')}\n", 0),
+    ],
+)
+def test_a_log_of_the_ascii_protocol(log: str, code: int, tmp_path: Path) -> None:
+    (tmp_path / "x").write_text(log)
+    said = run(tmp_path, "x").stderr.decode().splitlines()
+    assert said[-1] == "sistap: x has lines of the ASCII protocol of drives: explain them with --framing ascii"
+    assert run(tmp_path, "x").returncode == code
+    assert b"ASCII protocol" not in run(tmp_path, "x", "--framing", "ascii").stderr
+
+
 @pytest.mark.thorough
 def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes(b"nothing to see here\n")

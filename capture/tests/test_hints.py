@@ -77,6 +77,21 @@ def test_plenty_of_characters_and_no_telegram() -> None:
     assert hints(seen(b"x" * 500), framing=Framing.SILENCE) == []
 
 
+@pytest.mark.parametrize("line", [b"BCD:21\r", b"E3:>", b"S-0-0051,7,R\r\n", b"P-0-4006.1.2,7,w,>\r\n"])
+def test_the_ascii_protocol(line: bytes) -> None:
+    """Also between telegrams, in a rate that is searched, and before 500 characters have come."""
+    (hint,) = hints(seen(TELEGRAMS["6-24"] + line))
+    assert "--framing ascii" in hint
+    assert hints(seen(line + b"x" * 500)) == [hint]
+    scan = Scan()
+    assert list(Hints(E81, Framing.SIS).look(seen(line), 1, scan)) == [hint]
+
+
+@pytest.mark.parametrize("data", [b"BCD:2", b"E1234:>", b"S-0-0051", b"S-0-0051,8,R", b"E21", TELEGRAMS["6-24"] * 90])
+def test_what_is_not_the_ascii_protocol(data: bytes) -> None:
+    assert not any("ascii" in hint for hint in hints(seen(data)))
+
+
 def test_damage_that_no_line_error_explains() -> None:
     """An adapter that reports errors would have: parity finds most damage."""
     good = TELEGRAMS["6-24"]

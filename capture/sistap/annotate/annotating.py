@@ -15,6 +15,7 @@ from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Weaver
 from sistap.records.cut import SIS
 from sistap.records.cut import Cut as Framing
+from sistap.records.framer import has_ascii
 from sistap.records.record import Type
 
 LONGEST_LINE = 1_000_000  # characters; each takes 350 bytes of memory while they are read
@@ -43,15 +44,18 @@ class Passage:
         self._reader = reader
         self._trouble = trouble
         self._cutter = Cutter(framing)
+        self._framing = framing
         self.lines = 0
         self.bytes = 0
         self.telegrams = 0
+        self.has_ascii = False  # between telegrams of SIS, there are words of the ASCII protocol
 
     def feed(self, line: LogLine) -> Found:
         """Read the next line."""
         if len(line.text) > LONGEST_LINE:
             self._trouble(line.number, f"longer than {LONGEST_LINE:,} characters: only its beginning is explained")
             line.text = line.text[:LONGEST_LINE].rpartition(" ")[0]
+        self._look_for_ascii(line.text.encode("latin-1", errors="replace"))
         pieces, trouble = self._reader.contents(line)
         if trouble:
             self._trouble(line.number, trouble)
@@ -68,8 +72,16 @@ class Passage:
         return self._counted(self._cutter.end())
 
     def _counted(self, cuts: list[Cut]) -> list[Cut]:
-        self.telegrams += sum(cut.record.type == Type.FRAME for cut in cuts)
+        for cut in cuts:
+            if cut.record.type == Type.FRAME:
+                self.telegrams += 1
+            else:
+                self._look_for_ascii(cut.record.data)
         return cuts
+
+    def _look_for_ascii(self, data: bytes) -> None:
+        if self._framing == SIS and not self.has_ascii:
+            self.has_ascii = has_ascii(data)
 
 
 def record(

@@ -146,6 +146,9 @@ def _is_same(path: str, log: str) -> bool:
 def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
     """Report it if there was nothing to explain."""
     log = _name(args)
+    if passage.has_ascii:
+        console.say(f"{log} has lines of the ASCII protocol of drives: explain them with --framing ascii")
+        return DONE if passage.bytes else USAGE
     if not passage.bytes:
         console.say(f"no bytes were found in {log}: log in hexadecimal, or say with --regex where they are")
         return USAGE

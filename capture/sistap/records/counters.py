@@ -7,7 +7,8 @@ from collections import Counter
 
 from sistap.line.drivers import NOT_REPORTED
 from sistap.line.settings import ERROR_FLAGS, Flag, Read
-from sistap.records.record import Record, Type, interval_text
+from sistap.records.framer import has_ascii
+from sistap.records.record import Framing, Record, Type, interval_text
 
 _IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
 _IS_BREAK = bytes(bool(flag & Flag.BREAK) for flag in range(256))
@@ -41,6 +42,7 @@ class Counters:
         self.telegrams = 0  # good ones; of 3964R, blocks and not handshakes
         self.damaged = 0  # telegrams with a wrong checksum
         self.longest_ns = 0  # longest interval inside any of these
+        self.ascii_between = False  # whether words of the ASCII protocol were between telegrams of SIS
         # For each line, for its interface statistics:
         self.received: Counter[int] = Counter()  # records that the framer made
         self.accepted: Counter[int] = Counter()  # those that were written
@@ -80,6 +82,8 @@ class Counters:
             self.telegrams += not record.checksum_bad
             self.damaged += record.checksum_bad
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
+        elif record.type == Type.OTHER and record.framing == Framing.SIS and not self.ascii_between:
+            self.ascii_between = has_ascii(record.data)
 
     def __str__(self) -> str:
         longest = interval_text(self.longest_ns) if self.longest_ns else "not known"

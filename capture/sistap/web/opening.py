@@ -74,6 +74,8 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
 
 def _nothing(log: Path, passage: Passage) -> str:
     """Say why nothing can be shown."""
+    if passage.has_ascii:
+        return f"{log.name} has the ASCII protocol of drives: `sistap annotate --framing ascii` explains it"
     if passage.bytes:
         return f"{log.name} has {passage.bytes} bytes, but no telegram of SIS"
     return f"{log.name} has no bytes in hexadecimal: make the other program log in hexadecimal"
