@@ -6272,7 +6272,8 @@ do
     return ident and ident.text or hexadecimal_text(bytes, at, layout)
   end
 
-  -- Four bytes of seconds since 1970 (UTC), four of nanoseconds.
+  -- Four bytes of seconds since 1970 (UTC), then four of nanoseconds, as Rexroth's MLPI describes the attribute
+  -- (mlpiParameterLib.h).
   local function time_text(bytes, at, layout)
     local seconds, ns = S.little_endian(bytes, at, 4), S.little_endian(bytes, at + 4, 4)
 

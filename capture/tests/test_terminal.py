@@ -88,7 +88,7 @@ def test_a_list_is_written_as_the_manual_has_it() -> None:
     client.say(b"BCD:1\r")
     said = [client.say(line + b"\r") for line in (b"P-0-4006,7,w,>", b"1", b"2", b"<", b"P-0-4006,7,r")]
     assert said[:4] == ["P-0-4006,7,w,>\r\n?", "1\r\n?", "2\r\n?", "<\r\nE01:>"]
-    assert said[4].split("\r\n")[1:3] == ["1", "2"]
+    assert said[4].split("\r\n")[1:5] == ["1.0000", "2.0000", "180.0000", "270.0000"], "a list of fixed length"
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,8 @@ read_ident(const layout_t *layout, uint64_t raw, sis_ident_t *ident)
 
 #define NS_IN_SECOND 1000000000u
 
-/* Four bytes of seconds since 1970 (UTC), four of nanoseconds. NULL: it is no time. */
+/* Four bytes of seconds since 1970 (UTC), then four of nanoseconds, as Rexroth's MLPI describes the attribute
+ * (mlpiParameterLib.h). NULL: it is no time. */
 static const char *
 time_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {

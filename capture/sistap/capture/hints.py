@@ -31,6 +31,7 @@ class Hints:
         """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` whether it looks
         for settings.
         """
+        hint: str | None
         if counters.ascii_between:  # nothing else is wrong, however few telegrams there are
             hint = "this is the ASCII protocol of drives: capture it with --framing ascii"
         elif searching:

@@ -98,7 +98,7 @@ def _float(text: str, attribute: Attribute) -> bytes:
 
 
 def _time(text: str, attribute: Attribute) -> bytes:
-    """Return four bytes of seconds since 1970, and four of nanoseconds."""
+    """Return four bytes of seconds since 1970, then four of nanoseconds (mlpiParameterLib.h of Rexroth's MLPI)."""
     found = _UTC.fullmatch(text)
     if not found or attribute.size != 8:
         raise ValueError
