@@ -10786,14 +10786,44 @@ do
     return (known.unit or "") ~= "" and value .. " " .. known.unit or value
   end
 
+  -- A value of bits is hexadecimal (0x0010, 10h) or binary (11b), or its attribute says which: its digits, and the
+  -- bits of each. Nil: it is neither, or has more than 64 bits.
+  local function read_bits(text, known)
+    local format = known.attribute and floor(known.attribute / 2 ^ 20) % 8
+    local is_hexadecimal = match(text, "^0x") or match(text, "h$") or format == K.FORMAT_HEXADECIMAL
+    local is_binary = match(text, "b$") or format == K.FORMAT_BINARY
+    local digits = is_hexadecimal and match(gsub(text, "^0x", ""), "^(%x+)h?$")
+      or not is_hexadecimal and is_binary and match(text, "^([01]+)b?$")
+    local width = is_hexadecimal and 4 or 1
+
+    if digits and #digits <= 64 / width then return digits, width end
+  end
+
+  -- The bits that are set and have a name.
+  local function add_named_bits(line, item, offset, length, value, known)
+    local digits, width = read_bits(value, known)
+
+    if not item or not digits or not known.bits then return end
+    for number, name in string.gmatch(known.bits, "(%d+)=([^,]+)") do
+      local place = floor(number / width)
+      local digit = tonumber(sub(digits, -1 - place, -1 - place), 16) or 0
+
+      if floor(digit / 2 ^ (number % width)) % 2 == 1 then
+        add(item, F.value_bit, line.tvb, offset, length, name, "Bit " .. number .. ": " .. name)
+      end
+    end
+  end
+
   -- Operating data and limits have the unit of the parameter.
   local function show_value(line, offset, value, access, known)
     local length = line.length - offset
     local is_value = access.said.element >= K.ELEMENT_MINIMUM and is_number(value)
     local shown = is_value and with_unit(value, known) or value
 
-    add(line.tree, F.value, line.tvb, offset, length, shown)
+    local item = add(line.tree, F.value, line.tvb, offset, length, shown)
+
     line.words = line.words .. " = " .. shown
+    if access.said.element >= K.ELEMENT_MINIMUM then add_named_bits(line, item, offset, length, value, known) end
     if is_value then
       set_generated(add(line.tree, F.value_number, line.tvb, offset, length, S.shown_number(value),
         "Number: " .. value))

@@ -16,7 +16,7 @@ from sistap.files import pcapng
 from sistap.line.settings import LineSettings
 from sistap.parameters import user_table
 from sistap.parameters.backup import Saved, drives
-from sistap.records.record import Record, Type
+from sistap.records.record import Framing, Record, Type
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 
@@ -71,13 +71,13 @@ def read(stations: tuple[int, ...]) -> list[bytes]:
     return telegrams
 
 
-def write(capture: Path, telegrams: list[bytes]) -> None:
+def write(capture: Path, frames: list[bytes], framing: Framing = Framing.SIS) -> None:
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "bus")
     packets = [pcapng.section_header("test", "test"), pcapng.interface_description(interface)]
     settings = LineSettings()
-    for number, data in enumerate(telegrams):
+    for number, data in enumerate(frames):
         intervals = [settings.character_ns] * len(data)
-        record = Record((number + 1) * 50 * MS, Type.FRAME, 0, settings, data, intervals, bytes(len(data)), 0)
+        record = Record((number + 1) * 50 * MS, Type.FRAME, 0, settings, data, intervals, bytes(len(data)), 0, framing)
         packets.append(pcapng.enhanced_packet(0, record.time_ns, pcapng.upper_pdu("sertap", record.pack())))
     capture.write_bytes(b"".join(packets))
 
@@ -179,3 +179,36 @@ def test_idents_in_lists_have_the_names_of_their_station(
                 "Element 2: S-0-0390 (Diagnostic message number)",
                 "Element 2: S-0-0390 (Number of the fault)",
             ]
+
+
+# Attribute, value as text, and the bits that are set: MPH-02 writes binary values with b and hexadecimal ones with h.
+TYPED_BITS = [
+    ("0", "0x0010", "4"),  # of no known attribute: its text says what it is
+    ("0", "8001h", "0,15"),
+    ("0", "10001b", "0,4"),
+    ("0", "10001", ""),
+    ("0", "-1.5", ""),
+    ("0x00010001", "0000000000010001", "0,4"),
+    ("0x00320001", "A0013", "0,1,4,17,19"),
+    ("0x00320001", "10b", "0,1,3,8"),  # 0x10B
+    ("0x00110001", "11", ""),  # a number has no bits
+    ("0x00330001", "8000000000000001", "0,63"),
+    ("0x00330001", "F8000000000000001", ""),  # more than 64
+]
+
+
+def test_named_bits_of_the_ascii_protocol(readable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    capture = tmp_path / "typed.pcapng"
+    frames, rows = [b"BCD:3\r", b"E3:>"], []
+    names = ", ".join(f"{bit}={bit}" for bit in (0, 1, 3, 4, 8, 15, 17, 19, 63))
+    for number, (attribute, text, _) in enumerate(TYPED_BITS):
+        frames += [f"P-0-{number:04},7,R\r".encode(), f"{text}\r".encode(), b"E3:>"]
+        rows.append(f'"P","{number:04}","","","{attribute}","","","","{names}"')
+    write(capture, frames, Framing.ASCII)
+    tabled(readable, monkeypatch, "3", *rows)
+    fields = ("-Y", "sisascii.kind && sis.value", "-T", "fields", "-e", "sis.value.bit")
+    with Tshark() as in_c, Tshark(plugins=script_folder(readable)) as in_lua:
+        parity.check(in_c, in_lua, capture)
+        for tshark in (in_c, in_lua):
+            said = tshark.output("-r", str(capture), *fields).split("\n")
+            assert said[: len(TYPED_BITS)] == [bits for _, _, bits in TYPED_BITS]

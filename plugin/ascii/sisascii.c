@@ -12,6 +12,7 @@
 #include "ascii/exchange.h"
 #include "parameters/ident.h"
 #include "parameters/text.h"
+#include "parameters/values.h"
 #include "parts.h"
 #include "sis/access.h"
 
@@ -179,6 +180,28 @@ with_unit(wmem_allocator_t *pool, const char *value, const sis_known_t *known)
     return has_unit ? wmem_strdup_printf(pool, "%s %s", value, known->unit) : value;
 }
 
+/* A value of bits is hexadecimal (0x0010, 10h) or binary (11b), or its attribute says which. False: it is
+ * neither, or has more than 64 bits. */
+static bool
+read_bits(const char *text, const sis_known_t *known, uint64_t *raw)
+{
+    sis_format_t format =
+        known->attribute_from == SIS_FROM_NOWHERE ? SIS_FORMAT_TEXT : known->attribute >> 20 & 7;
+    bool has_prefix = g_str_has_prefix(text, "0x");
+    bool is_hexadecimal = has_prefix || g_str_has_suffix(text, "h") || format == SIS_FORMAT_HEXADECIMAL;
+    bool is_binary = g_str_has_suffix(text, "b") || format == SIS_FORMAT_BINARY;
+    size_t digits;
+
+    if (has_prefix)
+        text += 2;
+    digits = strspn(text, is_hexadecimal ? "0123456789abcdefABCDEF" : "01");
+    if (!(is_hexadecimal || is_binary) || digits == 0 || digits > (is_hexadecimal ? 16 : 64) ||
+        (text[digits] != '\0' && strcmp(text + digits, is_hexadecimal ? "h" : "b") != 0))
+        return false;
+    *raw = g_ascii_strtoull(text, NULL, is_hexadecimal ? 16 : 2);
+    return true;
+}
+
 /* Operating data and limits have the unit of the parameter. */
 static void
 show_value(line_t *line, unsigned offset, const sisascii_command_t *access, const sis_known_t *known)
@@ -187,9 +210,13 @@ show_value(line_t *line, unsigned offset, const sisascii_command_t *access, cons
     unsigned length = line->length - offset;
     bool is_value = access->said.element >= SIS_ELEMENT_MINIMUM && is_number(value);
     const char *shown = is_value ? with_unit(line->pinfo->pool, value, known) : value;
+    proto_item *item;
+    uint64_t raw;
 
-    proto_tree_add_string(line->tree, hf_sis_value, line->tvb, offset, length, shown);
+    item = proto_tree_add_string(line->tree, hf_sis_value, line->tvb, offset, length, shown);
     wmem_strbuf_append_printf(line->words, " = %s", shown);
+    if (access->said.element >= SIS_ELEMENT_MINIMUM && read_bits(value, known, &raw))
+        sis_add_named_bits(item, line->tvb, offset, length, raw, known->bits);
     if (is_value)
         generated(proto_tree_add_double_format_value(line->tree, hf_sis_value_number, line->tvb, offset,
                                                      length, g_ascii_strtod(value, NULL), "%s", value));

@@ -245,12 +245,10 @@ add_name_of_ident(proto_item *item, tvbuff_t *tvb, unsigned offset, const layout
         proto_item_append_text(item, " (%s)", known.name);
 }
 
-/* The bits that are set and have a name. */
-static void
-add_named_bits(proto_item *item, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
+void
+sis_add_named_bits(proto_item *item, tvbuff_t *tvb, unsigned offset, unsigned length, uint64_t raw,
+                   const char *bits)
 {
-    uint64_t raw = get_number(tvb, offset, layout->size, layout->encoding);
-    const char *bits = layout->bits;
     proto_tree *tree;
     sis_bit_t bit;
 
@@ -259,7 +257,7 @@ add_named_bits(proto_item *item, tvbuff_t *tvb, unsigned offset, const layout_t 
     tree = proto_item_add_subtree(item, ett_sis_value);
     while (sis_bit_take(&bits, &bit)) {
         if (raw >> bit.number & 1)
-            proto_tree_add_string_format(tree, hf_sis_value_bit, tvb, offset, layout->size,
+            proto_tree_add_string_format(tree, hf_sis_value_bit, tvb, offset, length,
                                          wmem_strndup(PNODE_POOL(tree), bit.name, bit.length), "Bit %u: %.*s",
                                          bit.number, (int)bit.length, bit.name);
     }
@@ -277,7 +275,8 @@ add_value_item(proto_tree *tree, tvbuff_t *tvb, unsigned offset, const layout_t 
     if (label != NULL)
         proto_item_set_text(item, "%s", label);
     add_name_of_ident(item, tvb, offset, layout);
-    add_named_bits(item, tvb, offset, layout);
+    sis_add_named_bits(item, tvb, offset, layout->size,
+                       get_number(tvb, offset, layout->size, layout->encoding), layout->bits);
     if (!proto_field_is_referenced(tree, hf_sis_value_number) || !read_number(layout, value, &number, &unit))
         return;
     /* With the digits of the value: Wireshark 4.0 writes a comma in some locales. */

@@ -24,6 +24,10 @@ const char *sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_elem
 bool sis_element_number(const sis_element_data_t *data, const sis_known_t *known, const char *text,
                         double *number);
 
+/* Adds the bits that are set in a value and have a name; `bits` is as in sis_known_t. */
+void sis_add_named_bits(proto_item *item, tvbuff_t *tvb, unsigned offset, unsigned length, uint64_t raw,
+                        const char *bits);
+
 /* Why the data of an element do not fit its attribute, in words; NULL: they fit. */
 const char *
 sis_element_misfit(const sis_element_data_t *data, sis_element_t element, const sis_known_t *known);
