@@ -16,6 +16,7 @@ import time
 import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import cast
 
 import pytest
 from independent import blocks, packets
@@ -210,6 +211,37 @@ def test_ports_that_cannot_be_polled_get_a_thread_each(opened: Callable[..., lis
     assert threading.active_count() == before
     for each in (*listeners, *connections):
         each.close()
+
+
+class Flooding:
+    """A port that never pauses."""
+
+    line, timing = 0, "nothing known"
+
+    def __init__(self, data: bytes) -> None:
+        self._read = Read(0, 1, data, bytes(len(data)))
+        self.taken = 0
+
+    def read(self, timeout_s: float) -> Read:
+        self.taken += 1
+        return self._read
+
+    def memory(self) -> int:
+        return self.taken * (sys.getsizeof(self._read) + 2 * len(self._read.data))
+
+
+@pytest.mark.parametrize("size", [0, 60_000])
+@pytest.mark.attack("a port that is waited for floods", "it has to wait: memory stays below 100 MB")
+def test_a_port_that_floods_has_to_wait(size: int) -> None:
+    reader = Flooding(bytes(size))
+    with together([cast(Reader, reader)], may_change=True) as source:
+        before = -1
+        while reader.taken != before and reader.memory() < 100_000_000:
+            before = reader.taken
+            time.sleep(0.5)  # nobody takes what it has read
+        assert reader.memory() < 100_000_000
+        for _ in range(reader.taken + 10):  # then it goes on
+            assert source.read(PATIENCE_S) is not None
 
 
 # -- As people run it -----------------------------------------------------------------------------------------------
