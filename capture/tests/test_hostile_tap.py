@@ -20,7 +20,7 @@ from attacks import ROOT
 from portable import signals
 
 from sistap.line.reader import PortError
-from sistap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
 from sistap.wire import connection, distant, protocol
 from sistap.wire.protocol import Hello, Kind
 
@@ -47,6 +47,9 @@ def notices() -> bytes:
     return b"".join(protocol.pack_notice(Notice(happening, ODD)) for happening in Happening)
 
 
+TOLD = 60  # times that something is said before the capture is stopped
+MOST_TEXT = 30_000  # bytes on stderr, and in a file, of all that it says without a character
+
 # What is said once, then again and again as fast as it is taken.
 SAID: dict[str, tuple[bytes, bytes]] = {
     "times without an end": (BEGIN, TIMES),
@@ -71,6 +74,7 @@ class Hostile:
 
     def __init__(self, first: bytes, then: bytes) -> None:
         self._first, self._then = first, then
+        self.says_characters = then[:1] == read(0)[:1]
         self.connections = 0
         self.is_heard = threading.Event()
         self._socket = socket.create_server(("127.0.0.1", 0))
@@ -92,7 +96,7 @@ class Hostile:
             taken.sendall(self._first)
             for number in range(1_000_000 if self._then else 0):
                 taken.sendall(self._then)
-                if number == 20:
+                if number == TOLD:
                     self.is_heard.set()
         self.is_heard.set()
 
@@ -104,9 +108,15 @@ def hostile(request: pytest.FixtureRequest) -> Iterator[Hostile]:
     tap.close()
 
 
+ATTACK = pytest.mark.attack(
+    "a distant tap floods, jumps in time, lies or hangs up",
+    "the capture can be stopped; no traceback, few messages",
+)
+
+
 @signals
 @pytest.mark.thorough
-@pytest.mark.attack("a distant tap floods, jumps in time, lies or hangs up", "the capture can be stopped; no traceback")
+@ATTACK
 def test_a_capture_of_it_can_be_stopped(hostile: Hostile, tmp_path: Path) -> None:
     with (tmp_path / "errors").open("wb") as errors:
         capture = subprocess.Popen(
@@ -120,8 +130,48 @@ def test_a_capture_of_it_can_be_stopped(hostile: Hostile, tmp_path: Path) -> Non
             assert capture.wait(PATIENCE_S) in (0, 1, 3)
         finally:
             capture.kill()
-    assert b"Traceback" not in (tmp_path / "errors").read_bytes()
+    said = (tmp_path / "errors").read_bytes()
+    assert b"Traceback" not in said
+    assert len(said) < MOST_TEXT
+    if not hostile.says_characters:
+        assert sum(file.stat().st_size for file in tmp_path.glob("*.pcapng")) < MOST_TEXT
     assert hostile.connections < 20
+
+
+def test_a_flood_of_messages_is_left_out_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_ns = 0
+    monkeypatch.setattr(distant, "monotonic_ns", lambda: now_ns)
+    reader, tap = connected("bus://x")
+
+    def told() -> list[str]:
+        found = []
+        while read := reader.read(0):
+            found += [notice.text for notice in read.notices]
+        return found
+
+    tap.sendall(b"".join(protocol.pack_notice(Notice(Happening.MARKER, str(number))) for number in range(100)))
+    assert told() == [str(number) for number in range(10)]
+    tap.sendall(protocol.pack_lost(3) + read(START_NS))
+    assert told() == []
+    now_ns += 1_000_000_000
+    assert told() == ["the tap says too much: 91 of its messages are left out here"]
+    now_ns += 1_000_000_000
+    tap.sendall(protocol.pack_lost(3))
+    assert told() == ["3 characters missing: they were not taken in time here, or by the network"]
+    now_ns += 10_000_000_000
+    tap.sendall(b"".join(protocol.pack_lost(1) for _ in range(11)))
+    assert len(told()) == 10
+    reader.close()
+
+
+def test_a_loss_that_is_left_out_is_marked() -> None:
+    reader, tap = connected("bus://x")
+    tap.sendall(protocol.pack_lost(1) * 50 + read(START_NS))
+    came = []
+    while found := reader.read(0):
+        came.append(found)
+    assert came[-1].flags[0] & Flag.LOST_BEFORE
+    reader.close()
 
 
 def connected(port: str, first: bytes = BEGIN) -> tuple[distant.DistantReader, socket.socket]:

@@ -19,6 +19,11 @@ AGAIN_S = 1.0  # pause before the next try
 MOST_AGAIN_S = 60.0  # and when connections end soon, again and again
 _STEADY_NS = 60_000_000_000  # a connection that lasts longer does not end soon
 
+_AT_ONCE = 10  # messages of the tap that are passed on at once, then one a second
+_ONE_EVERY_NS = 1_000_000_000
+
+_NOT_TAKEN = "they were not taken in time here, or by the network"
+
 _OF_A_READER = bytes(flag & Flag.FROM_READER for flag in range(256))
 
 
@@ -46,6 +51,8 @@ class DistantReader:
         self._search: _Search | None = None
         self._pause_s = 0.0  # before the next search
         self._unsent = b""  # of the last answer
+        self._all_again_ns = 0  # when _AT_ONCE messages may pass again
+        self._left_out = 0  # messages since the last that passed
         self._begin(connection)
 
     def read(self, timeout_s: float) -> Read | None:
@@ -55,6 +62,8 @@ class DistantReader:
                 self._receive(self._connection, timeout_s)
             else:
                 self._look(timeout_s)
+            if self._left_out and self._passes():
+                self._tell_left_out()
         return self._reads.popleft() if self._reads else None
 
     def now_ns(self) -> int:
@@ -112,10 +121,11 @@ class DistantReader:
             self._place += len(message.data)
             self._reads.append(self._own(message))
         elif isinstance(message, Notice):
-            self._tell(message.happening, message.text)
+            self._pass_on(message.happening, message.text)
         elif isinstance(message, protocol.Lost):
             self._place += message.characters
-            self._miss(message.characters, "they were not taken in time here, or by the network")
+            self._lost = True
+            self._pass_on(Happening.LOST, _missing(message.characters, _NOT_TAKEN))
 
     def _own(self, read: Read) -> Read:
         """Convert a read of the tap into one of ours."""
@@ -135,9 +145,25 @@ class DistantReader:
     def _tell(self, happening: Happening, text: str) -> None:
         self._reads.append(Read(self.line, self._time_ns, b"", b"", 0, notices=(Notice(happening, text),)))
 
-    def _miss(self, count: int, why: str) -> None:
-        self._lost = True
-        self._tell(Happening.LOST, f"{count} character{'' if count == 1 else 's'} missing: {why}")
+    def _pass_on(self, happening: Happening, text: str) -> None:
+        """Tell what the tap says; of a flood only a little."""
+        if not self._passes():
+            self._left_out += 1
+            return
+        if self._left_out:
+            self._tell_left_out()
+        self._tell(happening, text)
+
+    def _passes(self) -> bool:
+        now = monotonic_ns()
+        if self._all_again_ns - now > (_AT_ONCE - 1) * _ONE_EVERY_NS:
+            return False
+        self._all_again_ns = max(self._all_again_ns, now) + _ONE_EVERY_NS
+        return True
+
+    def _tell_left_out(self) -> None:
+        self._tell(Happening.MARKER, f"the tap says too much: {self._left_out} of its messages are left out here")
+        self._left_out = 0
 
     def _lose(self, why: str) -> None:
         """Begin to look for a new connection."""
@@ -174,7 +200,8 @@ class DistantReader:
             self._tell(Happening.ANEW, f"{text}: how many characters are missing is not known")
             self._lost = True
         elif missing:
-            self._miss(missing, away)
+            self._lost = True
+            self._tell(Happening.LOST, _missing(missing, away))
         else:
             self._tell(Happening.MARKER, f"{away}: no character is missing")
         self._begin(connection)
@@ -208,6 +235,10 @@ class _Search:
                 self._found.put(connect(self._port))
                 return
             self._ended.wait(AGAIN_S)
+
+
+def _missing(count: int, why: str) -> str:
+    return f"{count} character{'' if count == 1 else 's'} missing: {why}"
 
 
 def _clock(connection: Connection, port: str) -> str:
