@@ -6,6 +6,7 @@ drive.par has 40 parameters of all formats, with the layout of a backup that Ind
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -65,6 +66,21 @@ def test_line_ends_of_unix(tmp_path: Path) -> None:
     unix = tmp_path / "unix.par"
     unix.write_bytes(TEXT.replace("\r\n", "\n").encode("latin-1"))
     assert drives(unix) == drives(PAR)
+
+
+@pytest.mark.attack("what is no backup of a drive: a pipe, a device, a file without an end", "refused in one line")
+@pytest.mark.parametrize("kind", ["pipe", "device", "large"])
+def test_only_files_of_a_likely_size(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "x.par"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path = Path("/dev/zero")
+    else:
+        path.write_bytes(PAR.read_bytes())
+        os.truncate(path, 1 << 30)
+    with pytest.raises(Damaged, match="not a file, or larger than 32 MB"):
+        drives(path)
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,7 @@ from sistap.files.pcapng import Interface
 from sistap.imports import cdc, ftdi
 from sistap.imports.usb_transfers import Setup
 from sistap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.parameters import backup, values
 from sistap.records import record
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.record import Record, Type
@@ -83,6 +84,22 @@ def test_captures(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None
         list(reading.packets(path))
     with suppress(reading.NotCaptured):
         list(reading.records(path))
+
+
+@given(bytes_like((Path(__file__).parent / "drive.par").read_bytes()))
+def test_backups_of_drives(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+    path = Path(tmp_path_factory.getbasetemp()) / "x.par"
+    path.write_bytes(data)
+    with suppress(backup.Damaged):
+        for drive in backup.drives(path):
+            for saved in drive.parameters:
+                values.decoded(saved.attribute, saved.data or b"")
+
+
+@given(st.integers(0, (1 << 32) - 1), st.text("0123456789.-+eExXabSPinf \n", max_size=50))
+def test_values_of_backups(bits: int, text: str) -> None:
+    with suppress(values.Unreadable):
+        values.encoded(values.Attribute(bits), text)
 
 
 @given(bytes_like(RECORD))

@@ -153,8 +153,12 @@ def test_with_force_they_go_and_nobody_may_read_more(place: Path, command: str) 
 def test_tables_are_for_those_who_may_read_the_capture(place: Path) -> None:
     (place / "day.pcapng").chmod(0o600)
     assert run(place, "tables", "day.pcapng", "-o", "t").returncode == 0
-    files = [file for file in (place / "t").rglob("*") if file.is_file()]
-    assert len(files) > 1 and {stat.S_IMODE(file.stat().st_mode) for file in files} == {0o600}
+    there = [place / "t", *(place / "t").rglob("*")]
+    modes = {
+        is_folder: {stat.S_IMODE(one.stat().st_mode) for one in there if one.is_dir() == is_folder}
+        for is_folder in (False, True)
+    }
+    assert modes == {False: {0o600}, True: {0o700}}
 
 
 @pytest.mark.parametrize("command", DERIVED)

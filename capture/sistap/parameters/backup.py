@@ -7,6 +7,7 @@ Such a file has one drive or several, each with a head of five lines. A line "|"
 from __future__ import annotations
 
 import re
+import stat
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +18,7 @@ from sistap.terminal.console import visible
 MARK = "SERCOS-ASCII"
 NOTHING = "--"  # in place of a unit, a limit or a value
 
+_LARGEST = 32 << 20  # bytes of a file; a drive has less than one MB
 _BEGIN = "|"
 _HEAD = ("date and time", "name", "type", "address")
 _PARTS = ("ident", "name", "attribute", "unit", "minimum", "maximum", "value")
@@ -64,10 +66,7 @@ def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[
 
     A value that cannot be read is damage, too. Or, if someone wants to know of such values (`unreadable`), it is None.
     """
-    try:
-        text = path.read_bytes().decode("latin-1")
-    except OSError as error:
-        raise Damaged(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
+    text = _text_of(path)
     reader = _Reader(path, text, unreadable)
     if not text.startswith(MARK):
         raise Damaged(f"{path} is no backup: its first line is not {MARK}; save the parameters as .par with IndraWorks")
@@ -75,6 +74,16 @@ def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[
     while reader.has_more:
         found.append(_drive(reader))
     return found
+
+
+def _text_of(path: Path) -> str:
+    try:
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode) or about.st_size > _LARGEST:  # a pipe would wait, a device never end
+            raise Damaged(f"{path} is not a file, or larger than {_LARGEST >> 20} MB: name a backup of a drive")
+        return path.read_bytes().decode("latin-1")
+    except OSError as error:
+        raise Damaged(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
 
 
 class _Reader:

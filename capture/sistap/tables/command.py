@@ -14,6 +14,7 @@ from sistap.tables.rows import NoSuchTime
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
+from sistap.terminal.writing import make_folder, mode_like
 from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
@@ -90,7 +91,7 @@ def _put(args: argparse.Namespace, console: Console) -> None:
 def _check(args: argparse.Namespace) -> None:
     args.captures = check_captures(args.captures)
     try:
-        args.output.mkdir(parents=True, exist_ok=True)
+        make_folder(args.output, mode_like(args.captures))
         tempfile.TemporaryFile(dir=args.output).close()  # not after the work
     except OSError as error:
         raise UsageError(f"cannot write {args.output}: {error.strerror}; name another folder with -o") from None

@@ -24,7 +24,7 @@ from sistap.common.writing import Beside, Incomplete
 from sistap.tables.rows import Row
 from sistap.tables.schema import TABLES
 from sistap.terminal.stop import held
-from sistap.terminal.writing import mode_like
+from sistap.terminal.writing import make_folder, mode_like
 
 _TOGETHER = 1 << 17  # rows of all tables that wait to be written
 _OPEN = 32  # files open at a time
@@ -83,8 +83,9 @@ class Store:
 
     def _write_note(self, digest: str, capture: Path, capture_id: str, files: list[str]) -> None:
         note = self._note(digest)
-        note.parent.mkdir(parents=True, exist_ok=True)
-        new = Beside(note, mode_like([capture]))
+        mode = mode_like([capture])
+        make_folder(note.parent, mode)
+        new = Beside(note, mode)
         try:
             new.file.write(json.dumps({"id": capture_id, "files": files}).encode())
             new.replace()
@@ -185,7 +186,7 @@ class _Incoming:
 
     def _file(self, part: Part) -> BinaryIO:
         folder = part.folder(self._root)
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder, self._mode)
         name = f"{slug(Path(self._capture).stem)}-{self.id}-{self._numbers[part]}.parquet"
         self._numbers[part] += 1
         with held():
