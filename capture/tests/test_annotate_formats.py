@@ -18,12 +18,15 @@ from sistap.annotate.pattern import PatternReader
 from sistap.annotate.reading import AnyReader, LogReader
 from sistap.annotate.textlog import lines
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
+from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.record import Record, Type
 
 
-def records(text: str, reader: LogReader | None = None, troubles: list[tuple[int, str]] | None = None) -> list[Record]:
+def records(
+    text: str, reader: LogReader | None = None, troubles: list[tuple[int, str]] | None = None, framing: Cut = SIS
+) -> list[Record]:
     said = [] if troubles is None else troubles
-    passage = Passage(reader or AnyReader(), lambda number, why: said.append((number, why)))
+    passage = Passage(reader or AnyReader(), lambda number, why: said.append((number, why)), framing)
     cuts = [cut for line in lines([text.encode()]) for cut in passage.feed(line).cuts]
     return [cut.record for cut in cuts + passage.end()]
 
@@ -66,6 +69,12 @@ def test_a_second_of_silence_ends_a_telegram_also_on_the_other_line() -> None:
     whole = TELEGRAMS["8-21"].hex(" ")
     text = f"10:00:00.000 RX {whole[:14]}\n10:00:01.500 TX {whole}\n10:00:01.600 RX {whole}\n"
     assert [(record.type, record.line) for record in records(text)] == [(1, 1), (0, 2), (0, 1)]
+
+
+def test_a_direction_may_come_late() -> None:
+    """Lines without one are a line of their own. A block was granted there, but none of its characters came."""
+    found = records("02 10\n<< 41\n", framing=PROCEDURE_3964R)
+    assert [(record.data.hex(), record.line) for record in found] == [("02", 0), ("10", 0), ("41", 1)]
 
 
 def test_a_clock_that_was_set_back_begins_anew() -> None:

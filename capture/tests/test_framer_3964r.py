@@ -14,7 +14,7 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.framer_3964r import BLOCK_LIMIT, Framer3964R
-from sistap.records.record import Framing, Record, Type
+from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
 
 SILENCE_NS = 1_000_000_000
 START_NS = 1_700_000_000_000_000_000
@@ -137,6 +137,9 @@ def test_a_request_and_its_reaction() -> None:
         # Outside of blocks.
         ("41 42 02 10 " + A, [(OTHER, "4142"), *frames("02", "10", A)]),
         ("41 10 42 15 43", [(OTHER, "41"), (FRAME, "10"), (OTHER, "42"), (FRAME, "15"), (OTHER, "43")]),
+        # A log may have lines with a direction, too. They are no other line of this one: whatever they say.
+        ("02 10 <41 <10 <15 " + A, frames("02", "10", A)),
+        ("02 <15 " + A, frames("02", A)),
     ],
 )
 def test_on_one_line(text: str, expected: list[tuple[str, str]]) -> None:
@@ -322,11 +325,12 @@ PIECES = st.lists(
 
 @st.composite
 def read_lists(draw: st.DrawFn) -> list[Read]:
-    """Any characters in any reads, with any errors and pauses."""
+    """Any characters in any reads of any lines, with any errors and pauses."""
     data, time_ns, at, result = draw(PIECES), START_NS, 0, []
-    line = draw(st.sampled_from([0, 1, 2]))
+    lines = draw(st.sampled_from([[0], [1, 2], [0, 1], [0, 1, 2]]))
     while at < len(data):
-        piece = data[at : at + draw(st.integers(1, 20))]
+        piece = data[at : at + draw(st.sampled_from([1, 2, 3, 20]))]
+        line = draw(st.sampled_from(lines))
         time_ns += draw(st.sampled_from([0, 1_000_000, SILENCE_NS // 2, 2 * SILENCE_NS]))
         flags = bytes(draw(st.lists(st.sampled_from([0, 2, 4, 8, 16]), min_size=len(piece), max_size=len(piece))))
         result.append(Read(line, time_ns, piece, flags, draw(st.sampled_from([0, 1000, UNCERTAINTY_UNKNOWN]))))
@@ -334,25 +338,28 @@ def read_lists(draw: st.DrawFn) -> list[Read]:
     return result
 
 
-def framed(reads: list[Read], idle_ns: int | None = None) -> list[Record]:
-    framer = Framer3964R(reads[0].line if reads else 0, SETTINGS)
+def framed(reads: list[Read], idle_ns: int | None = None, line: int | None = None) -> list[Record]:
+    """Return the records of a line, or of the first one that is read."""
+    first = reads[0].line if reads else SHARED
+    framer = Framer3964R(first if line is None else line, SETTINGS)
     records = []
     for read in reads:
-        records += framer.feed(read)
+        records += framer.feed(read) if read.line == framer.line else framer.beside(read)
         records += framer.idle(idle_ns) if idle_ns is not None else []
     return records + framer.flush()
 
 
-@given(read_lists(), st.none() | st.sampled_from([0, SILENCE_NS // 2, SILENCE_NS]))
-def test_nothing_is_lost_or_invented(reads: list[Read], idle_ns: int | None) -> None:
-    records = framed(reads, idle_ns)
+@given(read_lists(), st.none() | st.sampled_from([0, SILENCE_NS // 2, SILENCE_NS]), st.sampled_from([0, 1, 2]))
+def test_nothing_is_lost_or_invented(heard: list[Read], idle_ns: int | None, line: int) -> None:
+    records = framed(heard, idle_ns, line)
+    reads = [read for read in heard if read.line == line]
     assert b"".join(record.data for record in records) == b"".join(read.data for read in reads)
-    made = Flag.SAME_READ | Flag.INTERVAL_UNKNOWN
+    made = Flag.SAME_READ | Flag.INTERVAL_UNKNOWN | Flag.INTERVAL_SATURATED
     flags = b"".join(record.flags for record in records)
     assert bytes(flag & ~made for flag in flags) == b"".join(read.flags for read in reads)
     times = [read.time_ns for read in reads for _ in read.data]
     intervals = [interval for record in records for interval in record.intervals]
-    assert intervals[1:] == [later - earlier for earlier, later in pairwise(times)]
+    assert intervals[1:] == [min(later - earlier, INTERVAL_MAX) for earlier, later in pairwise(times)]
 
 
 @given(read_lists())

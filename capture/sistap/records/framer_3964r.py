@@ -149,8 +149,10 @@ class Framer3964R(ContentFramer):
         return [first_ns - (last - place) * self.settings.character_ns for place in range(last + 1)]
 
     def beside(self, read: Read) -> list[Record]:
-        """Take what came on the other line, where this line's requests are answered."""
+        """Take what came on the other line, where this line's requests are answered. A shared line has no other."""
         records: list[Record] = []
+        if self._shared:
+            return records
         if self._heard:
             self._watch_pace(read, self._heard[-1].earliest_ns)
         for value, earliest_ns in zip(read.data, self._earliest_of(read), strict=True):
