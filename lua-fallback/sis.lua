@@ -968,6 +968,61 @@ N.errors_ascii = {
 }
 -- end of codes
 
+--- limits: made by plugin/protocol/generate.py from limits.toml; edit there
+
+-- Bytes of a packet in which bare telegrams may begin. Wireshark refuses a tree of more than a million items, and a
+-- tap's queue holds 5,000.
+K.MOST_DISSECTED = 32768
+
+-- Transfers from one station to another; a device has one at a time.
+K.MOST_OPEN = 256
+
+-- Pieces of a transfer: 64 KB in pieces of 8 bytes. Wireshark searches all of them for each.
+K.MOST_PIECES = 8192
+
+-- Bytes of a list. More means that its last piece was lost.
+K.MOST_LIST = 65535
+
+-- Devices of one type that are asked for an attribute. More would say the same.
+K.MOST_TWINS = 8
+
+-- Rows of the table of accesses below the first. Accesses without a row are still counted in the first.
+K.MOST_ROWS = 10000
+
+-- Elements of a list in the text of its value.
+K.SHOWN_IN_LIST = 4
+
+-- Elements of a list in the tree: more than a SERCOS list can have. Wireshark's limit is ten times that.
+K.SHOWN_IN_TREE = 100000
+
+-- Characters of a name in a node identification (chapter 3).
+K.MOST_CHARACTERS = 40
+
+-- Bytes of the memory in a reaction (chapter 5.4).
+K.MOST_READ = 244
+
+-- Bytes of the memory in a command (chapter 5.7).
+K.MOST_PROGRAMMED = 240
+
+-- Tries to connect, and to send a block.
+K.P3964R_MOST_TRIES = 6
+
+-- The wait for an answer: Siemens' time, as SYNAX's own is not documented.
+K.P3964R_QVZ_MS = 2000
+
+-- The wait for the next try after a refusal.
+K.P3964R_BLOCK_WAIT_MS = 4000
+
+-- Words of data block 99 (page 8-8).
+K.RK512_MOST_IO_WORDS = 32
+
+-- Bytes of a command; for more, bit 1 of the info access is 0 (page 8-18).
+K.RK512_MOST_AT_ONCE = 1024
+
+-- Bytes of data in the parameter channel: it has six words (SYNAX, page 3-3).
+K.SYNAXPK_MOST_DATA = 10
+-- end of limits
+
 --- services: made by plugin/protocol/generate.py from services.toml; edit there
 
 -- Reactions of these ranges begin with a status byte.
@@ -3467,10 +3522,7 @@ do
     return is_followed and declared or there - offset
   end
 
-  -- A packet as long as Wireshark allows would have more telegrams than Wireshark can show: it refuses a tree of more
-  -- than a million items. So these bytes begin the last of them.
-  local MOST_BYTES = 32768
-
+  -- A packet as long as Wireshark allows would have more telegrams than Wireshark can show.
   local function dissect_rest(tvb, offset, parent, there)
     local rest = tvb(offset)
     local tree = parent:referenced(handle) and parent:add(sis, rest) or nil
@@ -3488,7 +3540,7 @@ do
     local there = T.reported_len(tvb)
     local cols = packet.cols
     cols.protocol = "SIS"
-    while offset < min(#bytes, MOST_BYTES) do
+    while offset < min(#bytes, K.MOST_DISSECTED) do
       local extent = telegram_extent(bytes, offset, there)
       local is_alone = offset == 0 and extent == there
       local part = is_alone and tvb or tvb(offset, min(extent, #bytes - offset)):tvb()
@@ -3907,7 +3959,6 @@ end
 
 do
   local VERSION_LENGTH, VERSION = 5, "^[0-9][0-9]V[0-9][0-9]$" -- "nnVmm"
-  local MOST_CHARACTERS = 40
 
   local items = {}
 
@@ -3924,10 +3975,10 @@ do
   end
 
   local function take_long_text(body, which)
-    local is_too_long = S.left(body) > MOST_CHARACTERS
+    local is_too_long = S.left(body) > K.MOST_CHARACTERS
 
     S.take_text(body, which)
-    if is_too_long then S.mark(body, E.body_note, "more than %d characters", MOST_CHARACTERS) end
+    if is_too_long then S.mark(body, E.body_note, "more than %d characters", K.MOST_CHARACTERS) end
   end
 
   function items.firmware(body)
@@ -4015,8 +4066,6 @@ end
 
 do
   local ERASE_FLASH = 0x94
-  -- Bytes of the memory that a telegram can carry (chapters 5.4 and 5.7).
-  local MOST_READ, MOST_PROGRAMMED = 244, 240
   local FIRST_SUPPORTED_TYPE = 2 -- of a device: RAM
   local items = {}
 
@@ -4041,7 +4090,7 @@ do
     if not length then return end
     S.say(body, ", %d byte%s", length, plural(length))
     if size == 1 then
-      check_most(body, length, MOST_READ)
+      check_most(body, length, K.MOST_READ)
       body.request.setting = length
     end
   end
@@ -4055,7 +4104,7 @@ do
     local asked = body.is_reaction and body.asked and body.asked.setting or 0
 
     if not body.is_reaction then
-      check_most(body, length, MOST_PROGRAMMED)
+      check_most(body, length, K.MOST_PROGRAMMED)
     elseif length < asked and not body.is_cut then
       S.mark(body, E.body_note, "fewer bytes than asked for")
     elseif asked > 0 and length > asked then
@@ -5311,9 +5360,6 @@ do
   local CANCELLED = 0x800B -- another request had priority: the transfer has ended
   local INVALID_SEQUENTIAL_TELEGRAM = 0xF8
   local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
-  local MOST_BYTES = 0xFFFF + LENGTH_WORDS -- of a list: more was expected unless its last piece came
-  local MOST_PIECES = 8192 -- 64 KB in pieces of 8 bytes
-  local MOST_OPEN = 256 -- transfers from one station to another: a device has one at a time
 
   local WHOLE = "Data of all pieces"
   local SEQUENCE = {all = F.sequence, piece = F.sequence_piece, count = F.sequence_count, length = F.sequence_length}
@@ -5469,7 +5515,7 @@ do
       return
     end
     if not transfer then
-      if #transfers_of(exchange) >= MOST_OPEN then
+      if #transfers_of(exchange) >= K.MOST_OPEN then
         end_with_note(record, 1, "too many others have begun since")
       end
       transfer = begin_transfer(body, like)
@@ -5480,7 +5526,7 @@ do
     transfers_of(exchange)[place] = transfer
     record.transfer, exchange.transfer = transfer, transfer
     if not record.is_piece_repeated and (is_piece_missing(body, transfer)
-      or transfer.received + S.left(body) > MOST_BYTES or #transfer.pieces == MOST_PIECES) then
+      or transfer.received + S.left(body) > K.MOST_LIST + LENGTH_WORDS or #transfer.pieces == K.MOST_PIECES) then
       transfer.is_broken = true
     end
     record.is_piece_missing = transfer.is_broken
@@ -5951,7 +5997,6 @@ do
     return exchange and find(exchange.from.stream.bus, exchange.from.path, ident, device)
   end
 
-  local MOST_TWINS = 8 -- devices of one type that are asked
   local IDENTITIES = {"type key", "firmware"}
 
   -- First pass: a device has told its type; two devices that say the same have the same parameters.
@@ -5963,7 +6008,7 @@ do
     types[text] = types[text] or {}
     if devices[id][what] == types[text] then return end
     devices[id][what] = types[text]
-    if #types[text] < MOST_TWINS then
+    if #types[text] < K.MOST_TWINS then
       table.insert(types[text], {id = id, path = path, device = device})
     end
     bus.taught = {}
@@ -6390,8 +6435,6 @@ do
     return strformat("0x%08x", attribute)
   end
 
-  local SHOWN_IN_LIST = 4
-  local SHOWN_IN_TREE = 100000 -- more than a SERCOS list can have; Wireshark's limit is ten times that
 
   local function is_number(layout)
     local format = layout.format
@@ -6447,7 +6490,7 @@ do
     local subtree = add_subtree(tree, data.tvb, data.offset + offset, length,
       strformat("%d element%s", count, plural(count)))
 
-    for i = 0, min(count, SHOWN_IN_TREE) - 1 do
+    for i = 0, min(count, K.SHOWN_IN_TREE) - 1 do
       local at = offset + i * size
       local value = value_text(bytes, at + 1, layout)
 
@@ -6467,10 +6510,10 @@ do
       or tree:referenced(F.raw)) then
       show_list(tree, data, offset, layout, is_whole)
     end
-    for i = 1, min(count, SHOWN_IN_LIST) do
+    for i = 1, min(count, K.SHOWN_IN_LIST) do
       values[i] = value_text(bytes, offset + (i - 1) * layout.size + 1, layout)
     end
-    if count > SHOWN_IN_LIST then values[#values + 1] = strformat("... (%d elements)", count) end
+    if count > K.SHOWN_IN_LIST then values[#values + 1] = strformat("... (%d elements)", count) end
     return count > 0 and concat(values, ", ") or "empty"
   end
 
@@ -8030,8 +8073,6 @@ do
     end,
   }
 
-  local MOST_ROWS = 10000 -- below the first; accesses without a row are still counted in the first
-
   local function new_parameter(...)
     local line, station, device, parameter = ...
 
@@ -8044,7 +8085,7 @@ do
   local function find_parameter(rows, access)
     local key = strformat("%d %s %d %s", access.line, access.station, access.device, access.ident.text)
 
-    if not rows.by_key[key] and #rows.all < MOST_ROWS then
+    if not rows.by_key[key] and #rows.all < K.MOST_ROWS then
       local row = new_parameter(strformat("%d", access.line), access.station, strformat("%d", access.device),
         access.ident.text)
 
@@ -8350,8 +8391,6 @@ do
   local SEND, FETCH, DATA_BLOCK = K.RK512_SEND, K.RK512_FETCH, 0x44
   -- A long list comes in DB nn to DB 1 (page 8-27). Everything else with the Indramat head is in DB 0.
   local LAST_OF_A_CHAIN, LONGEST_CHAIN = 1, 5
-  local MOST_IO_WORDS = 32 -- of data block 99 (page 8-8)
-  local MOST_AT_ONCE = 1024 -- bytes; for more, bit 1 of the info access is 0 (page 8-18)
   local IN_WORDS = {[0x44] = true, [0x58] = true, [0x54] = true, [0x5A] = true} -- D, X, T, Z; all others in bytes
 
   -- A job is what a command asks for, with its follow-ups and further blocks: {command, kind, block, left: bytes of
@@ -8419,7 +8458,7 @@ do
     if goes_on then return end
     read_head(job, d)
     telegram.faults.too_long_for_last = job.ident and command == SEND and band(job.info, K.SYNAX_INFO_LAST) ~= 0
-      and (job.is_open or job.left > MOST_AT_ONCE)
+      and (job.is_open or job.left > K.RK512_MOST_AT_ONCE)
   end
 
   -- Bytes of a block, in a SEND command or in the reaction to a FETCH.
@@ -8501,7 +8540,7 @@ do
       return
     end
     if block > LONGEST_CHAIN and not S.block_text(block) then note(d, "Data block that is not defined") end
-    if block == K.BLOCK_IO and count > MOST_IO_WORDS then
+    if block == K.BLOCK_IO and count > K.RK512_MOST_IO_WORDS then
       note(d, "Data block 99 has at most 32 words (page 8-8)")
     end
     if block == K.BLOCK_MODE and count ~= 1 then note(d, "Data block 100 has one word (page 8-10)") end
@@ -8678,15 +8717,11 @@ do
   local STX, ETX, DLE, NAK = K.P3964R_STX, 0x03, K.P3964R_DLE, K.P3964R_NAK
   local END_SIZE = 3 -- DLE ETX BCC
   local MS = 1000000 -- in ns
-  local MOST_TRIES = 6
   local ASKS, BOTH_ASK, GRANTS = K.P3964R_ASKS, K.P3964R_BOTH_ASK, K.P3964R_GRANTS
   local REFUSES_REQUEST, BLOCK, ACKNOWLEDGES = K.P3964R_REFUSES_REQUEST, K.P3964R_BLOCK, K.P3964R_ACKNOWLEDGES
   local REFUSES_BLOCK, OUT_OF_PLACE = K.P3964R_REFUSES_BLOCK, K.P3964R_OUT_OF_PLACE
   local CHECKSUM_BAD, CHECKSUM_GOOD = 0, 1
   local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
-
-  local QVZ_MS = 2000 -- Siemens' time: SYNAX's own is not documented
-  local BLOCK_WAIT_MS = 4000 -- for the next try after a refusal
 
   -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
   -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the
@@ -8708,7 +8743,7 @@ do
 
   -- The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more.
   local function is_given_up(bus, times, qvz)
-    return bus.finish ~= nil and T.elapsed(bus.finish, times.begin) > max(BLOCK_WAIT_MS * MS, 2 * qvz)
+    return bus.finish ~= nil and T.elapsed(bus.finish, times.begin) > max(K.P3964R_BLOCK_WAIT_MS * MS, 2 * qvz)
   end
 
   local function end_series(bus)
@@ -8734,7 +8769,7 @@ do
   -- Two requests within QVZ come from both partners, if possible: then neither was answered.
   local function note_request(bus, unit, times)
     local before, limit_ms = bus.request, p3964r.prefs.qvz_ms
-    local tried, qvz = before, (limit_ms > 0 and limit_ms or QVZ_MS) * MS
+    local tried, qvz = before, (limit_ms > 0 and limit_ms or K.P3964R_QVZ_MS) * MS
     local is_soon = before and T.elapsed(before.finish, times.begin) < qvz
     local is_over = is_given_up(bus, times, qvz)
 
@@ -8891,7 +8926,7 @@ do
     if unit.meaning == REFUSES_REQUEST or unit.meaning == REFUSES_BLOCK then add_expert(root, EX["3964r_refused"]) end
     if unit.unanswered then add_expert(root, EX["3964r_unanswered"]) end
     if unit.repeat_of then add_expert(root, EX["3964r_repeat"]) end
-    if (unit.tries or 0) > MOST_TRIES then add_expert(root, EX["3964r_tries"]) end
+    if (unit.tries or 0) > K.P3964R_MOST_TRIES then add_expert(root, EX["3964r_tries"]) end
   end
 
   local function block_check(bytes, first, last)
@@ -9016,7 +9051,6 @@ end
 --- synax/pieces: data that do not fit into one packet, put together
 
 do
-  local MOST_PIECES = 8192 -- 64 KB in pieces of 8 bytes
   local WHOLE = "Data of all pieces"
   local PIECES = {
     all = FX.synax_pieces,
@@ -9030,7 +9064,7 @@ do
   function S.add_piece(transfer, bytes, is_last)
     local pieces, all = transfer.pieces, {}
 
-    if #pieces == MOST_PIECES then
+    if #pieces == K.MOST_PIECES then
       transfer.full_in = transfer.full_in or packet.number
       return
     end
@@ -9455,7 +9489,7 @@ end
 -- word FBSteuer or the status word FBStatus (chapter 3).
 
 do
-  local CHANNEL_SIZE, WORD_SIZE, MOST_DATA = 12, 2, 10
+  local CHANNEL_SIZE, WORD_SIZE = 12, 2
   local BASIC_STATE = 0x000F
   local OPEN_BITS, ERROR_BIT, READ_BIT = K.SYNAXPK_WORD_OPEN, K.SYNAXPK_WORD_ERROR, K.SYNAXPK_WORD_READ
   local BUSY_BIT, LAST_BIT = K.SYNAXPK_WORD_BUSY, K.SYNAXPK_WORD_LAST
@@ -9522,7 +9556,7 @@ do
     local count, there = band(rshift(c.word, 4), 0xF), c.there - WORD_SIZE
 
     c.end_ = WORD_SIZE + min(count, there)
-    if count > MOST_DATA then
+    if count > K.SYNAXPK_MOST_DATA then
       mark(c, nil, EX.synax_note, "The channel has 10 bytes of data, its word says more")
     elseif there + WORD_SIZE < count then
       c.is_short = true

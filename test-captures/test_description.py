@@ -78,6 +78,19 @@ def test_what_is_new_appears_everywhere(folder: Path) -> None:
     assert 'N.colours = {\n  [0x01] = "Red",\n  [K.BLUE] = "Blue",\n}' in script
 
 
+def test_a_limit_is_the_same_in_both(folder: Path) -> None:
+    add(folder, "limits.toml", '[SIS_MOST_LAMPS]\nis = 7\nabout = "Lamps of a station (chapter 0)."\n')
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    assert "/* Lamps of a station (chapter 0). */\n#define SIS_MOST_LAMPS 7\n" in texts["limits.h"]
+    assert "-- Lamps of a station (chapter 0).\nK.MOST_LAMPS = 7\n" in texts["sis.lua"]
+
+
+def test_a_limit_stands_in_the_description_only() -> None:
+    """A limit of sis.lua alone is that of its memory of results, which only makes it faster."""
+    script = re.sub(r"\n--- limits: .*\n-- end of limits\n", "", generate.SCRIPT.read_text("utf-8"), flags=re.DOTALL)
+    assert re.findall(r"\bMOST_\w+(?:, \w+)* = \d+", script) == ["MOST_GIVEN = 4000"]
+
+
 @pytest.mark.parametrize(
     ("name", "entry", "error"),
     [

@@ -4,6 +4,7 @@
 
 #include "kept.h"
 #include "parameters/values.h"
+#include "protocol/limits.h"
 
 /* A parameter of a device. */
 typedef struct {
@@ -17,10 +18,9 @@ typedef struct {
 KEPT_KEY(learned_key_t, 8 + 2 + 2 + 2 + 2)
 KEPT_KEY(sis_place_t, 8 + 1 + 1)
 
-/* Devices of one type. More than these are not asked: they would say the same. */
-#define MOST_TWINS 8
+/* Devices of one type. */
 typedef struct {
-    const sis_place_t *places[MOST_TWINS];
+    const sis_place_t *places[SIS_MOST_TWINS];
     unsigned count;
 } type_t;
 
@@ -84,7 +84,7 @@ sis_learned_identity(sis_learned_t *learned, const sis_place_t *place, sis_ident
     if (device->types[what] == type)
         return;
     device->types[what] = type;
-    if (type->count < MOST_TWINS)
+    if (type->count < SIS_MOST_TWINS)
         type->places[type->count++] = wmem_memdup(wmem_file_scope(), place, sizeof *place);
 }
 

@@ -7,6 +7,7 @@
 
 #include "parameters/text.h"
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 
 #define ATTRIBUTE_SIZE 4
 #define LIST_HEADER    4 /* actual and maximum length, two bytes each */
@@ -347,9 +348,6 @@ add_attribute(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *da
                               (unsigned)get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding));
 }
 
-#define SHOWN_IN_LIST 4u
-#define SHOWN_IN_TREE 100000u /* more than a SERCOS list can have; Wireshark's limit is ten times that */
-
 /* All elements into the tree, the first few into the text. The position of a segment's first element in
  * its list is unknown. */
 static const char *
@@ -368,7 +366,7 @@ add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, c
     if (is_wanted)
         subtree = proto_tree_add_subtree_format(tree, tvb, offset, length, ett_sis_list, NULL, "%u element%s",
                                                 count, plurality(count, "", "s"));
-    for (unsigned i = 0; i < MIN(count, is_wanted ? SHOWN_IN_TREE : SHOWN_IN_LIST); i++) {
+    for (unsigned i = 0; i < MIN(count, is_wanted ? SIS_SHOWN_IN_TREE : SIS_SHOWN_IN_LIST); i++) {
         unsigned at = offset + i * layout->size;
         const char *value = value_text(pinfo->pool, tvb, at, layout);
 
@@ -376,12 +374,12 @@ add_list(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, c
             add_value_item(subtree, tvb, at, layout, value,
                            data->is_whole ? wmem_strdup_printf(pinfo->pool, "Element %u: %s", i + 1, value)
                                           : NULL);
-        if (i < SHOWN_IN_LIST)
+        if (i < SIS_SHOWN_IN_LIST)
             wmem_strbuf_append_printf(text, "%s%s", i > 0 ? ", " : "", value);
     }
     if (rest > 0 && is_wanted)
         proto_tree_add_item(subtree, hf_sis_raw, tvb, offset + length - rest, rest, ENC_NA);
-    if (count > SHOWN_IN_LIST)
+    if (count > SIS_SHOWN_IN_LIST)
         wmem_strbuf_append_printf(text, ", ... (%u elements)", count);
     return count > 0 ? wmem_strbuf_get_str(text) : "empty";
 }

@@ -123,6 +123,15 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """A limit; the keys are those of limits.toml."""
+
+    constant: str
+    number: int
+    about: str
+
+
+@dataclass(frozen=True)
 class Item:
     """A part of a layout."""
 
@@ -343,6 +352,7 @@ class Description:
         for field in self.fields:
             if field.codes and field.codes not in self.tables:
                 raise ValueError(f"fields.toml: {field.filter} has codes that codes.toml lacks: {field.codes}")
+        self.limits = [Limit(name, entry["is"], entry["about"]) for name, entry in load("limits.toml").items()]
         self._check_items()
         self._check_protocols()
         self.s_names = {int(number): name for number, name in load("names.toml")["s_names"].items()}

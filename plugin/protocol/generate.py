@@ -35,14 +35,14 @@ def _between(whole: str, name: str, block: str) -> str:
 def _script(description: Description) -> str:
     """Return sis.lua with its blocks renewed."""
     text = SCRIPT.read_text("utf-8")
-    for name in ("protocols", "codes", "services", "names", "fields"):
+    for name in ("protocols", "codes", "limits", "services", "names", "fields"):
         text = _between(text, name, getattr(in_lua, name)(description))
     return text
 
 
 def made(description: Description) -> Iterator[tuple[Path, str]]:
     """Return each file that the description makes, with its contents."""
-    for name in ("codes_h", "codes_c", "services_h", "services_c", "fields_h", "fields_c"):
+    for name in ("codes_h", "codes_c", "limits_h", "services_h", "services_c", "fields_h", "fields_c"):
         yield HERE / name.replace("_", "."), getattr(in_c, name)(description)
     yield SCRIPT, _script(description)
     yield HERE.parent / "REFERENCE.md", in_markdown.reference(description)

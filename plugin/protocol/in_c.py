@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The description in C: codes with their texts (codes), services (services), protocols with their fields (fields)."""
+"""The description in C: codes with their texts (codes), limits (limits), services (services), protocols with their
+fields (fields).
+"""
 
 from __future__ import annotations
 
@@ -75,6 +77,14 @@ def codes_h(description: Description) -> str:
     for table in description.tables.values():
         lines += [*_comment(table.about), *_constants(table), f"extern const {_kind(table)} sis_{table.name}[];", ""]
     return _header("codes", "codes.toml", "The codes of all protocols, and their texts.", lines[:-1])
+
+
+def limits_h(description: Description) -> str:
+    """Return limits.h."""
+    lines: list[str] = []
+    for limit in description.limits:
+        lines += [*_comment(limit.about), f"#define {limit.constant} {limit.number}", ""]
+    return _header("limits", "limits.toml", "What the dissectors keep, show and accept.", lines[:-1])
 
 
 def _entry(table: Table, code: Code) -> str:

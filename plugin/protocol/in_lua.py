@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The description in Lua: blocks of sis.lua with protocols, codes, services, names of parameters and fields."""
+"""The description in Lua: blocks of sis.lua with protocols, codes, limits, services, names of parameters and fields."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from description import TYPES, Code, Description, Expert, Field, Item, Preference, Protocol, Service, Table, runs
+from description import TYPES, Code, Description, Expert, Field, Item, Limit, Preference, Protocol, Service, Table, runs
 
 WIDTH = 120
 
@@ -25,9 +25,9 @@ def _comment(text: str) -> Iterator[str]:
     yield line
 
 
-def _constant(code: Code) -> str:
-    """Return the name of a code without the prefix that C needs: K.STATION for SIS_STATION."""
-    return "K." + code.constant.removeprefix("SIS_")
+def _constant(of: Code | Limit) -> str:
+    """Return its name without the prefix that C needs: K.STATION for SIS_STATION."""
+    return "K." + of.constant.removeprefix("SIS_")
 
 
 def _table(table: Table) -> Iterator[str]:
@@ -48,6 +48,14 @@ def codes(description: Description) -> str:
     lines: list[str] = []
     for table in description.tables.values():
         lines += [*_table(table), ""]
+    return "\n".join(lines)
+
+
+def limits(description: Description) -> str:
+    """Return the block with the limits."""
+    lines: list[str] = []
+    for limit in description.limits:
+        lines += [*_comment(limit.about), f"{_constant(limit)} = {limit.number}", ""]
     return "\n".join(lines)
 
 

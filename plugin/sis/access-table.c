@@ -4,12 +4,10 @@
 #include "parts.h"
 
 #include "kept.h"
+#include "protocol/limits.h"
 #include "sis/access.h"
 #include "sis/address.h"
 #include "sis/table.h"
-
-/* Rows below the first. Accesses without a row are still counted in the first. */
-#define MOST_ROWS 10000u
 
 enum {
     LINE,
@@ -94,7 +92,7 @@ find_row(stat_tap_table *table, wmem_allocator_t *pool, const sis_access_t *acce
     unsigned row = GPOINTER_TO_UINT(g_hash_table_lookup(numbers, &key));
     row_t *added;
 
-    if (row != 0 || table->num_elements > MOST_ROWS)
+    if (row != 0 || table->num_elements > SIS_MOST_ROWS)
         return row;
     added = g_new0(row_t, 1);
     added->key = key;

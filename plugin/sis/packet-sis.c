@@ -8,6 +8,7 @@
 #include "items.h"
 #include "parameters/text.h"
 #include "parts.h"
+#include "protocol/limits.h"
 #include "sis/address.h"
 #include "sis/dispatch.h"
 #include "sis/timing.h"
@@ -459,11 +460,7 @@ telegram_extent(tvbuff_t *tvb, unsigned offset)
     return is_followed ? declared : there;
 }
 
-/* A packet as long as Wireshark allows would have more telegrams than Wireshark can show or count: it refuses
- * a tree of more than a million items, and a tap's queue holds 5,000. So these bytes begin the last of them.
- */
-#define MOST_BYTES 32768
-
+/* A packet as long as Wireshark allows would have more telegrams than Wireshark can show or count. */
 static void
 dissect_rest(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
 {
@@ -486,7 +483,7 @@ dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "SIS");
     col_clear(pinfo->cinfo, COL_INFO);
-    while (offset < MOST_BYTES && tvb_reported_length_remaining(tvb, offset) > 0) {
+    while (offset < SIS_MOST_DISSECTED && tvb_reported_length_remaining(tvb, offset) > 0) {
         unsigned extent = telegram_extent(tvb, offset);
 
         sis_dissect_telegram(extent == tvb_reported_length(tvb) ? tvb

@@ -4,6 +4,7 @@
 #include "sis/sequence.h"
 
 #include "items.h"
+#include "protocol/limits.h"
 #include "sis/names.h"
 #include "sis/pieces.h"
 
@@ -13,10 +14,7 @@
 
 #define INVALID_SEQUENTIAL_TELEGRAM 0xF8
 
-#define LENGTH_WORDS 4u                       /* of a list: actual and maximum length, two bytes each */
-#define MOST_BYTES   (0xFFFFu + LENGTH_WORDS) /* of a list: more means that its last piece was lost */
-#define MOST_PIECES  8192u /* 64 KB in pieces of 8 bytes; Wireshark searches all of them for each */
-#define MOST_OPEN    256u  /* transfers from one station to another: a device has one at a time */
+#define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each */
 
 /* A transfer under way, from one station to another. */
 typedef struct sis_transfer {
@@ -100,7 +98,7 @@ open_transfer(sis_record_t *record, const transfer_t *like)
 
     for (transfer_t *open = *link; open != NULL; open = open->next)
         count++;
-    if (count >= MOST_OPEN)
+    if (count >= SIS_MOST_OPEN)
         end_with_note(record, link, "too many others have begun since");
     while (*link != NULL)
         link = &(*link)->next;
@@ -204,9 +202,9 @@ place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
         follow_refusal(transfer, body, is_last);
     }
     record->transfer = exchange->transfer = transfer->number;
-    if (!record->is_piece_repeated &&
-        (is_piece_missing(record, transfer) || transfer->received + sis_left(body) > MOST_BYTES ||
-         transfer->pieces == MOST_PIECES))
+    if (!record->is_piece_repeated && (is_piece_missing(record, transfer) ||
+                                       transfer->received + sis_left(body) > SIS_MOST_LIST + LENGTH_WORDS ||
+                                       transfer->pieces == SIS_MOST_PIECES))
         transfer->is_broken = true;
     record->is_piece_missing = transfer->is_broken;
     if (record->is_piece_repeated)

@@ -8,19 +8,15 @@
 #include "items.h"
 #include "kept.h"
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 #include "sertap/line.h"
 #include "sis/times.h"
 #include "synax/rk512i.h"
 
 #define ETX 0x03
 
-#define END_SIZE   3u /* DLE ETX BCC */
-#define MS         INT64_C(1000000)
-#define MOST_TRIES 6 /* to connect, and to send */
-
-/* Siemens' times: SYNAX's own are not documented. */
-#define QVZ_MS        2000
-#define BLOCK_WAIT_MS 4000 /* for the next try after a refusal */
+#define END_SIZE 3u /* DLE ETX BCC */
+#define MS       INT64_C(1000000)
 
 /* One character or block, with the results of the first pass; lives as long as the file. */
 typedef struct unit {
@@ -72,7 +68,7 @@ answer(unit_t *unit, unit_t *asked, const sis_times_t *times)
 static bool
 is_given_up(const bus_t *bus, const sis_times_t *times, int64_t qvz)
 {
-    return sertap_elapsed(bus->end, times->begin) > MAX(BLOCK_WAIT_MS * MS, 2 * qvz);
+    return sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
 }
 
 static void
@@ -108,7 +104,7 @@ static void
 note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
 {
     unit_t *before = bus->request, *tried = before;
-    int64_t qvz = (pref_3964r_qvz_ms > 0 ? pref_3964r_qvz_ms : QVZ_MS) * MS;
+    int64_t qvz = (pref_3964r_qvz_ms > 0 ? pref_3964r_qvz_ms : P3964R_QVZ_MS) * MS;
     bool is_soon = before != NULL && sertap_elapsed(before->end, times->begin) < qvz;
     bool is_over = is_given_up(bus, times, qvz);
 
@@ -301,7 +297,7 @@ show_unit(const unit_t *unit, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tre
         expert_add_info(pinfo, root, &ei_3964r_unanswered);
     if (unit->repeat_of != 0)
         expert_add_info(pinfo, root, &ei_3964r_repeat);
-    if (unit->tries > MOST_TRIES)
+    if (unit->tries > P3964R_MOST_TRIES)
         expert_add_info(pinfo, root, &ei_3964r_tries);
 }
 

@@ -6,9 +6,8 @@
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 #include "sis/pieces.h"
-
-#define MOST_PIECES 8192u /* 64 KB in pieces of 8 bytes; Wireshark searches all of them for each */
 
 /* How far a transfer is. */
 typedef struct {
@@ -23,7 +22,7 @@ static wmem_map_t *states; /* by transfer */
 static unsigned
 count_piece(const packet_info *pinfo, state_t *state)
 {
-    if (state->count == MOST_PIECES)
+    if (state->count == SIS_MOST_PIECES)
         state->full_in = pinfo->num;
     return state->count++;
 }

@@ -12,6 +12,7 @@
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 #include "sertap/line.h"
 #include "sis/pieces.h"
 #include "synax/head.h"
@@ -26,10 +27,6 @@
 /* A long list comes in DB nn to DB 1 (page 8-27). Everything else with the Indramat head is in DB 0. */
 #define LAST_OF_A_CHAIN 1u
 #define LONGEST_CHAIN   5u
-
-#define MOST_IO_WORDS 32u /* of data block 99 (page 8-8) */
-
-#define MOST_AT_ONCE 1024u /* bytes; for more, bit 1 of the info access is 0 (page 8-18) */
 
 static int rk512i_tap = -1;
 
@@ -146,7 +143,7 @@ begin_block(job_t *job, const dissection_t *d, telegram_t *telegram)
         return;
     read_head(job, d);
     if (job->has_head && command == RK512_SEND && job->info & SYNAX_INFO_LAST &&
-        (job->is_open || job->left > MOST_AT_ONCE))
+        (job->is_open || job->left > RK512_MOST_AT_ONCE))
         telegram->faults |= TOO_LONG_FOR_LAST;
 }
 
@@ -276,7 +273,7 @@ check_command(const dissection_t *d, uint8_t block)
     }
     if (block > LONGEST_CHAIN && synax_block_text(block) == NULL)
         note(d, "Data block that is not defined");
-    if (block == SYNAX_BLOCK_IO && count > MOST_IO_WORDS)
+    if (block == SYNAX_BLOCK_IO && count > RK512_MOST_IO_WORDS)
         note(d, "Data block 99 has at most 32 words (page 8-8)");
     if (block == SYNAX_BLOCK_MODE && count != 1)
         note(d, "Data block 100 has one word (page 8-10)");

@@ -12,6 +12,7 @@
 #include "kept.h"
 #include "parameters/ident.h"
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 #include "sis/names.h"
 #include "sis/pieces.h"
 #include "synax/pieces.h"
@@ -19,7 +20,6 @@
 
 #define CHANNEL_SIZE 12u /* six words (SYNAX, page 3-3) */
 #define WORD_SIZE    2u
-#define MOST_DATA    10u
 
 #define BASIC_STATE 0x000F
 
@@ -136,10 +136,10 @@ read_extent(channel_t *c)
     unsigned count = (c->word & SYNAXPK_WORD_COUNT) >> 4, there = c->there - WORD_SIZE;
 
     c->end = WORD_SIZE + MIN(count, there);
-    if (count > MOST_DATA)
+    if (count > SYNAXPK_MOST_DATA)
         expert_add_info_format(c->pinfo, c->root, &ei_synax_note,
                                "The channel has 10 bytes of data, its word says more");
-    c->is_short = count <= MOST_DATA && there + WORD_SIZE < count;
+    c->is_short = count <= SYNAXPK_MOST_DATA && there + WORD_SIZE < count;
     if (c->is_short)
         expert_add_info_format(c->pinfo, c->root, &ei_synax_short, "The data are cut");
 }

@@ -2,14 +2,11 @@
 /* Service 0x02, flash operation (chapter 5). */
 #include "sis/services/services.h"
 
+#include "protocol/limits.h"
 #include "protocol/services.h"
 #include "sis/export.h"
 
 #define ERASE_FLASH 0x94
-
-/* The memory that a telegram can carry (chapters 5.4 and 5.7). */
-#define MOST_READ       244u
-#define MOST_PROGRAMMED 240u
 
 #define FIRST_SUPPORTED_TYPE 2 /* of a device: RAM */
 
@@ -50,7 +47,7 @@ take_flash_length(sis_body_t *body, unsigned size)
         return;
     say_length(body, length);
     if (size == 1) {
-        check_most(body, length, MOST_READ);
+        check_most(body, length, SIS_MOST_READ);
         body->request->setting = length;
     }
 }
@@ -67,7 +64,7 @@ take_data(sis_body_t *body, unsigned size _U_)
     sis_take_rest(body, hf_sis_data);
     say_length(body, length);
     if (!body->is_reaction)
-        check_most(body, length, MOST_PROGRAMMED);
+        check_most(body, length, SIS_MOST_PROGRAMMED);
     else if (request != NULL && length < request->setting && !body->is_cut)
         sis_mark(body, &ei_sis_body_note, "fewer bytes than asked for");
     else if (request != NULL && request->setting > 0 && length > request->setting)

@@ -2,21 +2,21 @@
 /* Service 0x00, node identification (chapter 3). */
 #include "sis/services/services.h"
 
+#include "protocol/limits.h"
 #include "protocol/services.h"
 #include "sis/learned.h"
 
-#define VERSION_LENGTH  5 /* "nnVmm" */
-#define MOST_CHARACTERS 40
+#define VERSION_LENGTH 5 /* "nnVmm" */
 
 static void
 take_identity(sis_body_t *body, int hf, sis_identity_t what)
 {
-    bool is_too_long = sis_left(body) > MOST_CHARACTERS;
+    bool is_too_long = sis_left(body) > SIS_MOST_CHARACTERS;
 
     sis_station_identify(body, what, tvb_new_subset_length(body->tvb, body->offset, sis_left(body)));
     sis_take_text(body, hf);
     if (is_too_long)
-        sis_mark(body, &ei_sis_body_note, "more than %u characters", MOST_CHARACTERS);
+        sis_mark(body, &ei_sis_body_note, "more than %u characters", SIS_MOST_CHARACTERS);
 }
 
 static void
