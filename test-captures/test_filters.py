@@ -4,11 +4,17 @@
 from __future__ import annotations
 
 import subprocess
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
 from sharkd import Sharkd
 
+from make import scenarios
+from merging import Group, groups
+from sistap.packets.dissection import Dissection
+from sistap.packets.faults import faults
+from sistap.sis.faults import FAULTS
 from sistap.wireshark.tshark import Tshark
 
 HERE = Path(__file__).parent
@@ -151,3 +157,21 @@ def test_framing_can_be_decoded_as(tshark: Tshark) -> None:
     path = str(HERE / "records.pcapng")
     decoded = tshark.output("-r", path, "-d", "sertap.framing==42,sis", "-Y", "frame.number==26")
     assert "SIS" in decoded
+
+
+PLAIN, _, TCP = groups()
+EACH = [pytest.param(Group(path.stem, (path,)), id=path.stem, marks=pytest.mark.thorough) for path in scenarios()]
+
+
+@pytest.mark.parametrize("group", [pytest.param(PLAIN, id="plain"), pytest.param(TCP, id="tcp"), *EACH])
+def test_the_report_counts_what_the_filters_beside_it_find(
+    group: Group, tshark: Tshark, sharkd: Sharkd, tmp_path: Path
+) -> None:
+    group.write(tmp_path / "capture.pcapng")
+    counted = defaultdict(list)
+    with Dissection(tshark, tmp_path / "capture.pcapng") as dissection:
+        for packet in dissection.packets():
+            for fault in faults(packet):
+                counted[fault.name].append(packet.number)
+    found = {fault.name: sharkd.frames(tmp_path / "capture.pcapng", fault.filter) for fault in FAULTS}
+    assert {fault.name: counted[fault.name] for fault in FAULTS} == found

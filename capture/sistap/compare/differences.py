@@ -12,7 +12,7 @@ from sistap.accesses.listing import Listed
 from sistap.compare import chance
 from sistap.compare.chance import CERTAIN
 from sistap.compare.samples import Samples
-from sistap.compare.side import FAULTS, LIMITS, SENT_AGAIN, Failure, Service, Side
+from sistap.compare.side import FAULTS, LIMITS, Failure, Service, Side
 from sistap.packets.distribution import Distribution
 from sistap.sis.telegram import service_name
 
@@ -170,10 +170,9 @@ def _one_sided(good: Counter[Any], bad: Counter[Any], share: float, text: Callab
 
 
 def _faults(good: Side, bad: Side) -> Iterator[Count]:
-    kinds = [(kind.name, kind.title, kind.filter) for kind in FAULTS]
-    for name, title, display_filter in [*kinds, (SENT_AGAIN, "Command sent again", "sis.repeat_of")]:
-        likely = chance.of_share(good.records, bad.records, [name])
-        yield Count(title, good.faults[name], bad.faults[name], likely, display_filter)
+    for fault in FAULTS:
+        likely = chance.of_share(good.records, bad.records, [fault.name])
+        yield Count(fault.title, good.faults[fault.name], bad.faults[fault.name], likely, fault.filter)
 
 
 def _times(good: Side, bad: Side) -> Iterator[Times]:

@@ -15,15 +15,15 @@ from sistap.common.garbage import uncollected
 from sistap.compare.samples import Pieces, Samples
 from sistap.packets.dissection import Dissection, Packet, Telegram
 from sistap.packets.distribution import Distribution
-from sistap.packets.faults import COUNTED, LOST, faults
+from sistap.packets.faults import LOST, faults
+from sistap.sis.faults import FAULTS as KNOWN
 from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import FRAME, OTHER
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
-SENT_AGAIN = "sent_again"
 # Reactions with an error are counted by parameter and error.
-FAULTS = tuple(fault for fault in COUNTED if fault.name != "error_reaction")
+FAULTS = tuple(fault for fault in KNOWN if fault.name != "error_reaction")
 LIMITS = {"tza": "TzA", "trs": "TrS", "tmas": "Tmas"}
 
 
@@ -69,8 +69,8 @@ class Side:
 
     def add(self, packet: Packet, file: str) -> None:
         """Count a packet."""
-        if packet.type in (FRAME, OTHER) or packet.telegrams:
-            found = _faults(packet)
+        found = [fault.name for fault in faults(packet) if fault in FAULTS]
+        if found or packet.type in (FRAME, OTHER) or packet.telegrams:
             self.records.add(found, 1)
             self.faults.update(found)
         if packet.type in (FRAME, OTHER):
@@ -114,12 +114,6 @@ class Side:
         if telegram.status and not any(access.error for access in packet.accesses):
             text = f"status 0x{telegram.status:02x}"
             self.failures[Failure(service.station, service_name(service.number), text)] += 1
-
-
-def _faults(packet: Packet) -> list[str]:
-    """Return the names of the faults of a packet."""
-    found = [fault.name for fault in faults(packet) if fault.name != "error_reaction"]
-    return [*found, SENT_AGAIN] if any(telegram.is_repeat for telegram in packet.telegrams) else found
 
 
 def _first_station(path: str) -> int:

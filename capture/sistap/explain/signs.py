@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from sistap.sis import faults
-from sistap.wireshark.rows import JOINT
+from sistap.wireshark.rows import field_of, holds
 
 
 class Sign(NamedTuple):
@@ -31,18 +31,9 @@ def expression(signs: Iterable[Sign]) -> str:
 
 def fields(signs: Iterable[Sign]) -> list[str]:
     """Return the fields of their tests."""
-    return list(dict.fromkeys(test.split()[0] for sign in signs for test in sign.tests))
+    return list(dict.fromkeys(field_of(test) for sign in signs for test in sign.tests))
 
 
 def reason(signs: Iterable[Sign], columns: Mapping[str, str]) -> str:
     """Return the first reason that the fields of a packet show; empty if none."""
-    return next((sign.reason for sign in signs if any(_holds(test, columns) for test in sign.tests)), "")
-
-
-def _holds(test: str, columns: Mapping[str, str]) -> bool:
-    field, *rest = test.split()
-    values = [value for value in columns.get(field, "").split(JOINT) if value]
-    if not rest:
-        return bool(values)
-    operator, number = rest[0], int(rest[1], 0)
-    return any(int(value, 0) == number if operator == "==" else int(value, 0) > number for value in values)
+    return next((sign.reason for sign in signs if any(holds(test, columns) for test in sign.tests)), "")

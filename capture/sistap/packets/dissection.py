@@ -16,6 +16,7 @@ from sistap.accesses.access import Access, accesses
 from sistap.line.settings import Flag
 from sistap.packets.kept import Kept, Span
 from sistap.records.record import Event
+from sistap.sis.faults import FAULTS
 from sistap.wireshark import rows
 from sistap.wireshark.rows import (
     EVENT,
@@ -28,8 +29,8 @@ from sistap.wireshark.rows import (
 )
 from sistap.wireshark.tshark import Tshark, TsharkError
 
-# Fields that the installed dissector lacks are left out and named in the report.
-FIELDS = (
+# Those that the installed dissector lacks are left out and named in the report.
+_SHOWN = (
     "frame.number",
     "frame.time_epoch",
     "frame.time_relative",
@@ -77,6 +78,8 @@ FIELDS = (
     "sis.phase",
     ACCESSES,
 )
+_TESTED = (rows.field_of(test) for fault in FAULTS for test in fault.tests)
+FIELDS = tuple(dict.fromkeys((*_SHOWN, *_TESTED)))
 _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}

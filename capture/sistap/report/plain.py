@@ -10,12 +10,12 @@ from typing import Any
 from sistap.accesses.listing import Listed
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.packets.distribution import Distribution
-from sistap.packets.faults import COUNTED
 from sistap.report import tables
 from sistap.report.figures import Figures, Limit, Station
 from sistap.report.gather import Report
 from sistap.report.pauses import Pause, Talker
 from sistap.report.windows import Window
+from sistap.sis.faults import FAULTS
 from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
@@ -88,7 +88,7 @@ def _report(report: Report) -> dict[str, Any]:
             | {"longest_s": one.longest_s}
             for place, one in sorted(figures.pauses.places.items())
         ],
-        "faults": {fault.name: figures.faults[fault.name] for fault in COUNTED},
+        "faults": {fault.name: figures.faults[fault.name] for fault in FAULTS},
         "silences": {
             "above_200_ms": figures.silences.long,
             "longest_s": figures.silences.longest_s,

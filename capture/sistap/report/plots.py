@@ -27,11 +27,11 @@ from sistap.draw.panel import (
 from sistap.episodes.rules import Severity
 from sistap.packets.dissection import EXCEEDED, Packet, Telegram
 from sistap.packets.distribution import Distribution, Slices
-from sistap.packets.faults import COUNTED
 from sistap.report.curves import Curve, Point
 from sistap.report.gather import Report
 from sistap.report.tables import ANCHOR, EPISODES_SHOWN, ms, of_device
 from sistap.report.windows import Window
+from sistap.sis.faults import FAULTS
 from sistap.sis.telegram import service_name
 
 _LANES = 12  # the busiest stations and services; more would not be readable
@@ -75,7 +75,7 @@ def overview(report: Report) -> Drawing | None:
     slices, counts_of = report.figures.slices, report.figures.faults
     busiest = sorted(report.figures.stations, key=lambda address: -sum(slices.counts[str(address)]))[:_LANES]
     stations = [(f"station {address}", slices.counts[str(address)]) for address in sorted(busiest)]
-    faults = [(fault.short, slices.counts[fault.name]) for fault in COUNTED if counts_of[fault.name]]
+    faults = [(fault.short, slices.counts[fault.name]) for fault in FAULTS if counts_of[fault.name]]
     has_load = any(load is not None for load in slices.loads)
     if not stations and not faults:
         return None

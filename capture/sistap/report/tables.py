@@ -15,11 +15,11 @@ from sistap.episodes.silence import seconds
 from sistap.line import drivers
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED
 from sistap.packets.distribution import Distribution
-from sistap.packets.faults import COUNTED
 from sistap.records.record import Event, Framing, interval_text
 from sistap.report.figures import SILENCE_S, Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.pauses import MOST_PLACES
+from sistap.sis.faults import FAULTS
 from sistap.sis.limits import NAMES, told
 from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import EVENT, FRAME, OTHER, local
@@ -115,7 +115,7 @@ def summary(report: Report) -> Table:
         ("Ports", ", ".join(filter(None, figures.interfaces)) or "not named"),
         ("Line", ", ".join(f"{rate} Bd {kind}" for rate, kind in figures.settings) or "not known"),
         ("Packets", f"{figures.packets}{_records(figures)}"),
-        ("Telegrams", f"{figures.telegrams}, {damaged} of them damaged"),
+        ("Telegrams", f"{figures.telegrams}, {damaged} of them with a wrong checksum or none"),
         ("Uncertainty of the times", _uncertainty(figures)),
         ("In the same read", _same_read(figures)),
         (f"Silences above {ms_short(SILENCE_S)}", str(figures.silences.long)),
@@ -255,7 +255,7 @@ def places(report: Report) -> Table:
 def faults(report: Report) -> Table:
     """What was found, and the display filter that finds all of it."""
     counts = report.figures.faults
-    rows = [(fault.title, str(counts[fault.name]), fault.filter) for fault in COUNTED]
+    rows = [(fault.title, str(counts[fault.name]), fault.filter) for fault in FAULTS]
     return Table("Faults", ("What", "How often", "Display filter for all of them"), rows, code=2)
 
 

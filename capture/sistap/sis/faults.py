@@ -85,7 +85,7 @@ FAULTS = (
     Fault(
         "repeated",
         "repeated",
-        "Sent again",
+        "Command sent again",
         ("sis.repeat_of",),
     ),
 )

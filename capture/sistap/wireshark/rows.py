@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
+from functools import lru_cache
+from operator import eq, gt
 from pathlib import Path
 
 from sistap.common.packed import unpack
@@ -40,6 +42,25 @@ def columns(names: Sequence[str], line: str) -> dict[str, str]:
     """Split what tshark prints for one packet, and make its text safe: it may come from elsewhere."""
     line = _ODD.sub(lambda found: visible(found[0]), line)
     return dict(zip(names, line.split("\t"), strict=False))
+
+
+def field_of(test: str) -> str:
+    """Return the field of a test: FIELD (it is there), FIELD == NUMBER, or FIELD > NUMBER."""
+    return test.partition(" ")[0]
+
+
+def holds(test: str, columns: Mapping[str, str]) -> bool:
+    """Tell whether a packet passes a test, as the display filter of the same text does: one value is enough."""
+    field, _, wanted = test.partition(" ")
+    text = columns.get(field)
+    return bool(text) and (not wanted or _compares(wanted, text or ""))
+
+
+@lru_cache(1024)
+def _compares(wanted: str, text: str) -> bool:
+    operator, number = wanted.split()
+    compare = {"==": eq, ">": gt}[operator]
+    return any(compare(int(value, 0), int(number, 0)) for value in text.split(JOINT) if value)
 
 
 def first(text: str) -> str:
