@@ -3817,21 +3817,25 @@ do
     return body.status >= 0x02
   end
 
-  -- As its field says: a code, text, bytes or a number.
-  local function take_item(body, which, size, codes)
-    local left = S.left(body)
+  local size_of = {[ftypes.UINT8] = 1, [ftypes.UINT16] = 2, [ftypes.UINT32] = 4} -- bytes of an integer
 
-    if codes then
+  -- As its field says: text, bytes, a code or a number.
+  local function take_item(body, which, size, codes)
+    local kind, left = kind_of[which], S.left(body)
+
+    if kind == ftypes.STRING then
+      S.take_text(body, which)
+    elseif kind == ftypes.BYTES then
+      S.needs(body, which, 1)
+      if S.take_rest(body, which) then S.say(body, ", %d byte%s", left, plural(left)) end
+    elseif size ~= size_of[kind] then
+      S.take_rest(body, F.raw) -- protocol/checks.py lets none pass; Wireshark ends when a time has a wrong size
+    elseif codes then
       local value, text = S.take_code(body, which, size, codes)
 
       if not value then return end
       S.say(body, ", %s", text)
       if not codes[value] then S.mark(body, E.body_note, "0x%0" .. size * 2 .. "x is not defined", value) end
-    elseif kind_of[which] == ftypes.STRING then
-      S.take_text(body, which)
-    elseif size == 0 then
-      S.needs(body, which, 1)
-      if S.take_rest(body, which) then S.say(body, ", %d byte%s", left, plural(left)) end
     else
       local value = S.take(body, which, size)
 

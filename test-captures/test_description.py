@@ -110,7 +110,140 @@ def test_an_entry_that_makes_no_sense(folder: Path, name: str, entry: str, error
 def test_a_layout_of_what_is_no_field(folder: Path) -> None:
     path = folder / "services.toml"
     path.write_text(path.read_text("utf-8").replace('"flash.target ', '"flash.colour '), "utf-8")
-    with pytest.raises(ValueError, match=r"fields.toml has no sis.flash.colour"):
+    with pytest.raises(ValueError, match=r"flash: sis.flash.colour: fields.toml has no such field"):
+        Description(folder)
+
+
+LAMP = """
+[layouts.lamp]
+service = "0x05"
+all = { command = "lamp.colour:2 lamp.hours:4" }
+"""
+LAMP_FIELDS = """
+["sis.lamp.colour"]
+name = "Colour"
+type = "uint16 hex"
+codes = "colours"
+["sis.lamp.range"]
+name = "Range"
+type = "uint8 hex"
+codes = "ranges"
+["sis.lamp.bits"]
+name = "Bits"
+type = "uint8 hex"
+mask = 0x03
+["sis.lamp.hours"]
+name = "Hours"
+type = "uint32 dec"
+["sis.lamp.on"]
+name = "On for"
+type = "time"
+["sis.lamp.weight"]
+name = "Weight"
+type = "double"
+["sis.lamp.lit"]
+name = "Lit"
+type = "boolean"
+["sis.lamp.text"]
+name = "Text"
+type = "string"
+"""
+LAMP_CODES = (
+    NEW_CODES
+    + """
+[ranges]
+about = "Of a service that does not exist."
+[ranges.codes]
+0x01-0x07 = "Bright"
+"""
+)
+
+
+@pytest.fixture
+def with_lamp(folder: Path) -> Path:
+    """A description with fields for a lamp."""
+    add(folder, "fields.toml", LAMP_FIELDS)
+    add(folder, "codes.toml", LAMP_CODES)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("command", "error"),
+    [
+        ("lamp.colour", "sis.lamp.colour: it has 2 bytes: lamp.colour:2"),
+        ("lamp.colour:4", "sis.lamp.colour: it has 2 bytes"),
+        ("lamp.hours:3", "sis.lamp.hours: it has 4 bytes"),
+        ("lamp.hours:*", "sis.lamp.hours: it has 4 bytes"),
+        ("lamp.on:2", "sis.lamp.on: a time needs a function"),
+        ("lamp.weight:8", "sis.lamp.weight: a double needs a function"),
+        ("lamp.lit", "sis.lamp.lit: a boolean needs a function"),
+        ("lamp.text:4", r"sis.lamp.text: it is the rest: lamp.text:\*"),
+        ("data:3", r"sis.data: it is the rest: data:\*"),
+        ("lamp.bits", "sis.lamp.bits: a field with a mask"),
+        ("lamp.range", "sis.lamp.range: its codes have ranges"),
+        ("data:* lamp.colour:2", "sis.data: nothing can follow it"),
+        ("lamp.colour:2? lamp.hours:4", "sis.lamp.colour: nothing can follow it"),
+        ("data:*?", "sis.data: the rest cannot be missing"),
+    ],
+)
+def test_an_item_that_cannot_be_read(with_lamp: Path, command: str, error: str) -> None:
+    """C and Lua would show something else, or read outside the useful data."""
+    add(with_lamp, "services.toml", LAMP.replace("lamp.colour:2 lamp.hours:4", command))
+    with pytest.raises(ValueError, match=f"services.toml: lamp: {error}"):
+        Description(with_lamp)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "error"),
+    [
+        ("all", "0x01", "lamp has neither subservices with layouts nor the one layout"),
+        ("all", 'subservices = "colours"\nall', "lamp has neither"),
+        ("all", 'subservices = "colours"\n0x03', "lamp: 0x03 is no subservice of it"),
+        ("all", 'subservices = "ranges"\n0x01', "lamp: codes.toml has no ranges, or it has ranges"),
+        ("all", 'errors = "lamps"\nall', "lamp: codes.toml has no lamps"),
+        ("all", 'functions = "lamp.text"\nall', "lamp: functions of no item: lamp.text"),
+        ("0x05", "0x02", "service 0x02 is no byte, or has layouts twice"),
+        ("0x05", "0x105", "service 0x105 is no byte"),
+        ("0x05", "0x10", "0x80 cannot be like 0x10, which has layouts"),
+    ],
+)
+def test_a_service_that_cannot_be_read(with_lamp: Path, old: str, new: str, error: str) -> None:
+    add(with_lamp, "services.toml", LAMP.replace(old, new))
+    with pytest.raises(ValueError, match=error):
+        Description(with_lamp)
+
+
+def test_a_layout_has_as_many_items_as_it_needs(with_lamp: Path) -> None:
+    """An item without a field ends it in C."""
+    add(with_lamp, "services.toml", LAMP.replace("lamp.colour:2 ", "lamp.colour:2 " * 9))
+    texts = {path.name: text for path, text in generate.made(Description(with_lamp))}
+    items = ["{NULL, &hf_sis_lamp_colour, sis_colours, 2, false}"] * 9
+    items += ["{NULL, &hf_sis_lamp_hours, NULL, 4, false}", "{0}"]
+    assert f"{{0x00, (const sis_item_t[]){{{', '.join(items)}}}, (const sis_item_t[]){{{{0}}}}}}" in texts["services.h"]
+
+
+def test_a_service_without_a_status_may_have_subservices(with_lamp: Path) -> None:
+    add(with_lamp, "services.toml", LAMP.replace("0x05", "0x30").replace("all", 'subservices = "colours"\n0x01'))
+    texts = {path.name: text for path, text in generate.made(Description(with_lamp))}
+    assert "[0x30] = {0x00, NULL, sis_colours, false, false}," in texts["services.c"]
+
+
+@pytest.mark.parametrize(
+    ("type_", "error"),
+    [
+        ('"uint8"', "an integer needs dec or hex"),
+        ('"string hex"', "only an integer has dec or hex"),
+        ('"time"\ncodes = "services"', "only an integer has dec or hex, codes or a unit"),
+        ('"bytes"\nmask = 1', "only an integer or a boolean has a mask"),
+        ('"boolean"\nmask = 1', "a boolean with a mask needs a width"),
+        ('"uint8 hex"\nmask = 0x100', "its mask has more than 8 bits"),
+        ('"uint8 hex"\ntexts = ["On", "Off"]', "only a boolean has texts"),
+        ('"uint8 hex"\nlink = "request"', "only a packet has a link"),
+    ],
+)
+def test_a_field_that_wireshark_would_not_register(folder: Path, type_: str, error: str) -> None:
+    add(folder, "fields.toml", f'["sis.new.colour"]\nname = "Colour"\ntype = {type_}\n')
+    with pytest.raises(ValueError, match=f"sis.new.colour: {error}"):
         Description(folder)
 
 
@@ -118,6 +251,10 @@ def test_a_new_subservice_appears_everywhere(folder: Path) -> None:
     path = folder / "services.toml"
     path.write_text(
         path.read_text("utf-8").replace("0x9F = {}", '0x9E = { command = "flash.address:4 data:*" }'), "utf-8"
+    )
+    codes = folder / "codes.toml"
+    codes.write_text(
+        codes.read_text("utf-8").replace("[subservices_flash.codes]", "[subservices_flash.codes]\n0x9E = 'New'")
     )
     texts = {path.name: text for path, text in generate.made(Description(folder))}
     assert "{take_flash_address, &hf_sis_flash_address, NULL, 4, false}, {take_data" in texts["services.h"]
@@ -132,7 +269,10 @@ def test_a_new_service_needs_no_function(folder: Path) -> None:
     add(folder, "services.toml", '[layouts.lamp]\nservice = "0x05"\nall = { command = "lamp.colour data:*" }\n')
     texts = {path.name: text for path, text in generate.made(Description(folder))}
     items = "{NULL, &hf_sis_lamp_colour, sis_colours, 1, false}, {NULL, &hf_sis_data, NULL, 0, false}"
-    assert f"{{0x05, NULL, 1, (const sis_layout_t[]){{ \\\n        {{0x00, {{{items}}}" in texts["services.h"]
+    assert (
+        f"{{0x05, NULL, 1, (const sis_layout_t[]){{ \\\n        {{0x00, (const sis_item_t[]){{{items}, {{0}}}}"
+        in texts["services.h"]
+    )
     assert (
         'is_by_layout = true,\n    [0x00] = {\n      command = {{"lamp_colour", 1, false, N.colours},'
         in texts["sis.lua"]

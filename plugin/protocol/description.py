@@ -14,6 +14,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import checks
+
 HERE = Path(__file__).parent
 TYPES = {
     "uint8": "UINT8",
@@ -291,9 +293,12 @@ def _item(text: str) -> Item:
 _OF_SERVICE = {"service", "subservices", "errors", "functions"}
 
 
-def _service(entry: Mapping[str, Any]) -> Service:
+def _service(name: str, entry: Mapping[str, Any]) -> Service:
     functions = entry["functions"].split() if "functions" in entry else None
-    layouts = [_layout(key, entry[key]) for key in entry if key not in _OF_SERVICE]
+    keys = [key for key in entry if key not in _OF_SERVICE]
+    if "all" in keys if "subservices" in entry else keys != ["all"]:
+        raise ValueError(f"services.toml: {name} has neither subservices with layouts nor the one layout `all`")
+    layouts = [_layout(key, entry[key]) for key in keys]
     return Service(int(entry["service"], 0), entry.get("subservices", ""), entry.get("errors", ""), functions, layouts)
 
 
@@ -321,7 +326,7 @@ def _services(entry: Mapping[str, Any]) -> Services:
         _numbers(entry["with_control"]),
         _likes(entry["like"]),
         {preference: _likes(likes) for preference, likes in entry["like_if_set"].items()},
-        {name: _service(table) for name, table in entry["layouts"].items()},
+        {name: _service(name, table) for name, table in entry["layouts"].items()},
     )
 
 
@@ -352,8 +357,11 @@ class Description:
         for field in self.fields:
             if field.codes and field.codes not in self.tables:
                 raise ValueError(f"fields.toml: {field.filter} has codes that codes.toml lacks: {field.codes}")
+            for wrong in checks.of_field(field):
+                raise ValueError(f"fields.toml: {field.filter}: {wrong}")
+        for wrong in checks.of_services(self.services, {field.filter: field for field in self.fields}, self.tables):
+            raise ValueError(f"services.toml: {wrong}")
         self.limits = [Limit(name, entry["is"], entry["about"]) for name, entry in load("limits.toml").items()]
-        self._check_items()
         self._check_protocols()
         self.s_names = {int(number): name for number, name in load("names.toml")["s_names"].items()}
         faults = load("faults.toml")
@@ -384,17 +392,6 @@ class Description:
         for fault in self.faults:
             if fault.rule not in rules or fault.button not in buttons:
                 raise ValueError(f"faults.toml: {fault.name} has a rule or a button that does not exist")
-
-    def _check_items(self) -> None:
-        """ValueError if a layout has an item that is no field, or a service codes that are no table."""
-        known = {field.filter for field in self.fields}
-        for service in self.services.layouts.values():
-            for name in (item.field for item in service.items):
-                if f"sis.{name}" not in known:
-                    raise ValueError(f"services.toml: fields.toml has no sis.{name}")
-            for table in filter(None, (service.subservices, service.errors)):
-                if table not in self.tables:
-                    raise ValueError(f"services.toml: codes.toml has no {table}")
 
     def field_of(self, item: Item) -> Field:
         """Return the field of an item."""

@@ -325,8 +325,9 @@ def _item(description: Description, service: Service, item: Item) -> str:
 
 
 def _layout(description: Description, service: Service, layout: Layout) -> str:
+    """Return a layout; an item without a field ends each side."""
     command, reaction = (
-        f"{{{', '.join(_item(description, service, item) for item in items) or '{0}'}}}"
+        f"(const sis_item_t[]){{{', '.join([*(_item(description, service, item) for item in items), '{0}'])}}}"
         for items in (layout.command, layout.reaction)
     )
     return f"{{0x{layout.subservice:02X}, {command}, {reaction}}}"
@@ -376,7 +377,7 @@ def services_c(description: Description) -> str:
     lines = _made_from("services.toml", "What stands in the useful data of services.")
     lines += ["", '#include "protocol/services.h"', "", "const sis_service_t sis_services_known[256] = {"]
     subservices = {one.number: f"sis_{one.subservices}" for one in services.layouts.values() if one.subservices}
-    for service in sorted({*likes, *services.with_status, *services.with_control}):
+    for service in sorted({*likes, *subservices, *services.with_status, *services.with_control}):
         general, condition = likes.get(service, (0, "NULL"))
         words = [str(service in known).lower() for known in (services.with_status, services.with_control)]
         words = [f"0x{general:02X}", condition, subservices.get(service, "NULL"), *words]

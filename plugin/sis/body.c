@@ -80,6 +80,8 @@ get_value(const sis_body_t *body, unsigned size)
         return compat_get_uint8(body->tvb, body->offset);
     case 2:
         return tvb_get_letohs(body->tvb, body->offset);
+    case 3:
+        return tvb_get_letoh24(body->tvb, body->offset);
     default:
         return tvb_get_letohl(body->tvb, body->offset);
     }
@@ -178,24 +180,41 @@ take_item_code(sis_body_t *body, const sis_item_t *item)
         sis_mark(body, &ei_sis_body_note, "0x%0*x is not defined", (int)item->size * 2, value);
 }
 
-/* As its field says: a code, text, bytes or a number. */
+/* The rest as bytes; their number into the summary. */
+static void
+take_item_bytes(sis_body_t *body, const sis_item_t *item)
+{
+    unsigned length = sis_left(body);
+
+    sis_needs(body, *item->hf, 1);
+    if (sis_take_rest(body, *item->hf)) {
+        sis_say_words(body, ", ", NULL);
+        sis_say_bytes(body, length);
+    }
+}
+
+/* The bytes of an integer; 0: it is something else. */
+static unsigned
+size_of(enum ftenum type)
+{
+    return type == FT_UINT8 ? 1 : type == FT_UINT16 ? 2 : type == FT_UINT32 ? 4 : 0;
+}
+
+/* As its field says: text, bytes, a code or a number. */
 static void
 take_item(sis_body_t *body, const sis_item_t *item)
 {
     const header_field_info *field = proto_registrar_get_nth((unsigned)*item->hf);
-    unsigned length = sis_left(body);
     uint32_t value;
 
-    if (item->codes != NULL) {
-        take_item_code(body, item);
-    } else if (field->type == FT_STRING) {
+    if (field->type == FT_STRING) {
         sis_take_text(body, *item->hf);
-    } else if (item->size == 0) {
-        sis_needs(body, *item->hf, 1);
-        if (sis_take_rest(body, *item->hf)) {
-            sis_say_words(body, ", ", NULL);
-            sis_say_bytes(body, length);
-        }
+    } else if (field->type == FT_BYTES) {
+        take_item_bytes(body, item);
+    } else if (item->size == 0 || item->size != size_of(field->type)) {
+        sis_take_rest(body, hf_sis_raw); /* protocol/checks.py lets none pass */
+    } else if (item->codes != NULL) {
+        take_item_code(body, item);
     } else if (sis_take(body, *item->hf, item->size, &value)) {
         if (field->display == BASE_HEX)
             sis_say(body, ", 0x%0*x", (int)item->size * 2, value);

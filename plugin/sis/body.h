@@ -63,7 +63,7 @@ typedef struct {
 /* What follows a subservice (protocol/services.toml). */
 typedef struct {
     uint8_t subservice;
-    sis_item_t command[5], reaction[5];
+    const sis_item_t *command, *reaction; /* an item without a field ends them */
 } sis_layout_t;
 
 typedef struct {
