@@ -24,6 +24,7 @@ from sistap.annotate import sources
 from sistap.annotate.annotating import Passage
 from sistap.annotate.raw import RawReader
 from sistap.annotate.reading import AnyReader
+from sistap.annotate.sources import SourceError
 from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.scenario import Playing
 from sistap.bus.wires.recording import Recording
@@ -31,9 +32,10 @@ from sistap.capture.rate import AUTO, FORMATS
 from sistap.capture.session import Capture
 from sistap.capture.tap import Conditions
 from sistap.captures import reading
+from sistap.captures.reading import NotCaptured
 from sistap.captures.stream import Stream
-from sistap.files.output import Output
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.files.output import Output, OutputError, OutputRefused
+from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, SECTION_HEADER, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line.reader import PortError, PortLost, open_reader
 from sistap.line.settings import Flag, LineSettings
@@ -48,9 +50,13 @@ __all__ = [
     "Flag",
     "Framing",
     "LineSettings",
+    "NotCaptured",
+    "OutputError",
+    "OutputRefused",
     "PortError",
     "PortLost",
     "Record",
+    "SourceError",
     "Tap",
     "Type",
     "Writer",
@@ -59,7 +65,7 @@ __all__ = [
 ]
 
 _LOG = logging.getLogger("sistap")
-_PCAPNG = b"\x0a\x0d\x0d\x0a"
+_PCAPNG = SECTION_HEADER.to_bytes(4)  # it reads the same from both ends
 
 
 class _Collector:
@@ -114,6 +120,8 @@ class Tap:
 
         `baud` may be "auto"; `framing` is sis, 3964r or silence:MS; `limits` as for --limits. ValueError for others.
         """
+        if len(ports) not in {1, 2}:
+            raise ValueError(f"a tap has one port, or the two of a full-duplex line, not {len(ports)}")
         settings = LineSettings.parse(RATES[0] if baud == AUTO else int(baud), format)
         numbers = [0] if len(ports) == 1 else range(1, len(ports) + 1)
         conditions = Conditions(
@@ -159,7 +167,10 @@ class Writer:
 
     def __init__(self, path: str | Path, *, description: str = "sistap", force: bool = False) -> None:
         """Begin a file. OutputRefused if it cannot be written, or has data and `force` is not set."""
-        self._output = Output(str(path), force=force)
+        try:
+            self._output = Output(str(path), force=force)
+        except OutputRefused as refused:
+            raise OutputRefused(refused.what, "; choose another path, or overwrite it with force=True") from None
         self._counters = Counters()
         interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, description)
         self._writer = PcapngWriter(self._output, {0: interface}, self._counters)
@@ -173,7 +184,7 @@ class Writer:
         self.close()
 
     def write(self, record: Record) -> None:
-        """Write a record at once: a file that ends here is whole."""
+        """Write a record at once: a file that ends here is whole. OutputError if the disk takes no more."""
         self._writer.write(record)
         self._counters.add_record(record)
         self._end_ns = record.end_ns

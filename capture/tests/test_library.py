@@ -77,9 +77,12 @@ def test_a_port() -> None:
     assert found == [READ, ANSWER]
 
 
-def test_the_program_in_the_documents(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("page", ["docs/library.md", "README.md"])
+def test_the_program_in_the_documents(
+    page: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """It prints every error of a bus that has parity errors."""
-    text = (Path(sistap.__file__).parent.parent / "docs/library.md").read_text("utf-8")
+    text = (Path(sistap.__file__).parent.parent / page).read_text("utf-8")
     program = text.split("```python\n")[1].split("```")[0]
     records = list(sistap.play("noise", duration_s=20))
     errors = sum(bool(flags & sistap.Flag.CHARACTER_ERROR) for record in records for flags in record.flags)
@@ -91,6 +94,28 @@ def test_the_program_in_the_documents(monkeypatch: pytest.MonkeyPatch, capsys: p
 def test_a_port_that_is_not_there() -> None:
     with pytest.raises(sistap.PortError, match="/dev/no-such-port"):
         sistap.Tap("/dev/no-such-port")
+
+
+@pytest.mark.parametrize("ports", [(), ("/dev/a", "/dev/b", "/dev/c")])
+def test_no_port_or_too_many(ports: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError, match=f"one port, or the two of a full-duplex line, not {len(ports)}"):
+        sistap.Tap(*ports)
+
+
+def test_a_file_that_has_data(tmp_path: Path) -> None:
+    """The text has no options of the command."""
+    (tmp_path / "day.pcapng").write_bytes(b"data")
+    with pytest.raises(sistap.OutputRefused, match="holds data already; choose another path, or overwrite it with fo"):
+        sistap.Writer(tmp_path / "day.pcapng")
+
+
+def test_what_is_no_capture_and_no_log(tmp_path: Path) -> None:
+    (tmp_path / "cut.pcapng").write_bytes(bytes.fromhex("0A0D0D0A 1C000000 4D3C2B1A 00000000"))
+    with pytest.raises(sistap.NotCaptured, match=r"cut\.pcapng"):
+        list(sistap.read(tmp_path / "cut.pcapng"))
+    (tmp_path / "picture.log").write_bytes(bytes.fromhex("1F8B08") + bytes(64))
+    with pytest.raises(sistap.SourceError, match=r"picture\.log"):
+        list(sistap.read(tmp_path / "picture.log"))
 
 
 def test_the_command_starts_without_it() -> None:

@@ -42,7 +42,12 @@ class ReaderGone(OutputError):
 
 
 class OutputRefused(Exception):
-    """The output cannot be written to; str() is the line to show."""
+    """The output cannot be written to; str() is the line to show, of a command."""
+
+    def __init__(self, what: str, cure: str = "; choose another file with -w") -> None:
+        """Say what is wrong, and what to do."""
+        super().__init__(what + cure)
+        self.what = what
 
 
 class Limits(NamedTuple):
@@ -98,7 +103,8 @@ class Output:
         self._file = self._open()
         if not force and self._file.holds_data:
             self._file.close()
-            raise OutputRefused(f"{path} holds data already: choose another file with -w, or overwrite it with --force")
+            cure = ": choose another file with -w, or overwrite it with --force"
+            raise OutputRefused(f"{path} holds data already", cure)
         self._before: _File | None = None  # the last closed one of several files
         self._next: _File | None = None
         self._kept = deque([self._file.path])  # all names if the oldest files are deleted, else only the first
@@ -281,9 +287,7 @@ class _File:
         except OSError as error:
             if is_new and isinstance(error, FileExistsError):
                 raise
-            raise OutputRefused(
-                f"{self.name} cannot be written: {error.strerror}; choose another file with -w"
-            ) from error
+            raise OutputRefused(f"{self.name} cannot be written: {error.strerror}") from error
         about = os.fstat(self.descriptor)
         self.regular = stat.S_ISREG(about.st_mode)
         self._mode = stat.S_IMODE(about.st_mode) & (mode if sources else 0o7777)
@@ -298,7 +302,7 @@ class _File:
         """Lock the file against other captures. Without locks there is no protection."""
         if not lock(self.descriptor):
             os.close(self.descriptor)
-            raise OutputRefused(f"{self.path} is being written by another capture; choose another file with -w")
+            raise OutputRefused(f"{self.path} is being written by another capture")
 
     def empty(self) -> None:
         """Remove the contents of an older capture, unless a shell appends to the file."""
