@@ -7799,7 +7799,9 @@ do
     text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
   }
 
-  -- Quantiles by a histogram with 32 buckets for each doubling.
+  -- Quantiles: those of few intervals are exact. Those of more are from a histogram with 32 buckets for each doubling.
+  local FEW = 4096
+
   local function bucket_of(ns)
     local octave = 0
 
@@ -7821,6 +7823,10 @@ do
     local wanted, passed, bucket = floor((percent * row.exact + 99) / 100), 0, -1
 
     if row.exact == 0 then return "" end
+    if row.exact <= FEW then
+      table.sort(row.few)
+      return ms_text(row.few[wanted])
+    end
     while passed < wanted do
       bucket = bucket + 1
       passed = passed + (row.buckets[bucket] or 0)
@@ -7830,7 +7836,7 @@ do
 
   local function new_intervals()
     return {telegrams = 0, characters = 0, exceeded = 0, unresolved = 0, one_read = 0, bins = {0, 0, 0, 0, 0, 0, 0},
-      buckets = {}, exact = 0, largest = 0, longest = nil}
+      few = {}, buckets = {}, exact = 0, largest = 0, longest = nil}
   end
 
   local function is_same_read(times, character)
@@ -7854,6 +7860,7 @@ do
     row.bins[bin] = row.bins[bin] + 1
     row.buckets[bucket] = (row.buckets[bucket] or 0) + 1
     row.exact, row.largest = row.exact + 1, max(row.largest, ns)
+    if row.exact <= FEW then row.few[row.exact] = ns end
   end
 
   -- To microseconds, as they are shown.

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sistap.analyser.probe import is_analyser
-from sistap.beside.lateness import quantile
+from sistap.common.quantiles import quantile
 from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.line import measurement, ports, priority
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings

@@ -14,8 +14,9 @@ import pytest
 from sistap import cli
 from sistap.beside.aligning import aligned, frames
 from sistap.beside.comparing import Comparison
-from sistap.beside.lateness import Late, Lateness, drawing, measured, quantile
+from sistap.beside.lateness import Late, Lateness, drawing, measured
 from sistap.captures.reading import records
+from sistap.common.quantiles import quantile
 from sistap.draw.svg import svg
 from sistap.files.output import Output
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface

@@ -12,12 +12,25 @@ TIMES = st.one_of(st.just(0.0), st.floats(1e-9, 1e5))
 BIN = 10 ** (1 / Distribution.PER_DECADE)
 
 
-@given(st.lists(TIMES, min_size=1), st.floats(0.01, 1.0))
-def test_a_share_of_all_times_lies_within(times: list[float], share: float) -> None:
+def with_share(times: list[float], share: float) -> tuple[float, float]:
+    """Return what a Distribution says that the share lies within, and the exact time."""
     distribution = Distribution()
-    distribution.add(times)
-    within_s = distribution.within_s(share)
-    least_s = sorted(times)[math.ceil(share * len(times) - 1e-9) - 1]
+    for time in times:
+        distribution.add([time])
+        assert distribution.longest_s <= max(times)  # reading it on the way changes nothing
+    return distribution.within_s(share), sorted(times)[math.ceil(share * len(times) - 1e-9) - 1]
+
+
+@given(st.lists(TIMES, min_size=1), st.floats(0.01, 1.0))
+def test_a_share_of_few_times_is_exact(times: list[float], share: float) -> None:
+    within_s, least_s = with_share(times, share)
+    assert within_s == least_s
+
+
+@given(st.lists(TIMES, min_size=1, max_size=20), st.floats(0.01, 1.0))
+def test_a_share_of_many_times_is_as_exact_as_a_bin(times: list[float], share: float) -> None:
+    times *= Distribution.FEW // len(times) + 1
+    within_s, least_s = with_share(times, share)
     assert within_s in times
     assert least_s <= within_s <= least_s * BIN * (1 + 1e-9)
 

@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 from sistap import cli, selftest
-from sistap.beside.lateness import quantile
+from sistap.common.quantiles import quantile
 from sistap.line import measurement
 from sistap.line.reader import delay
 

@@ -91,8 +91,9 @@ static stat_tap_table_item bus_columns[BUS_COLUMNS] = {
 };
 /* clang-format on */
 
-/* Quantiles of many intervals in little memory: a histogram with 32 buckets for each doubling. */
-#define BUCKETS_PER_OCTAVE 32 /* so a quantile is at most 3 % too large */
+/* Quantiles: those of few intervals are exact. Those of more are from a histogram, in little memory. */
+#define FEW                4096
+#define BUCKETS_PER_OCTAVE 32 /* 32 for each doubling: a quantile is at most 3 % too large */
 #define BUCKETS            (BUCKETS_PER_OCTAVE * 28)
 
 /* The bucket of one quantile. Each value moves it by a few buckets at most. */
@@ -105,6 +106,7 @@ typedef struct {
 typedef struct {
     uint64_t count;
     uint32_t largest;
+    uint32_t few[FEW]; /* the first ones, sorted */
     uint32_t counts[BUCKETS];
     quantile_t p50, p99;
 } quantiles_t;
@@ -138,10 +140,17 @@ end_of_bucket(unsigned bucket)
     return (uint32_t)((((uint64_t)rest + BUCKETS_PER_OCTAVE + 1) << (octave - 1)) - 1);
 }
 
+/* So many values are not larger than the quantile. */
+static uint64_t
+share_of(const quantiles_t *quantiles, const quantile_t *quantile)
+{
+    return (quantile->percent * quantiles->count + 99) / 100;
+}
+
 static void
 move(quantile_t *quantile, const quantiles_t *quantiles, unsigned bucket)
 {
-    uint64_t wanted = (quantile->percent * quantiles->count + 99) / 100;
+    uint64_t wanted = share_of(quantiles, quantile);
 
     if (bucket < quantile->bucket)
         quantile->below++;
@@ -151,12 +160,22 @@ move(quantile_t *quantile, const quantiles_t *quantiles, unsigned bucket)
         quantile->below += quantiles->counts[quantile->bucket++];
 }
 
+static void
+insert(uint32_t *sorted, unsigned count, uint32_t value)
+{
+    for (; count > 0 && sorted[count - 1] > value; count--)
+        sorted[count] = sorted[count - 1];
+    sorted[count] = value;
+}
+
 /* Takes an interval, in ns. */
 static void
 quantiles_add(quantiles_t *quantiles, uint32_t ns)
 {
     unsigned bucket = bucket_of(ns);
 
+    if (quantiles->count < FEW)
+        insert(quantiles->few, (unsigned)quantiles->count, ns);
     quantiles->counts[bucket]++;
     quantiles->count++;
     quantiles->largest = MAX(quantiles->largest, ns);
@@ -164,10 +183,12 @@ quantiles_add(quantiles_t *quantiles, uint32_t ns)
     move(&quantiles->p99, quantiles, bucket);
 }
 
-/* In ns; rather too large than too small. 0 without values. */
+/* In ns; rather too large than too small. There must be a value. */
 static uint32_t
 quantile_ns(const quantiles_t *quantiles, const quantile_t *quantile)
 {
+    if (quantiles->count <= FEW)
+        return quantiles->few[share_of(quantiles, quantile) - 1];
     return MIN(end_of_bucket(quantile->bucket), quantiles->largest);
 }
 

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from sistap.beside.aligning import Pair, aligned, frames
-from sistap.beside.lateness import Lateness, measured, quantile
+from sistap.beside.lateness import Lateness, measured
 from sistap.captures.reading import NotCaptured
+from sistap.common.quantiles import quantile
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.rows import columns, first, printing
 from sistap.wireshark.tshark import Tshark, TsharkError

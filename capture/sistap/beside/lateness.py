@@ -8,11 +8,11 @@ them (an edge of their convex hull).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from sistap.beside.aligning import Pair
+from sistap.common.quantiles import quantile
 from sistap.draw.panel import Axis, Dots, Drawing, Line, Panel, linear
 from sistap.line.settings import UNCERTAINTY_UNKNOWN
 
@@ -61,11 +61,6 @@ def measured(pairs: Sequence[Pair]) -> Lateness:
             late_ns, latest_late_ns = time_ns - true_ns - clock_ns, latest_ns - true_ns - clock_ns
             characters.append(Late(true_ns, late_ns, latest_late_ns, uncertainty_ns))
     return Lateness(characters, y - slope * x, slope * 1e6)
-
-
-def quantile(ordered: Sequence[float], share: float) -> float:
-    """Return the smallest of the sorted values that is not below `share` of them."""
-    return ordered[max(0, math.ceil(share * len(ordered)) - 1)]
 
 
 def _below(points: Sequence[_Point]) -> tuple[_Point, float]:

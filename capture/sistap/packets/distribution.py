@@ -8,6 +8,8 @@ from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
+from sistap.common.quantiles import quantile
+
 
 class Bin:
     """Times that are nearly equal."""
@@ -20,10 +22,13 @@ class Bin:
 
 
 class Distribution:
-    """How often each time came, in s. Count, sum and extremes are exact; bins are 2.4 % wide."""
+    """How often each time came, in s. Count, sum and extremes are exact, and so is a share of few.
+
+    Bins are 2.4 % wide.
+    """
 
     PER_DECADE = 100
-    _TOGETHER = 4096  # times are sorted into bins in groups: one by one takes several times as long
+    FEW = 4096  # times; so many are sorted into bins together: one by one takes several times as long
 
     def __init__(self) -> None:
         self.count = 0
@@ -33,13 +38,18 @@ class Distribution:
         self._bins: defaultdict[int, Bin] = defaultdict(Bin)
         self._zeros = 0
         self._waiting: list[float] = []  # in no bin yet
+        self._few: list[float] = []  # all of them, or none if there are more
 
     def add(self, times_s: Sequence[float]) -> None:
         """Count times."""
         self.count += len(times_s)
         self.total_s += sum(times_s)
         self._waiting += times_s
-        if len(self._waiting) >= self._TOGETHER:
+        if self.count <= self.FEW:
+            self._few += times_s
+        else:
+            self._few = []
+        if len(self._waiting) >= self.FEW:
             self._sort()
 
     @property
@@ -89,7 +99,9 @@ class Distribution:
         return math.floor(math.log10(time_s) * cls.PER_DECADE)
 
     def within_s(self, share: float) -> float:
-        """Return a time that this share (0 to 1) of all does not exceed; at most 2.4 % above the exact one."""
+        """Return the time that this share (0 to 1) of all does not exceed; of more than FEW up to 2.4 % too much."""
+        if self._few:
+            return quantile(sorted(self._few), share)
         wanted = share * self.count
         passed = self.zeros
         if not self.count or passed >= wanted:
