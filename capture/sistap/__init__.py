@@ -10,7 +10,7 @@ It has a room for each job. A room may use those named beside it, and what these
     records                 line, sis                  characters are cut into records, put in order, counted, shown
     files                   records                    pcapng files and rings of them, written
     capture                 files                      `sistap capture`
-    draw                    nothing                    pictures as SVG
+    draw                    nothing                    pages, and pictures as SVG
     common                  terminal                   output files, temporary files, programs that are started
     captures                files, common              captures that are there: read, several as one, in memory
     wire                    line                       the line over a socket: a virtual bus, a tap on another computer

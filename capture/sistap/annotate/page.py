@@ -14,6 +14,7 @@ from sistap.annotate.cutting import Part
 from sistap.annotate.meanings import Meaning, Meanings
 from sistap.annotate.textlog import LogLine
 from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, place
+from sistap.draw import html
 from sistap.explain.fields import Said
 from sistap.terminal.console import visible
 
@@ -33,7 +34,7 @@ _OTHER = "other"
 _CONTROLS = {code: 0x2400 + code for code in range(0x20) if code != ord("\t")} | {0x7F: 0x2421}
 _TINT = "33"  # of 255, over the paper
 
-_STYLE = """\
+_STYLE = """
 :root { --paper: #ffffff; --ink: #1b2026; --faint: #5b6672; --bad: #b3261e; --line: #c3cad2; }
 @media (prefers-color-scheme: dark) {
   :root { --paper: #14181d; --ink: #e4e8ed; --faint: #9aa5b1; --bad: #ff8a6b; --line: #3b444e; }
@@ -91,7 +92,7 @@ class PageWeaver:
         footer = f"sistap {sistap.__version__}. What each byte means is what Wireshark's dissector says."
         items = "".join(f"<li>{escape(text)}</li>" for text in answer)
         told = f"<ol>{items}</ol>\n" if items else ""
-        self._write(f"</pre>\n{told}<footer>{footer}</footer>\n</body>\n</html>\n".encode())
+        self._write(f"</pre>\n{told}<footer>{footer}</footer>\n{html.END}".encode())
 
     def _line(self, waiting: Waiting) -> str:
         text = waiting.line.text
@@ -131,17 +132,7 @@ def _head(name: str) -> str:
     )
     key = "".join(f"<b class={kind}>{escape(text)}</b>" for kind, (text, _, _) in KINDS.items())
     return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{_shown(name)}, explained</title>
-<style>
-{_STYLE}{styles}</style>
-</head>
-<body>
+{html.begin(f"{_plain(name)}, explained", _STYLE + styles)}\
 <h1>{_shown(name)}</h1>
 <div class="key">{key}<b class="{_OTHER}">no telegram</b></div>
 <pre>

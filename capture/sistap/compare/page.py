@@ -9,9 +9,9 @@ import sistap
 from sistap.compare import findings
 from sistap.compare.differences import Comparison
 from sistap.compare.findings import Table
+from sistap.draw import html
 
-_STYLE = """\
-:root { color-scheme: light dark; }
+_STYLE = """
 body { margin: 0 auto; padding: 1rem; max-width: 74rem; font: 15px/1.45 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid; }
 .scroll { overflow-x: auto; }
@@ -32,16 +32,7 @@ def page(comparison: Comparison) -> str:
     )
     tables = "\n".join(map(_table, findings.tables(comparison)))
     return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>What has changed</title>
-<style>
-{_STYLE}</style>
-</head>
-<body>
+{html.begin("What has changed", _STYLE)}\
 <h1>What has changed</h1>
 <p>Good: {escape(findings.side(comparison.good))}<br>Bad: {escape(findings.side(comparison.bad))}</p>
 <table class="lines"><tbody>
@@ -49,9 +40,7 @@ def page(comparison: Comparison) -> str:
 </tbody></table>
 {tables}
 <footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>
-</body>
-</html>
-"""
+{html.END}"""
 
 
 def _table(table: Table) -> str:

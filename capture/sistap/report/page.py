@@ -6,6 +6,7 @@ from __future__ import annotations
 from html import escape
 
 import sistap
+from sistap.draw import html
 from sistap.draw.panel import COLOURS, Drawing
 from sistap.draw.svg import svg
 from sistap.report import plots, tables
@@ -130,25 +131,7 @@ def page(report: Report, title: str = "", note: str = "") -> str:
         f"<h2>Words</h2>{_remarks(list(tables.GLOSSARY))}",
         f"<footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>",
     ]
-    return _document(title, "\n".join(part for part in parts if part))
-
-
-def _document(title: str, body: str) -> str:
-    return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{escape(title)}: report</title>
-<style>{style()}</style>
-</head>
-<body>
-{body}
-</body>
-</html>
-"""
+    return "\n".join([html.begin(f"{title}: report", style()).rstrip(), *filter(None, parts), html.END])
 
 
 def style() -> str:
