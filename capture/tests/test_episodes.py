@@ -166,15 +166,10 @@ def test_every_kind_has_a_subject_and_a_title() -> None:
     assert all(rule.title for rule in RULES.values())
 
 
-def test_the_comparison_with_a_clean_night_begins_with_what_matters(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Who is new is no chance. What somebody new wrote, and codes that never came before, come first."""
-    good, bad = planted.play(tmp_path / "good.pcapng", is_clean=True), planted.play(tmp_path / "bad.pcapng", seed=2)
-    capsys.readouterr()
-    assert cli.main(["compare", "--format", "json", str(good), str(bad)]) == 0
-    members, parameters, _, errors, _ = json.loads(capsys.readouterr().out)["lines"].values()
-    assert members.startswith("new: station 17, a new master, ")
-    assert "station 17, a new master, 2 times (not by chance)" in members
-    assert parameters.startswith("station 4 S-0-0091 ") and "written by 17" in parameters
-    assert errors.startswith("station 3, S-0-4095: 0x1001 ")
+def test_a_level_that_a_good_time_does_not_have() -> None:
+    """A drive at 60 % of its speed all night has no step in that night."""
+    good, same, slow = (levels(scattered(*how)) for how in ((1, 200, 1000), (2, 300, 1000), (3, 200, 600)))
+    assert not [*slow.unusual(), *same.unlike(good)]
+    (level,) = slow.unlike(good)
+    assert level.from_s == 0.0
+    assert level.value == pytest.approx(600, abs=3)

@@ -20,14 +20,17 @@ from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
-Show what changed between a good time and a bad one: stations that appeared or left, parameters that differ and who
-wrote them, new services and errors, reaction times and intervals, faults of the bus, rates and limits. The first five
-lines are the summary; the tables below have everything. Each difference has a probability: how likely it is by chance
-alone. All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
+Show what changed between a good time and a bad one. First comes what happened in the bad time alone, with times and
+stations: silences, drives, masters never seen before and what they wrote, phases, rates, limits, faults of the bus.
+Then come reaction times and intervals that differ, and tables of everything. Whatever chance can make has a
+probability. All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
 A side may have several files, such as those of a ring. Name them with --good and --bad.
+
+What happened is found as in `sistap report`. The good capture tells what is usual: who asks, what is written, phases,
+limits, levels of values.
 
 Chance: the captures are cut into pieces, because neighbouring telegrams are alike. Then the pieces are compared:
 medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Of a hundred comparisons,
@@ -69,7 +72,8 @@ def run(args: argparse.Namespace) -> int:
         good, bad = _sides(args)
         progress = console.progress if console.shows_progress else _silent
         with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
-            comparison = compare(*(read(tshark, side, console.say, progress) for side in (good, bad)))
+            before = read(tshark, good, console.say, progress)
+            comparison = compare(before, read(tshark, bad, console.say, progress, before))
             if console.shows_progress:
                 console.progress("")
             file.write(FORMATS[args.format](comparison).encode())

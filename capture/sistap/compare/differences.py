@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 from sistap.accesses.listing import Listed
 from sistap.compare import chance
 from sistap.compare.chance import CERTAIN
+from sistap.compare.happened import Happened, happened
 from sistap.compare.samples import Samples
-from sistap.compare.side import FAULTS, LIMITS, Failure, Service, Side
+from sistap.compare.side import LIMITS, Service, Side
 from sistap.packets.distribution import Distribution
 from sistap.sis.telegram import service_name
 
@@ -27,7 +28,6 @@ class Count:
     good: int
     bad: int
     chance: float  # of a difference this large, 0 to 1
-    filter: str = ""  # finds all of them in Wireshark
 
     @property
     def is_certain(self) -> bool:
@@ -113,10 +113,9 @@ class Comparison:
 
     good: Side
     bad: Side
+    happened: list[Happened]
     stations: list[Count]  # that are on one side only
     services: list[Count]  # as well
-    failures: list[Count]  # reactions with an error
-    faults: list[Count]
     times: list[Times]
     parameters: list[Parameter]
     settings: list[Setting]
@@ -124,24 +123,17 @@ class Comparison:
 
 def compare(good: Side, bad: Side) -> Comparison:
     """Compare two sides."""
-    new_masters = {f"station {station}" for station in bad.masters - good.masters}
     comparison = Comparison(
         good,
         bad,
+        happened=happened(good, bad),
         stations=list(_one_sided(good.stations, bad.stations, _sent(good, bad), lambda station: f"station {station}")),
         services=list(_one_sided(good.services, bad.services, _sent(good, bad), service_text)),
-        failures=list(_counts(good.failures, bad.failures, _sent(good, bad), failure_text)),
-        faults=list(_faults(good, bad)),
         times=list(_times(good, bad)),
         parameters=list(_parameters(good, bad)),
         settings=list(_settings(good, bad)),
     )
     _correct(comparison)
-    # Nobody asks on a bus by chance.
-    comparison.stations = [
-        replace(count, what=f"{count.what}, a new master", chance=0.0) if count.what in new_masters else count
-        for count in comparison.stations
-    ]
     return comparison
 
 
@@ -150,29 +142,14 @@ def service_text(service: Service) -> str:
     return f"{service_name(service.number)} (0x{service.number:02x}) of station {service.station}"
 
 
-def failure_text(failure: Failure) -> str:
-    """Name an error and its station."""
-    return f"station {failure.station}, {failure.what}: {failure.text}"
-
-
 def _sent(good: Side, bad: Side) -> float:
     """Return the bad side's share of all telegrams."""
     return bad.telegrams / ((good.telegrams + bad.telegrams) or 1)
 
 
-def _counts(good: Counter[Any], bad: Counter[Any], share: float, text: Callable[[Any], str]) -> Iterator[Count]:
-    for what in sorted({*good, *bad}):
-        yield Count(text(what), good[what], bad[what], chance.of_counts(good[what], bad[what], share))
-
-
 def _one_sided(good: Counter[Any], bad: Counter[Any], share: float, text: Callable[[Any], str]) -> Iterator[Count]:
-    return (count for count in _counts(good, bad, share, text) if not (count.good and count.bad))
-
-
-def _faults(good: Side, bad: Side) -> Iterator[Count]:
-    for fault in FAULTS:
-        likely = chance.of_share(good.records, bad.records, [fault.name])
-        yield Count(fault.title, good.faults[fault.name], bad.faults[fault.name], likely, fault.filter)
+    for what in sorted(good.keys() ^ bad.keys()):
+        yield Count(text(what), good[what], bad[what], chance.of_counts(good[what], bad[what], share))
 
 
 def _times(good: Side, bad: Side) -> Iterator[Times]:
@@ -230,8 +207,10 @@ def _limits(limits: Iterable[float]) -> str:
 
 
 def _correct(comparison: Comparison) -> None:
-    """Correct the chances of all differences together."""
-    counts = [comparison.stations, comparison.services, comparison.failures, comparison.faults]
+    """Correct the chances of members and times together. What happened is corrected already, without them: a fault
+    is no less certain for hundred times that were compared, too.
+    """
+    counts = [comparison.stations, comparison.services]
     raw = [count.chance for group in counts for count in group]
     raw += [one.chance for times in comparison.times for one in (times.middle, times.tail)]
     left = iter(chance.corrected(raw))

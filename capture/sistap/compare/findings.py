@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A comparison in words: five lines, then tables; the same for text and for the page."""
+"""A comparison in words: lines by subject, then tables; the same for text and for the page."""
 
 from __future__ import annotations
 
@@ -8,9 +8,16 @@ from typing import NamedTuple
 
 from sistap.accesses.listing import Listed
 from sistap.compare.differences import Comparison, Count, Parameter, Quantile, Times
+from sistap.compare.happened import Happened
 from sistap.compare.side import Side
+from sistap.episodes.lines import clock_of, when
+from sistap.episodes.masters import station_of
+from sistap.episodes.rules import SUBJECTS, Subject
+from sistap.wireshark.rows import local
 
-_NAMED = 3  # things named in a line; the others are counted
+TIMES = "Times"
+NONE = "nothing differs"
+_NAMED = 3  # episodes of the same thing that are told with their own times
 
 
 class Table(NamedTuple):
@@ -23,68 +30,75 @@ class Table(NamedTuple):
 
 
 class Line(NamedTuple):
-    """One of the five lines: its subject, and the findings."""
+    """A line of the summary: its subject, and the findings."""
 
     subject: str
-    text: str
-    is_finding: bool
+    found: Sequence[str]
 
 
 def side(one: Side) -> str:
     """Describe a side."""
     first = one.names[0] if one.names else ""
     more = f" and {len(one.names) - 1} more" if len(one.names) > 1 else ""
-    return f"{first}{more}: {one.telegrams} telegrams in {one.seconds:.1f} s"
+    begin = local(one.begin_s) if one.begin_s else None
+    since = begin.strftime(" from %Y-%m-%d %H:%M:%S") if begin else ""
+    return f"{first}{more}: {one.telegrams} telegrams in {one.seconds:.1f} s{since}"
 
 
 def lines(comparison: Comparison) -> list[Line]:
-    """Return the five lines."""
-    made = [
-        ("Stations, services", _members([*comparison.stations, *comparison.services])),
-        ("Parameters", _parameters(comparison)),
-        ("Times", _times(comparison)),
-        ("Errors", _errors(comparison.failures, comparison.faults)),
-        ("Line, limits", [f"{one.what} {one.bad}, was {one.good}" for one in comparison.settings if one.differs]),
-    ]
-    none = "nothing differs"
-    return [Line(subject, _first(found) or none, bool(found)) for subject, found in made]
+    """Return the summary: the lines of the answer, on what the bad side alone has, and the times."""
+    found: dict[str, list[str]] = {subject: [] for subject in (*SUBJECTS, TIMES)}
+    for one in comparison.happened:
+        if one.is_finding:
+            found[SUBJECTS[one.episode.rule.subject]].append(_happened(one, comparison.bad))
+    found[SUBJECTS[Subject.SILENT]] += _members("gone", comparison.stations)
+    found[SUBJECTS[Subject.CHANGED]] += _changed(comparison)
+    found[TIMES] += _times(comparison)
+    return [Line(subject, texts) for subject, texts in found.items()]
 
 
-def _first(texts: Sequence[str]) -> str:
-    more = f"; and {len(texts) - _NAMED} more" if len(texts) > _NAMED else ""
-    return "; ".join(texts[:_NAMED]) + more
+def _happened(one: Happened, bad: Side) -> str:
+    before = "" if one.is_new else f"; episodes: {one.bad}, was {one.good}"
+    chance = f" ({by_chance(one.chance)})" if one.can_be_chance else ""
+    return f"{one.episode.text}, {_when(one, bad)}{before}{chance}"
 
 
-def _members(counts: Sequence[Count]) -> list[str]:
-    """Return members that are certain, and new ones that may be chance. Rare members of the good side need not come
-    again.
-    """
-    told = [count for count in counts if count.is_certain or count.is_new]
-    return [
-        f"{'new' if one.is_new else 'gone'}: {one.what}, {_times_over(one.good or one.bad)} ({by_chance(one.chance)})"
-        for one in sorted(told, key=lambda one: one.chance)
-    ]
+def _when(one: Happened, side: Side) -> str:
+    """Write the times of each, or the time of many."""
+    clock = clock_of(side.begin_s, side.end_s)
+    return ", ".join(when(each, clock) for each in (one.apart if len(one.apart) <= _NAMED else [one.episode]))
+
+
+def _changed(comparison: Comparison) -> list[str]:
+    """Return what is no episode: who answers now, which services, the format, values that changed in between."""
+    masters = {f"station {master}" for master in comparison.bad.masters}  # those have an episode
+    came = [one for one in comparison.stations if one.is_new and one.what not in masters]
+    told = {one.episode.kind for one in comparison.happened if one.is_finding}
+    setting = comparison.settings[0]
+    format_ = [f"{setting.what} {setting.bad}, was {setting.good}"] if setting.differs and "rate" not in told else []
+    services = [*_members("new", comparison.services), *_members("gone", comparison.services)]
+    return [*(f"new: {one.what}, {_times_over(one.bad)}" for one in came), *services, *format_, *_values(comparison)]
+
+
+def _members(what: str, counts: Sequence[Count]) -> list[str]:
+    """Return members that surely came or went; rare ones need not come again."""
+    told = [count for count in counts if count.is_new == (what == "new") and count.is_certain]
+    return [f"{what}: {one.what}, {_times_over(one.good or one.bad)} ({by_chance(one.chance)})" for one in told]
 
 
 def _times_over(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _parameters(comparison: Comparison) -> list[str]:
-    """Return the changes: first what somebody new wrote, then what was written, then others."""
-
-    def order(parameter: Parameter) -> tuple[bool, bool]:
-        writer = parameter.bad.written_by if parameter.bad else None
-        return writer is None or writer in comparison.good.masters, not _who(parameter.bad)
-
-    found = [parameter for parameter in comparison.parameters if parameter.bad and not parameter.moves]
-    return [_changed(parameter) for parameter in sorted(found, key=order)]
-
-
-def _changed(parameter: Parameter) -> str:
-    value, before = _value(parameter.bad), _value(parameter.good)
-    who = _who(parameter.bad)
-    return f"{name(parameter.listed)} {value}, was {before}{f', written by {who}' if who else ''}"
+def _values(comparison: Comparison) -> list[str]:
+    """Return values that differ although neither side has written them. The writes are episodes."""
+    told = {(one.episode.station, one.episode.hit.parameter) for one in comparison.happened if one.is_finding}
+    return [
+        f"{name(bad)} {_value(bad)}, was {_value(good)}"
+        for good, bad, moves in comparison.parameters
+        if good and bad and not (moves or good.writes or bad.writes)
+        if (station_of(bad.parameter), bad.parameter.ident) not in told
+    ]
 
 
 def name(listed: Listed) -> str:
@@ -116,17 +130,6 @@ def _time(times: Times, one: Quantile) -> str:
     return f"station {times.station} {times.what} {change} ({by_chance(one.chance)})"
 
 
-def _errors(failures: Iterable[Count], faults: Iterable[Count]) -> list[str]:
-    """Return errors that are certain, and new ones that may be chance. New codes come first: they say most."""
-    codes = sorted((count for count in failures if count.is_new and count.bad), key=lambda count: count.chance)
-    others = [count for count in (*faults, *failures) if count not in codes]
-    told = [count for count in others if count.is_certain or (count.is_new and count.bad)]
-    return [
-        f"{count.what} {count.bad}, was {count.good} ({by_chance(count.chance)})"
-        for count in [*codes, *sorted(told, key=lambda count: count.chance)]
-    ]
-
-
 def by_chance(likely: float) -> str:
     """Describe how likely chance makes this."""
     if likely > 0.2:
@@ -142,6 +145,7 @@ def ms(time_s: float) -> str:
 def tables(comparison: Comparison) -> list[Table]:
     """Return all tables that have rows."""
     made = [
+        Table("What happened", _HAPPENED, [_happened_row(one, comparison) for one in comparison.happened]),
         Table("Stations and services on one side alone", _COUNTS, _rows([*comparison.stations, *comparison.services])),
         Table(
             "Parameters whose last value differs",
@@ -149,18 +153,13 @@ def tables(comparison: Comparison) -> list[Table]:
             [_parameter(parameter) for parameter in comparison.parameters],
         ),
         Table("Times", _TIMES, [_time_row(times) for times in comparison.times], _TIMES_NOTE),
-        Table("Reactions with an error", _COUNTS, _rows(comparison.failures)),
-        Table(
-            "Faults",
-            (*_COUNTS, "Display filter"),
-            [(*row, one.filter) for row, one in zip(_rows(comparison.faults), comparison.faults, strict=True)],
-        ),
         Table("Line and limits", ("", "Good", "Bad"), [tuple(setting) for setting in comparison.settings]),
         Table("Stations", ("Station", "Good: telegrams", "Bad: telegrams"), _stations(comparison)),
     ]
     return [table for table in made if table.rows]
 
 
+_HAPPENED = ("What", "Good", "Bad", "Chance", "Times", "Display filter")
 _COUNTS = ("What", "Good", "Bad", "Chance")
 _TIMES = (
     *("Station", "What", "Good: half within", "Bad: half within", "Chance"),
@@ -172,11 +171,15 @@ _TIMES_NOTE = (
 )
 
 
+def _happened_row(one: Happened, comparison: Comparison) -> tuple[str, ...]:
+    side = comparison.bad if one.bad else comparison.good
+    filter_ = one.episode.filter if len(side.names) == 1 else one.episode.filter_by_time
+    likely = _likely(one.chance) if one.can_be_chance else ""
+    return one.episode.text, str(one.good), str(one.bad), likely, _when(one, side), filter_
+
+
 def _rows(counts: Iterable[Count]) -> list[tuple[str, ...]]:
-    return [
-        (count.what, str(count.good), str(count.bad), _likely(count.chance) if count.good or count.bad else "")
-        for count in counts
-    ]
+    return [(count.what, str(count.good), str(count.bad), _likely(count.chance)) for count in counts]
 
 
 def _likely(likely: float) -> str:

@@ -26,8 +26,8 @@ th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; 
 def page(comparison: Comparison) -> str:
     """Return the page."""
     lines = "\n".join(
-        f'<tr{"" if line.is_finding else " class=same"}><th scope="row">{escape(line.subject)}</th>'
-        f"<td>{escape(line.text)}</td></tr>"
+        f'<tr{"" if line.found else " class=same"}><th scope="row">{escape(line.subject)}</th>'
+        f"<td>{'<br>'.join(map(escape, line.found)) or findings.NONE}</td></tr>"
         for line in findings.lines(comparison)
     )
     tables = "\n".join(map(_table, findings.tables(comparison)))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from typing import Any
 
@@ -10,20 +11,17 @@ from sistap.accesses.listing import Listed
 from sistap.compare import findings
 from sistap.compare.differences import Comparison, Count, Parameter, Quantile, Times
 from sistap.compare.findings import Table
+from sistap.compare.happened import Happened
 from sistap.compare.side import Side
 from sistap.packets.distribution import Distribution
 
 
 def as_text(comparison: Comparison) -> str:
-    """Return a description of the sides, the five lines, and the tables."""
-    lines = findings.lines(comparison)
-    width = max(len(line.subject) for line in lines)
-    head = [
-        f"good: {findings.side(comparison.good)}",
-        f"bad:  {findings.side(comparison.bad)}",
-        "",
-        *(f"{line.subject:{width}}  {line.text}" for line in lines),
-    ]
+    """Return a description of the sides, the summary, and the tables."""
+    head = [f"good: {findings.side(comparison.good)}", f"bad:  {findings.side(comparison.bad)}", ""]
+    for line in findings.lines(comparison):
+        subjects = itertools.chain([line.subject], itertools.repeat(""))
+        head += [f"{subject:7}  {text}" for subject, text in zip(subjects, line.found or [findings.NONE], strict=False)]
     return "\n\n".join(["\n".join(head), *map(_table, findings.tables(comparison))]) + "\n"
 
 
@@ -43,14 +41,13 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
     return {
         "good": _side(comparison.good),
         "bad": _side(comparison.bad),
-        "lines": {line.subject: line.text for line in findings.lines(comparison)},
-        "differs": any(line.is_finding for line in findings.lines(comparison)),
+        "lines": {line.subject: line.found for line in findings.lines(comparison)},
+        "differs": any(line.found for line in findings.lines(comparison)),
+        "episodes": list(map(_happened, comparison.happened)),
         "stations": list(map(_count, comparison.stations)),
         "services": list(map(_count, comparison.services)),
         "parameters": list(map(_parameter, comparison.parameters)),
         "times": list(map(_times, comparison.times)),
-        "failures": list(map(_count, comparison.failures)),
-        "faults": [_count(count) | {"filter": count.filter} for count in comparison.faults],
         "settings": [setting._asdict() | {"differs": setting.differs} for setting in comparison.settings],
     }
 
@@ -63,6 +60,12 @@ def _side(side: Side) -> dict[str, Any]:
         "uncertainty_s": side.uncertainty_s,
         "stations": {str(station): count for station, count in sorted(side.stations.items())},
     }
+
+
+def _happened(one: Happened) -> dict[str, Any]:
+    """Write times and packets of the bad side, or of the good one if the bad one does not have it."""
+    chance = one.chance if one.can_be_chance else None
+    return one.episode.as_json() | {"good": one.good, "bad": one.bad, "chance": chance, "differs": one.is_finding}
 
 
 def _count(count: Count) -> dict[str, Any]:

@@ -12,18 +12,16 @@ from typing import NamedTuple
 from sistap.accesses.listing import Listing, Place
 from sistap.captures.joining import in_order
 from sistap.common.garbage import uncollected
-from sistap.compare.samples import Pieces, Samples
+from sistap.compare.samples import Samples
+from sistap.episodes.engine import Engine
+from sistap.episodes.episode import Episode
 from sistap.packets.dissection import Dissection, Packet, Telegram
 from sistap.packets.distribution import Distribution
-from sistap.packets.faults import LOST, faults
-from sistap.sis.faults import FAULTS as KNOWN
-from sistap.sis.telegram import service_name
+from sistap.packets.faults import LOST
 from sistap.wireshark.rows import FRAME, OTHER
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
-# Reactions with an error are counted by parameter and error.
-FAULTS = tuple(fault for fault in KNOWN if fault.name != "error_reaction")
 LIMITS = {"tza": "TzA", "trs": "TrS", "tmas": "Tmas"}
 
 
@@ -34,30 +32,23 @@ class Service(NamedTuple):
     number: int
 
 
-class Failure(NamedTuple):
-    """A reaction with an error."""
-
-    station: int
-    what: str  # a parameter, or the service
-    text: str
-
-
 @dataclass
 class Side:
     """Everything that is compared; times in s."""
 
     names: list[str] = field(default_factory=list)  # of its captures
+    begin_s: float = 0.0  # since 1970
+    end_s: float = 0.0
     seconds: float = 0.0
     telegrams: int = 0
-    records: Pieces = field(default_factory=Pieces)  # with their faults
-    faults: Counter[str] = field(default_factory=Counter)
+    engine: Engine = field(default_factory=Engine)
+    episodes: list[Episode] = field(default_factory=list)
     settings: Counter[str] = field(default_factory=Counter)  # rate and format
     limits: dict[str, Counter[float]] = field(default_factory=lambda: {name: Counter() for name in LIMITS})
     uncertainty: Distribution = field(default_factory=Distribution)
     stations: Counter[int] = field(default_factory=Counter)  # telegrams that each has sent
     masters: set[int] = field(default_factory=set)  # those that have sent commands
     services: Counter[Service] = field(default_factory=Counter)  # reactions, and commands that none followed
-    failures: Counter[Failure] = field(default_factory=Counter)
     reactions: defaultdict[Service, Samples] = field(default_factory=lambda: defaultdict(Samples))
     intervals: defaultdict[int, Samples] = field(default_factory=lambda: defaultdict(Samples))  # by talker
     parameters: Listing = field(default_factory=Listing)
@@ -69,10 +60,9 @@ class Side:
 
     def add(self, packet: Packet, file: str) -> None:
         """Count a packet."""
-        found = [fault.name for fault in faults(packet) if fault in FAULTS]
-        if found or packet.type in (FRAME, OTHER) or packet.telegrams:
-            self.records.add(found, 1)
-            self.faults.update(found)
+        self.engine.add(packet)
+        self.begin_s = self.begin_s or packet.epoch_s
+        self.end_s = max(self.end_s, packet.ended_s)
         if packet.type in (FRAME, OTHER):
             if packet.baud:
                 self.settings[f"{packet.baud} Bd {packet.format}".rstrip()] += 1
@@ -82,10 +72,6 @@ class Side:
             self._add_telegram(packet, telegram)
         for access in packet.accesses:
             self.parameters.add(Place(file, packet.number, packet.epoch_s), access)
-            if access.error:
-                self.failures[
-                    Failure(_first_station(access.parameter.station), access.parameter.ident, access.error)
-                ] += 1
 
     def _add_telegram(self, packet: Packet, telegram: Telegram) -> None:
         self.telegrams += 1
@@ -102,28 +88,26 @@ class Side:
         if telegram.service is None:
             return
         if telegram.is_reaction:
-            self._add_reaction(packet, telegram, Service(telegram.talker, telegram.service))
+            service = Service(telegram.talker, telegram.service)
+            self.services[service] += 1
+            if telegram.reaction:
+                self.reactions[service].add(telegram.reaction.measured_s)
         elif telegram.unanswered and telegram.listener is not None:
             self.services[Service(telegram.listener, telegram.service)] += 1
 
-    def _add_reaction(self, packet: Packet, telegram: Telegram, service: Service) -> None:
-        self.services[service] += 1
-        if telegram.reaction:
-            self.reactions[service].add(telegram.reaction.measured_s)
-        # The accesses tell which parameters were refused and why.
-        if telegram.status and not any(access.error for access in packet.accesses):
-            text = f"status 0x{telegram.status:02x}"
-            self.failures[Failure(service.station, service_name(service.number), text)] += 1
 
+def read(
+    tshark: Tshark,
+    captures: Iterable[Path],
+    say: Callable[[str], None],
+    progress: Callable[[str], None],
+    good: Side | None = None,
+) -> Side:
+    """Read the captures of a side; what was usual on the good one is usual. Report damage.
 
-def _first_station(path: str) -> int:
-    """Return the station that the master addresses; others may be behind it: `3/2/8`."""
-    return int(path.partition("/")[0])
-
-
-def read(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None], progress: Callable[[str], None]) -> Side:
-    """Read the captures of a side; report damage. Raise NotACapture or TsharkError."""
-    side = Side()
+    NotACapture, TsharkError.
+    """
+    side = Side(engine=Engine(good.engine if good else None))
     for capture in in_order(captures):
         last_s = 0.0
         side.names.append(capture.name)
@@ -139,4 +123,5 @@ def read(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None], p
             say(f"{capture}: only what comes before the damage: {dissection.warning}")
         if dissection.missing:
             say(f"left out, as the installed dissector does not know it: {', '.join(dissection.missing)}")
+    side.episodes = side.engine.finish()
     return side

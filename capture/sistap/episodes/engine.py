@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from sistap.episodes.baseline import unlike
 from sistap.episodes.book import Book
 from sistap.episodes.episode import Episode, Hit
 from sistap.episodes.faults import Faults
@@ -16,13 +17,17 @@ from sistap.packets.dissection import Packet
 
 
 class _Port:
-    """What looks at one port."""
+    """What looks at one port; `before` looked at it in a good capture."""
 
-    def __init__(self) -> None:
-        masters = Masters()
+    def __init__(self, before: _Port | None = None) -> None:
+        self.masters: Masters = Masters(before.masters if before else None)
+        self.writes: Writes = Writes(self.masters, before.writes if before else None)
+        self.phases: Phases = Phases(before.phases if before else None)
+        self.rate: Rate = Rate(before.rate if before else None)
+        self.limits: Limits = Limits(before.limits if before else None)
         self.silence = StationSilence()
-        self.writes = Writes(masters)
-        lookers = (*(Tap(), BusSilence(), Faults(), self.silence), *(masters, self.writes, Phases(), Rate(), Limits()))
+        states = self.phases, self.rate, self.limits
+        lookers = (Tap(), BusSilence(), Faults(), self.silence, self.masters, self.writes, *states)
         self._adds: list[Callable[[Packet], Iterator[Hit]]] = [looker.add for looker in lookers]
 
     def add(self, packet: Packet) -> list[Hit]:
@@ -32,8 +37,11 @@ class _Port:
 class Engine:
     """Makes episodes of packets."""
 
-    def __init__(self) -> None:
-        """Begin with no packet."""
+    def __init__(self, before: Engine | None = None) -> None:
+        """Begin with no packet. What was usual before, in a good capture, is usual still: masters, writes, states of
+        the bus, levels of values.
+        """
+        self._before = before
         self._book = Book()
         self._ports: dict[str, _Port] = {}
         self._values = Values()
@@ -42,7 +50,8 @@ class Engine:
         """Look at a packet; return the episodes that begin with it."""
         port = self._ports.get(packet.interface)
         if port is None:
-            port = self._ports[packet.interface] = _Port()
+            before = self._before._port(packet.interface) if self._before else None
+            port = self._ports[packet.interface] = _Port(before)
         self._values.add(packet)
         hits = port.add(packet)
         return self._book.add(hits) if hits else []
@@ -53,4 +62,11 @@ class Engine:
             self._book.add(port.silence.finish(name))
             self._book.add(port.writes.finish())
         self._book.add(self._values.finish())
+        if self._before:
+            self._book.add(unlike(self._before._values, self._values))
         return self._book.episodes()
+
+    def _port(self, name: str) -> _Port | None:
+        """Return the port of this name. An only one may have another name now."""
+        only = next(iter(self._ports.values())) if len(self._ports) == 1 else None
+        return self._ports.get(name, only)

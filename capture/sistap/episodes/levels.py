@@ -99,19 +99,45 @@ class Levels:
 
     def unusual(self) -> Iterator[tuple[Level, Severity]]:
         """Yield the levels that are far from all others, or that a value has that rarely changes."""
-        levels = [level for level in self._levels if level.seconds >= THRESHOLDS.level_s]
-        if len(levels) < 2 or len(self._levels) > THRESHOLDS.lively:
+        levels = self._lasting()
+        if len(levels) < 2:
             return
         values = self._without_drift(levels)
-        low, high = quartiles([(value, level.seconds) for value, level in zip(values, levels, strict=True)])
         usual = max(zip(values, levels, strict=True), key=lambda pair: pair[1].seconds)[0]
-        least = THRESHOLDS.level_least * max(abs(usual), self.scale)
-        far = max(THRESHOLDS.level_far * (high - low), least, THRESHOLDS.level_noise * self._scatter)
+        lowest, highest = self._range(values, levels)
         for value, level in zip(values, levels, strict=True):
-            if value < low - far or value > high + far:
+            if not lowest <= value <= highest:
                 yield level, Severity.WARNING
-            elif len(levels) <= THRESHOLDS.few_levels and abs(value - usual) > least:
+            elif len(levels) <= THRESHOLDS.few_levels and abs(value - usual) > self._least(usual):
                 yield level, Severity.NOTE
+
+    def unlike(self, good: Levels) -> Iterator[Level]:
+        """Yield the levels that are far from all of a good time, and not unusual beside their neighbours."""
+        usual = good._lasting()
+        if not usual:
+            return
+        lowest, highest = good._range([level.value for level in usual], usual)
+        noise = THRESHOLDS.level_noise * self._scatter
+        told = [level for level, _ in self.unusual()]
+        for level in self._lasting():
+            if level not in told and not lowest - noise <= level.value <= highest + noise:
+                yield level
+
+    def _lasting(self) -> list[Level]:
+        """Return the levels that are not only a ramp; none of a value that just moves."""
+        if len(self._levels) > THRESHOLDS.lively:
+            return []
+        return [level for level in self._levels if level.seconds >= THRESHOLDS.level_s]
+
+    def _least(self, usual: float) -> float:
+        return THRESHOLDS.level_least * max(abs(usual), self.scale)
+
+    def _range(self, values: Sequence[float], levels: Sequence[Level]) -> tuple[float, float]:
+        """Return from where to where levels with these values are not far."""
+        low, high = quartiles([(value, level.seconds) for value, level in zip(values, levels, strict=True)])
+        least = self._least(max(zip(values, levels, strict=True), key=lambda pair: pair[1].seconds)[0])
+        far = max(THRESHOLDS.level_far * (high - low), least, THRESHOLDS.level_noise * self._scatter)
+        return low - far, high + far
 
     def _without_drift(self, levels: Sequence[Level]) -> list[float]:
         """Return their values as if they had not drifted."""

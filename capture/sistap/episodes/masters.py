@@ -21,13 +21,14 @@ def station_of(parameter: Parameter) -> int:
 class Masters:
     """The masters of a port."""
 
-    def __init__(self) -> None:
-        """Begin with none."""
-        self._commands = 0
-        self._usual: set[int] = set()
+    def __init__(self, before: Masters | None = None) -> None:
+        """Begin with those that asked in a good capture, or with none."""
+        self._usual: set[int] = set(before.asked) if before else set()
+        self._learning = 0 if self._usual else THRESHOLDS.learning_commands
+        self.asked: set[int] = set()
 
     def is_new(self, master: int | None) -> bool:
-        """Tell whether it did not ask at the beginning. The ASCII protocol does not say who asks."""
+        """Tell whether it asked neither at the beginning nor in the good capture. Who asks in ASCII is not known."""
         return master is not None and master not in self._usual
 
     def add(self, packet: Packet) -> Iterator[Hit]:
@@ -35,8 +36,9 @@ class Masters:
         for telegram in packet.telegrams:
             if not telegram.good or telegram.is_reaction or telegram.talker is None:
                 continue
-            self._commands += 1
-            if self._commands <= THRESHOLDS.learning_commands:
+            self.asked.add(telegram.talker)
+            if self._learning:
+                self._learning -= 1
                 self._usual.add(telegram.talker)
             elif self.is_new(telegram.talker) and telegram.listener not in self._usual:  # to a master: a token
                 yield Hit(
@@ -54,9 +56,11 @@ class Masters:
 class Writes:
     """What is written by somebody new, or is usually not written."""
 
-    def __init__(self, masters: Masters) -> None:
-        """Begin with nothing written."""
+    def __init__(self, masters: Masters, before: Writes | None = None) -> None:
+        """Begin with nothing written; what was written in a good capture is usually written."""
         self._masters = masters
+        self._usual: set[Parameter] = before.written if before else set()
+        self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
         self._listing = Listing()  # it knows the value before
         self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
 
@@ -66,11 +70,18 @@ class Writes:
             change = self._listing.add(Place("", packet.number, packet.epoch_s), access)
             if not access.is_write or access.error:
                 continue
+            parameter = access.parameter._replace(port="")
+            if len(self.written) < MOST:
+                self.written.add(parameter)
             before = change.before if change else access.value
             hit = self._hit(packet, access, before)
             if self._masters.is_new(access.master):
                 yield hit
-            elif len(self._rare) < MOST and len(self._rare[access.parameter]) <= THRESHOLDS.rare_writes:
+            elif (
+                parameter not in self._usual
+                and len(self._rare) < MOST
+                and len(self._rare[access.parameter]) <= THRESHOLDS.rare_writes
+            ):
                 self._rare[access.parameter].append(hit if change else hit._replace(kind=""))
 
     def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:

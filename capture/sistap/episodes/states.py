@@ -25,9 +25,9 @@ def _hit(kind: str, packet: Packet, station: int | None, detail: str) -> Hit:
 class Phases:
     """The communication phase of each station."""
 
-    def __init__(self) -> None:
-        """Begin with none known."""
-        self._phases: dict[int, str] = {}
+    def __init__(self, before: Phases | None = None) -> None:
+        """Begin with those of a good capture, or with none known."""
+        self._phases: dict[int, str] = dict(before._phases) if before else {}
         self._switched_s: dict[int, float] = {}
 
     def add(self, packet: Packet) -> Iterator[Hit]:
@@ -49,9 +49,9 @@ class Phases:
 class Rate:
     """The rate of the line."""
 
-    def __init__(self) -> None:
-        """Begin with none known."""
-        self._baud = 0
+    def __init__(self, before: Rate | None = None) -> None:
+        """Begin with that of a good capture, or with none known."""
+        self._baud: int = before._baud if before else 0
 
     def add(self, packet: Packet) -> Iterator[Hit]:
         """Yield changes."""
@@ -64,9 +64,9 @@ class Rate:
 class Limits:
     """TzA and TrS of each station."""
 
-    def __init__(self) -> None:
-        """Begin with none known."""
-        self._limits: dict[tuple[str, int], float] = {}
+    def __init__(self, before: Limits | None = None) -> None:
+        """Begin with those of a good capture, or with none known."""
+        self._limits: dict[tuple[str, int], float] = dict(before._limits) if before else {}
 
     def add(self, packet: Packet) -> Iterator[Hit]:
         """Yield changes; the first ones known are none."""

@@ -67,6 +67,10 @@ class Values:
             elif abs(access.number) < _LARGEST:
                 followed.levels.add(packet.epoch_s, access.number - (followed.command or 0.0), packet.number)
 
+    def followed(self) -> Iterator[tuple[Parameter, _Followed]]:
+        """Yield what is known of each parameter."""
+        yield from self._followed.items()
+
     def _of(self, parameter: Parameter) -> _Followed | None:
         if parameter not in self._followed and len(self._followed) >= MOST:
             return None
