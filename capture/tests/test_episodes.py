@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import json
 import random
+import tomllib
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
@@ -173,3 +174,10 @@ def test_a_level_that_a_good_time_does_not_have() -> None:
     (level,) = slow.unlike(good)
     assert level.from_s == 0.0
     assert level.value == pytest.approx(600, abs=3)
+
+
+def test_a_rule_finds_all_that_has_the_colour_of_its_fault() -> None:
+    """What is wrong with a telegram is said in one place."""
+    faults = tomllib.loads((CAPTURES.parent / "plugin/protocol/faults.toml").read_text())["faults"]
+    for kind, name in (("error", "error_reaction"), *((name, name) for name in ("damaged", "line_error", "lost"))):
+        assert set(faults[name]["tests"]) <= set(RULES[kind].filter.split(" || ")), kind

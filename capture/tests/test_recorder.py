@@ -20,7 +20,6 @@ from portable import posix, sockets
 
 from sistap import cli
 from sistap.captures import reading
-from sistap.explain import signs
 from sistap.explain.relay import Seams
 from sistap.explain.running import ordinary_children
 from sistap.files import output as output_module
@@ -36,6 +35,7 @@ from sistap.recorder.recorder import Recorder, Wanted
 from sistap.recorder.telling import Telling
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type
+from sistap.sis.faults import FAULTS
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
 
@@ -366,7 +366,7 @@ def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp
         "unanswered",
         "write",
     }
-    assert {sign.reason for sign in signs.FAULTS} - found <= {"tmas-exceeded", "system-error", "repeated"}
+    assert {fault.word for fault in FAULTS} - found <= {"tmas-exceeded", "system-error", "repeated"}
 
 
 def test_tshark_has_ordinary_priority(tshark: Tshark, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -132,6 +132,16 @@ class Fault(NamedTuple):
         """Return the display filter that finds it."""
         return " || ".join(self.tests)
 
+    @property
+    def live_tests(self) -> Sequence[str]:
+        """Return its tests while a capture runs."""
+        return self.live or self.tests
+
+    @property
+    def word(self) -> str:
+        """Return its name in that of a file."""
+        return self.name.replace("_", "-")
+
 
 # In the order of the report; where several hold, the first names the packet.
 FAULTS = ('''
@@ -153,5 +163,14 @@ def faults(description: Description) -> str:
         lines.append(f"        {_tuple(fault.tests)},")
         lines += [f"        {_tuple(fault.live)},"] if fault.live else []
         lines.append("    ),")
-    writes = ", ".join(f"0x{service:02X}" for service in description.with_layout_of([0x1E, 0x1F]))
-    return "\n".join([*lines, ")", "", "# Services that write parameters.", f"WRITES = ({writes})", ""])
+    writes = [f"sis.service == 0x{service:02x}" for service in description.with_layout_of([0x1E, 0x1F])]
+    lines += [")", "", "# No fault, but found in the same way.", "WRITE = Fault("]
+    lines += [
+        '    "write",',
+        '    "written",',
+        '    "Parameter written",',
+        "    (",
+        *(f"        {_string(one)}," for one in writes),
+        "    ),",
+    ]
+    return "\n".join([*lines, ")", ""])

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The kinds of episodes and the thresholds: the only place that says what is unusual."""
+"""The kinds of episodes and the thresholds: the only place that says what is unusual.
+
+What is wrong with a single telegram is said in plugin/protocol/faults.toml.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ import enum
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
+
+from sistap.sis.faults import FAULTS, WRITE
 
 
 class Severity(enum.IntEnum):
@@ -34,7 +39,8 @@ class Rule(NamedTuple):
     join_s: float = 30.0
 
 
-_WRITES = "sis.service in {0x1e, 0x1f, 0x8e, 0x8f, 0x9e, 0x9f, 0xce, 0xcf}"
+_FILTERS = {fault.name: fault.filter for fault in (*FAULTS, WRITE)}
+_UNANSWERED = _FILTERS["unanswered"]
 
 # In the order of the answer.
 RULES: Mapping[str, Rule] = MappingProxyType(
@@ -42,15 +48,13 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         "bus_silent": Rule(Subject.BUS, Severity.ERROR, "Bus silent", join_s=0),
         "adapter": Rule(Subject.BUS, Severity.ERROR, "Adapter lost", "sertap.event == 4", join_s=0),
         "gap": Rule(Subject.BUS, Severity.WARNING, "Nothing was captured", join_s=0),
-        "silent": Rule(Subject.SILENT, Severity.ERROR, "Station silent", "sis.command.unanswered", join_s=5),
+        "silent": Rule(Subject.SILENT, Severity.ERROR, "Station silent", _UNANSWERED, join_s=5),
         "changed": Rule(Subject.DRIVES, Severity.WARNING, "Value changed", join_s=0),
         "step": Rule(Subject.DRIVES, Severity.WARNING, "Step", join_s=30),
         "drift": Rule(Subject.DRIVES, Severity.WARNING, "Drift", join_s=0),
-        "error": Rule(
-            Subject.DRIVES, Severity.WARNING, "Reaction with an error", "sis.status > 0 || sis.control.status.error"
-        ),
-        "system_error": Rule(Subject.DRIVES, Severity.WARNING, "Error of a station", "sis.control.error.set"),
-        "write": Rule(Subject.CHANGED, Severity.WARNING, "Write", _WRITES, join_s=0),
+        "error": Rule(Subject.DRIVES, Severity.WARNING, "Reaction with an error", _FILTERS["error_reaction"]),
+        "system_error": Rule(Subject.DRIVES, Severity.WARNING, "Error of a station", _FILTERS["system_error"]),
+        "write": Rule(Subject.CHANGED, Severity.WARNING, "Write", _FILTERS["write"], join_s=0),
         "master": Rule(Subject.CHANGED, Severity.WARNING, "New master", join_s=600),
         "phase": Rule(Subject.CHANGED, Severity.WARNING, "Phase", "sis.phase", join_s=0),
         "rate": Rule(Subject.CHANGED, Severity.WARNING, "Baud rate", join_s=0),
@@ -58,16 +62,11 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         "late": Rule(Subject.LIMITS, Severity.ERROR, "Reaction later than TrS", "sis.trs.verdict > 0"),
         "interval": Rule(Subject.LIMITS, Severity.ERROR, "Interval longer than TzA", "sis.tza.verdict > 0"),
         "cycle": Rule(Subject.LIMITS, Severity.ERROR, "Master control word later than Tmas", "sis.tmas.verdict > 0"),
-        "damaged": Rule(Subject.LIMITS, Severity.WARNING, "Damaged telegram", "sis.checksum.status == 0"),
-        "line_error": Rule(
-            Subject.LIMITS,
-            Severity.WARNING,
-            "Line error",
-            "sertap.error.character || sertap.error.break || sertap.error.unlocated",
-        ),
-        "lost": Rule(Subject.LIMITS, Severity.WARNING, "Characters lost", "sertap.error.lost || sertap.event.expert"),
-        "repeated": Rule(Subject.LIMITS, Severity.WARNING, "Sent again", "sis.command.unanswered || sis.repeat_of"),
-        "unanswered": Rule(Subject.LIMITS, Severity.WARNING, "Command without a reaction", "sis.command.unanswered"),
+        "damaged": Rule(Subject.LIMITS, Severity.WARNING, "Damaged telegram", _FILTERS["damaged"]),
+        "line_error": Rule(Subject.LIMITS, Severity.WARNING, "Line error", _FILTERS["line_error"]),
+        "lost": Rule(Subject.LIMITS, Severity.WARNING, "Characters lost", _FILTERS["lost"]),
+        "repeated": Rule(Subject.LIMITS, Severity.WARNING, "Sent again", f"{_UNANSWERED} || {_FILTERS['repeated']}"),
+        "unanswered": Rule(Subject.LIMITS, Severity.WARNING, "Command without a reaction", _UNANSWERED),
         "clock": Rule(Subject.LIMITS, Severity.WARNING, "Clock", join_s=0),
     }
 )

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import NamedTuple
 
-from sistap.explain import entries, signs
+from sistap.explain import entries
 from sistap.explain.fields import Fields, said, sentence
 from sistap.explain.plain import PlainText
 from sistap.explain.relay import Columns, Entry, Judged, Relay
@@ -20,11 +20,14 @@ from sistap.files.writer import Blocks
 from sistap.records.before import heard
 from sistap.records.counters import Counters
 from sistap.records.record import Record, Type
+from sistap.sis.faults import FAULTS
+from sistap.wireshark.rows import passes, tested
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 PATIENCE_S = 5.0  # longest wait for tshark at the end: the user may be waiting
 _NS = 1  # resolution of the times
-_NEEDED = ("frame.number", "sis.control.reaction")
+_FAULTS = [test for fault in FAULTS for test in fault.live_tests]
+_NEEDED = ("frame.number", "sis.control.reaction", *tested(_FAULTS))
 
 
 class Colours(NamedTuple):
@@ -68,7 +71,7 @@ class LiveText:
         self._tshark = tshark
         self._colours = colours
         self._blocks = Blocks(interfaces)
-        self._fields = Fields(tshark, (*_NEEDED, *signs.fields(signs.FAULTS)))
+        self._fields = Fields(tshark, _NEEDED)
         self._relay = Relay(self._start, self._fields.columns, say, finds=False)
 
     def begin(self, *started: Record) -> None:
@@ -121,7 +124,7 @@ class LiveText:
         return text
 
     def _colour(self, columns: Columns) -> str:
-        if signs.reason(signs.FAULTS, columns):
+        if passes(_FAULTS, columns):
             return self._colours.trouble
         if not said(columns).is_telegram:
             return self._colours.other

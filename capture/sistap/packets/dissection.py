@@ -78,7 +78,7 @@ _SHOWN = (
     "sis.phase",
     ACCESSES,
 )
-_TESTED = (rows.field_of(test) for fault in FAULTS for test in fault.tests)
+_TESTED = rows.tested(test for fault in FAULTS for test in fault.tests)
 FIELDS = tuple(dict.fromkeys((*_SHOWN, *_TESTED)))
 _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}

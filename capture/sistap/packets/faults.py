@@ -8,13 +8,11 @@ from collections.abc import Iterator
 from sistap.line.settings import Flag
 from sistap.packets.dissection import Packet
 from sistap.sis.faults import FAULTS, Fault
-from sistap.wireshark.rows import holds
+from sistap.wireshark.rows import passes
 
 LOST = int(Flag.LOST_BEFORE)
 
 
 def faults(packet: Packet) -> Iterator[Fault]:
-    """Yield the faults of a packet."""
-    for fault in FAULTS:
-        if any(holds(test, packet.columns) for test in fault.tests):
-            yield fault
+    """Return the faults of a packet."""
+    return (fault for fault in FAULTS if passes(fault.tests, packet.columns))

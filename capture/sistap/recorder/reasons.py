@@ -7,16 +7,15 @@ import re
 import tempfile
 from collections.abc import Mapping, Sequence
 
-from sistap.explain import signs
-from sistap.explain.signs import Sign
 from sistap.files import pcapng
+from sistap.sis.faults import FAULTS, WRITE, Fault
 from sistap.terminal.exits import UsageError
 from sistap.wireshark import rows
 from sistap.wireshark.rows import NO_DISSECTOR, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 # The worst first: of a packet with several reasons, that is its word.
-PRESETS: Mapping[str, Sequence[Sign]] = {"faults": signs.FAULTS, "writes": signs.WRITES}
+PRESETS: Mapping[str, Sequence[Fault]] = {"faults": FAULTS, "writes": [WRITE]}
 _MARK = ("frame.number", "data.data")
 _LONGEST = 40  # characters of the word
 
@@ -26,18 +25,19 @@ class Reasons:
 
     def __init__(self, keep: Sequence[str]) -> None:
         """Parse the filters. UsageError if there are several own ones: tshark does not tell which of them matched."""
-        self._signs = [sign for preset, found in PRESETS.items() if preset in keep for sign in found]
+        self._faults = [fault for preset, faults in PRESETS.items() if preset in keep for fault in faults]
+        self._tests = [test for fault in self._faults for test in fault.live_tests]
         own = [filter_ for filter_ in keep if filter_ not in PRESETS]
         if not all(filter_.strip() for filter_ in own):
             raise UsageError(f"--keep needs a filter, or {' or '.join(PRESETS)}")
         if len(own) > 1:
             raise UsageError(f"--keep takes one filter beside {' and '.join(PRESETS)}: join them with 'or'")
         self._own = own[0] if own else ""
-        self._names = [*_MARK, *signs.fields(self._signs)]
+        self._names = [*_MARK, *rows.tested(self._tests)]
 
     def arguments(self, token: bytes | None) -> list[str]:
         """Return the arguments for tshark: print matches and marks."""
-        found = [f"({text})" for text in (signs.expression(self._signs), self._own) if text]
+        found = [*self._tests, *([f"({self._own})"] if self._own else [])]
         marks = [f"data.data == {token.hex(':')}"] if token else []
         return ["-Y", " || ".join(found + marks), *rows.printing(self._names)]
 
@@ -47,7 +47,8 @@ class Reasons:
 
     def word(self, columns: Mapping[str, str]) -> str:
         """Return the word for the reason of a packet, for the name of a file."""
-        return signs.reason(self._signs, columns) or word(self._own)
+        words = (fault.word for fault in self._faults if rows.passes(fault.live_tests, columns))
+        return next(words, "") or word(self._own)
 
     def check(self, tshark: Tshark) -> None:
         """Check the filter with tshark. UsageError, or TsharkError without a dissector for SIS."""

@@ -24,6 +24,16 @@ class Fault(NamedTuple):
         """Return the display filter that finds it."""
         return " || ".join(self.tests)
 
+    @property
+    def live_tests(self) -> Sequence[str]:
+        """Return its tests while a capture runs."""
+        return self.live or self.tests
+
+    @property
+    def word(self) -> str:
+        """Return its name in that of a file."""
+        return self.name.replace("_", "-")
+
 
 # In the order of the report; where several hold, the first names the packet.
 FAULTS = (
@@ -90,5 +100,19 @@ FAULTS = (
     ),
 )
 
-# Services that write parameters.
-WRITES = (0x1E, 0x1F, 0x8E, 0x8F, 0x9E, 0x9F, 0xCE, 0xCF)
+# No fault, but found in the same way.
+WRITE = Fault(
+    "write",
+    "written",
+    "Parameter written",
+    (
+        "sis.service == 0x1e",
+        "sis.service == 0x1f",
+        "sis.service == 0x8e",
+        "sis.service == 0x8f",
+        "sis.service == 0x9e",
+        "sis.service == 0x9f",
+        "sis.service == 0xce",
+        "sis.service == 0xcf",
+    ),
+)

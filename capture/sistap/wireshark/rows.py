@@ -44,16 +44,19 @@ def columns(names: Sequence[str], line: str) -> dict[str, str]:
     return dict(zip(names, line.split("\t"), strict=False))
 
 
-def field_of(test: str) -> str:
-    """Return the field of a test: FIELD (it is there), FIELD == NUMBER, or FIELD > NUMBER."""
-    return test.partition(" ")[0]
+def tested(tests: Iterable[str]) -> list[str]:
+    """Return the fields of tests: FIELD (it is there), FIELD == NUMBER, or FIELD > NUMBER."""
+    return list(dict.fromkeys(test.partition(" ")[0] for test in tests))
 
 
-def holds(test: str, columns: Mapping[str, str]) -> bool:
-    """Tell whether a packet passes a test, as the display filter of the same text does: one value is enough."""
-    field, _, wanted = test.partition(" ")
-    text = columns.get(field)
-    return bool(text) and (not wanted or _compares(wanted, text or ""))
+def passes(tests: Iterable[str], columns: Mapping[str, str]) -> bool:
+    """Tell whether a packet passes one of the tests, as their display filter does: one value of a field is enough."""
+    for test in tests:
+        field, _, wanted = test.partition(" ")
+        text = columns.get(field)
+        if text and (not wanted or _compares(wanted, text)):
+            return True
+    return False
 
 
 @lru_cache(1024)
