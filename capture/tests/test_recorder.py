@@ -492,3 +492,17 @@ def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.M
         started, *content = reading.records(file)
         assert started.event == Event.CAPTURE_STARTED and content
         assert {identity(record) for record in content if record.event != Event.TOLD_BEFORE} <= known
+
+
+def test_kept_files_are_compressed_and_told_so(keep: Keep, tmp_path: Path) -> None:
+    told = tmp_path / "told"
+    recorder = keep("sis.checksum.status == 0", compress=True, command=f"printf '%s\\n' >> {told}")
+    packed = sorted(tmp_path.glob("kept_*.pcapng.gz"))
+    assert len(packed) == recorder.kept > 0
+    assert not kept(tmp_path)
+    until_s = time.monotonic() + 10
+    while not told.exists() or len(told.read_text().split()) < len(packed):
+        assert time.monotonic() < until_s
+        time.sleep(0.05)
+    assert sorted(told.read_text().split()) == [str(path) for path in packed]
+    assert [one for path in packed for one in reading.records(path)]

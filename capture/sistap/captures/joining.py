@@ -16,6 +16,7 @@ from sistap.common import temporary
 from sistap.files import pcapng
 from sistap.terminal.exits import UsageError
 
+_PACKED_TIMES = 12  # as large is a capture that was compressed
 _OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
 _HEAD = struct.pack("<I", pcapng.SECTION_HEADER)
 _LITTLE_ENDIAN = struct.pack("<I", 0x1A2B3C4D)
@@ -40,7 +41,11 @@ def check_captures(named: Iterable[Path], output: str | None = None) -> list[Pat
 
 def _inside(folder: Path) -> list[Path]:
     """Return the captures in a folder. What a recorder has kept is in its ring, too."""
-    found = sorted(folder.glob("ring_*.pcapng")) or sorted(folder.glob("*.pcapng"))
+    names = {path.name for path in folder.glob("*.pcapng")}
+    # Compressed, and then not removed: the recorder was killed between.
+    names |= {path.name for path in folder.glob("*.pcapng.gz") if path.stem not in names}
+    rings = {name for name in names if name.startswith("ring_")}
+    found = [folder / name for name in sorted(rings or names)]
     if not found:
         raise UsageError(f"{folder} has no captures: name one, or another folder")
     return found
@@ -78,7 +83,7 @@ def portions(captures: Iterable[Path], most: int) -> Iterator[list[Path]]:
     portion: list[Path] = []
     size = 0
     for capture in in_order(captures):
-        more = capture.stat().st_size
+        more = capture.stat().st_size * (_PACKED_TIMES if capture.suffix == ".gz" else 1)
         if portion and (size + more > most or not (_is_joinable(capture) and _is_joinable(portion[0]))):
             yield portion
             portion, size = [], 0
@@ -115,9 +120,9 @@ class _Joining:
             raise NotCaptured(f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng")
         part = _Part(self._packets + 1, capture)
         try:
-            with capture.open("rb") as source:
+            with reading.opened(capture) as source:
                 size = sum(self._take(block, capture) for block in reading.blocks(source, capture))
-            damage = "" if size == capture.stat().st_size else f"{capture} is cut off"
+                damage = "" if size == source.tell() else f"{capture} is cut off"
         except NotCaptured as error:
             damage = str(error)
         if damage:
@@ -152,7 +157,7 @@ class _Joining:
 
 
 def _is_joinable(capture: Path) -> bool:
-    with capture.open("rb") as file:
+    with reading.opened(capture) as file:
         head = file.read(12)
     return head[:4] == _HEAD and head[8:] == _LITTLE_ENDIAN
 

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import gzip
 import struct
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO, NamedTuple, cast
 
 from sistap.files import pcapng
 from sistap.records import record
@@ -19,6 +21,7 @@ _RESOLUTION = 9  # the option if_tsresol
 _MICROSECONDS = 6  # decimal places without the option
 # bytes of the fixed part of a body
 _FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}
+_PACKED = b"\x1f\x8b"  # gzip
 _CURE = "open and save it in Wireshark"
 
 
@@ -78,7 +81,7 @@ def record_of(packet: Packet) -> Record | None:
 
 def packets(path: Path) -> Iterator[Packet]:
     """Yield all packets of interfaces that the file describes. Raise OSError or NotCaptured."""
-    with path.open("rb") as file:
+    with opened(path) as file:
         interfaces: list[_Interface] = []
         for kind, order, body in blocks(file, path):
             if kind == pcapng.SECTION_HEADER:
@@ -92,8 +95,22 @@ def packets(path: Path) -> Iterator[Packet]:
                     yield Packet(interfaces[number].link_type, time_ns, body[20 : 20 + length])
 
 
+def opened(path: Path) -> BinaryIO:
+    """Open a capture, compressed or not. May raise OSError."""
+    with path.open("rb") as file:
+        is_packed = file.read(2) == _PACKED
+    return cast(BinaryIO, gzip.GzipFile(path)) if is_packed else path.open("rb")
+
+
 def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
     """Yield each whole block of the file named `path`. Raise OSError or NotCaptured."""
+    try:
+        yield from _blocks(file, path)
+    except (EOFError, zlib.error):  # a compressed one that is cut off
+        return
+
+
+def _blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
     order = ""
     while len(head := file.read(8)) == 8:
         if head[:4] == struct.pack("<I", pcapng.SECTION_HEADER):

@@ -101,6 +101,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="COMMAND",
         help="shell command to run for each complete file; gets the name of the file",
     )
+    add(
+        "--compress",
+        action="store_true",
+        help="compress complete files (NAME.pcapng.gz, 3 to 12 times smaller); Wireshark opens them as they are",
+    )
     add_end_arguments(parser)
 
 
@@ -126,7 +131,7 @@ def _record(args: argparse.Namespace, console: Console) -> int:
         reasons.check(tshark)
     _make(folder)
     around = Around(int(args.before_s * 1e9), int(args.after_s * 1e9))
-    wanted = Wanted(folder, reasons, around, args.at_most, args.on_keep, files)
+    wanted = Wanted(folder, reasons, around, args.at_most, args.on_keep, files, args.compress)
     # The recorder deletes the files of the ring: it counts those of earlier runs, too.
     ring = {name: value for name, value in options.ring.items() if name != "files"}
     return started(replace(options, ring=ring), console, _opener(wanted, has_ring=bool(ring)))

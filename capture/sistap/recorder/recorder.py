@@ -22,6 +22,7 @@ from sistap.line import priority
 from sistap.line.settings import LineSettings
 from sistap.recorder import shelf
 from sistap.recorder.keeper import Around, Beginning, File, Keeper
+from sistap.recorder.packing import pack
 from sistap.recorder.reasons import Reasons
 from sistap.recorder.telling import Telling
 from sistap.records.before import heard
@@ -46,6 +47,7 @@ class Wanted:
     at_most: int
     command: str | None = None
     ring_files: int | None = None  # files of the full ring, if there is one; None: all
+    compress: bool = False  # complete files
 
 
 class Recorder:
@@ -219,6 +221,11 @@ class Recorder:
         """Announce a complete file."""
         self._disk_trouble = ""
         self.kept += 1
+        if self._wanted.compress:
+            try:
+                path = pack(path)
+            except OSError as error:
+                self.tell_disk(f"{path} cannot be compressed: {error.strerror}; it stays as it is")
         self._tidy()
         self._telling.tell(path)
 
@@ -228,6 +235,9 @@ class Recorder:
             for files in (self._shelf, self._rings):
                 if files:
                     files.tidy()
+            if self._rings and self._wanted.compress:
+                for path in self._rings.complete():
+                    pack(path)
             self._untidy = ""
         except OSError as error:
             if error.strerror != self._untidy:

@@ -10,10 +10,12 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from sistap.recorder.packing import SUFFIX
+
 RING = "ring.pcapng"  # output names the files: ring_00001_20261122031204.pcapng
 
-_KEPT_NAME = re.compile(r"kept_(\d{14}\.\d{3})_([\w.-]+?)(?:-\d+)?\.pcapng", re.ASCII)
-_RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng", re.ASCII)
+_KEPT_NAME = re.compile(r"kept_(\d{14}\.\d{3})_([\w.-]+?)(?:-\d+)?\.pcapng(?:\.gz)?", re.ASCII)
+_RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng(?:\.gz)?", re.ASCII)
 
 
 Matches = Sequence[re.Match[str]]  # of the names of files, in the order of their time
@@ -38,8 +40,7 @@ class Shelf:
 
     def tidy(self) -> None:
         """Delete files if there are too many."""
-        found = filter(None, (self._name.fullmatch(path.name) for path in self.folder.iterdir()))
-        for match in self._surplus(sorted(found, key=lambda match: (match[1], match[0]))):
+        for match in self._surplus(self._found()):
             path = self.folder / match[0]
             try:
                 path.unlink(missing_ok=True)
@@ -47,6 +48,14 @@ class Shelf:
                 if path.name not in self._stay:
                     self._stay.add(path.name)
                     self._say(f"{path} cannot be deleted: {error.strerror}; it stays, delete it yourself")
+
+    def complete(self) -> list[Path]:
+        """Return the files that are not compressed, except the newest: that may be written."""
+        return [self.folder / match[0] for match in self._found()[:-1] if not match[0].endswith(SUFFIX)]
+
+    def _found(self) -> Matches:
+        found = filter(None, (self._name.fullmatch(path.name) for path in self.folder.iterdir()))
+        return sorted(found, key=lambda match: (match[1], match[0]))
 
 
 def kept(folder: Path, at_most: int, say: Callable[[str], None]) -> Shelf:
@@ -84,7 +93,7 @@ def new_name(folder: Path, time_ns: int, *words: str) -> Path:
     seconds, ns = divmod(time_ns, 1_000_000_000)
     base = f"kept_{time.strftime('%Y%m%d%H%M%S', time.localtime(seconds))}.{ns // 1_000_000:03d}_{'_'.join(words)}"
     path, number = folder / f"{base}.pcapng", 1
-    while os.path.lexists(path):  # a link that leads nowhere is there, too
+    while os.path.lexists(path) or os.path.lexists(f"{path}{SUFFIX}"):  # a link that leads nowhere is there, too
         number += 1
         path = folder / f"{base}-{number}.pcapng"
     return path

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Compressed files of a recorder: the same bytes, opened by tshark and by sistap as they are."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+import planted
+import pytest
+
+from sistap import cli
+from sistap.captures.joining import check_captures
+from sistap.captures.reading import packets
+from sistap.recorder import shelf
+from sistap.recorder.packing import pack
+from sistap.wireshark.tshark import Tshark
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return planted.play(tmp_path_factory.mktemp("night") / "night.pcapng")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, capture: Path) -> Path:
+    """Return a ring of two files."""
+    for name in ("ring_00001_20260314220000.pcapng", "ring_00002_20260314230000.pcapng"):
+        (tmp_path / name).write_bytes(capture.read_bytes())
+    return tmp_path
+
+
+def ring(folder: Path) -> shelf.Shelf:
+    return shelf.ring(folder, None, lambda said: pytest.fail(said))
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_file_is_smaller_and_has_the_same_bytes(folder: Path, capture: Path, tshark: Tshark) -> None:
+    packed = pack(folder / "ring_00001_20260314220000.pcapng")
+    assert gzip.decompress(packed.read_bytes()) == capture.read_bytes()
+    assert packed.stat().st_size < capture.stat().st_size / 2.5
+    assert names(folder) == [packed.name, "ring_00002_20260314230000.pcapng"]
+    count = ("-T", "fields", "-e", "frame.number")
+    assert tshark.output("-r", str(packed), *count) == tshark.output("-r", str(capture), *count)
+
+
+def test_the_newest_file_of_a_ring_is_left_alone(folder: Path) -> None:
+    for path in ring(folder).complete():
+        pack(path)
+    assert names(folder) == ["ring_00001_20260314220000.pcapng.gz", "ring_00002_20260314230000.pcapng"]
+    assert ring(folder).complete() == []
+    shelf.ring(folder, 1, lambda said: pytest.fail(said)).tidy()
+    assert names(folder) == ["ring_00002_20260314230000.pcapng"]
+
+
+def told(capsys: pytest.CaptureFixture[str], *captures: Path) -> Any:
+    capsys.readouterr()
+    assert cli.main(["report", "--format", "json", *map(str, captures)]) == 0
+    return json.loads(capsys.readouterr().out)["episodes"]
+
+
+def test_the_report_of_a_folder_reads_both(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = told(capsys, folder)
+    pack(folder / "ring_00001_20260314220000.pcapng")
+    assert told(capsys, folder) == before != []
+
+
+def test_a_recorder_that_was_killed_while_it_compressed(folder: Path) -> None:
+    """A part is written again. A file that was not yet removed counts once."""
+    first = folder / "ring_00001_20260314220000.pcapng"
+    (folder / f".{first.name}.gz").write_bytes(b"\x1f\x8b")
+    whole = first.read_bytes()
+    packed = pack(first)
+    first.write_bytes(whole)
+    assert check_captures([folder]) == [first, folder / "ring_00002_20260314230000.pcapng"]
+    assert pack(first) == packed
+    assert gzip.decompress(packed.read_bytes()) == whole
+
+
+def test_a_compressed_file_that_is_cut_off_ends_before(folder: Path) -> None:
+    packed = pack(folder / "ring_00001_20260314220000.pcapng")
+    whole = list(packets(packed))
+    packed.write_bytes(packed.read_bytes()[: packed.stat().st_size // 2])
+    cut = list(packets(packed))
+    assert 0 < len(cut) < len(whole) and cut == whole[: len(cut)]
+
+
+def test_a_file_that_cannot_be_compressed_stays(folder: Path) -> None:
+    path = folder / "ring_00001_20260314220000.pcapng"
+    (folder / f"{path.name}.gz").mkdir()
+    before = path.read_bytes()
+    with pytest.raises(OSError):
+        pack(path)
+    assert path.read_bytes() == before
+    assert [name for name in names(folder) if name.startswith(".")] == []
