@@ -7,20 +7,25 @@ import itertools
 import json
 import random
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import planted
 import pytest
-
 from sistap import cli
+from sistap.accesses.access import Access, Parameter
 from sistap.episodes.book import MOST, Book
 from sistap.episodes.episode import PACKETS, Hit
 from sistap.episodes.levels import Levels
-from sistap.episodes.rules import RULES, Severity, Subject
+from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
+from sistap.episodes.silence import BusSilence
 from sistap.episodes.trend import trend
+from sistap.episodes.values import Values
+from sistap.packets.dissection import Packet, Telegram
+from sistap.wireshark.rows import FRAME
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 
@@ -77,6 +82,58 @@ def test_a_master_that_asks_once_a_minute_is_no_fault(tmp_path: Path, capsys: py
     capture = tmp_path / "night.pcapng"
     assert cli.main(["bus", "night", "--duration", "3600", "-w", str(capture)]) == 0
     assert [episode["severity"] for episode in told(capsys, capture) if episode["kind"] == "bus_silent"] == ["note"]
+
+
+def packet(second: float) -> Packet:
+    return Packet(int(second) + 1, second, second, "", FRAME, 9600, "8E1", None, None, "", [], 0, 0)
+
+
+def heard(silences_s: Iterable[float]) -> list[Hit]:
+    """Return the silences that are told of a bus with a character before and after each of these."""
+    silence, now_s, told = BusSilence(), 0.0, []
+    for length_s in (0.0, *silences_s):
+        now_s += length_s
+        told += silence.add(replace(packet(now_s), since_s=length_s))
+    return told
+
+
+TALK = [0.1] * 150  # exchanges of 15 s
+
+
+def test_a_cable_that_is_off_again_and_again_is_told_each_time() -> None:
+    flaps_s = [10, 10.5, 10, 9.5, 60, 10, 60, 5]
+    silences_s = [*TALK * 10, *(silence_s for flap_s in flaps_s for silence_s in (*TALK, flap_s))]
+    assert [hit.worst for hit in heard(silences_s)] == pytest.approx(flaps_s)
+    assert all(hit.severity is None for hit in heard(silences_s))
+
+
+def test_a_master_that_pauses_in_a_rhythm_is_known_after_a_while() -> None:
+    """It talks longer than what is usual is remembered. A silence beside the rhythm is told."""
+    rhythm_s = [silence_s for _ in range(60) for silence_s in (*TALK * 4, 45.0)]
+    assert len(heard(rhythm_s)) == THRESHOLDS.rhythm_times + 1  # the first one begins it
+    assert [hit.worst for hit in heard([*rhythm_s, *TALK, 300.0, *rhythm_s])][-2:] == pytest.approx([300, 45])
+
+
+def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
+    """Nobody knows whether the drive took the command. The next write is answered."""
+    values = Values()
+    numbers = itertools.count(1)
+
+    def say(value: float, *, is_write: bool = False, has_reaction: bool = True) -> None:
+        number = next(numbers)
+        ident, service = ("S-0-0036", 0x1F) if is_write else ("S-0-0040", 0x10)
+        command = (True, service, 16, 3, False, None, False, False, None, False, not has_reaction)
+        telegram = Telegram(*command, None, None, None, None, None, None, {"sis.parameter": ident})
+        parameter = Parameter("", "3", 7, ident)
+        access = Access(parameter, is_write, 16, "", f"{value} rpm", value, None, "", "rpm", "", "")
+        said = packet(10.0 * number)
+        values.add(replace(said, telegrams=[telegram], accesses=[access] if has_reaction else []))
+
+    for command, has_reaction in ((1000, True), (1100, True), (950, False), (1000, True)):
+        say(command, is_write=True, has_reaction=has_reaction)
+        for value in scattered(command, 60, command):
+            say(value)
+    assert list(values.finish()) == []
 
 
 def hit(second: float, kind: str = "late", **more: Any) -> Hit:

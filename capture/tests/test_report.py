@@ -193,7 +193,7 @@ def test_what_kept_its_limit_is_below_what_did_not_or_may_not_have(tshark: Tshar
     unresolved = made(tshark, write(tmp_path / "y", [*limited[:2], *limited[-2:]]))
     first, *_, last = tables.answer(unresolved)
     assert first.startswith("No fault is certain, ")
-    assert "perhaps: 49.900 ms, TrS 50 ms" in last
+    assert "perhaps 1 reaction later than TrS (station 3, 49.900 ms, TrS 50 ms, " in last
 
 
 def test_a_dead_bus_is_said(tshark: Tshark, tmp_path: Path) -> None:
@@ -201,7 +201,8 @@ def test_a_dead_bus_is_said(tshark: Tshark, tmp_path: Path) -> None:
     exchange = [Sent(READ), Sent(ANSWER)] * 2
     dead = write(tmp_path / "dead.pcapng", [*exchange, Sent(READ, silence_ms=300_000.0), Sent(ANSWER)])
     report = made(tshark, dead)
-    assert "Bus silent, 300 s: cable or master off?" in tables.answer(report)[0]
+    assert tables.answer(report)[0].endswith(", all stations: cable or master off?")
+    assert [episode.text for episode in report.episodes] == ["Bus silent: 300 s: cable or master off?"]
     assert ("Silences above 200 ms", "1") in tables.summary(report).rows
     silences = json.loads(plain.as_json(report))["silences"]
     assert silences == {"above_200_ms": 1, "longest_s": 300.0, "longest_before_packet": 6}

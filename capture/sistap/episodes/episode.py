@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from sistap.episodes.rules import RULES, Rule, Severity
 
+ARROW = " -> "  # from one value to the next, in the words of a hit
 PACKETS = 10  # numbers that an episode keeps; then only the last one is replaced
 
 _CLOSE_S = 2e-6  # a number with decimals may be that far from the time of a packet

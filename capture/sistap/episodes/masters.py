@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import MOST, Listing, Place
-from sistap.episodes.episode import Hit
+from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.rules import THRESHOLDS, Severity
 from sistap.packets.dissection import Packet
 
@@ -85,7 +85,7 @@ class Writes:
                 self._rare[access.parameter].append(hit if change else hit._replace(kind=""))
 
     def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:
-        was = f"{before} -> " if before is not None else ""
+        was = f"{before}{ARROW}" if before is not None else ""
         who = "new " if self._masters.is_new(access.master) else ""
         return Hit(
             "write",

@@ -77,6 +77,8 @@ class Thresholds(NamedTuple):
 
     bus_silent_s: float = 3.0  # shorter silences are none
     bus_silent_times: float = 3.0  # as long as the longest of the usual silences
+    rhythm_times: int = 10  # as many silences as long and as far apart: the master pauses so
+    rhythm_part: float = 0.1  # by which these differ
     silent_commands: int = 3  # in a row, without a reaction
     silent_s: float = 1.0  # from the first of them on
     clock_s: float = 0.5  # by which time stamps and measured intervals differ

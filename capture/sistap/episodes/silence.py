@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from sistap.episodes.episode import Hit
 from sistap.episodes.rules import THRESHOLDS, Severity
@@ -16,6 +17,7 @@ from sistap.wireshark.rows import EVENT
 _USUAL = 200  # silences that say what is usual
 _ENOUGH, _FEW = 20, 3  # with fewer, it is not certain, or not known at all
 _TIMES_HEARD = 2  # a bus that was heard for less than so many silences may pause as long as usual
+_LONG_KEPT = 40  # long silences among which a rhythm is looked for
 
 
 def seconds(time_s: float) -> str:
@@ -23,12 +25,29 @@ def seconds(time_s: float) -> str:
     return f"{time_s:.0f} s" if time_s >= 10 else f"{time_s:.1f} s"
 
 
+class _Long(NamedTuple):
+    """A long silence."""
+
+    length_s: float
+    since_s: float  # from the beginning of the one before
+
+    def is_like(self, other: _Long) -> bool:
+        """Tell whether both are in one rhythm."""
+        return all(abs(one - two) <= THRESHOLDS.rhythm_part * two for one, two in zip(self, other, strict=True))
+
+
 class BusSilence:
-    """The bus of a port without any character."""
+    """The bus of a port without any character.
+
+    A long silence is usual where the bus was heard too shortly to tell, and where it comes in a rhythm, as with a
+    master that asks once a minute. No other is: a loose cable is off again and again, and each time counts.
+    """
 
     def __init__(self) -> None:
         """Begin with nothing known."""
         self._usual: deque[float] = deque(maxlen=_USUAL)
+        self._long: deque[_Long] = deque(maxlen=_LONG_KEPT)
+        self._long_s = 0.0  # when the last long one began
         self._last: Packet | None = None
         self._began_s = 0.0
 
@@ -45,17 +64,26 @@ class BusSilence:
         apart_s = packet.epoch_s - last.ended_s
         # The interval is that of its line, of which a bus may have two. Time stamps may jump.
         silence_s = apart_s if packet.since_s is None else min(packet.since_s, apart_s)
-        is_long = silence_s >= THRESHOLDS.bus_silent_s and self._is_long(silence_s)
-        known = len(self._usual)
-        self._usual.append(silence_s)  # a long one, too: a master that asks once a minute is no fault
-        if not is_long:
+        begin_s = packet.epoch_s - silence_s
+        if silence_s < THRESHOLDS.bus_silent_s or not self._is_long(silence_s):
+            self._usual.append(silence_s)
+            return
+        is_known = len(self._usual) >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
+        if not is_known:
+            self._usual.append(silence_s)
+        if self._is_in_rhythm(begin_s, silence_s):
             return
         detail = f"{seconds(silence_s)}: cable or master off?"
-        begin_s = packet.epoch_s - silence_s
-        is_known = known >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
         severity = None if is_known else Severity.NOTE
         place = "bus_silent", packet.number, begin_s, packet.epoch_s, None, ""
         yield Hit(*place, detail, silence_s, severity, packet.interface)
+
+    def _is_in_rhythm(self, begin_s: float, silence_s: float) -> bool:
+        long = _Long(silence_s, begin_s - self._long_s)
+        alike = sum(map(long.is_like, self._long))
+        self._long.append(long)
+        self._long_s = begin_s
+        return alike >= THRESHOLDS.rhythm_times
 
     def _is_long(self, silence_s: float) -> bool:
         return len(self._usual) >= _FEW and silence_s > THRESHOLDS.bus_silent_times * max(self._usual)
@@ -133,7 +161,7 @@ class StationSilence:
         if asked.count >= THRESHOLDS.silent_commands and lasted_s >= THRESHOLDS.silent_s:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
             if not asked.has_answered:
-                detail, severity = f"it never answered {asked.count} commands", Severity.NOTE
+                detail, severity = f"never answered {asked.count} commands", Severity.NOTE
         elif asked.repeats:
             kind, detail = "repeated", "a command without a reaction"
         yield Hit(kind, asked.first, asked.from_s, asked.to_s, station, "", detail, float(asked.count), severity, port)

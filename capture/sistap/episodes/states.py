@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterator
 
-from sistap.episodes.episode import Hit
+from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.faults import slave
 from sistap.episodes.rules import THRESHOLDS, Severity
 from sistap.packets.dissection import Packet, Telegram
@@ -43,7 +43,7 @@ class Phases:
                 continue
             self._phases[station] = phase
             if before != phase and (before or telegram.service == _SWITCH):
-                yield _hit("phase", packet, station, f"{before or 'unknown'} -> {phase}")
+                yield _hit("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
 
 
 class Rate:
@@ -57,7 +57,7 @@ class Rate:
         """Yield changes."""
         if packet.baud and packet.baud != self._baud:
             if self._baud:
-                yield _hit("rate", packet, None, f"{self._baud} -> {packet.baud} Bd")
+                yield _hit("rate", packet, None, f"{self._baud}{ARROW}{packet.baud} Bd")
             self._baud = packet.baud
 
 
@@ -83,7 +83,7 @@ class Limits:
                 self._limits[name, telegram.talker] = judged.limit_s
                 if before is not None:
                     yield _hit(
-                        "limits", packet, telegram.talker, f"{name} {before * 1e3:g} -> {judged.limit_s * 1e3:g} ms"
+                        "limits", packet, telegram.talker, f"{name} {before * 1e3:g}{ARROW}{judged.limit_s * 1e3:g} ms"
                     )._replace(topic=name)
 
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 
 from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import MOST
-from sistap.episodes.episode import Hit
+from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.masters import station_of
 from sistap.episodes.rules import THRESHOLDS
 from sistap.episodes.trend import Trend
-from sistap.packets.dissection import Packet
+from sistap.packets.dissection import Packet, Telegram
+from sistap.sis.faults import WRITES
 
 # Feedback values and the command values that they follow: where the bus carries the command, their difference counts.
 FOLLOWS = {"S-0-0040": "S-0-0036", "S-0-0084": "S-0-0080"}
@@ -38,6 +39,7 @@ class _Followed:
 
     unit: str = ""
     command: float | None = None  # of what it follows
+    is_command_lost: bool = False  # it was written without a reaction: nobody knows whether the drive took it
     states: list[_State] = field(default_factory=list)
     levels: Levels = field(default_factory=Levels)
     is_written: bool = False
@@ -52,6 +54,9 @@ class Values:
 
     def add(self, packet: Packet) -> None:
         """Take the values in a packet."""
+        for telegram in packet.telegrams:
+            if telegram.unanswered and telegram.good and telegram.service in WRITES:
+                self._lose_command(packet.interface, telegram)
         for access in packet.accesses:
             if access.error or not access.value or access.is_raw:
                 continue
@@ -64,7 +69,7 @@ class Values:
                 self._command(access)
             elif access.number is None or access.value.startswith("0x"):
                 self._state(followed, packet, access.value)
-            elif abs(access.number) < _LARGEST:
+            elif abs(access.number) < _LARGEST and not followed.is_command_lost:
                 followed.levels.add(packet.epoch_s, access.number - (followed.command or 0.0), packet.number)
 
     def followed(self) -> Iterator[tuple[Parameter, _Followed]]:
@@ -84,8 +89,14 @@ class Values:
                 if followed is not None:
                     if followed.command is None:
                         followed.levels = Levels()
-                    followed.command = access.number
+                    followed.command, followed.is_command_lost = access.number, False
                     followed.levels.scale = max(followed.levels.scale, abs(access.number))
+
+    def _lose_command(self, port: str, telegram: Telegram) -> None:
+        for parameter, followed in self._followed.items():
+            is_here = (parameter.port, station_of(parameter)) == (port, telegram.listener)
+            if is_here and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
+                followed.is_command_lost = followed.command is not None
 
     def _state(self, followed: _Followed, packet: Packet, value: str) -> None:
         states = followed.states
@@ -114,7 +125,7 @@ def _changes(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
     usual = max(spans, key=lambda value: spans[value])
     for before, state, after in zip([states[0], *states], states, [*states[1:], states[-1]], strict=False):
         if state.value != usual:
-            was = f"{before.value[:_SHOWN]} -> " if before is not state else ""
+            was = f"{before.value[:_SHOWN]}{ARROW}" if before is not state else ""
             hit = _hit("changed", parameter, state.packet, state.from_s, max(after.from_s, state.to_s))
             yield hit._replace(detail=f"{was}{state.value[:_SHOWN]}")
 
@@ -127,7 +138,8 @@ def _steps(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
         if command is None:
             detail = f"{_number(level.value)} {followed.unit}, usually {_number(usual)}"
         else:
-            detail = f"{_number(level.value)} {followed.unit} beside {FOLLOWS[parameter.ident]}"
+            where = "below" if level.value < 0 else "above"
+            detail = f"{_number(abs(level.value))} {followed.unit} {where} {FOLLOWS[parameter.ident]}"
         yield hit._replace(detail=detail.replace("  ", " "), worst=level.value, severity=severity)
 
 
@@ -146,7 +158,7 @@ def _drift(found: Trend, unit: str) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.5g}"
+    return f"{value:.4g}"
 
 
 def _hit(kind: str, parameter: Parameter, packet: int, from_s: float, to_s: float) -> Hit:

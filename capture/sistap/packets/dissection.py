@@ -76,6 +76,7 @@ _SHOWN = (
     "sis.tmas.verdict",
     "sis.bus.load",
     "sis.phase",
+    "sis.parameter",
     ACCESSES,
 )
 _TESTED = rows.tested(test for fault in FAULTS for test in fault.tests)

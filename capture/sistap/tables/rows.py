@@ -14,7 +14,7 @@ from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import EVENT, JOINT
 
 # Fields besides those of a Packet.
-FIELDS = ("sis.parameter", "sis.value", "sis.value.number", "sis.error")
+FIELDS = ("sis.value", "sis.value.number", "sis.error")
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
 _LARGEST = 1 << 63
 

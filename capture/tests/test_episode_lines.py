@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The five lines: short, with times, what belongs together in one phrase."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+from typing import Any
+
+import pytest
+
+from sistap.episodes.episode import Episode, Hit
+from sistap.episodes.lines import lines
+from sistap.episodes.rules import Severity
+
+EVENING = datetime(2026, 11, 21, 22)  # noqa: DTZ001 - local time, as it is shown
+
+
+def at(clock: str) -> float:
+    """Return the time of the night at which a clock shows this."""
+    hour, minute, second = map(int, clock.split(":"))
+    return EVENING.timestamp() + ((hour - 22) % 24) * 3600 + minute * 60 + second
+
+
+def episode(kind: str, begin: str, end: str = "", station: int | None = None, **more: Any) -> Episode:
+    return Episode.of(Hit(kind, 1, at(begin), at(end or begin), station, **more))
+
+
+def told(*episodes: Episode, begin: str = "22:00:00", end: str = "06:00:00") -> Sequence[str]:
+    found = sorted(episodes, key=lambda one: one.from_s)
+    return [line.text for line in lines(found, at(begin), at(end))]
+
+
+def test_a_night_in_five_lines() -> None:
+    late = [
+        episode("late", clock, station=3, detail=f"{worst_s * 1e3:.3f} ms, TrS 40 ms", worst=worst_s)
+        for clock, worst_s in (("22:17:00", 0.0406), ("05:12:00", 0.201), ("05:12:50", 0.09))
+    ]
+    first, silent, drives, changed, limits = told(
+        episode("bus_silent", "04:30:00", "04:35:00", detail="300 s: cable or master off?", worst=300.0),
+        episode("silent", "00:40:12", "00:41:42", 4, detail="90 s, 501 commands without a reaction"),
+        episode("silent", "04:50:31", "04:52:01", 6, detail="90 s, 501 commands without a reaction"),
+        episode("changed", "02:20:00", "02:23:00", 4, parameter="S-0-0390", detail="0x000A0101 -> 0x000F2028"),
+        episode("drift", "22:00:00", "06:00:00", 5, parameter="S-0-0084", detail="+5 %/h (not by chance)"),
+        episode("error", "22:33:00", station=3, detail="0x8001"),
+        episode("error", "01:17:00", station=4, detail="0x8002"),
+        episode(
+            *("write", "03:12:07", "", 4),
+            parameter="S-0-0091",
+            detail="3000.0000 rpm -> 500.0000 rpm by new master 17",
+            worst=500.0,
+        ),
+        *late,
+        episode("interval", "05:40:00", station=6, detail="30.000 ms", worst=0.03),
+        episode("interval", "03:03:00", station=6, detail="perhaps", worst=0.06, severity=Severity.NOTE),
+        episode("damaged", "00:03:00", station=6, detail="its checksum is wrong"),
+        episode("damaged", "02:12:00", station=3, detail="its checksum is wrong"),
+        episode("lost", "05:05:00", station=3, detail="in a telegram that is damaged"),
+        episode("clock", "05:50:00", "05:50:25", detail="-25 s", worst=-25.0),
+    )
+    assert first == (
+        "NOT OK, 2026-11-21 22:00:00 to 2026-11-22 06:00:00. "
+        "Bus silent 04:30:00 to 04:35:00, all stations: cable or master off?"
+    )
+    assert silent == "Silent: station 4 from 00:40:12 (90 s); station 6 from 04:50:31 (90 s)."
+    assert drives == (
+        "Drives: station 4 S-0-0390 A0101 -> F2028 02:20:00 to 02:23:00; station 5 S-0-0084 +5 %/h; "
+        "2 error codes (stations 3, 4)."
+    )
+    assert changed == "Changed: new master 17 wrote station 4 S-0-0091 3000 -> 500 rpm at 03:12:07."
+    assert limits == (
+        "Limits: 3 reactions later than TrS (worst 201 ms, station 3, 05:12:00); "
+        "1 interval longer than TzA, 1 undecided (station 6, 30.000 ms, 05:40:00); "
+        "2 damaged telegrams (stations 3, 6); "
+        "1 loss of characters (station 3, in a telegram that is damaged, 05:05:00); "
+        "clock -25 s at 05:50:00."
+    )
+
+
+def test_there_and_back_is_one_phrase() -> None:
+    switched = [("01:30:00", 6, "4 -> 2"), ("01:30:40", 6, "2 -> 4"), ("01:30:20", 3, "4 -> 3")]
+    assert told(
+        *(episode("phase", clock, station=station, detail=detail) for clock, station, detail in switched),
+        episode("rate", "02:45:00", detail="9600 -> 19200 Bd"),
+        episode("rate", "02:55:00", detail="19200 -> 9600 Bd"),
+    )[3] == (
+        "Changed: station 6 phase 4 -> 2 -> 4 01:30:00 to 01:30:40; station 3 phase 4 -> 3 01:30:20; "
+        "19200 Bd 02:45:00 to 02:55:00."
+    )
+
+
+def test_what_perhaps_is_none_comes_last() -> None:
+    undecided = episode("interval", "01:00:00", station=6, detail="perhaps: 6.000 ms", severity=Severity.NOTE)
+    jumped = episode("clock", "03:07:04", detail="+3600 s; the times go on without the jump", severity=Severity.NOTE)
+    assert told(undecided, jumped)[4] == (
+        "Limits: clock +3600 s at 03:07:04; perhaps 1 interval longer than TzA (station 6, 6.000 ms, 01:00:00)."
+    )
+
+
+def test_a_cable_that_is_off_ten_times_is_one_phrase() -> None:
+    flaps = [
+        episode("bus_silent", f"22:{minute}:00", f"22:{minute}:{seconds}", worst=float(seconds))
+        for minute, seconds in zip(range(10, 20), [10] * 9 + [50], strict=True)
+    ]
+    assert told(*flaps)[0].endswith(
+        ". Bus silent 10 times, longest 50 s (22:19:00 to 22:19:50), all stations: cable or master off?"
+    )
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "said"),
+    [("22:00:00", "23:00:00", "22:00:00 to 23:00:00"), ("23:00:00", "01:00:00", "2026-11-22 ")],
+)
+def test_the_date_is_said_where_it_changes(begin: str, end: str, said: str) -> None:
+    assert said in told(begin=begin, end=end)[0]
