@@ -90,7 +90,8 @@ def packet(second: float) -> Packet:
 
 def heard(silences_s: Iterable[float]) -> list[Hit]:
     """Return the silences that are told of a bus with a character before and after each of these."""
-    silence, now_s, told = BusSilence(), 0.0, []
+    silence, now_s = BusSilence(), 0.0
+    told: list[Hit] = []
     for length_s in (0.0, *silences_s):
         now_s += length_s
         told += silence.add(replace(packet(now_s), since_s=length_s))

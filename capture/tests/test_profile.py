@@ -30,7 +30,7 @@ def lines(name: str) -> list[str]:
 
 
 def rows(name: str) -> list[list[str]]:
-    return list(csv.reader(lines(name)))
+    return [[cell.replace(r"\x22", '"') for cell in row] for row in csv.reader(lines(name))]
 
 
 RULES = [line.split("@")[1:] for line in lines("colorfilters")]
@@ -106,6 +106,29 @@ def test_graphs_are_of_fields_that_can_be_drawn(tshark: Run) -> None:
     assert fields
     for function, field in fields:
         assert f"{function}({field})" in tshark("statistics", "-q", "-z", f"io,stat,0,{function}({field}){field}")
+
+
+def test_a_graph_of_a_value_is_the_average_of_one_parameter_of_one_station(tshark: Run) -> None:
+    graphs = [row for row in rows("io_graphs") if row[6] == "sis.value.number"]
+    assert graphs and all(row[5] == "AVG(Y Field)" for row in graphs)
+    for row in graphs:
+        assert re.fullmatch(r'sis\.talker == \d+ && sis\.parameter == "[SP]-\d-\d{4}"', row[2])
+    said = tshark(
+        "course/17-wiring",
+        "-T",
+        "fields",
+        *(f"-e{name}" for name in ("sis.talker", "sis.parameter")),
+        "-esis.value.number",
+    )
+    found = [
+        float(number)
+        for line in said.splitlines()
+        if line.startswith("3\tS-0-0040\t") and (number := line.split("\t")[2])
+    ]
+    average = tshark(
+        "course/17-wiring", "-q", "-z", f"io,stat,0,AVG(sis.value.number)sis.value.number && {graphs[0][2]}"
+    )
+    assert len(set(found)) > 1 and f"{sum(found) / len(found):.2f}" in average
 
 
 def test_graphs_have_different_units_so_that_wireshark_shows_a_legend() -> None:

@@ -6,7 +6,8 @@ import { partText } from "./parts.js";
 
 // The texts in quotes of each line of a list.
 const rows = (text) => text.split("\n").filter((line) => line.startsWith('"'))
-  .map((line) => Array.from(line.matchAll(/"([^"]*)"/g), (found) => found[1]));
+  .map((line) => Array.from(line.matchAll(/"([^"]*)"/g), (found) => unescaped(found[1])));
+const unescaped = (text) => text.replace(/\\x([0-9a-f]{2})/gi, (_, code) => String.fromCharCode(parseInt(code, 16)));
 
 const DIGITS = { SEC: 0, DSEC: 1, CSEC: 2, MSEC: 3, USEC: 6, NSEC: 9 };
 
