@@ -87,6 +87,13 @@ def test_verdicts(figures: dict[str, Any]) -> None:
     assert trs == {"limits_s": [0.05], "ok": 4, "exceeded": 1, "unresolved": 0, "no_limit": 0}
 
 
+def test_what_decides_what_is_unresolved_is_said(report: Report) -> None:
+    """Drive 4 has 5.2 ms, TzA is 5 ms."""
+    assert {row[0]: row[-1] for row in tables.pauses(report).rows}["4"] == (
+        "1; an uncertainty below 0.200 ms decides them"
+    )
+
+
 def test_which_tza_would_be_kept(figures: dict[str, Any]) -> None:
     """By hand: the master's longest is 7.5 ms, and 0.31 ms uncertain; drive 4 has 5.2 ms, 0.5 ms uncertain, of 5 ms."""
     talkers = {one["station"]: one for one in figures["tza_by_talker"]}
@@ -97,6 +104,10 @@ def test_which_tza_would_be_kept(figures: dict[str, Any]) -> None:
     assert drive["resolved_if_more_exact_than_s"] == pytest.approx(0.0002)
     places = {one["before_character"]: one for one in figures["tza_by_character"]}
     assert places[6]["longest_s"] == 0.0075 and places[4]["longest_s"] == 0.0052
+    for one in (*places.values(), *talkers.values()):
+        assert one["histogram"][-1]["from_s"] <= one["longest_s"] <= one["histogram"][-1]["to_s"]
+    drawn = sum(bar["count"] for one in places.values() for bar in one["histogram"])
+    assert drawn + figures["clock"]["intervals_in_one_read"] == sum(one["count"] for one in places.values())
     assert sum(one["count"] for one in places.values()) == sum(
         len(sent.data) - 1 for sent in FRAMES if sent.data != DAMAGED and not any(f & 8 for f in sent.flags.values())
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import accumulate
 from pathlib import Path
@@ -12,8 +13,9 @@ from pathlib import Path
 import pytest
 from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, write
 
-from sistap.draw.panel import Bar, Strokes, Text
+from sistap.draw.panel import Area, Bar, Strokes, Text
 from sistap.draw.svg import stacked, svg
+from sistap.episodes.episode import Episode, Hit
 from sistap.line.settings import Flag
 from sistap.report import plots
 from sistap.report.gather import Report, gather
@@ -153,6 +155,25 @@ def test_limits_are_drawn(report: Report) -> None:
     assert reactions
     assert "TzA 5 ms" in svg(intervals, "x")
     assert "0x10 Read parameter" in svg(reactions, "x")
+
+
+def test_the_pauses_of_each_place_have_a_lane_with_tza(report: Report) -> None:
+    for drawing in (plots.pauses_by_place(report), plots.pauses_by_talker(report)):
+        assert drawing
+        ((panel,),) = drawing.draw()
+        assert panel.lanes == sum(isinstance(mark, Area) for mark in panel.marks) > 1
+        assert {tuple(mark.at) for mark in panel.marks if isinstance(mark, Strokes)} <= {(0.005,), ()}
+
+
+def test_the_first_screen_of_a_laptop_has_room_for_the_lanes_of_four_stations(report: Report) -> None:
+    """They are as wide as the screen, 1366 points of which are 768 high; the five lines need half of it."""
+    hits = [Hit("late", 1, 1.0, 1.0, station) for station in (None, 3, 4, 5, 6)]
+    drift = Hit("drift", 0, 0.0, 10.0, 5)
+    drawing = plots.timeline(replace(report, episodes=[Episode.of(hit) for hit in (*hits, drift)]))
+    assert drawing and drawing.height_in / drawing.width_in * 1366 < 768 / 3
+    ((panel,),) = drawing.draw()
+    *late, slow = (mark for mark in panel.marks if isinstance(mark, Bar))
+    assert slow.height < min(bar.height for bar in late) / 4
 
 
 def test_the_overview_names_stations_and_faults(report: Report) -> None:

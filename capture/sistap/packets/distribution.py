@@ -29,6 +29,7 @@ class Distribution:
 
     PER_DECADE = 100
     FEW = 4096  # times; so many are sorted into bins together: one by one takes several times as long
+    _JOINED = 5  # bins that make one bar
 
     def __init__(self) -> None:
         self.count = 0
@@ -116,6 +117,17 @@ class Distribution:
     def average_s(self) -> float:
         """Return the average; 0 without any."""
         return self.total_s / self.count if self.count else 0.0
+
+    def bars(self) -> tuple[list[int], list[float]]:
+        """Join bins to bars without a gap; return their counts and edges in s. Nothing without a bin."""
+        numbers = [number // self._JOINED for number in self.bins]
+        if not numbers:
+            return [], []
+        first = min(numbers)
+        counts = [0] * (max(numbers) - first + 1)
+        for number, found in self.bins.items():
+            counts[number // self._JOINED - first] += found.count
+        return counts, [self.edge_s((first + number) * self._JOINED) for number in range(len(counts) + 1)]
 
     @classmethod
     def edge_s(cls, number: int) -> float:

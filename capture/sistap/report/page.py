@@ -97,9 +97,11 @@ _TIMELINE = (
 )
 _PAUSES = (
     "The smallest safe TzA is the whole number of ms that every telegram of the capture surely kept. A longer capture "
-    "makes it surer."
+    "makes it surer. More exact times decide what is unresolved: `sistap doctor -i PORT` says how exact those of a port "
+    "are, and what makes them more exact."
 )
-_REACTIONS = "From the last character of a command to the first of its reaction; the scale is logarithmic."
+_REACTIONS = "From the last character of a command to the first of its reaction; both scales are logarithmic."
+_SCALED = "Both scales are logarithmic: a single long interval is seen, too."
 _OVERVIEW = (
     "The load is that of the second before, from the first whole second on. The steps of a station count its "
     "telegrams; the highest step of each is drawn equally high. A red stroke: at least one in that step."
@@ -227,4 +229,6 @@ def _times(report: Report) -> str:
     text = _INTERVALS + (_SAME_READ.format(count=count) if count else "")
     figures = _figure(plots.intervals(report), "intervals", text)
     figures += _figure(plots.reactions(report), "reactions", _REACTIONS)
+    figures += _figure(plots.pauses_by_talker(report), "talkers", _SCALED)
+    figures += _figure(plots.pauses_by_place(report), "places", _SCALED)
     return f'<h2>Times</h2><div class="pair">{figures}</div>' if figures else ""

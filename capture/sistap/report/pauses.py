@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass, field
-from itertools import chain, repeat
 from typing import NamedTuple
 
 from sistap.packets.dissection import UNRESOLVED, Packet, Telegram
+from sistap.packets.distribution import Distribution
 from sistap.packets.faults import LOST
 
 MOST_PLACES = 24  # characters of a telegram that have a place of their own
@@ -31,12 +31,14 @@ class Pause:
     """The longest intervals of a talker, one of each telegram; times in s."""
 
     telegrams: int = 0
+    times: Distribution = field(default_factory=Distribution)
     longest_s: float = 0.0
     position: int | None = None  # of the character after the longest, from 1
     most_s: float = 0.0  # the largest I + u
     unknown: int = 0  # telegrams without an uncertainty
     unresolved: int = 0
     exact_s: float = math.inf  # an uncertainty that would have decided all of these
+    limits_s: set[float] = field(default_factory=set)
     ratio: float = 0.0  # the largest I + u as a part of the limit
 
     def add(self, packet: Packet, telegram: Telegram) -> None:
@@ -45,6 +47,7 @@ class Pause:
         if pause is None:
             return
         self.telegrams += 1
+        self.times.add(pause.measured_s)
         if pause.time_s > self.longest_s:
             self.longest_s, self.position = pause.time_s, telegram.pause_position
         if packet.uncertainty_s is None:
@@ -53,6 +56,7 @@ class Pause:
         most_s = pause.time_s + packet.uncertainty_s
         self.most_s = max(self.most_s, most_s)
         if pause.limit_s:
+            self.limits_s.add(pause.limit_s)
             self.ratio = max(self.ratio, most_s / pause.limit_s)
             if pause.verdict == UNRESOLVED:
                 self.unresolved += 1
@@ -70,20 +74,14 @@ class Pause:
 
 
 @dataclass
-class Place:
-    """The intervals before one character of all telegrams."""
-
-    count: int = 0
-    total_s: float = 0.0
-    longest_s: float = 0.0
-
-
-@dataclass
 class Pauses:
     """All of a capture, in bounded memory."""
 
+    _TOGETHER = 1024  # telegrams are sorted in groups: one by one takes several times as long
+
     talkers: defaultdict[Talker, Pause] = field(default_factory=lambda: defaultdict(Pause))
-    _places: list[Place] = field(default_factory=lambda: [Place() for _ in range(2, MOST_PLACES + 1)])
+    _places: list[Distribution] = field(default_factory=lambda: [Distribution() for _ in range(2, MOST_PLACES + 1)])
+    _waiting: list[list[float]] = field(default_factory=list)  # in no place yet
 
     def add(self, packet: Packet) -> None:
         """Count the telegrams of a packet; where characters were lost, no interval is known."""
@@ -92,12 +90,19 @@ class Pauses:
         (telegram,) = packet.telegrams
         if telegram.talker is not None:
             self.talkers[Talker(telegram.talker, packet.baud or 0)].add(packet, telegram)
-        for place, interval_s in zip(chain(self._places, repeat(self._places[-1])), packet.intervals_s, strict=False):
-            place.count += 1
-            place.total_s += interval_s
-            place.longest_s = max(interval_s, place.longest_s)
+        self._waiting.append(packet.intervals_s)
+        if len(self._waiting) >= self._TOGETHER:
+            self._sort()
+
+    def _sort(self) -> None:
+        *places, last = self._places
+        for number, place in enumerate(places):
+            place.add([intervals_s[number] for intervals_s in self._waiting if number < len(intervals_s)])
+        last.add([interval_s for intervals_s in self._waiting for interval_s in intervals_s[len(places) :]])
+        self._waiting.clear()
 
     @property
-    def places(self) -> dict[int, Place]:
-        """Return the places, by the character after the interval, that telegrams had."""
+    def places(self) -> dict[int, Distribution]:
+        """Return the intervals before each character, from the second on, that telegrams had."""
+        self._sort()
         return {number: place for number, place in enumerate(self._places, 2) if place.count}

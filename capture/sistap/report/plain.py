@@ -84,8 +84,8 @@ def _report(report: Report) -> dict[str, Any]:
         "limits": {name: _limit(limit) for name, limit in figures.limits.items()},
         "tza_by_talker": [_pause(*found) for found in sorted(figures.pauses.talkers.items())],
         "tza_by_character": [
-            {"before_character": place, "count": one.count, "average_s": one.total_s / one.count}
-            | {"longest_s": one.longest_s}
+            {"before_character": place, "count": one.count, "average_s": one.average_s}
+            | {"longest_s": one.longest_s, "histogram": _histogram(one)}
             for place, one in sorted(figures.pauses.places.items())
         ],
         "faults": {fault.name: figures.faults[fault.name] for fault in FAULTS},
@@ -140,6 +140,15 @@ def _distribution(times: Distribution) -> dict[str, Any]:
     }
 
 
+def _histogram(times: Distribution) -> list[dict[str, Any]]:
+    counts, edges = times.bars()
+    return [
+        {"from_s": edges[number], "to_s": edges[number + 1], "count": count}
+        for number, count in enumerate(counts)
+        if count
+    ]
+
+
 def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
     return {
         "station": talker.station,
@@ -149,6 +158,7 @@ def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
         "before_character": pause.position,
         "longest_with_uncertainty_s": pause.most_s,
         "part_of_limit": pause.ratio or None,
+        "histogram": _histogram(pause.times),
         "smallest_safe_ms": pause.safe_ms,
         "longer_at_most_one_in": pause.one_in,
         "unresolved": pause.unresolved,

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 from sistap.accesses.listing import Listed
 from sistap.draw.panel import (
@@ -29,7 +30,7 @@ from sistap.packets.dissection import EXCEEDED, Packet, Telegram
 from sistap.packets.distribution import Distribution, Slices
 from sistap.report.curves import Curve, Point
 from sistap.report.gather import Report
-from sistap.report.tables import ANCHOR, EPISODES_SHOWN, ms, of_device
+from sistap.report.tables import ANCHOR, EPISODES_SHOWN, before, ms, of_device
 from sistap.report.windows import Window
 from sistap.sis.faults import FAULTS
 from sistap.sis.telegram import service_name
@@ -40,9 +41,10 @@ _LABELLED = 0.97  # of its width: a number at the right edge would be cut
 _CURVES, _CURVES_IN_A_ROW = 24, 3
 _FEW = 40  # points, each of which is drawn
 _FAR = 2.0  # times the span of the values: a limit farther away is not drawn
-_JOINED = 5  # bins of a Distribution that make one bar
 _WIDE_IN, _NARROW_IN = 10.0, 5.2
 _RED_PT = 1.5
+_LANE_IN = 0.25  # of the timeline: with the answer it has to fit on the screen of a laptop
+_THIN = 0.12  # a drift lasts as long as the capture: what is beside it has to be seen
 _LEAST_SHOWN = 0.003  # of the width: a shorter episode could not be seen
 
 
@@ -62,12 +64,13 @@ def timeline(report: Report) -> Drawing | None:
             if one.station in lanes:
                 role = "bad" if one.severity >= Severity.WARNING else "other"
                 until_s, opacity = max(one.to_s, one.from_s + least_s), 0.5 if one.to_s - one.from_s > least_s else 1.0
-                lane = -lanes.index(one.station)
-                panel.add(Bar(one.from_s, until_s, lane, 0.7, role, opacity, link=f"#{ANCHOR}{number}", tip=one.text))
+                lane, height = -lanes.index(one.station), _THIN if one.kind == "drift" else 0.7
+                link = f"#{ANCHOR}{number}"
+                panel.add(Bar(one.from_s, until_s, lane, height, role, opacity, link=link, tip=one.text))
         panel.name_lanes(["the bus" if lane is None else f"station {lane}" for lane in lanes])
         return [[panel]]
 
-    return Drawing("What happened when", _WIDE_IN, 0.6 + 0.33 * len(lanes), draw)
+    return Drawing("What happened when", _WIDE_IN, 0.35 + _LANE_IN * len(lanes), draw)
 
 
 def overview(report: Report) -> Drawing | None:
@@ -138,7 +141,7 @@ def intervals(report: Report) -> Drawing | None:
         return None
 
     def draw() -> list[list[Panel]]:
-        counts, edges = _bars(times)
+        counts, edges = times.bars()
         x = milliseconds([*edges, *limits], "ms from character to character in a telegram")
         panel = Panel(x=x, y=logarithmic(0.5, 5 * max(counts), "intervals"))
         panel.add(Area(_corners_of([max(count, 0.5) for count in counts], edges), 0.5, "command"))
@@ -151,41 +154,72 @@ def intervals(report: Report) -> Drawing | None:
     return Drawing("Intervals between characters", _NARROW_IN, 3.2, draw, is_wide=False)
 
 
-def _bars(times: Distribution) -> tuple[list[int], list[float]]:
-    """Join bins to bars without a gap; give their counts and edges in s."""
-    first, last = min(times.bins) // _JOINED, max(times.bins) // _JOINED
-    counts = [0] * (last - first + 1)
-    for number, found in times.bins.items():
-        counts[number // _JOINED - first] += found.count
-    return counts, [times.edge_s(number * _JOINED) for number in range(first, last + 2)]
-
-
 def reactions(report: Report) -> Drawing | None:
     """Reaction times of each service, with TrS."""
     found = {number: service for number, service in report.figures.services.items() if service.times.bins}
     busiest = sorted(sorted(found, key=lambda number: -found[number].times.count)[:_LANES])
     if not busiest:
         return None
+    lanes = [
+        _Lane(f"0x{number:02x} {service_name(number)}", found[number].times, found[number].trs.limits_s)
+        for number in busiest
+    ]
+    return _histograms("Reaction times by service", "ms from command to reaction; dot: half of them, red: TrS", lanes)
+
+
+def pauses_by_talker(report: Report) -> Drawing | None:
+    """How often each longest interval of a telegram came, by talker and rate."""
+    talkers = report.figures.pauses.talkers
+    lanes = [
+        _Lane(f"station {talker.station}{f', {talker.baud} Bd' if talker.baud else ''}", one.times, one.limits_s)
+        for talker, one in sorted(talkers.items())
+        if one.times.bins
+    ]
+    label = "ms, longest interval of each telegram; dot: half of them, red: TzA"
+    return _histograms("Longest interval in a telegram, by talker", label, lanes[: 2 * _LANES])
+
+
+def pauses_by_place(report: Report) -> Drawing | None:
+    """How often each interval came before each character of a telegram."""
+    limits_s = report.figures.limits["tza"].limits_s
+    lanes = [
+        _Lane(f"before character {before(place)}", times, limits_s)
+        for place, times in report.figures.pauses.places.items()
+        if times.bins
+    ]
+    return _histograms("Intervals by place in the telegram", "ms; dot: half of them, red: TzA", lanes)
+
+
+class _Lane(NamedTuple):
+    """Times with their limits."""
+
+    name: str
+    times: Distribution
+    limits_s: Iterable[float]
+
+
+def _histograms(title: str, label: str, lanes: Sequence[_Lane]) -> Drawing | None:
+    """Draw how often each time came, a lane each."""
+    if not lanes:
+        return None
 
     def draw() -> list[list[Panel]]:
         panel = Panel()
         shown: list[float] = []
-        for lane, number in enumerate(busiest):
-            service = found[number]
-            counts, edges = _bars(service.times)
-            heights = [0.5 * count / max(counts) - lane for count in counts]
-            limits_s = list(service.trs.limits_s)
-            panel.add(Area(_corners_of(heights, edges), -lane, "reaction"))
-            panel.add(Dots([(service.times.within_s(0.5), -lane)], "ink", 4))
-            panel.add(Strokes(limits_s, -lane, 0.5, "bad", _RED_PT))
-            shown += [*edges, *limits_s]
-            panel.add(Text(0, 0.55 - lane, f"0x{number:02x} {service_name(number)}", size_pt=9, in_front=True))
-        panel.name_lanes([""] * len(busiest))
-        panel.x = milliseconds(shown, "ms from command to reaction; dot: half of them, red: TrS")
+        for number, lane in enumerate(lanes):
+            counts, edges = lane.times.bars()
+            most = math.log1p(max(counts))  # logarithmic: one in a million is what somebody looks for
+            heights = [0.5 * math.log1p(count) / most - number for count in counts]
+            panel.add(Area(_corners_of(heights, edges), -number, "reaction"))
+            panel.add(Dots([(lane.times.within_s(0.5), -number)], "ink", 4))
+            panel.add(Strokes(list(lane.limits_s), -number, 0.5, "bad", _RED_PT))
+            shown += [*edges, *lane.limits_s]
+            panel.add(Text(0, 0.55 - number, lane.name, size_pt=9, in_front=True))
+        panel.name_lanes([""] * len(lanes))
+        panel.x = milliseconds(shown, label)
         return [[panel]]
 
-    height_in = max(1.2 + 0.55 * len(busiest), 2.0)
-    return Drawing("Reaction times by service", _NARROW_IN, height_in, draw, is_wide=False)
+    return Drawing(title, _NARROW_IN, max(1.2 + 0.55 * len(lanes), 2.0), draw, is_wide=False)
 
 
 def values(report: Report) -> Drawing | None:
@@ -343,6 +377,8 @@ def drawings(report: Report) -> list[Drawing]:
         *map(window, report.windows),
         intervals(report),
         reactions(report),
+        pauses_by_talker(report),
+        pauses_by_place(report),
         values(report),
     ]
     return [drawing for drawing in made if drawing]

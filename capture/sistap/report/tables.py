@@ -230,7 +230,7 @@ def pauses(report: Report) -> Table:
                 f"{one.ratio:.0%}" if one.ratio and known else "",
                 f"{one.safe_ms} ms" if known else "not known",
                 f"fewer than 1 in {one.one_in}" if known and one.one_in > 1 else "",
-                f"{one.unresolved}: times more exact than {ms(one.exact_s)} would do" if one.unresolved else "",
+                f"{one.unresolved}; an uncertainty below {ms(one.exact_s)} decides them" if one.unresolved else "",
             )
         )
     heads = ("Talker", "Rate", "Telegrams", "Longest interval", "Before character", "With its uncertainty")
@@ -242,14 +242,22 @@ def places(report: Report) -> Table:
     """Where in a telegram the intervals are long."""
     rows = [
         (
-            f"{place}{' and later' * (place == MOST_PLACES)}",
+            before(place),
             str(one.count),
-            ms(one.total_s / one.count),
+            ms(one.average_s),
+            ms(one.within_s(0.99)),
             ms(one.longest_s),
         )
         for place, one in sorted(report.figures.pauses.places.items())
     ]
-    return Table("TzA: intervals by place", ("Before character", "Intervals", "Average", "Longest"), rows)
+    return Table(
+        "TzA: intervals by place", ("Before character", "Intervals", "Average", "99 % within", "Longest"), rows
+    )
+
+
+def before(place: int) -> str:
+    """Write before which character of a telegram an interval is."""
+    return f"{place}{' and later' * (place == MOST_PLACES)}"
 
 
 def faults(report: Report) -> Table:
