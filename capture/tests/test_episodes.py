@@ -15,6 +15,7 @@ from typing import Any
 
 import planted
 import pytest
+
 from sistap import cli
 from sistap.accesses.access import Access, Parameter
 from sistap.episodes.book import MOST, Book

@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import html
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sharkd import Sharkd
 
 from sistap.accesses.access import Access, Parameter
-from sistap.draw.panel import Dots, Line, Panel
-from sistap.report import plain, plots, tables
+from sistap.draw.panel import Bar, Dots, Line, Panel
+from sistap.episodes.episode import Episode, Hit
+from sistap.report import curved, plain, plots, tables
 from sistap.report.curves import MOST_CURVES, MOST_POINTS, Curve, Curves
 from sistap.report.gather import Report, gather
 from sistap.report.page import page
@@ -75,15 +79,14 @@ def test_refused_ones_are_found(report: Report) -> None:
 @pytest.fixture
 def panel(report: Report) -> Panel:
     """The curve of P-0-0012: of all values, its are the only numbers."""
-    drawing = plots.values(report)
-    assert drawing
-    (shown,) = (panel for row in drawing.draw() for panel in row if panel.marks)
+    (drawing,) = plots.values(report)
+    ((shown,),) = drawing.draw()
     return shown
 
 
 def test_the_curve_has_all_values_and_limits(panel: Panel) -> None:
     lines: dict[str, list[list[float]]] = {}
-    for mark in panel.marks:
+    for mark in (mark for mark in panel.marks if not isinstance(mark, Bar)):
         assert isinstance(mark, Line | Dots)
         lines.setdefault(mark.role, []).append([y for _, y in mark.points])
     assert lines["reaction"] == [[5.0, 5.0, 7.5, -3.0, -3.0]]
@@ -94,6 +97,24 @@ def test_the_curve_has_all_values_and_limits(panel: Panel) -> None:
         "station 3, device 5",
         "at least -10.00 Nm, at most 10.00 Nm",
     ]
+
+
+def test_a_curve_has_what_happened_and_its_place_on_the_page(report: Report, sharkd: Sharkd) -> None:
+    """Links alone lead from a parameter to its curve, from there to what happened, and back."""
+    begin_s = report.figures.first_epoch_s or 0.0
+    of_it = Hit("step", 1, begin_s + 1, begin_s + 2, 3, "P-0-0012", port="accesses")
+    hits = [of_it, of_it._replace(parameter="S-0-0047"), of_it._replace(station=4)]
+    told = replace(report, episodes=[Episode.of(hit) for hit in hits])
+    (drawing,) = plots.values(told)
+    ((panel,),) = drawing.draw()
+    (bar,) = (mark for mark in panel.marks if isinstance(mark, Bar))
+    assert [bar.begin, bar.end] == pytest.approx([1, 2]) and bar.link == "#episode0"
+    text = page(told)
+    assert text.count('<a href="#parameter0">P-0-0012</a>') == 2, "in the table of what happened, and of parameters"
+    assert '<figure id="parameter0">' in text and "<script" not in text
+    (listed,) = curved.parameters(told)
+    found = sharkd.frames(CAPTURE, f"({curved.wireshark_filter(listed)}) && sis.value.number")
+    assert found and f"<code>{html.escape(curved.wireshark_filter(listed))}</code>" in text
 
 
 def curve(times_s: list[float]) -> Curve:

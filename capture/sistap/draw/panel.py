@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 # By role, on white paper. The page gives each role another colour in the dark. Blue, green and vermilion can be told
@@ -105,6 +105,11 @@ class Axis:
     is_log: bool = False
     label: str = ""
     ticks: Sequence[Tick] = ()
+
+    def since(self, begin: float) -> Axis:
+        """Return it for values that are counted from `begin` on; its numbers stay."""
+        ticks = [Tick(tick.value - begin, tick.words) for tick in self.ticks]
+        return replace(self, low=self.low - begin, high=self.high - begin, ticks=ticks)
 
     def place(self, value: float) -> float:
         """Return where a value stands, 0 to 1; outside of the axis it is less or more."""

@@ -6,10 +6,11 @@ from __future__ import annotations
 from html import escape
 
 import sistap
+from sistap.accesses.listing import Listed
 from sistap.draw import html
 from sistap.draw.panel import COLOURS, Drawing
 from sistap.draw.svg import svg
-from sistap.report import plots, tables
+from sistap.report import curved, plots, tables
 from sistap.report.gather import Report
 from sistap.report.tables import Table
 
@@ -39,6 +40,9 @@ svg { display: block; width: 100%; height: auto; }
 .wide svg { min-width: 40rem; }
 .pair { display: grid; gap: 0 2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)); }
 .pair figure { max-width: 36rem; }
+.pair figure:target { grid-column: 1 / -1; max-width: none; outline: .15rem solid var(--command); }
+figure[id] figcaption a { float: right; display: none; }
+figure:target figcaption a { display: inline; }
 table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; border-top: 1px solid var(--shade); }
 th[scope=row], td { white-space: nowrap; }
@@ -89,7 +93,10 @@ _PARAMETERS = (
 )
 _VALUES = (
     "Where nothing was read for a long time, the curve has a gap. A dot is a value that was written. Red lines are the "
-    "limits, if minimum and maximum were read and are not far away."
+    "limits, if minimum and maximum were read and are not far away. What happened to the value is shaded: a click "
+    "leads to its row. A click on a parameter in a table shows its curve as wide as the page. For the same curve in "
+    "Wireshark, open Statistics > I/O Graphs and add a graph: the filter below the curve, Y Axis AVG(Y Field), Y Field "
+    "sis.value.number."
 )
 _TIMELINE = (
     "A bar is an episode: red where something has to be looked at, grey where it is only noted. A click leads to its "
@@ -97,8 +104,8 @@ _TIMELINE = (
 )
 _PAUSES = (
     "The smallest safe TzA is the whole number of ms that every telegram of the capture surely kept. A longer capture "
-    "makes it surer. More exact times decide what is unresolved: `sistap doctor -i PORT` says how exact those of a port "
-    "are, and what makes them more exact."
+    "makes it surer. More exact times decide what is unresolved: `sistap doctor -i PORT` says how exact those of a "
+    "port are, and what makes them more exact."
 )
 _REACTIONS = "From the last character of a command to the first of its reaction; both scales are logarithmic."
 _SCALED = "Both scales are logarithmic: a single long interval is seen, too."
@@ -176,8 +183,8 @@ def _table(table: Table, note: str = "") -> str:
     heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
     head = f"<thead><tr>{heads}</tr></thead>" if heads else ""
     rows = "\n".join(
-        f"<tr{f' id={table.anchor}{number}' if table.anchor else ''}>{''.join(_cells(table, row))}</tr>"
-        for number, row in enumerate(table.rows)
+        f"<tr{f' id={table.anchor}{number}' if table.anchor else ''}>{''.join(_cells(table, number))}</tr>"
+        for number in range(len(table.rows))
     )
     text = f"<p>{escape(note)}</p>" if note else ""
     return (
@@ -185,23 +192,28 @@ def _table(table: Table, note: str = "") -> str:
     )
 
 
-def _cells(table: Table, row: tuple[str, ...]) -> list[str]:
+def _cells(table: Table, row: int) -> list[str]:
     cells = []
-    for column, text in enumerate(row):
-        shown = f"<code>{escape(text)}</code>" if column == table.code else escape(text)
+    for column, text in enumerate(table.rows[row]):
+        words = f"<code>{escape(text)}</code>" if column == table.code else escape(text)
+        link = table.links.get((row, column))
+        words = f'<a href="#{link}">{words}</a>' if link else words
         head = f' data-head="{escape(table.heads[column])}"' if table.heads else ""
         kind = "" if len(text) <= _LONG else ' class="folded"'
-        cells.append(f"<td{kind}{head}>{shown}</td>" if column else f'<th scope="row"{head}>{shown}</th>')
+        cells.append(f"<td{kind}{head}>{words}</td>" if column else f'<th scope="row"{head}>{words}</th>')
     return cells
 
 
 def _figure(drawing: Drawing | None, name: str, text: str) -> str:
     if drawing is None:
         return ""
-    shown = svg(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
     kind = ' class="wide"' if drawing.is_wide else ""
     caption = f"<figcaption><b>{escape(drawing.title)}</b><br>{escape(text)}</figcaption>"
-    return f'<figure{kind}>{caption}<div class="scroll">{shown}</div></figure>'
+    return f'<figure{kind}>{caption}<div class="scroll">{_svg(drawing, name)}</div></figure>'
+
+
+def _svg(drawing: Drawing, name: str) -> str:
+    return svg(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
 
 
 def _overview(report: Report) -> str:
@@ -221,7 +233,20 @@ def _windows(report: Report) -> str:
 
 
 def _parameters(report: Report) -> str:
-    return _table(tables.parameters(report), _PARAMETERS) + _figure(plots.values(report), "values", _VALUES)
+    table, found = _table(tables.parameters(report), _PARAMETERS), curved.parameters(report)
+    if not found:
+        return table
+    rest = len(report.figures.curves.moved()) - len(found)
+    title = "Values that moved" + (f" (and {rest} more)" if rest else "")
+    figures = "".join(map(_curve, plots.values(report), found, curved.places(report).values()))
+    return f'{table}<h2 id="curves">{title}</h2><p>{_VALUES}</p><div class="pair">{figures}</div>'
+
+
+def _curve(drawing: Drawing, listed: Listed, name: str) -> str:
+    """Write the curve of a parameter: it is as wide as the page if a link leads to it."""
+    find = f"<code>{escape(curved.wireshark_filter(listed))}</code>"
+    words = f'<a href="#curves">All curves</a> In Wireshark: {find}'
+    return f'<figure id="{name}">{_svg(drawing, f"{name}-picture")}<figcaption>{words}</figcaption></figure>'
 
 
 def _times(report: Report) -> str:

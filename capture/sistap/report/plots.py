@@ -25,9 +25,11 @@ from sistap.draw.panel import (
     milliseconds,
     times_of_day,
 )
+from sistap.episodes.episode import Episode
 from sistap.episodes.rules import Severity
 from sistap.packets.dissection import EXCEEDED, Packet, Telegram
 from sistap.packets.distribution import Distribution, Slices
+from sistap.report import curved
 from sistap.report.curves import Curve, Point
 from sistap.report.gather import Report
 from sistap.report.tables import ANCHOR, EPISODES_SHOWN, before, ms, of_device
@@ -38,7 +40,6 @@ from sistap.sis.telegram import service_name
 _LANES = 12  # the busiest stations and services; more would not be readable
 _LABELS = 24  # packet numbers in a window
 _LABELLED = 0.97  # of its width: a number at the right edge would be cut
-_CURVES, _CURVES_IN_A_ROW = 24, 3
 _FEW = 40  # points, each of which is drawn
 _FAR = 2.0  # times the span of the values: a limit farther away is not drawn
 _WIDE_IN, _NARROW_IN = 10.0, 5.2
@@ -222,24 +223,33 @@ def _histograms(title: str, label: str, lanes: Sequence[_Lane]) -> Drawing | Non
     return Drawing(title, _NARROW_IN, max(1.2 + 0.55 * len(lanes), 2.0), draw, is_wide=False)
 
 
-def values(report: Report) -> Drawing | None:
-    """The values that moved, a small picture each, with the limits of the parameter."""
-    moved = report.figures.curves.moved()
-    shown = [listed for listed in report.figures.parameters if listed.parameter in set(list(moved)[:_CURVES])]
-    if not shown:
-        return None
-    lines = math.ceil(len(shown) / _CURVES_IN_A_ROW)
+def values(report: Report) -> list[Drawing]:
+    """The values that moved, a picture each, with the limits of the parameter and what happened to it."""
+    return [_curve_of(report, listed) for listed in curved.parameters(report)]
 
+
+def _curve_of(report: Report, listed: Listed) -> Drawing:
     def draw() -> list[list[Panel]]:
-        panels = [_curve(moved[listed.parameter], listed, report.figures.duration_s) for listed in shown]
-        for panel in panels[-_CURVES_IN_A_ROW:]:
-            panel.x.label = "seconds"
-        panels += [Panel(size_pt=8) for _ in range(-len(panels) % _CURVES_IN_A_ROW)]
-        return [panels[first : first + _CURVES_IN_A_ROW] for first in range(0, len(panels), _CURVES_IN_A_ROW)]
+        curve = report.figures.curves.moved()[listed.parameter]
+        panel = _curve(curve, listed, report.figures.duration_s)
+        begin_s = report.figures.first_epoch_s or 0.0
+        panel.x = times_of_day(begin_s, begin_s + report.figures.duration_s).since(begin_s)
+        for number in curved.happened(report, listed.parameter):
+            _mark_episode(panel, report.episodes[number], begin_s, f"#{ANCHOR}{number}")
+        return [[panel]]
 
-    rest = len(moved) - len(shown)
-    title = "Values that moved" + (f" (and {rest} more)" if rest else "")
-    return Drawing(title, _WIDE_IN, 0.5 + 1.7 * lines, draw)
+    return Drawing(f"{listed.parameter.ident} {listed.name}".strip(), _NARROW_IN, 2.2, draw, is_wide=False)
+
+
+def _mark_episode(panel: Panel, episode: Episode, begin_s: float, link: str) -> None:
+    """Shade the time of an episode, behind the curve."""
+    from_s, to_s = episode.from_s - begin_s, episode.to_s - begin_s
+    until_s = max(to_s, from_s + (panel.x.high - panel.x.low) * _LEAST_SHOWN)
+    role, y = "bad" if episode.severity >= Severity.WARNING else "other", panel.y
+    bar = Bar(from_s, until_s, y.low, y.high - y.low, role, 0.25, link=link, tip=episode.text)
+    if episode.kind == "drift":
+        bar = bar._replace(height=bar.height * _THIN)
+    panel.marks.insert(0, bar)
 
 
 def _curve(curve: Curve, listed: Listed, duration_s: float) -> Panel:
@@ -255,7 +265,7 @@ def _curve(curve: Curve, listed: Listed, duration_s: float) -> Panel:
     found = [value for point in curve.points for value in (point.least, point.greatest)] + limits
     margin = (max(found) - min(found)) * 0.05
     y = linear(min(found) - margin, max(found) + margin, 4)
-    return Panel(linear(0, duration_s, 4), y, marks, list(_curve_title(listed)), size_pt=8)
+    return Panel(y=y, marks=marks, title=list(_curve_title(listed)), size_pt=8)
 
 
 def _curve_title(listed: Listed) -> Iterator[str]:
@@ -379,6 +389,6 @@ def drawings(report: Report) -> list[Drawing]:
         reactions(report),
         pauses_by_talker(report),
         pauses_by_place(report),
-        values(report),
+        *values(report),
     ]
     return [drawing for drawing in made if drawing]

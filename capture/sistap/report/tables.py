@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 from sistap.accesses.access import Parameter
@@ -16,6 +17,7 @@ from sistap.line import drivers
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED
 from sistap.packets.distribution import Distribution
 from sistap.records.record import Event, Framing, interval_text
+from sistap.report import curved
 from sistap.report.figures import SILENCE_S, Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.pauses import MOST_PLACES
@@ -40,7 +42,8 @@ GLOSSARY = (
     "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit.",
 )
 ANCHOR = "episode"
-EPISODES_SHOWN = 1000
+EPISODES_SHOWN = curved.EPISODES
+_PARAMETER_OF_EPISODE = 5  # the column
 PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
 _LIMITS = {
     "tza": ("TzA, from character to character in a telegram", "sis.tza.verdict"),
@@ -57,6 +60,7 @@ class Table(NamedTuple):
     rows: Sequence[tuple[str, ...]]
     code: int | None = None  # the column with display filters
     anchor: str = ""  # the beginning of the names by which its rows are found
+    links: Mapping[tuple[int, int], str] = MappingProxyType({})  # by row and column, the name of what they lead to
 
 
 def ms(time_s: float) -> str:
@@ -97,7 +101,12 @@ def episodes(report: Report) -> Table:
     left_out = max(len(report.episodes) - EPISODES_SHOWN, 0)
     title = "What happened" + (f" (and {left_out} more)" if left_out else "")
     heads = ("From", "Duration", "Severity", "Station", "What", "Parameter", "Details", "Times", "Display filter")
-    return Table(title, heads, rows, code=8, anchor=ANCHOR)
+    links = {
+        (row, _PARAMETER_OF_EPISODE): place
+        for parameter, place in curved.places(report).items()
+        for row in curved.happened(report, parameter)
+    }
+    return Table(title, heads, rows, code=8, anchor=ANCHOR, links=links)
 
 
 def _lasting(time_s: float) -> str:
@@ -303,7 +312,9 @@ def parameters(report: Report) -> Table:
     ports = {listed.parameter.port for listed in listing}
     rows = [_parameter(listed, has_port=len(ports) > 1) for listed in itertools.islice(listing, PARAMETERS_SHOWN)]
     heads = ("Parameter", "Of", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least", "Greatest")
-    return Table(title, (*heads, "Written by", "In packet"), rows)
+    places = curved.places(report)
+    links = {(row, 0): places[listed.parameter] for row, listed in enumerate(listing) if listed.parameter in places}
+    return Table(title, (*heads, "Written by", "In packet"), rows, links=links)
 
 
 def _parameter(listed: Listed, *, has_port: bool) -> tuple[str, ...]:
