@@ -15,6 +15,7 @@ from typing import Any
 
 import planted
 import pytest
+from report_capture import ANSWER, READ, Sent, write
 
 from sistap import cli
 from sistap.accesses.access import Access, Parameter
@@ -26,12 +27,13 @@ from sistap.episodes.silence import BusSilence
 from sistap.episodes.trend import trend
 from sistap.episodes.values import Values
 from sistap.packets.dissection import Packet, Telegram
+from sistap.terminal.exits import USAGE
 from sistap.wireshark.rows import FRAME
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 
 
-def told(capsys: pytest.CaptureFixture[str], *captures: Path) -> list[dict[str, Any]]:
+def told(capsys: pytest.CaptureFixture[str], *captures: str | Path) -> list[dict[str, Any]]:
     capsys.readouterr()
     assert cli.main(["report", "--format", "json", *map(str, captures)]) == 0
     found: list[dict[str, Any]] = json.loads(capsys.readouterr().out)["episodes"]
@@ -136,6 +138,24 @@ def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
         for value in scattered(command, 60, command):
             say(value)
     assert list(values.finish()) == []
+
+
+@pytest.mark.parametrize(("longest_s", "count"), [("299", 1), ("301", 0)])
+def test_a_threshold_can_be_changed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], longest_s: str, count: int
+) -> None:
+    exchange = [Sent(READ), Sent(ANSWER)] * 2
+    capture = write(tmp_path / "dead.pcapng", [*exchange, Sent(READ, silence_ms=300_000.0), Sent(ANSWER)])
+    assert len(told(capsys, "--rule", f"bus_silent_s={longest_s}", "--rule", "silent_s=2", capture)) == count
+
+
+@pytest.mark.parametrize(
+    "rule", ["silence=3", "bus_silent_s", "bus_silent_s=-1", "bus_silent_s=nan", "rare_writes=1.5"]
+)
+def test_a_rule_that_is_none(capsys: pytest.CaptureFixture[str], rule: str) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["report", "--rule", rule, "x.pcapng"])
+    assert ended.value.code == USAGE and "--rule" in capsys.readouterr().err
 
 
 def hit(second: float, kind: str = "late", **more: Any) -> Hit:

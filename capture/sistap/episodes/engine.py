@@ -10,6 +10,7 @@ from sistap.episodes.book import Book
 from sistap.episodes.episode import Episode, Hit
 from sistap.episodes.faults import Faults
 from sistap.episodes.masters import Masters, Writes
+from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.episodes.silence import BusSilence, StationSilence
 from sistap.episodes.states import Limits, Phases, Rate, Tap
 from sistap.episodes.values import Values
@@ -19,15 +20,15 @@ from sistap.packets.dissection import Packet
 class _Port:
     """What looks at one port; `before` looked at it in a good capture."""
 
-    def __init__(self, before: _Port | None = None) -> None:
-        self.masters: Masters = Masters(before.masters if before else None)
-        self.writes: Writes = Writes(self.masters, before.writes if before else None)
-        self.phases: Phases = Phases(before.phases if before else None)
+    def __init__(self, thresholds: Thresholds, before: _Port | None = None) -> None:
+        self.masters: Masters = Masters(thresholds, before.masters if before else None)
+        self.writes: Writes = Writes(self.masters, thresholds, before.writes if before else None)
+        self.phases: Phases = Phases(thresholds, before.phases if before else None)
         self.rate: Rate = Rate(before.rate if before else None)
         self.limits: Limits = Limits(before.limits if before else None)
-        self.silence = StationSilence()
+        self.silence = StationSilence(thresholds)
         states = self.phases, self.rate, self.limits
-        lookers = (Tap(), BusSilence(), Faults(), self.silence, self.masters, self.writes, *states)
+        lookers = (Tap(thresholds), BusSilence(thresholds), Faults(), self.silence, self.masters, self.writes, *states)
         self._adds: list[Callable[[Packet], Iterator[Hit]]] = [looker.add for looker in lookers]
 
     def add(self, packet: Packet) -> list[Hit]:
@@ -37,21 +38,22 @@ class _Port:
 class Engine:
     """Makes episodes of packets."""
 
-    def __init__(self, before: Engine | None = None) -> None:
+    def __init__(self, before: Engine | None = None, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with no packet. What was usual before, in a good capture, is usual still: masters, writes, states of
         the bus, levels of values.
         """
         self._before = before
+        self._thresholds = thresholds
         self._book = Book()
         self._ports: dict[str, _Port] = {}
-        self._values = Values()
+        self._values = Values(thresholds)
 
     def add(self, packet: Packet) -> list[Episode]:
         """Look at a packet; return the episodes that begin with it."""
         port = self._ports.get(packet.interface)
         if port is None:
             before = self._before._port(packet.interface) if self._before else None
-            port = self._ports[packet.interface] = _Port(before)
+            port = self._ports[packet.interface] = _Port(self._thresholds, before)
         self._values.add(packet)
         hits = port.add(packet)
         return self._book.add(hits) if hits else []

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.episodes.trend import Slots, Trend, quartiles, scatter, trend
 
 _RECENT = 32  # values that make the present level
@@ -35,8 +35,9 @@ class Level:
 class Levels:
     """The values of one parameter."""
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with none."""
+        self._thresholds = thresholds
         self._levels: list[Level] = []
         self._recent: deque[float] = deque(maxlen=_RECENT)
         self._outside: list[tuple[float, float, int]] = []
@@ -49,7 +50,7 @@ class Levels:
     def add(self, time_s: float, value: float, packet: int) -> None:
         """Add a value."""
         self.count += 1
-        if len(self._levels) > THRESHOLDS.lively:
+        if len(self._levels) > self._thresholds.lively:
             return
         if not self._levels:
             self._levels.append(Level(time_s, time_s, packet, value))
@@ -58,14 +59,14 @@ class Levels:
             self._take(time_s, value)
             return
         self._outside.append((time_s, value, packet))
-        if len(self._outside) == THRESHOLDS.level_values:
+        if len(self._outside) == self._thresholds.level_values:
             self._next()
 
     def _is_inside(self, value: float) -> bool:
         if len(self._recent) < _LEAST and len(self._levels) == 1:
             return True
         level = self._levels[-1].value
-        return abs(value - level) <= THRESHOLDS.level_noise * max(self._scatter, _RESOLUTION * abs(level), 1e-9)
+        return abs(value - level) <= self._thresholds.level_noise * max(self._scatter, _RESOLUTION * abs(level), 1e-9)
 
     def _take(self, time_s: float, value: float) -> None:
         self._slots.add(time_s, value)
@@ -108,7 +109,7 @@ class Levels:
         for value, level in zip(values, levels, strict=True):
             if not lowest <= value <= highest:
                 yield level, Severity.WARNING
-            elif len(levels) <= THRESHOLDS.few_levels and abs(value - usual) > self._least(usual):
+            elif len(levels) <= self._thresholds.few_levels and abs(value - usual) > self._least(usual):
                 yield level, Severity.NOTE
 
     def unlike(self, good: Levels) -> Iterator[Level]:
@@ -117,7 +118,7 @@ class Levels:
         if not usual:
             return
         lowest, highest = good._range([level.value for level in usual], usual)
-        noise = THRESHOLDS.level_noise * self._scatter
+        noise = self._thresholds.level_noise * self._scatter
         told = [level for level, _ in self.unusual()]
         for level in self._lasting():
             if level not in told and not lowest - noise <= level.value <= highest + noise:
@@ -125,18 +126,18 @@ class Levels:
 
     def _lasting(self) -> list[Level]:
         """Return the levels that are not only a ramp; none of a value that just moves."""
-        if len(self._levels) > THRESHOLDS.lively:
+        if len(self._levels) > self._thresholds.lively:
             return []
-        return [level for level in self._levels if level.seconds >= THRESHOLDS.level_s]
+        return [level for level in self._levels if level.seconds >= self._thresholds.level_s]
 
     def _least(self, usual: float) -> float:
-        return THRESHOLDS.level_least * max(abs(usual), self.scale)
+        return self._thresholds.level_least * max(abs(usual), self.scale)
 
     def _range(self, values: Sequence[float], levels: Sequence[Level]) -> tuple[float, float]:
         """Return from where to where levels with these values are not far."""
         low, high = quartiles([(value, level.seconds) for value, level in zip(values, levels, strict=True)])
         least = self._least(max(zip(values, levels, strict=True), key=lambda pair: pair[1].seconds)[0])
-        far = max(THRESHOLDS.level_far * (high - low), least, THRESHOLDS.level_noise * self._scatter)
+        far = max(self._thresholds.level_far * (high - low), least, self._thresholds.level_noise * self._scatter)
         return low - far, high + far
 
     def _without_drift(self, levels: Sequence[Level]) -> list[float]:
@@ -148,11 +149,11 @@ class Levels:
     def drift(self) -> tuple[Sequence[tuple[float, float]], Trend] | None:
         """Return the points and the line, if there is a drift."""
         points = self._slots.points()
-        if len(points) < _LEAST * 2 or points[-1][0] - points[0][0] < THRESHOLDS.drift_s:
+        if len(points) < _LEAST * 2 or points[-1][0] - points[0][0] < self._thresholds.drift_s:
             return None
         found = trend(points)
         moved = abs(found.slope) * (points[-1][0] - points[0][0])
         middle = statistics.median(value for _, value in points)
-        least = THRESHOLDS.drift_least * max(abs(middle), self.scale)
-        is_far = moved >= max(least, THRESHOLDS.drift_noise * found.scatter, 1e-9)
-        return (points, found) if is_far and found.chance < THRESHOLDS.drift_chance else None
+        least = self._thresholds.drift_least * max(abs(middle), self.scale)
+        is_far = moved >= max(least, self._thresholds.drift_noise * found.scatter, 1e-9)
+        return (points, found) if is_far and found.chance < self._thresholds.drift_chance else None

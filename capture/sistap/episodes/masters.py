@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import MOST, Listing, Place
 from sistap.episodes.episode import ARROW, Hit
-from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet
 
 
@@ -21,10 +21,10 @@ def station_of(parameter: Parameter) -> int:
 class Masters:
     """The masters of a port."""
 
-    def __init__(self, before: Masters | None = None) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: Masters | None = None) -> None:
         """Begin with those that asked in a good capture, or with none."""
         self._usual: set[int] = set(before.asked) if before else set()
-        self._learning = 0 if self._usual else THRESHOLDS.learning_commands
+        self._learning = 0 if self._usual else thresholds.learning_commands
         self.asked: set[int] = set()
 
     def is_new(self, master: int | None) -> bool:
@@ -56,8 +56,9 @@ class Masters:
 class Writes:
     """What is written by somebody new, or is usually not written."""
 
-    def __init__(self, masters: Masters, before: Writes | None = None) -> None:
+    def __init__(self, masters: Masters, thresholds: Thresholds = THRESHOLDS, before: Writes | None = None) -> None:
         """Begin with nothing written; what was written in a good capture is usually written."""
+        self._thresholds = thresholds
         self._masters = masters
         self._usual: set[Parameter] = before.written if before else set()
         self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
@@ -80,7 +81,7 @@ class Writes:
             elif (
                 parameter not in self._usual
                 and len(self._rare) < MOST
-                and len(self._rare[access.parameter]) <= THRESHOLDS.rare_writes
+                and len(self._rare[access.parameter]) <= self._thresholds.rare_writes
             ):
                 self._rare[access.parameter].append(hit if change else hit._replace(kind=""))
 
@@ -103,5 +104,5 @@ class Writes:
     def finish(self) -> Iterator[Hit]:
         """Yield changes by usual masters of what is rarely written."""
         for hits in self._rare.values():
-            if len(hits) <= THRESHOLDS.rare_writes:
+            if len(hits) <= self._thresholds.rare_writes:
                 yield from (hit._replace(severity=Severity.NOTE) for hit in hits if hit.kind)

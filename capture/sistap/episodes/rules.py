@@ -7,6 +7,7 @@ What is wrong with a single telegram is said in plugin/protocol/faults.toml.
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
@@ -99,3 +100,18 @@ class Thresholds(NamedTuple):
 
 
 THRESHOLDS = Thresholds()
+
+
+def changed(thresholds: Thresholds, text: str) -> Thresholds:
+    """Return them with the one that NAME=VALUE says. ValueError says what is wrong."""
+    name, _, value = text.partition("=")
+    if name not in thresholds._fields:
+        raise ValueError(f"'{text}' is not NAME=VALUE with a NAME of: {', '.join(thresholds._fields)}")
+    kind = type(getattr(thresholds, name))
+    try:
+        number = kind(value)
+    except ValueError:
+        number = -1
+    if not 0 <= number < math.inf:
+        raise ValueError(f"'{value}' is not a {'whole number' if kind is int else 'number'} for {name}")
+    return thresholds._replace(**{name: number})

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from sistap.episodes.episode import Hit
-from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import Event
 from sistap.wireshark.rows import EVENT
@@ -31,9 +31,9 @@ class _Long(NamedTuple):
     length_s: float
     since_s: float  # from the beginning of the one before
 
-    def is_like(self, other: _Long) -> bool:
-        """Tell whether both are in one rhythm."""
-        return all(abs(one - two) <= THRESHOLDS.rhythm_part * two for one, two in zip(self, other, strict=True))
+    def is_like(self, other: _Long, part: float) -> bool:
+        """Tell whether they differ by no more than a part."""
+        return all(abs(one - two) <= part * two for one, two in zip(self, other, strict=True))
 
 
 class BusSilence:
@@ -43,8 +43,9 @@ class BusSilence:
     master that asks once a minute. No other is: a loose cable is off again and again, and each time counts.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with nothing known."""
+        self._thresholds = thresholds
         self._usual: deque[float] = deque(maxlen=_USUAL)
         self._long: deque[_Long] = deque(maxlen=_LONG_KEPT)
         self._long_s = 0.0  # when the last long one began
@@ -65,7 +66,7 @@ class BusSilence:
         # The interval is that of its line, of which a bus may have two. Time stamps may jump.
         silence_s = apart_s if packet.since_s is None else min(packet.since_s, apart_s)
         begin_s = packet.epoch_s - silence_s
-        if silence_s < THRESHOLDS.bus_silent_s or not self._is_long(silence_s):
+        if silence_s < self._thresholds.bus_silent_s or not self._is_long(silence_s):
             self._usual.append(silence_s)
             return
         is_known = len(self._usual) >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
@@ -80,13 +81,13 @@ class BusSilence:
 
     def _is_in_rhythm(self, begin_s: float, silence_s: float) -> bool:
         long = _Long(silence_s, begin_s - self._long_s)
-        alike = sum(map(long.is_like, self._long))
+        alike = sum(long.is_like(other, self._thresholds.rhythm_part) for other in self._long)
         self._long.append(long)
         self._long_s = begin_s
-        return alike >= THRESHOLDS.rhythm_times
+        return alike >= self._thresholds.rhythm_times
 
     def _is_long(self, silence_s: float) -> bool:
-        return len(self._usual) >= _FEW and silence_s > THRESHOLDS.bus_silent_times * max(self._usual)
+        return len(self._usual) >= _FEW and silence_s > self._thresholds.bus_silent_times * max(self._usual)
 
 
 @dataclass
@@ -104,8 +105,9 @@ class _Asked:
 class StationSilence:
     """Stations that do not answer, or only when asked again."""
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with nobody asked."""
+        self._thresholds = thresholds
         self._stations: dict[int, _Asked] = {}
         self._pending: tuple[Packet, Telegram] | None = None  # a command without a reaction: perhaps that is damaged
 
@@ -158,7 +160,7 @@ class StationSilence:
             return
         kind, detail, severity = "unanswered", "", None
         lasted_s = asked.to_s - asked.from_s
-        if asked.count >= THRESHOLDS.silent_commands and lasted_s >= THRESHOLDS.silent_s:
+        if asked.count >= self._thresholds.silent_commands and lasted_s >= self._thresholds.silent_s:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
             if not asked.has_answered:
                 detail, severity = f"never answered {asked.count} commands", Severity.NOTE

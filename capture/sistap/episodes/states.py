@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.faults import slave
-from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import Event
 from sistap.wireshark.rows import EVENT, first
@@ -25,8 +25,9 @@ def _hit(kind: str, packet: Packet, station: int | None, detail: str) -> Hit:
 class Phases:
     """The communication phase of each station."""
 
-    def __init__(self, before: Phases | None = None) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: Phases | None = None) -> None:
         """Begin with those of a good capture, or with none known."""
+        self._thresholds = thresholds
         self._phases: dict[int, str] = dict(before._phases) if before else {}
         self._switched_s: dict[int, float] = {}
 
@@ -39,7 +40,7 @@ class Phases:
             before = self._phases.get(station, "")
             if telegram.service == _SWITCH:
                 self._switched_s[station] = packet.epoch_s
-            elif packet.epoch_s - self._switched_s.get(station, -math.inf) < THRESHOLDS.switching_s:
+            elif packet.epoch_s - self._switched_s.get(station, -math.inf) < self._thresholds.switching_s:
                 continue
             self._phases[station] = phase
             if before != phase and (before or telegram.service == _SWITCH):
@@ -90,8 +91,9 @@ class Limits:
 class Tap:
     """What happened to the tap: its clock, its adapter, the capture."""
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with no packet."""
+        self._thresholds = thresholds
         self._ends_s: dict[int | None, float] = {}  # of the last characters, by line
 
     def add(self, packet: Packet) -> Iterator[Hit]:
@@ -103,9 +105,9 @@ class Tap:
         self._ends_s[packet.line] = packet.ended_s
         if end_s is not None and packet.since_s is not None:
             jump_s = packet.epoch_s - packet.since_s - end_s
-            if abs(jump_s) > THRESHOLDS.clock_s:
+            if abs(jump_s) > self._thresholds.clock_s:
                 yield self._jump(packet, jump_s)
-        elif end_s is not None and packet.epoch_s < end_s - THRESHOLDS.clock_s:
+        elif end_s is not None and packet.epoch_s < end_s - self._thresholds.clock_s:
             yield self._jump(packet, packet.epoch_s - end_s)
 
     def _event(self, packet: Packet, end_s: float | None) -> Iterator[Hit]:

@@ -11,10 +11,11 @@ from sistap.accesses.listing import MOST
 from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.masters import station_of
-from sistap.episodes.rules import THRESHOLDS
+from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.episodes.trend import Trend
 from sistap.packets.dissection import Packet, Telegram
-from sistap.sis.faults import WRITES
+from sistap.sis.faults import WRITE
+from sistap.wireshark.rows import passes
 
 # Feedback values and the command values that they follow: where the bus carries the command, their difference counts.
 FOLLOWS = {"S-0-0040": "S-0-0036", "S-0-0084": "S-0-0080"}
@@ -37,25 +38,26 @@ class _State:
 class _Followed:
     """What is known of a parameter."""
 
+    levels: Levels
     unit: str = ""
     command: float | None = None  # of what it follows
     is_command_lost: bool = False  # it was written without a reaction: nobody knows whether the drive took it
     states: list[_State] = field(default_factory=list)
-    levels: Levels = field(default_factory=Levels)
     is_written: bool = False
 
 
 class Values:
     """All of a capture, in bounded memory."""
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with none."""
+        self._thresholds = thresholds
         self._followed: dict[Parameter, _Followed] = {}
 
     def add(self, packet: Packet) -> None:
         """Take the values in a packet."""
         for telegram in packet.telegrams:
-            if telegram.unanswered and telegram.good and telegram.service in WRITES:
+            if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
                 self._lose_command(packet.interface, telegram)
         for access in packet.accesses:
             if access.error or not access.value or access.is_raw:
@@ -79,7 +81,10 @@ class Values:
     def _of(self, parameter: Parameter) -> _Followed | None:
         if parameter not in self._followed and len(self._followed) >= MOST:
             return None
-        return self._followed.setdefault(parameter, _Followed())
+        return self._followed.setdefault(parameter, _Followed(self._levels()))
+
+    def _levels(self) -> Levels:
+        return Levels(self._thresholds)
 
     def _command(self, access: Access) -> None:
         """Note a command for what follows it. What came before the first command was another quantity."""
@@ -88,7 +93,7 @@ class Values:
                 followed = self._of(access.parameter._replace(ident=measured))
                 if followed is not None:
                     if followed.command is None:
-                        followed.levels = Levels()
+                        followed.levels = self._levels()
                     followed.command, followed.is_command_lost = access.number, False
                     followed.levels.scale = max(followed.levels.scale, abs(access.number))
 
@@ -102,22 +107,22 @@ class Values:
         states = followed.states
         if states and states[-1].value == value:
             states[-1].to_s = packet.epoch_s
-        elif len(states) <= THRESHOLDS.lively:
+        elif len(states) <= self._thresholds.lively:
             states.append(_State(value, packet.epoch_s, packet.epoch_s, packet.number))
 
     def finish(self) -> Iterator[Hit]:
         """Yield what was not as usual."""
         for parameter, followed in self._followed.items():
             if not followed.is_written:
-                yield from _changes(parameter, followed)
+                yield from _changes(parameter, followed, self._thresholds.few_levels)
                 yield from _steps(parameter, followed)
                 yield from _drifts(parameter, followed)
 
 
-def _changes(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
+def _changes(parameter: Parameter, followed: _Followed, few_levels: int) -> Iterator[Hit]:
     """Yield states that are not the usual one."""
     states = followed.states
-    if not 1 < len(states) <= THRESHOLDS.few_levels * 4:
+    if not 1 < len(states) <= few_levels * 4:
         return
     spans: dict[str, float] = {}
     for state in states:

@@ -13,6 +13,7 @@ from sistap.common.garbage import uncollected
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Episode
 from sistap.episodes.lines import Line, lines
+from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.packets.dissection import Dissection
 from sistap.report import windows
 from sistap.report.figures import Figures
@@ -50,13 +51,14 @@ def gather(  # noqa: PLR0913 - each comes from another part
     progress: Callable[[str], None],
     limits_ms: Mapping[str, int] = MappingProxyType({}),
     since_s: float = -math.inf,
+    thresholds: Thresholds = THRESHOLDS,
 ) -> Report:
     """Read a capture; `asked` are the windows that a person wants to see, `limits_ms` those to judge by. What came
     before `since_s` only tells what is usual.
 
     NotACapture, TsharkError, Incomplete.
     """
-    figures, engine = Figures(), Engine()
+    figures, engine = Figures(), Engine(thresholds=thresholds)
     preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}
     with Dissection(tshark, capture, preferences=preferences, since_s=since_s) as dissection, uncollected():
         progress(f"reading {capture}")
