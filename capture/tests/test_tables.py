@@ -128,15 +128,29 @@ def test_the_columns(made: Path) -> None:
     expected |= {"trs_limit_s": None, "trs_verdict": None, "uncertainty_s": pytest.approx(0.00031)}
     expected |= {"reaction_s": pytest.approx(0.080), "has_character_error": False, "has_loss": False}
     assert {name: late[name] for name in expected} == expected
+    sent = [one.data for one in (*DAY_1, *DAY_2)]
+    assert [row["raw"] for row in rows] == sent, "the damaged one, too"
     assert [row["packet"] for row in rows if row["has_character_error"]] == [9]
     assert [row["packet"] for row in rows if not row["is_good"]] == [10]
 
 
 def test_values_and_events(made: Path) -> None:
     rows = asked(made, "SELECT * FROM all_values WHERE tap = 'press' ORDER BY epoch_ns")
-    columns = ("packet", "is_write", "master", "number", "value", "station", "device", "parameter", "unit", "error")
+    columns = (
+        "packet",
+        "is_write",
+        "master",
+        "number",
+        "value",
+        "station",
+        "route",
+        "device",
+        "parameter",
+        "unit",
+        "error",
+    )
     assert [tuple(row[name] for name in columns) for row in rows] == [
-        (packet, is_write, master, number, f"{number:.2f} Nm", "3", 5, "P-0-0012", "Nm", None)
+        (packet, is_write, master, number, f"{number:.2f} Nm", 3, "3", 5, "P-0-0012", "Nm", None)
         for packet, is_write, master, number in (
             (7, False, 16, 5.0),
             (9, True, 16, 7.5),
@@ -150,10 +164,23 @@ def test_values_and_events(made: Path) -> None:
     ]
 
 
+def test_a_station_is_a_number_and_a_phase_is_a_column(tmp_path: Path, made: Path) -> None:
+    """Drive 3 is asked for its phase, and answers 4."""
+    asks = write(tmp_path / "phase.pcapng", [command(0x12, ""), reaction(0x12, "00 04")])
+    assert run(tmp_path, "tables", asks, "-o", "tables").returncode == 0
+    pattern = f"{tmp_path}/tables/telegrams/*/*/*.parquet"
+    assert duckdb.sql(f"SELECT phase FROM '{pattern}' ORDER BY packet").fetchall() == [(None,), (4,)]
+    types = {
+        asked(made, f"SELECT typeof({name}) AS kind FROM all_{table} LIMIT 1")[0]["kind"]
+        for table, name in (("telegrams", "sender"), ("values", "station"), ("episodes", "station"))
+    }
+    assert types == {"SMALLINT"}
+
+
 # By hand. Of 4 reactions, 25, 25, 25 and 80 ms, 99 % are 0.97 of the way from the third to the fourth.
 DAYS = [{"day": date(2023, 11, 14)}, {"day": date(2023, 11, 15)}]
 PRESS: dict[str, Any] = {"tap": "press", "station": 3, "half_within_s": pytest.approx(0.025)}
-PARAMETER = {"tap": "press", "station": "3", "device": 5, "parameter": "P-0-0012"}
+PARAMETER = {"tap": "press", "station": 3, "route": "3", "device": 5, "parameter": "P-0-0012"}
 ANSWERS: dict[str, list[dict[str, Any]]] = {
     SLOWER: [
         {**PRESS, **DAYS[0], "tap": "lathe_2", "reactions": 4, "nearly_all_within_s": pytest.approx(0.025)},
@@ -178,10 +205,13 @@ ANSWERS: dict[str, list[dict[str, Any]]] = {
         {**PARAMETER, "master": 17, "was": "9.00 Nm", "value": "-3.00 Nm", "packet": 12, "file": "two.pcapng"},
     ],
     LINE: [
-        {"tap": "press", "telegrams": 19}
-        | {f"{what}_per_million": pytest.approx(1e6 / 19) for what in ("damaged", "line_errors", "unanswered")},
-        {"tap": "lathe_2", "telegrams": 8}
-        | {f"{what}_per_million": 0 for what in ("damaged", "line_errors", "unanswered")},
+        {"tap": "press", **DAYS[1], "telegrams": 11}
+        | {f"{what}_per_million": pytest.approx(1e6 / 11) for what in ("damaged", "line_errors", "unanswered")},
+        *(
+            {"tap": tap, **DAYS[0], "telegrams": 8}
+            | {f"{what}_per_million": 0 for what in ("damaged", "line_errors", "unanswered")}
+            for tap in ("lathe_2", "press")
+        ),
     ],
     RANGE: [
         {**PARAMETER, **DAYS[1], "unit": "Nm", "least": -3.0, "greatest": 9.0}

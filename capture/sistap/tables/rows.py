@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from sistap.episodes.episode import Episode
+from sistap.episodes.masters import station_of
 from sistap.line.settings import Flag
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged, Packet, Telegram
 from sistap.records.record import Event
@@ -14,7 +15,7 @@ from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import EVENT, JOINT
 
 # Fields besides those of a Packet.
-FIELDS = ("sis.value", "sis.value.number", "sis.error")
+FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
 _LARGEST = 1 << 63
 
@@ -43,10 +44,11 @@ def rows(packet: Packet, file: str) -> Iterator[Row]:
     for number, telegram in enumerate(packet.telegrams):
         yield Row("telegrams", place | {"place": number} | _telegram(packet, telegram))
     for number, access in enumerate(packet.accesses):
-        _, station, device, ident = access.parameter
+        _, route, device, ident = access.parameter
         values = {name: None if value == "" else value for name, value in access._asdict().items()}
         number_of = None if access.number is None else float(access.number)
-        values |= {"station": station, "device": device, "parameter": ident, "number": number_of}
+        values |= {"station": station_of(access.parameter), "route": route}
+        values |= {"device": device, "parameter": ident, "number": number_of}
         yield Row("values", place | {"place": number} | values)
     if packet.type == EVENT and not packet.is_again:
         yield Row("events", place | {"place": 0, "code": packet.event, "text": packet.text} | _event(packet.event))
@@ -66,7 +68,7 @@ def of_episode(episode: Episode, file: str) -> Row:
         "packet": episode.packets[0] if episode.packets else None,
         "until": round(episode.to_s * 1e6),
         "severity": episode.severity.name.lower(),
-        "station": None if episode.station is None else str(episode.station),
+        "station": episode.station,
         "parameter": hit.parameter or None,
     }
     return Row("episodes", said)
@@ -112,7 +114,15 @@ def _telegram(packet: Packet, telegram: Telegram) -> dict[str, Any]:
         "has_break": bool(packet.errors & Flag.BREAK),
         "has_loss": bool(packet.errors & Flag.LOST_BEFORE),
         "baud": packet.baud,
+        "phase": _integer(_one(said.get("sis.phase"))),
+        "raw": _characters(packet) if len(packet.telegrams) == 1 else None,
     }
+
+
+def _characters(packet: Packet) -> bytes | None:
+    """Return the characters of a record."""
+    text = packet.columns.get("sertap.character")
+    return bytes(int(character, 0) for character in text.split(JOINT)) if text else None
 
 
 def _judged(limit: str, time: str, judged: Judged | None) -> dict[str, Any]:

@@ -63,6 +63,8 @@ TABLES = {
                 ("has_break", pa.bool_()),
                 ("has_loss", pa.bool_()),
                 ("baud", pa.int64()),
+                ("phase", pa.int16()),
+                ("raw", pa.binary()),
             ]
         ),
         ("epoch_ns", "line", "place", "sender", "receiver", "service", "is_reaction"),
@@ -71,7 +73,8 @@ TABLES = {
         pa.schema(
             [
                 *_PLACE,
-                ("station", _TEXT),
+                ("station", pa.int16()),
+                ("route", _TEXT),
                 ("device", pa.int16()),
                 ("parameter", _TEXT),
                 ("name", _TEXT),
@@ -83,7 +86,7 @@ TABLES = {
                 ("error", _TEXT),
             ]
         ),
-        ("epoch_ns", "line", "place", "station", "device", "parameter", "is_write"),
+        ("epoch_ns", "line", "place", "station", "route", "device", "parameter", "is_write"),
     ),
     "events": Table(
         pa.schema([*_PLACE, ("code", pa.int32()), ("event", _TEXT), ("text", pa.string())]),
@@ -96,7 +99,7 @@ TABLES = {
                 ("until", _TIME),
                 ("kind", _TEXT),
                 ("severity", _TEXT),
-                ("station", _TEXT),
+                ("station", pa.int16()),
                 ("parameter", _TEXT),
                 ("count", pa.int64()),
                 ("worst", pa.float64()),
