@@ -2236,13 +2236,13 @@ do
   local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
 
   local lines -- by key
-  local window_of, spell_of -- by frame: of its line, and the last spell then
+  local window_of, last_of -- by frame: of its line, and its last busy time then
   local silence_of -- by frame, ns: of records whose first interval is longer than it can be stored
 
-  at_init(function() lines, window_of, spell_of, silence_of = {}, {}, {}, {} end)
+  at_init(function() lines, window_of, last_of, silence_of = {}, {}, {}, {} end)
 
   -- Spells have numbers from 1. Each has its beginning and end in ns, the busy time of the line up to its end, and
-  -- the first spell in the window then.
+  -- the first busy time in the window then.
   local function new_window(has_restarted)
     return {last = 0, head = 1, begins = {}, ends = {}, totals = {[0] = 0}, heads = {}, has_restarted = has_restarted}
   end
@@ -2277,26 +2277,26 @@ do
     if record.type == K.SERTAP_OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = packet.number end
   end
 
-  local function note_spell(line, record)
+  local function note_busy(line, record)
     local character = record.character_ns
     local busy = character * record.count
     local duration = record.duration
     local finish = packet.time + duration
 
     if busy == 0 then return end
-    -- If the clock went back, the times of earlier spells say nothing.
+    -- If the clock went back, what was busy earlier says nothing.
     if finish < (line.window.ends[line.window.last] or finish) then line.window = new_window(true) end
     local window = line.window
-    local spell, head, ends = window.last + 1, window.head, window.ends
+    local last, head, ends = window.last + 1, window.head, window.ends
 
-    ends[spell] = finish
-    window.begins[spell] = finish - max(busy, duration + character)
-    window.totals[spell] = window.totals[spell - 1] + busy
-    while head < spell and ends[head] <= finish - WINDOW_NS do
+    ends[last] = finish
+    window.begins[last] = finish - max(busy, duration + character)
+    window.totals[last] = window.totals[last - 1] + busy
+    while head < last and ends[head] <= finish - WINDOW_NS do
       head = head + 1
     end
-    window.heads[spell] = head
-    window.last, window.head = spell, head
+    window.heads[last] = head
+    window.last, window.head = last, head
   end
 
   local function is_saturated(record, character)
@@ -2331,7 +2331,7 @@ do
 
     record.known = line
     if record.flags ~= 0 or record.type ~= K.SERTAP_FRAME then note_disturbance(line, record) end
-    if record.type ~= K.SERTAP_EVENT then note_spell(line, record) end
+    if record.type ~= K.SERTAP_EVENT then note_busy(line, record) end
     if record.type ~= K.SERTAP_EVENT and record.count > 0 then
       if record.flags ~= 0 then note_silence(line, record) end
       note_last(line, record)
@@ -2342,18 +2342,18 @@ do
 
       line.limits = {told_in = number, text = string.match(text, "^[^\0]*")}
     end
-    window_of[number], spell_of[number] = line.window, line.window.last
+    window_of[number], last_of[number] = line.window, line.window.last
   end
 
   -- How long the line was busy until this packet, and during what time, both in ns; nothing if unknown. The window
-  -- may cut the oldest spell.
+  -- may cut the oldest of them.
   function T.load()
-    local window, spell = window_of[packet.number], spell_of[packet.number]
-    local head = window and window.heads[spell]
+    local window, last = window_of[packet.number], last_of[packet.number]
+    local head = window and window.heads[last]
 
     if not head then return end
-    local totals, first, finish = window.totals, window.begins[head], window.ends[spell]
-    local busy, begin = totals[spell] - totals[head - 1], max(finish - WINDOW_NS, window.begins[1])
+    local totals, first, finish = window.totals, window.begins[head], window.ends[last]
+    local busy, begin = totals[last] - totals[head - 1], max(finish - WINDOW_NS, window.begins[1])
 
     if finish <= begin or (window.has_restarted and finish - begin < WINDOW_NS) then return end
     if first < begin then

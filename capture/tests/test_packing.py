@@ -14,7 +14,7 @@ import pytest
 from sistap import cli
 from sistap.captures.joining import check_captures
 from sistap.captures.reading import packets
-from sistap.recorder import shelf
+from sistap.recorder import retention
 from sistap.recorder.packing import pack
 from sistap.wireshark.tshark import Tshark
 
@@ -32,8 +32,8 @@ def folder(tmp_path: Path, capture: Path) -> Path:
     return tmp_path
 
 
-def ring(folder: Path) -> shelf.Shelf:
-    return shelf.ring(folder, None, lambda said: pytest.fail(said))
+def ring(folder: Path) -> retention.Retention:
+    return retention.ring(folder, None, lambda said: pytest.fail(said))
 
 
 def names(folder: Path) -> list[str]:
@@ -54,7 +54,7 @@ def test_the_newest_file_of_a_ring_is_left_alone(folder: Path) -> None:
         pack(path)
     assert names(folder) == ["ring_00001_20260314220000.pcapng.gz", "ring_00002_20260314230000.pcapng"]
     assert ring(folder).complete() == []
-    shelf.ring(folder, 1, lambda said: pytest.fail(said)).tidy()
+    retention.ring(folder, 1, lambda said: pytest.fail(said)).prune()
     assert names(folder) == ["ring_00002_20260314230000.pcapng"]
 
 

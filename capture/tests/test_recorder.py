@@ -27,12 +27,12 @@ from sistap.files.output import Limits, Output, OutputError
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line import priority
+from sistap.recorder import notifier, retention
 from sistap.recorder import recorder as recorder_module
-from sistap.recorder import shelf, telling
 from sistap.recorder.keeper import Around
+from sistap.recorder.notifier import Notifier
 from sistap.recorder.reasons import PRESETS, Reasons, word
 from sistap.recorder.recorder import Recorder, Wanted
-from sistap.recorder.telling import Telling
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type
 from sistap.sis.faults import FAULTS
@@ -162,7 +162,7 @@ def test_the_oldest_go_and_other_files_stay(keep: Keep, tmp_path: Path) -> None:
 def test_files_of_an_earlier_ring_go_too(tmp_path: Path) -> None:
     for number in range(5):
         (tmp_path / f"ring_0000{9 - number}_2026010100000{number}.pcapng").write_bytes(b"x")
-    shelf.ring(tmp_path, 2, lambda said: pytest.fail(said)).tidy()
+    retention.ring(tmp_path, 2, lambda said: pytest.fail(said)).prune()
     assert [file.name[-6:-7:-1] + file.name[-8] for file in sorted(tmp_path.iterdir())]
     assert sorted(file.name.rpartition("_")[2] for file in tmp_path.iterdir()) == [
         "20260101000003.pcapng",
@@ -174,16 +174,16 @@ def test_repeats_go_before_the_first_of_each_reason(tmp_path: Path) -> None:
     """A wrong value is written twice, and late reactions follow."""
     names = ["write", "write_trs-exceeded", *["trs-exceeded"] * 9, "lost", "trs-exceeded"]
     for number, name in enumerate(names):
-        shelf.new_name(tmp_path, number * SECOND, name).touch()
+        retention.new_name(tmp_path, number * SECOND, name).touch()
     for at_most, left in ((20, range(13)), (6, [0, 1, 9, 10, 11, 12]), (4, [0, 1, 11, 12]), (1, [12])):
-        shelf.kept(tmp_path, at_most, lambda said: pytest.fail(said)).tidy()
+        retention.kept(tmp_path, at_most, lambda said: pytest.fail(said)).prune()
         assert [int(path.name[17:19]) for path in kept(tmp_path)] == [*left]
 
 
 def test_a_second_name_in_a_moment_is_no_reason(tmp_path: Path) -> None:
     for _ in range(3):
-        shelf.new_name(tmp_path, 0, "lost").touch()
-    shelf.kept(tmp_path, 2, lambda said: pytest.fail(said)).tidy()
+        retention.new_name(tmp_path, 0, "lost").touch()
+    retention.kept(tmp_path, 2, lambda said: pytest.fail(said)).prune()
     assert [path.name.rpartition("_")[2] for path in kept(tmp_path)] == ["lost-2.pcapng", "lost.pcapng"]
 
 
@@ -194,9 +194,9 @@ def test_of_several_reasons_the_worst_is_the_word() -> None:
 
 
 def test_two_files_of_one_moment_have_two_names(tmp_path: Path) -> None:
-    first = shelf.new_name(tmp_path, 5 * SECOND, "late")
+    first = retention.new_name(tmp_path, 5 * SECOND, "late")
     first.touch()
-    second = shelf.new_name(tmp_path, 5 * SECOND, "late")
+    second = retention.new_name(tmp_path, 5 * SECOND, "late")
     assert first != second and not second.exists()
 
 
@@ -219,24 +219,24 @@ def test_a_command_is_told_of_each_file_and_not_waited_for(keep: Keep, tmp_path:
 @posix("a line for sh")
 def test_a_command_that_fails_is_told(tmp_path: Path) -> None:
     said: list[str] = []
-    telling = Telling("exit 7; true", said.append)
-    telling.tell(tmp_path / "it's")
+    notifying = Notifier("exit 7; true", said.append)
+    notifying.notify(tmp_path / "it's")
     end_s = time.monotonic() + PATIENCE_S
     while not said:
         assert time.monotonic() < end_s
-        telling.look()
+        notifying.reap()
     assert said == [f"--on-keep ended with exit code 7 for {tmp_path}/it's"]
 
 
 @posix("a line for sh")
 def test_commands_that_never_end_are_not_started_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(telling, "MOST", 2)
+    monkeypatch.setattr(notifier, "MOST", 2)
     said: list[str] = []
-    tells = Telling("exec sleep 1000; #", said.append)
+    notifying = Notifier("exec sleep 1000; #", said.append)
     for _ in range(3):
-        tells.tell(tmp_path / "x")
+        notifying.notify(tmp_path / "x")
     assert said == [f"--on-keep was not started for {tmp_path}/x: 2 earlier ones are still running"]
-    for process, _ in tells._running:
+    for process, _ in notifying._running:
         process.kill()
         process.wait()
 
@@ -245,7 +245,7 @@ def test_a_disk_that_is_full_is_told_once_and_the_capture_goes_on(
     tshark: Tshark, traffic: list[Record], full: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(output_module, "_open", lambda *_, **__: (os.open(full, os.O_WRONLY), False))
-    monkeypatch.setattr(shelf, "new_name", lambda *_: tmp_path / "kept.pcapng")
+    monkeypatch.setattr(retention, "new_name", lambda *_: tmp_path / "kept.pcapng")
     said: list[str] = []
     wanted = Wanted(tmp_path, Reasons(["sis.checksum.status == 0"]), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, said.append)

@@ -16,7 +16,7 @@ from portable import fifos, links, modes, posix
 
 from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.files.output import Limits, Output, file_name
-from sistap.recorder import shelf
+from sistap.recorder import retention
 
 HOUR_NS = 3600 * 1_000_000_000
 NAME = "x.svg"  # of the file to write; --plot takes pictures only
@@ -91,13 +91,13 @@ def test_a_link_is_refused(place: Path, command: str) -> None:
 def test_a_link_in_the_place_of_the_next_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Their names can be foreseen."""
     monkeypatch.setattr("time.time", lambda: 1e9)
-    ring, kept = tmp_path / "ring.pcapng", shelf.new_name(tmp_path, HOUR_NS, "damaged")
+    ring, kept = tmp_path / "ring.pcapng", retention.new_name(tmp_path, HOUR_NS, "damaged")
     for foreseen in (Path(file_name(str(ring), 1, 1e9)), kept):
         foreseen.symlink_to(tmp_path / "victim")
     output = Output(str(ring), Limits(several=True))
     output.write(b"x")
     output.close()
-    assert shelf.new_name(tmp_path, HOUR_NS, "damaged") != kept
+    assert retention.new_name(tmp_path, HOUR_NS, "damaged") != kept
     assert not (tmp_path / "victim").exists()
 
 

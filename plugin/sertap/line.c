@@ -15,11 +15,11 @@
 /* The time in which a record kept the line busy; ns since 1970. */
 typedef struct {
     int64_t begin, end, busy;
-} spell_t;
+} busy_t;
 
-/* The spells of the last window, oldest first. Never empty after the first spell. */
+/* The busy times of the last window, oldest first. Never empty after the first. */
 typedef struct {
-    spell_t *spells;
+    busy_t *times;
     unsigned head, end, size;
     uint64_t busy;      /* the sum of all; in a damaged capture it may exceed a signed number */
     int64_t begin;      /* of the first character on the line, or since the clock went back */
@@ -107,32 +107,34 @@ sertap_limits(const sertap_record_t *record)
 }
 
 static void
-note_limits(line_t *line, const packet_info *pinfo, const sertap_record_t *record)
+note_event(line_t *line, const packet_info *pinfo, const sertap_record_t *record)
 {
-    uint8_t *text =
-        tvb_get_string_enc(wmem_file_scope(), record->tvb, record->data_offset, record->values, ENC_UTF_8);
+    const uint8_t *text;
 
+    if (record->event != SERTAP_LIMITS_TOLD || record->values != record->declared)
+        return; /* the beginning of a number is another number */
+    text = tvb_get_string_enc(wmem_file_scope(), record->tvb, record->data_offset, record->values, ENC_UTF_8);
     line->limits = (sertap_limits_t){pinfo->num, (const char *)text};
 }
 
-/* Makes room for one more spell: drops those outside the window, else enlarges the window. */
+/* Makes room for one more: drops those outside the window, else enlarges the window. */
 static void
 make_room(window_t *window)
 {
     if (window->end < window->size)
         return;
     if (window->head * 2 > window->size) {
-        memmove(window->spells, window->spells + window->head,
-                (window->end - window->head) * sizeof *window->spells);
+        memmove(window->times, window->times + window->head,
+                (window->end - window->head) * sizeof *window->times);
         window->end -= window->head;
         window->head = 0;
         return;
     }
     window->size = MAX(64, window->size * 2);
-    window->spells = wmem_realloc(wmem_file_scope(), window->spells, window->size * sizeof *window->spells);
+    window->times = wmem_realloc(wmem_file_scope(), window->times, window->size * sizeof *window->times);
 }
 
-/* Drops all spells: the times of earlier ones say nothing. */
+/* Drops all: what was busy earlier says nothing. */
 static void
 restart(window_t *window)
 {
@@ -142,7 +144,7 @@ restart(window_t *window)
 }
 
 static void
-note_spell(window_t *window, packet_info *pinfo, const sertap_record_t *record)
+note_busy(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 {
     int64_t character = sertap_character_ns(record), busy = character * record->count;
     int64_t end = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
@@ -150,15 +152,15 @@ note_spell(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 
     if (busy == 0)
         return;
-    if (window->head < window->end && end < window->spells[window->end - 1].end)
+    if (window->head < window->end && end < window->times[window->end - 1].end)
         restart(window);
     if (window->head == window->end)
         window->begin = begin;
     make_room(window);
-    window->spells[window->end++] = (spell_t){begin, end, busy};
+    window->times[window->end++] = (busy_t){begin, end, busy};
     window->busy += (uint64_t)busy;
-    while (window->head + 1 < window->end && window->spells[window->head].end <= end - WINDOW_NS)
-        window->busy -= (uint64_t)window->spells[window->head++].busy;
+    while (window->head + 1 < window->end && window->times[window->head].end <= end - WINDOW_NS)
+        window->busy -= (uint64_t)window->times[window->head++].busy;
 }
 
 /* A longer time than can be stored, or the clock has changed. */
@@ -202,30 +204,30 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
     line_t *line = record->known = find_line(pinfo);
 
     note_disturbance(line, pinfo, record);
-    if (record->type == SERTAP_EVENT && record->event == SERTAP_LIMITS_TOLD &&
-        record->values == record->declared) /* the beginning of a number is another number */
-        note_limits(line, pinfo, record);
-    if (record->type != SERTAP_EVENT)
-        note_spell(&line->window, pinfo, record);
-    if (record->count > 0 && record->type != SERTAP_EVENT) {
+    if (record->type == SERTAP_EVENT) {
+        note_event(line, pinfo, record);
+        return;
+    }
+    note_busy(&line->window, pinfo, record);
+    if (record->count > 0) {
         note_silence(line, pinfo, record);
         note_last(line, pinfo, record);
     }
 }
 
-/* The window may cut the oldest spell. After the clock went back, nobody knows what was in it. */
+/* The window may cut the oldest of them. After the clock went back, nobody knows what was in it. */
 float
 sertap_load(const sertap_record_t *record)
 {
     const window_t *window = &record->known->window;
-    const spell_t *first;
+    const busy_t *first;
     double busy = (double)window->busy;
     int64_t end, begin, span;
 
-    if (window->head == window->end) /* perhaps there are no spells at all */
+    if (window->head == window->end) /* perhaps the line was never busy */
         return -1;
-    first = window->spells + window->head;
-    end = window->spells[window->end - 1].end;
+    first = window->times + window->head;
+    end = window->times[window->end - 1].end;
     begin = MAX(end - WINDOW_NS, window->begin);
     span = sertap_elapsed(begin, end);
     if (span <= 0 || (window->has_restarted && span < WINDOW_NS))

@@ -2,6 +2,6 @@
 """Logs of other programs, explained.
 
 Where a log comes from (sources, textlog, raw), what a line holds (reading, with stamps, hexadecimal, marks, pattern),
-its telegrams (cutting), what tshark says about them (explaining, meanings), and the log again (weaving, page). A
+its telegrams (cutting), what tshark says about them (explaining, meanings), and the log again (annotator, page). A
 capture as a log of this kind (log). It may use all rooms but the other products.
 """

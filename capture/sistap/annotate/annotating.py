@@ -6,13 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+from sistap.annotate.annotator import Annotator
 from sistap.annotate.blocks import Blocks
 from sistap.annotate.cutting import Cut, Cutter
 from sistap.annotate.explaining import Explainer, WholeCapture
 from sistap.annotate.reading import LogReader, Piece
 from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.textlog import LogLine
-from sistap.annotate.weaving import Weaver
 from sistap.records.cut import SIS
 from sistap.records.cut import Cut as Framing
 from sistap.records.framer import has_ascii
@@ -105,43 +105,43 @@ def record(
         spool.put([(None, [], rest)])
 
 
-def weave_recorded(
-    batches: Iterable[list[Entry]], sayer: WholeCapture, weaver: Weaver, flush: Callable[[], object]
+def annotate_recorded(
+    batches: Iterable[list[Entry]], sayer: WholeCapture, annotator: Annotator, flush: Callable[[], object]
 ) -> None:
     """Write a log that `record` has kept, with its explanations. May raise TsharkError."""
     for batch in batches:
         for line, size, complete in batch:
             if line:
-                weaver.add(line, size)
+                annotator.add(line, size)
             for parts in complete:
-                weaver.explain(parts, sayer.get())
-        weaver.release()
+                annotator.explain(parts, sayer.get())
+        annotator.release()
         flush()
-    weaver.end(sayer.answer())
+    annotator.end(sayer.answer())
     flush()
 
 
-def weave(
-    batches: Batches, passage: Passage, explainer: Explainer, weaver: Weaver, flush: Callable[[], object]
+def annotate_live(
+    batches: Batches, passage: Passage, explainer: Explainer, annotator: Annotator, flush: Callable[[], object]
 ) -> None:
     """Write a log with its explanations live. May raise TsharkError."""
     for batch in batches:
         cuts: list[Cut] = []
         for line in batch:
             found = passage.feed(line)
-            weaver.add(line, found.size)
+            annotator.add(line, found.size)
             cuts += found.cuts
-        _explain(cuts, explainer, weaver)
-        weaver.release(everything=not batch)
+        _explain(cuts, explainer, annotator)
+        annotator.release(everything=not batch)
         flush()
-    _explain(passage.end(), explainer, weaver)
-    weaver.end()
+    _explain(passage.end(), explainer, annotator)
+    annotator.end()
     flush()
 
 
-def _explain(cuts: list[Cut], explainer: Explainer, weaver: Weaver) -> None:
+def _explain(cuts: list[Cut], explainer: Explainer, annotator: Annotator) -> None:
     """Send all records of a batch before waiting for the first answer."""
     for cut in cuts:
         explainer.put(cut.record)
     for cut in cuts:
-        weaver.explain(cut.parts, explainer.get())
+        annotator.explain(cut.parts, explainer.get())

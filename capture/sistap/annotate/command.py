@@ -10,9 +10,10 @@ from pathlib import Path
 
 from sistap.annotate import annotating, sources
 from sistap.annotate.annotating import Passage
+from sistap.annotate.annotator import Annotator, TextAnnotator
 from sistap.annotate.explaining import Running, WholeCapture
 from sistap.annotate.meanings import Meanings
-from sistap.annotate.page import PageWeaver
+from sistap.annotate.page import PageAnnotator
 from sistap.annotate.pattern import PatternReader, TooSlow
 from sistap.annotate.raw import RawReader
 from sistap.annotate.reading import AnyReader, LogReader
@@ -20,7 +21,6 @@ from sistap.annotate.session import SessionReader
 from sistap.annotate.sources import Source, SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
-from sistap.annotate.weaving import TextWeaver, Weaver
 from sistap.common import temporary
 from sistap.common.garbage import uncollected
 from sistap.common.writing import Incomplete, NotOpened, opened
@@ -201,7 +201,8 @@ def _explain(args: argparse.Namespace, source: Source, passage: Passage, console
         else:
             running = stack.enter_context(Running(tshark, _name(args)))
             file = stack.enter_context(opened(args.output, _sources(args), force=args.force, grows=True))
-            annotating.weave(_batches(args, source, console), passage, running, TextWeaver(file.write), file.flush)
+            batches, annotator = _batches(args, source, console), TextAnnotator(file.write)
+            annotating.annotate_live(batches, passage, running, annotator, file.flush)
 
 
 def _explain_whole(
@@ -215,9 +216,9 @@ def _explain_whole(
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:
             annotating.record(_batches(args, source, console), passage, _name(args), blocks.write, spool)
         sayer = WholeCapture(tshark, fields, capture)
-        weaver: Weaver = TextWeaver(file.write)
+        annotator: Annotator = TextAnnotator(file.write)
         if args.format == "html":
-            weaver = PageWeaver(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))
+            annotator = PageAnnotator(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))
         # Not on a terminal that shows the log itself: it would stand in between.
         batches = spool.batches(_progress(console, "explained", is_shown=not file.isatty()))
-        annotating.weave_recorded(batches, sayer, weaver, file.flush)
+        annotating.annotate_recorded(batches, sayer, annotator, file.flush)

@@ -10,10 +10,10 @@ from itertools import groupby
 
 import sistap
 from sistap.annotate import meanings
+from sistap.annotate.annotator import Waiting, Waitings, explanation, indent, place
 from sistap.annotate.cutting import Part
 from sistap.annotate.meanings import Meaning, Meanings
 from sistap.annotate.textlog import LogLine
-from sistap.annotate.weaving import Waiting, Waitings, explanation, indent, place
 from sistap.draw import html
 from sistap.explain.fields import Said
 from sistap.terminal.console import visible
@@ -53,7 +53,7 @@ footer { font-size: .85rem; color: var(--faint); }
 """
 
 
-class PageWeaver:
+class PageAnnotator:
     """Writes the page."""
 
     def __init__(self, write: Callable[[bytes], object], name: str, found: Meanings) -> None:

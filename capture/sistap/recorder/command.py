@@ -15,7 +15,7 @@ from sistap.capture.running import Opener
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
-from sistap.recorder import shelf
+from sistap.recorder import retention
 from sistap.recorder.keeper import Around
 from sistap.recorder.reasons import PRESETS, Reasons
 from sistap.recorder.recorder import Recorder, Wanted
@@ -123,7 +123,7 @@ def _record(args: argparse.Namespace, console: Console) -> int:
     """Check everything before a port is opened, then record. UsageError, TsharkError."""
     folder = _folder(args.folder)
     reasons = Reasons(args.keep or ["faults"])
-    options = options_of(args, str(folder / shelf.RING) if args.ring else os.devnull)
+    options = options_of(args, str(folder / retention.RING) if args.ring else os.devnull)
     files = options.limits.keep
     if "filesize" in options.autostop and not options.ring:
         raise UsageError("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")

@@ -20,11 +20,11 @@ from sistap.files.pcapng import Interface
 from sistap.files.writer import Blocks
 from sistap.line import priority
 from sistap.line.settings import LineSettings
-from sistap.recorder import shelf
+from sistap.recorder import retention
 from sistap.recorder.keeper import Around, Beginning, File, Keeper
+from sistap.recorder.notifier import Notifier
 from sistap.recorder.packing import pack
 from sistap.recorder.reasons import Reasons
-from sistap.recorder.telling import Telling
 from sistap.records.before import heard
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record
@@ -68,9 +68,9 @@ class Recorder:
         self._blocks = Blocks(interfaces)
         self._say = say
         self._ring = ring
-        self._rings = shelf.ring(wanted.folder, wanted.ring_files, say) if ring else None
-        self._shelf = shelf.kept(wanted.folder, wanted.at_most, say)
-        self._telling = Telling(wanted.command, say)
+        self._rings = retention.ring(wanted.folder, wanted.ring_files, say) if ring else None
+        self._kept_files = retention.kept(wanted.folder, wanted.at_most, say)
+        self._notifier = Notifier(wanted.command, say)
         self._started: tuple[Record, ...] = ()
         self._settings: dict[int, LineSettings] = {}  # for each line, of its last record
         self._queue: queue.SimpleQueue[Entry | int | None] = queue.SimpleQueue()  # an int: nothing came until then
@@ -184,7 +184,7 @@ class Recorder:
                 silent_ns = item
         for judged in self.relay.look():
             self._keep(judged)
-        self._telling.look()
+        self._notifier.reap()
         if silent_ns and self.relay.empty:
             self._keeper.look(silent_ns)
         time.sleep(_TURN_S if self._queue.empty() else 0)
@@ -199,7 +199,7 @@ class Recorder:
 
     def _begin(self, beginning: Beginning) -> File:
         time_ns = beginning.time_ns
-        path = shelf.new_name(self._wanted.folder, time_ns, beginning.reason)
+        path = retention.new_name(self._wanted.folder, time_ns, beginning.reason)
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
         why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
         started = [self._again(record, beginning, why) for record in self._started]
@@ -227,14 +227,14 @@ class Recorder:
             except OSError as error:
                 self.tell_disk(f"{path} cannot be compressed: {error.strerror}; it stays as it is")
         self._tidy()
-        self._telling.tell(path)
+        self._notifier.notify(path)
 
     def _tidy(self) -> None:
         self._tidy_s = time.monotonic() + _TIDY_S
         try:
-            for files in (self._shelf, self._rings):
+            for files in (self._kept_files, self._rings):
                 if files:
-                    files.tidy()
+                    files.prune()
             if self._rings and self._wanted.compress:
                 for path in self._rings.complete():
                     pack(path)
@@ -280,5 +280,5 @@ class _File:
             os.fsync(file.fileno())
         if len(reasons) > 1:  # the first alone would hide a worse one
             with suppress(OSError):
-                self._path = self._path.rename(shelf.new_name(self._path.parent, self._time_ns, *reasons))
+                self._path = self._path.rename(retention.new_name(self._path.parent, self._time_ns, *reasons))
         self._recorder.complete(self._path)

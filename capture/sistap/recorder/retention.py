@@ -21,8 +21,8 @@ _RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng(?:\.gz)?", re.ASCII)
 Matches = Sequence[re.Match[str]]  # of the names of files, in the order of their time
 
 
-class Shelf:
-    """The files of one kind."""
+class Retention:
+    """The files of one kind: how many of them stay."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Shelf:
         self._say = say
         self._stay: set[str] = set()  # files that cannot be deleted; reported once
 
-    def tidy(self) -> None:
+    def prune(self) -> None:
         """Delete files if there are too many."""
         for match in self._surplus(self._found()):
             path = self.folder / match[0]
@@ -58,14 +58,14 @@ class Shelf:
         return sorted(found, key=lambda match: (match[1], match[0]))
 
 
-def kept(folder: Path, at_most: int, say: Callable[[str], None]) -> Shelf:
+def kept(folder: Path, at_most: int, say: Callable[[str], None]) -> Retention:
     """Return the kept files. The first of each reason stays."""
-    return Shelf(folder, _KEPT_NAME, lambda found: _repeats(found, at_most), say)
+    return Retention(folder, _KEPT_NAME, lambda found: _repeats(found, at_most), say)
 
 
-def ring(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Shelf:
+def ring(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Retention:
     """Return the files of the full ring, None: all stay."""
-    return Shelf(folder, _RING_NAME, lambda found: found[:-at_most] if at_most else (), say)
+    return Retention(folder, _RING_NAME, lambda found: found[:-at_most] if at_most else (), say)
 
 
 def _repeats(found: Matches, at_most: int) -> Matches:

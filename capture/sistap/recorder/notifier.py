@@ -13,7 +13,7 @@ from sistap.explain.running import ordinary_children
 MOST = 20  # running at the same time
 
 
-class Telling:
+class Notifier:
     """The commands that were started."""
 
     def __init__(self, command: str | None, say: Callable[[str], None]) -> None:
@@ -22,11 +22,11 @@ class Telling:
         self._say = say
         self._running: list[tuple[subprocess.Popen[bytes], Path]] = []
 
-    def tell(self, path: Path) -> None:
+    def notify(self, path: Path) -> None:
         """Start it."""
         if not self._command:
             return
-        self.look()
+        self.reap()
         if len(self._running) >= MOST:
             self._say(f"--on-keep was not started for {path}: {MOST} earlier ones are still running")
             return
@@ -42,7 +42,7 @@ class Telling:
             return
         self._running.append((process, path))
 
-    def look(self) -> None:
+    def reap(self) -> None:
         """Report which have failed."""
         for process, path in self._running:
             if process.poll():

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from logs import LOGS
 from specification import TELEGRAMS
 
-from sistap.annotate.annotating import Passage, record, weave, weave_recorded
+from sistap.annotate.annotating import Passage, annotate_live, annotate_recorded, record
+from sistap.annotate.annotator import TextAnnotator
 from sistap.annotate.explaining import WholeCapture
 from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
 from sistap.annotate.textlog import LogLine, lines
-from sistap.annotate.weaving import TextWeaver
 from sistap.common.writing import Incomplete
 from sistap.explain.fields import Said, sentence
 from sistap.records.record import Record
@@ -47,19 +47,20 @@ class Sayer:
 
 def woven(batches: Iterable[list[LogLine]]) -> bytes:
     output = io.BytesIO()
-    weave(batches, Passage(AnyReader()), Sayer(), TextWeaver(output.write), output.flush)
+    annotate_live(batches, Passage(AnyReader()), Sayer(), TextAnnotator(output.write), output.flush)
     return output.getvalue()
 
 
 def kept_and_woven(batches: list[list[LogLine]]) -> bytes:
-    """Weave through a spool, as for a file."""
+    """Annotate through a spool, as for a file."""
     output, sayer = io.BytesIO(), Sayer()
     reading = Passage(AnyReader())
     cuts = [cut for batch in batches for line in batch for cut in reading.feed(line).cuts]
     sayer.records = [cut.record for cut in [*cuts, *reading.end()]]
     with Spool() as spool:
         record(batches, Passage(AnyReader()), "a log", lambda _: None, spool)
-        weave_recorded(spool.batches(lambda _: None), cast(WholeCapture, sayer), TextWeaver(output.write), output.flush)
+        spooled, annotator = spool.batches(lambda _: None), TextAnnotator(output.write)
+        annotate_recorded(spooled, cast(WholeCapture, sayer), annotator, output.flush)
     return output.getvalue()
 
 
@@ -199,7 +200,7 @@ def test_a_direction_that_keeps_silent_holds_up_only_so_many_lines() -> None:
             yield [line]
             sizes.append(shown.tell())
 
-    weave(batches(), Passage(AnyReader()), Sayer(), TextWeaver(shown.write), shown.flush)
+    annotate_live(batches(), Passage(AnyReader()), Sayer(), TextAnnotator(shown.write), shown.flush)
     assert sizes[-1] > 3900 * len(f"TX {PHASE}\n")
     assert without(shown.getvalue()) == log
     assert shown.getvalue().decode().splitlines()[-1].startswith("^-- (line 1) OTHER")

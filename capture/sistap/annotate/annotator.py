@@ -17,7 +17,7 @@ _WIDEST = 120  # a column further to the right is not aligned
 _WAITING = 1000  # lines; one direction can be silent for the rest of the log
 
 
-class Weaver(Protocol):
+class Annotator(Protocol):
     """Takes lines and the explanations of their telegrams, and writes both in the order of the lines."""
 
     def add(self, line: LogLine, count: int) -> None:
@@ -89,7 +89,7 @@ class Waitings:
         return waiting
 
 
-class TextWeaver:
+class TextAnnotator:
     """Writes text. Without the added lines it equals the input."""
 
     def __init__(self, write: Callable[[bytes], object]) -> None:
