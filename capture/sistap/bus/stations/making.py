@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from sistap.bus.devices.equipment import ECODRIVE, INDRADRIVE, DriveModel, Equipment
-from sistap.bus.devices.phases import Phases
 from sistap.bus.service import Service
 from sistap.bus.stations.flash import Flash, Memory
 from sistap.bus.stations.initialization import Initialization
@@ -61,26 +60,26 @@ def _level(tables: Sequence[Table], seed: int) -> list[Station]:
 
 
 def _station(table: Table, seed: int) -> Station:
+    slave = _slave(table, seed)
+    behind = _level(table.take("behind", tables(f"{table.where}, behind"), NO_TABLES), seed)
+    table.end()
+    return Router(slave, behind) if behind else slave
+
+
+def _slave(table: Table, seed: int) -> Slave:
     address = table.need("address", STATION)
     kind = table.take("kind", choice(_KINDS), _KINDS["drive"])
     edition = table.take("edition", choice(EDITIONS), EDITIONS[kind.edition])
     rates = table.take("rates", several(_rate), list(RATES))
     initialization = Initialization(rates)
     equipment = _equipment(table, kind, address, seed, initialization)
-
-    def restart() -> None:
-        equipment.restart()
-        initialization.power_on(initialization.accepted.baud)
-
     memory, worn = Memory(f"{seed} memory {address}"), table.take("worn", flag, False)
-    flash = Flash(memory, equipment.phases.at, edition, restart, worn)
-    parameters = Parameters(equipment.by_address, edition)
+    flash = Flash(memory, equipment.phases.at, edition, _restarting(equipment, initialization), worn)
     services = {
         0x00: _identification(table, kind, rates),
-        0x01: cancel(parameters),
         0x02: flash.service,
         0x03: initialization.service,
-        **_sercos_services(kind, edition, parameters, equipment.phases),
+        **_services_of_devices(kind, edition, equipment),
     }
     slave = Slave(
         address,
@@ -95,9 +94,17 @@ def _station(table: Table, seed: int) -> Station:
     )
     if edition.lists:
         services[LIST] = service_list(slave.execute)
-    behind = _level(table.take("behind", tables(f"{table.where}, behind"), NO_TABLES), seed)
-    table.end()
-    return Router(slave, behind) if behind else slave
+    return slave
+
+
+def _restarting(equipment: Equipment, initialization: Initialization) -> Callable[[], None]:
+    """Return what happens after the loader: the rate stays, as it was accepted."""
+
+    def restart() -> None:
+        equipment.restart()
+        initialization.power_on(initialization.accepted.baud)
+
+    return restart
 
 
 def _equipment(table: Table, kind: _Kind, address: int, seed: int, initialization: Initialization) -> Equipment:
@@ -113,11 +120,13 @@ def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
     )
 
 
-def _sercos_services(kind: _Kind, edition: Edition, parameters: Parameters, phases: Phases) -> dict[int, Service]:
+def _services_of_devices(kind: _Kind, edition: Edition, equipment: Equipment) -> dict[int, Service]:
     """Return the services for parameters, general and of the product group, and for phases. ECODRIVE has no phase
     services of its own.
     """
-    services = parameters.services(_GENERAL, Segments(length_words=edition.length_words))
+    parameters, phases = Parameters(equipment.by_address, edition), equipment.phases
+    services = {0x01: cancel(parameters)}
+    services |= parameters.services(_GENERAL, Segments(length_words=edition.length_words))
     if kind.group != _GENERAL:
         services |= parameters.services(kind.group, OF_DRIVES if kind.group == _DRIVES else Segments())
     for group in (_GENERAL, kind.group) if kind.synax else (_GENERAL,):
