@@ -127,7 +127,8 @@ def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
         number = next(numbers)
         ident, service = ("S-0-0036", 0x1F) if is_write else ("S-0-0040", 0x10)
         command = (True, service, 16, 3, False, None, False, False, None, False, not has_reaction)
-        telegram = Telegram(*command, None, None, None, None, None, None, {"sis.parameter": ident})
+        columns = {"sis.parameter": ident, "sis.service": str(service)}
+        telegram = Telegram(*command, None, None, None, None, None, None, columns)
         parameter = Parameter("", "3", 7, ident)
         access = Access(parameter, is_write, 16, "", f"{value} rpm", value, None, "", "rpm", "", "")
         said = packet(10.0 * number)
