@@ -129,7 +129,8 @@ def test_many_values_that_cannot_be_read_have_one_line(tmp_path: Path) -> None:
     assert "1 more value" in line
 
 
-# As firmware writes backups that have no zero before the point, no names, and blanks behind units.
+# As firmware writes backups: without names, dots in binary numbers, and zeros before the point; with blanks behind
+# units and texts of odd length.
 TERSE = """\
 SERCOS-ASCII
 2026-11-24 13:00:00
@@ -161,17 +162,54 @@ S-0-0032.0.0
 0b0000001100111111
 0000000000000010
 |
+S-0-1302.0.3
+
+00000000010001000000000000000001
+--
+--
+--
+07 40 default{blank}
+|
+S-0-1300.20.11
+
+00000000010001000000000000000001
+--
+--
+--
+0 50 {blank}
+|
+S-0-1303.0.11
+
+01110000011101110000000000000001
+s{blank}
+--
+--
+8
+1024
+2014-01-02T22:47:31.000000000Z
+|
+P-0-0023.0.0
+
+00000000010100100000000000000001
+--
+--
+--
+S-0-0000.0.0
+|
 """
 
 
 def test_a_terse_backup(tmp_path: Path) -> None:
     path = tmp_path / "terse.par"
     path.write_text(TERSE.replace("{blank}", " "))
-    assert [one.data for one in drives(path)[0].parameters] == [b"\x50\0", b"\xfb\xff", b"\x02\0"]
-    assert run(tmp_path, "parameters", "--from", path).stdout.splitlines() == [
+    data = [one.data for one in drives(path)[0].parameters]
+    assert data[:5] == [b"\x50\0", b"\xfb\xff", b"\x02\0", b"default", b""]
+    assert data[5:] == [(1_388_702_851).to_bytes(4, "little") + bytes(4), bytes(4)]
+    assert run(tmp_path, "parameters", "--from", path).stdout.splitlines()[:4] == [
         '"P","0051","","Nm/A","0x02110001","0.00 Nm/A","655.35 Nm/A",""',
         '"P","0141","","","0x02210001","-0.05","0.05",""',
         '"S","0032","","","0x40010001","","0b0000 0011 0011 1111",""',
+        '"S","1302.0.3","","","0x00440001","","",""',
     ]
 
 

@@ -186,9 +186,10 @@ def _value(reader: _Reader, attribute: Attribute) -> tuple[list[str], bytes | No
 def _text(reader: _Reader, lines: Sequence[str]) -> tuple[list[str], bytes | None]:
     """Read actual and maximum length and the text, which all stand in one line."""
     found = _TEXT.fullmatch("\n".join(lines))
-    if not found or int(found[1]) != len(found[3] or ""):
+    length, text = (int(found[1]), found[3] or "") if found else (0, "")
+    if not found or len(text) < length or text[length:] not in ("", " "):  # some fill it up to an even length
         raise reader.damaged("the text does not have its length", len(lines))
-    return [found[3] or ""], (found[3] or "").encode("latin-1")
+    return [text[:length]], text[:length].encode("latin-1")
 
 
 def _list(reader: _Reader, lines: Sequence[str], attribute: Attribute) -> tuple[list[str], bytes | None]:
