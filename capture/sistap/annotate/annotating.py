@@ -15,7 +15,7 @@ from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.textlog import LogLine
 from sistap.records.cut import SIS
 from sistap.records.cut import Cut as Framing
-from sistap.records.framer import has_ascii
+from sistap.records.framer import ASCII_WORD
 from sistap.records.record import Type
 
 LONGEST_LINE = 1_000_000  # characters; each takes 350 bytes of memory while they are read
@@ -81,7 +81,7 @@ class Passage:
 
     def _look_for_ascii(self, data: bytes) -> None:
         if self._framing == SIS and not self.has_ascii:
-            self.has_ascii = has_ascii(data)
+            self.has_ascii = ASCII_WORD.search(data) is not None
 
 
 def record(

@@ -31,13 +31,9 @@ class Hints:
         """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` whether it looks
         for settings.
         """
-        hint: str | None
+        hint = _diagnose_search(counters, elapsed_s, searching) if searching else self._diagnose(counters, elapsed_s)
         if counters.ascii_between:  # nothing else is wrong, however few telegrams there are
             hint = "this is the ASCII protocol of drives: capture it with --framing ascii"
-        elif searching:
-            hint = _diagnose_search(counters, elapsed_s, searching)
-        else:
-            hint = self._diagnose(counters, elapsed_s)
         if hint and hint not in self._given:
             self._given.add(hint)
             yield hint

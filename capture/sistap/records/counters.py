@@ -7,7 +7,7 @@ from collections import Counter
 
 from sistap.line.drivers import NOT_REPORTED
 from sistap.line.settings import ERROR_FLAGS, Flag, Read
-from sistap.records.framer import has_ascii
+from sistap.records.framer import ASCII_WORD
 from sistap.records.record import Framing, Record, Type, interval_text
 
 _IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
@@ -83,7 +83,7 @@ class Counters:
             self.damaged += record.checksum_bad
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
         elif record.type == Type.OTHER and record.framing == Framing.SIS and not self.ascii_between:
-            self.ascii_between = has_ascii(record.data)
+            self.ascii_between = ASCII_WORD.search(record.data) is not None
 
     def __str__(self) -> str:
         longest = interval_text(self.longest_ns) if self.longest_ns else "not known"

@@ -298,13 +298,8 @@ _PROMPT = re.compile(rb"E\d{1,3}:>|\?")
 _LINE = re.compile(_TEXT + rb"{0,%d}(\r\n|\r|\n)" % (RUN_LIMIT - 2))
 _ANY_TEXT = re.compile(_TEXT)
 # Words that only the ASCII protocol has: BCD:21 and its end, E21:>, S-0-0051,7,R.
-_WORD = re.compile(rb"BCD:\d{1,3}[\r\n]|E\d{1,3}:>|[SP]-[0-7]-\d{4}(?:\.\d{1,3}\.\d{1,3})?,[1-7],[RWrw]")
+ASCII_WORD = re.compile(rb"BCD:\d{1,3}[\r\n]|E\d{1,3}:>|[SP]-[0-7]-\d{4}(?:\.\d{1,3}\.\d{1,3})?,[1-7],[RWrw]")
 _NOISE = re.compile(_TEXT + rb"*[^ -~\t\xa0-\xff\r\n]*")  # with the text before it, which has no end
-
-
-def has_ascii(data: bytes) -> bool:
-    """Tell whether these characters, which are no telegram, have a word of the ASCII protocol."""
-    return _WORD.search(data) is not None
 
 
 class AsciiFramer(SisFramer):
