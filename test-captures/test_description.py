@@ -299,6 +299,22 @@ def test_a_fault_is_the_same_everywhere(folder: Path) -> None:
     assert '("sis.repeat_of", "sis.new > 3"),' in texts["faults.py"]
 
 
+def test_what_to_do_about_a_fault_is_what_its_expert_item_says(folder: Path) -> None:
+    """The report and the explanation of a log show it."""
+    path = folder / "experts.toml"
+    text = path.read_text("utf-8").replace("Look what kept the master", "Look who kept the master")
+    text = text.replace("Make the times more exact:", "Measure better:")
+    path.write_text(text, "utf-8")
+    texts = {path.name: text for path, text in generate.made(Description(folder))}
+    assert texts["faults.py"].count("Look who kept the master") == 1
+    assert texts["faults.py"].count('"Measure better:') == 1
+    (folder / "faults.toml").write_text(
+        (folder / "faults.toml").read_text("utf-8").replace('"sis.tmas.exceeded"', '"sis.no.such"'), "utf-8"
+    )
+    with pytest.raises(ValueError, match="experts.toml has no sis.no.such"):
+        Description(folder)
+
+
 def test_every_field_and_expert_item_says_what_it_means() -> None:
     """The status line, the reference and the report show it."""
     assert [field.filter for field in DESCRIPTION.fields if not field.means] == []

@@ -62,9 +62,9 @@ BUS = [
 ]
 
 
-def records(sent: Iterable[Sent]) -> list[Record]:
+def records(sent: Iterable[Sent], started: str = STARTED) -> list[Record]:
     """Make the records, one after the other."""
-    made = [event(START_NS, 0, LINE, Event.CAPTURE_STARTED, STARTED)]
+    made = [event(START_NS, 0, LINE, Event.CAPTURE_STARTED, started)]
     last_ns = START_NS
     for number, item in enumerate(sent):
         intervals = [round(item.silence_ms * 1e6)] + [LINE.character_ns] * (len(item.data) - 1)
@@ -86,11 +86,11 @@ def records(sent: Iterable[Sent]) -> list[Record]:
     return made
 
 
-def write(path: Path, sent: Iterable[Sent], dissector: str = "sertap") -> Path:
+def write(path: Path, sent: Iterable[Sent], dissector: str = "sertap", started: str = STARTED) -> Path:
     """Write a capture: of records, or of bare telegrams for dissector `sis`."""
     interface = pcapng.Interface(pcapng.LINKTYPE_WIRESHARK_UPPER_PDU, "test port")
     blocks = [pcapng.section_header("test", ""), pcapng.interface_description(interface)]
-    for record in records(sent):
+    for record in records(sent, started):
         if dissector == "sertap":
             blocks.append(pcapng.enhanced_packet(0, record.time_ns, pcapng.upper_pdu("sertap", record.pack())))
         elif record.type == Type.FRAME:

@@ -21,6 +21,8 @@ from commands import run_with
 from independent import packets
 from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
 from portable import WINDOWS, posix
+from report_capture import ACCEPT, READ, SET_TRS
+from report_capture import ANSWER as READ_ANSWER
 
 from sistap import cli
 from sistap.annotate import command
@@ -126,8 +128,39 @@ def test_a_pipe_knows_only_what_came(log: Path) -> None:
     assert (done.returncode, done.stderr) == (0, b"")
     again = [READ_PHASE_TEXT.replace("  Read", f"  [{mark}]  Read") for mark in ("no reaction", "repeat")]
     told = [again[0], SET_RATE_TEXT, again[1], PHASE_TEXT]
-    assert [line[4:] for line in run(log.parent, log).stdout.decode().splitlines()[1::2]] == told
-    assert done.stdout == run(log.parent, log).stdout.replace(b"  [no reaction]", b"")
+    found = [line[4:] for line in run(log.parent, log).stdout.decode().splitlines() if line.startswith("^-- ")]
+    assert [text for text in found if not text.startswith("What to do: ")] == told
+    live = [line[4:] for line in done.stdout.decode().splitlines() if line.startswith("^-- ")]
+    assert [text for text in live if not text.startswith("What to do: ")] == [
+        text.replace("  [no reaction]", "") for text in told
+    ]
+
+
+DO_DAMAGED = (
+    "What to do: Look at line errors and losses at this packet. Check cable, termination, ground and baud rate."
+)
+DO_UNRESOLVED = "Unresolved, whether a limit was kept. Make the times more exact: "
+
+
+@pytest.mark.parametrize("form", ["text", "html", "pipe"])
+def test_the_first_telegram_with_a_fault_says_what_to_do(log: Path, form: str) -> None:
+    damaged = PHASE[:-1] + bytes([PHASE[-1] ^ 1])
+    log.write_text("\n".join(data.hex(" ") for data in (READ_PHASE, damaged, PHASE, damaged)))
+    arguments = {"text": [str(log)], "html": ["--format", "html", str(log)], "pipe": ["-"]}[form]
+    shown = run(log.parent, *arguments, stdin=log.read_bytes()).stdout.decode()
+    assert shown.count(DO_DAMAGED) == 1
+    assert 0 < shown.index("[wrong checksum]") < shown.index(DO_DAMAGED) < shown.rindex("[wrong checksum]")
+    (line,) = (line for line in shown.splitlines() if DO_DAMAGED in line)
+    assert line.strip() in (f"^-- {DO_DAMAGED}", f"<i>{DO_DAMAGED}</i>")
+
+
+def test_a_log_too_coarse_for_a_verdict_says_what_to_do(log: Path) -> None:
+    """TrS is 50 ms. The stamps have steps of 0.1 s, so nobody knows whether 0.1 s were less."""
+    sent = [(0.0, SET_TRS), (0.1, ACCEPT), (1.0, READ), (1.1, READ_ANSWER), (2.0, READ), (2.1, READ_ANSWER)]
+    log.write_text("".join(f"2026-03-14 03:12:0{second:.1f} {data.hex(' ')}\n" for second, data in sent))
+    shown = run(log.parent, log).stdout.decode()
+    assert shown.count(DO_UNRESOLVED) == 1
+    assert shown.splitlines()[8].strip().startswith(f"^-- {DO_UNRESOLVED}")
 
 
 @contextmanager

@@ -192,6 +192,7 @@ class Fault:
     live: Sequence[str]
     title: str
     short: str
+    expert: Expert  # which says what to do
     rule: str
     button: str
 
@@ -330,12 +331,6 @@ def _services(entry: Mapping[str, Any]) -> Services:
     )
 
 
-def _fault(name: str, entry: Mapping[str, Any]) -> Fault:
-    return Fault(
-        name, entry["tests"], entry.get("live", ()), entry["title"], entry["short"], entry["rule"], entry["button"]
-    )
-
-
 def _one_of(tests: Iterable[str]) -> str:
     return " || ".join(tests)
 
@@ -365,10 +360,24 @@ class Description:
         self._check_protocols()
         self.s_names = {int(number): name for number, name in load("names.toml")["s_names"].items()}
         faults = load("faults.toml")
-        self.faults = [_fault(name, entry) for name, entry in faults["faults"].items()]
+        self.faults = [self._fault(name, entry) for name, entry in faults["faults"].items()]
         self.rules = [self._rule(name, entry) for name, entry in faults["rules"].items()]
         self.buttons = [self._button(label, entry) for label, entry in faults["buttons"].items()]
         self._check_faults()
+
+    def _fault(self, name: str, entry: Mapping[str, Any]) -> Fault:
+        texts = entry["title"], entry["short"]
+        return Fault(
+            *(name, entry["tests"], entry.get("live", ()), *texts, self.expert(entry["expert"])),
+            *(entry["rule"], entry["button"]),
+        )
+
+    def expert(self, name: str) -> Expert:
+        """Return an expert item by its filter. ValueError if there is none."""
+        for item in self.experts:
+            if item.filter == name:
+                return item
+        raise ValueError(f"experts.toml has no {name}")
 
     def _rule(self, name: str, entry: Mapping[str, Any]) -> Rule:
         tests = [test for fault in self.faults if fault.rule == name for test in fault.tests]

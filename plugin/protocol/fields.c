@@ -743,12 +743,12 @@ protocol_register_sis(void)
         "The pieces that came so far are not the whole value. Look what came between: a cancel, an error, or another access to the same device.",
         "The data are not joined, because one piece may be missing. Look for damaged or lost characters between the pieces. Then read the value again.",
         "The receiver may have dropped this telegram. Look which station talks, and at which character. Reduce its load, or set a longer TzA.",
-        "The interval may be longer or shorter than TzA: its time is not exact enough. Make the tap more exact: sistap doctor says how. A logic analyser decides to a microsecond.",
+        "The interval may be longer or shorter than TzA: its time is not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
         "The master may have given up before this reaction came. Look which station is late, and in which service. Set a longer TrS in the master if the station may be that slow.",
-        "The reaction may be later than TrS or not: its time is not exact enough. Make the tap more exact: sistap doctor says how. A logic analyser decides to a microsecond.",
+        "The reaction may be later than TrS or not: its time is not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
         "The master did not wait until the slave's time was over. Set the waiting time of the master (TwM) longer than TrS.",
         "The drive may have stopped, because the master control word came too late. Look what kept the master from writing S-0-0134.",
-        "The cycle may be longer than Tmas or not: its times are not exact enough. Make the tap more exact: sistap doctor says how. A logic analyser decides to a microsecond.",
+        "The cycle may be longer than Tmas or not: its times are not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
         "Stations were told to use another rate than the one that the tap listens at. Start the tap with --follow-baud, or with the new rate.",
     };
     static int *subtrees[] = {&ett_sis, &ett_sis_control, &ett_sis_parameter_control, &ett_sis_data_status, &ett_sis_whole, &ett_sis_element, &ett_sis_sequence, &ett_sis_piece, &ett_sis_timing, &ett_sis_ident, &ett_sis_attribute, &ett_sis_list, &ett_sis_value};

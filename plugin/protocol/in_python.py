@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from description import Code, Description, Item, Service, runs
+
+FOLD = 100  # characters of a string in a line
 
 HEAD = '''# SPDX-License-Identifier: GPL-2.0-or-later
 """Codes of services, and what stands in their useful data.
@@ -109,7 +112,7 @@ def names(description: Description) -> str:
 FAULTS = '''# SPDX-License-Identifier: GPL-2.0-or-later
 """What is wrong with a telegram or a record: as the colours and buttons of the profile.
 
-Made by plugin/protocol/generate.py from faults.toml: edit there.
+Made by plugin/protocol/generate.py from faults.toml and experts.toml: edit there.
 """
 
 from __future__ import annotations
@@ -126,6 +129,7 @@ class Fault(NamedTuple):
     title: str
     tests: Sequence[str]
     live: Sequence[str] = ()  # tests in their place while a capture runs: what later packets tell is not known then
+    do: str = ""  # what to do about it
 
     @property
     def filter(self) -> str:
@@ -155,6 +159,13 @@ def _string(text: str) -> str:
     return '"' + text.replace('"', '\\"') + '"'
 
 
+def _folded(text: str, end: str = ",") -> Iterator[str]:
+    """Return a string as lines of source."""
+    *parts, last = textwrap.wrap(text, FOLD, drop_whitespace=False)
+    yield from map(_string, parts)
+    yield _string(last) + end
+
+
 def faults(description: Description) -> str:
     """Return faults.py."""
     lines = [FAULTS]
@@ -162,9 +173,13 @@ def faults(description: Description) -> str:
         lines += ["    Fault(", *(f"        {_string(text)}," for text in (fault.name, fault.short, fault.title))]
         lines.append(f"        {_tuple(fault.tests)},")
         lines += [f"        {_tuple(fault.live)},"] if fault.live else []
-        lines.append("    ),")
+        first, *rest = _folded(fault.expert.do)
+        lines += [f"        do={first}", *(f"        {part}" for part in rest), "    ),"]
     writes = [f"sis.service == 0x{service:02x}" for service in description.with_layout_of([0x1E, 0x1F])]
-    lines += [")", "", "# No fault, but found in the same way.", "WRITE = Fault("]
+    lines += [")", "", "# What to do where a verdict is unresolved."]
+    advice = description.expert("sis.tza.unresolved").do
+    lines += ["UNRESOLVED = (", *(f"    {part}" for part in _folded(advice, "")), ")"]
+    lines += ["", "# No fault, but found in the same way.", "WRITE = Fault("]
     lines += [
         '    "write",',
         '    "written",',

@@ -48,6 +48,7 @@ class Waitings:
     def __init__(self) -> None:
         self._queue: deque[Waiting] = deque()
         self._by_line: dict[int, Waiting] = {}
+        self._advised: set[str] = set()
 
     def add(self, line: LogLine, count: int) -> None:
         """Make a line wait for this many bytes."""
@@ -63,6 +64,17 @@ class Waitings:
             if waiting:
                 waiting.unexplained -= end - first
         return waiting
+
+    def explanation(self, parts: list[Part], said: Said, *, late: bool) -> str:
+        """Explain a telegram, or other characters; `late`: its line is written already. The first one with a fault gets
+        a second line, which says what to do.
+        """
+        stamp = parts[0].piece.stamp
+        text = _note(parts, late=late) + sentence(said, stamp.resolution_ns if stamp else None)
+        if not said.advice or said.advice in self._advised:
+            return text
+        self._advised.add(said.advice)
+        return f"{text}\n{said.advice}"
 
     def last(self) -> Waiting | None:
         """Return the newest line."""
@@ -107,14 +119,15 @@ class TextAnnotator:
     def explain(self, parts: list[Part], said: Said) -> None:
         """Put it below its line; if that is written already, below the newest."""
         waiting = self._waitings.take(parts)
-        text = explanation(parts, said, late=waiting is None)
+        text = self._waitings.explanation(parts, said, late=waiting is None)
         if waiting:
             waiting.explanations.append(place(parts, text))
         elif newest := self._waitings.last():
             newest.explanations.append((0, text))
         else:
             line = parts[-1].piece.line
-            self._write(line.encode(EXPLANATION + text) + self._ending)
+            for one in text.split("\n"):
+                self._write(line.encode(EXPLANATION + one) + self._ending)
 
     def release(self, *, everything: bool = False) -> None:
         """Write lines with their explanations."""
@@ -134,14 +147,9 @@ class TextAnnotator:
         ending = line.ending or self._ending
         parts = [line.raw]
         for column, text in sorted(waiting.explanations):
-            parts += [ending, line.encode(indent(line.text, column) + EXPLANATION + text)]
+            for one in text.split("\n"):
+                parts += [ending, line.encode(indent(line.text, column) + EXPLANATION + one)]
         return b"".join([*parts, line.ending])
-
-
-def explanation(parts: list[Part], said: Said, *, late: bool) -> str:
-    """Explain a telegram, or other characters, of a log; `late`: its line is written already."""
-    stamp = parts[0].piece.stamp
-    return _note(parts, late=late) + sentence(said, stamp.resolution_ns if stamp else None)
 
 
 def _note(parts: list[Part], *, late: bool) -> str:

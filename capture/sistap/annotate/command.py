@@ -24,6 +24,7 @@ from sistap.annotate.troubles import Troubles
 from sistap.common import temporary
 from sistap.common.garbage import uncollected
 from sistap.common.writing import Incomplete, NotOpened, opened
+from sistap.explain import advice
 from sistap.explain.fields import Fields
 from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
 from sistap.packets.dissection import FIELDS
@@ -210,7 +211,7 @@ def _explain_whole(
 ) -> None:
     with ExitStack() as stack, uncollected():
         file = stack.enter_context(opened(args.output, _sources(args), force=args.force))
-        fields = Fields(tshark, FIELDS)
+        fields = Fields(tshark, (*FIELDS, *advice.FIELDS))
         capture = stack.enter_context(temporary.folder()) / "log.pcapng"
         spool = stack.enter_context(Spool())
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:

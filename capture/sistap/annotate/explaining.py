@@ -15,6 +15,7 @@ from typing import Protocol
 from sistap.annotate.blocks import Blocks
 from sistap.episodes.engine import Engine
 from sistap.episodes.lines import NOT_OK, lines, verdict
+from sistap.explain import advice
 from sistap.explain.fields import Fields, Said, said
 from sistap.explain.running import Running as Process
 from sistap.packets.dissection import packet_of
@@ -68,7 +69,7 @@ class Running:
     """Explains records as they come, in one pass. Use it in a `with`."""
 
     def __init__(self, tshark: Tshark, log: str) -> None:
-        self._fields = Fields(tshark)
+        self._fields = Fields(tshark, tuple(advice.FIELDS))
         self._blocks = Blocks(log)
         self._process = Process(tshark, self._fields.arguments)
         self._first = True

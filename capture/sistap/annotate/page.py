@@ -10,7 +10,7 @@ from itertools import groupby
 
 import sistap
 from sistap.annotate import meanings
-from sistap.annotate.annotator import Waiting, Waitings, explanation, indent, place
+from sistap.annotate.annotator import Waiting, Waitings, indent, place
 from sistap.annotate.cutting import Part
 from sistap.annotate.meanings import Meaning, Meanings
 from sistap.annotate.textlog import LogLine
@@ -76,7 +76,7 @@ class PageAnnotator:
                 shown = meaning or Meaning(_OTHER, "" if said.is_telegram else "no telegram")
                 self._marked[piece.line.number].append((start, stop, shown))
         waiting = self._waitings.take(parts)
-        text = explanation(parts, said, late=waiting is None)
+        text = self._waitings.explanation(parts, said, late=waiting is None)
         if waiting := waiting or self._waitings.last():
             waiting.explanations.append(place(parts, text))
 
@@ -105,9 +105,10 @@ class PageAnnotator:
             at = stop
         lines = ["".join(parts) + _shown(text[at:])]
         for column, said in sorted(waiting.explanations):
-            kind = ' class="bad"' if "[" in said else ""
             before = _plain(text[:column])
-            lines.append(f"{indent(before, len(before))}<i{kind}>{escape(said)}</i>")
+            for one in said.split("\n"):
+                kind = ' class="bad"' if "[" in one else ""
+                lines.append(f"{indent(before, len(before))}<i{kind}>{escape(one)}</i>")
         return "\n".join(lines) + "\n"
 
 

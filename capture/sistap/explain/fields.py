@@ -7,6 +7,7 @@ import re
 import tempfile
 from typing import NamedTuple
 
+from sistap.explain.advice import advice
 from sistap.wireshark import rows
 from sistap.wireshark.rows import INFO_FIELDS, NECESSARY, NO_DISSECTOR, first, info, unknown_fields
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -26,6 +27,7 @@ class Said(NamedTuple):
     is_telegram: bool
     reaction_s: float | None  # time after its command, from packet to packet
     unanswered: bool
+    advice: str = ""  # a line that says what to do about its fault, if the fields show one
 
 
 class Fields:
@@ -33,7 +35,7 @@ class Fields:
 
     def __init__(self, tshark: Tshark, more: tuple[str, ...] = ()) -> None:
         """Ask tshark for its fields, including other ones. TsharkError if it has no dissector for SIS."""
-        self._names = [*_FIELDS, *more]
+        self._names = list(dict.fromkeys((*_FIELDS, *more)))
         with tempfile.TemporaryFile() as nothing:
             unknown = unknown_fields(tshark.run(["-r", "-", *self.arguments], stdin=nothing).stderr)
         if NECESSARY in unknown:
@@ -62,6 +64,7 @@ def said(columns: dict[str, str]) -> Said:
         bool(columns.get(NECESSARY)),
         float(reaction) if reaction else None,
         bool(columns.get(_UNANSWERED)),
+        advice(columns),
     )
 
 

@@ -186,7 +186,7 @@ def _table(table: Table, note: str = "") -> str:
         f"<tr{f' id={table.anchor}{number}' if table.anchor else ''}>{''.join(_cells(table, number))}</tr>"
         for number in range(len(table.rows))
     )
-    text = f"<p>{escape(note)}</p>" if note else ""
+    text = "".join(f"<p>{escape(one)}</p>" for one in (note, table.note) if one)
     return (
         f'<h2>{escape(table.title)}</h2>{text}<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
     )

@@ -51,7 +51,8 @@ def _table(table: tables.Table) -> str:
     rows = [table.heads, *table.rows] if table.heads else table.rows
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join([table.title, "-" * len(table.title), *lines])
+    note = [textwrap.fill(table.note, WIDTH)] if table.note else []
+    return "\n".join([table.title, "-" * len(table.title), *note, *lines])
 
 
 def as_json(report: Report) -> str:

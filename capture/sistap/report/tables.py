@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
@@ -21,6 +22,7 @@ from sistap.report import curved
 from sistap.report.figures import SILENCE_S, Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.pauses import MOST_PLACES
+from sistap.sis import faults as faults_of_sis
 from sistap.sis.faults import FAULTS
 from sistap.sis.limits import NAMES, told
 from sistap.sis.telegram import service_name
@@ -41,6 +43,7 @@ GLOSSARY = (
     "a command again.",
     "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit.",
 )
+_LATENCY_TIMER = re.compile(r"latency timer (\d+) ms")  # in the event that begins a capture
 ANCHOR = "episode"
 EPISODES_SHOWN = curved.EPISODES
 _PARAMETER_OF_EPISODE = 5  # the column
@@ -61,6 +64,7 @@ class Table(NamedTuple):
     code: int | None = None  # the column with display filters
     anchor: str = ""  # the beginning of the names by which its rows are found
     links: Mapping[tuple[int, int], str] = MappingProxyType({})  # by row and column, the name of what they lead to
+    note: str = ""  # stands between the heading and the rows
 
 
 def ms(time_s: float) -> str:
@@ -215,7 +219,19 @@ def verdicts(report: Report) -> Table:
         counts = [str(limit.verdicts[verdict]) for verdict in (OK, EXCEEDED, UNRESOLVED, None)]
         rows.append((title, limits(limit), *counts, f"{field} == {EXCEEDED}"))
     heads = ("Limit", "Value", "Kept", "Exceeded", "Unresolved", "No limit known", "Filter for the exceeded")
-    return Table("Verdicts", heads, rows, code=6)
+    return Table("Verdicts", heads, rows, code=6, note=_unresolved(report.figures))
+
+
+def _unresolved(figures: Figures) -> str:
+    """Say why verdicts are unresolved, and what to do about it with this adapter."""
+    count = sum(limit.verdicts[UNRESOLVED] for limit in figures.limits.values())
+    if not count:
+        return ""
+    started = " ".join(packet.text for packet in figures.events if packet.event == Event.CAPTURE_STARTED)
+    timers_ms = {int(found) for found in _LATENCY_TIMER.findall(started)}
+    timer = f" The latency timer of the adapter was {max(timers_ms)} ms." if timers_ms else ""
+    uncertain = f"{count} unresolved: the times are uncertain by {_uncertainty(figures)}."
+    return f"{uncertain}{timer} {faults_of_sis.UNRESOLVED}"
 
 
 def limits(limit: Limit) -> str:
@@ -272,8 +288,10 @@ def before(place: int) -> str:
 def faults(report: Report) -> Table:
     """What was found, and the display filter that finds all of it."""
     counts = report.figures.faults
-    rows = [(fault.title, str(counts[fault.name]), fault.filter) for fault in FAULTS]
-    return Table("Faults", ("What", "How often", "Display filter for all of them"), rows, code=2)
+    rows = [
+        (fault.title, str(counts[fault.name]), fault.filter, fault.do if counts[fault.name] else "") for fault in FAULTS
+    ]
+    return Table("Faults", ("What", "How often", "Display filter for all of them", "What to do"), rows, code=2)
 
 
 def services(report: Report) -> Table:

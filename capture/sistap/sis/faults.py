@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is wrong with a telegram or a record: as the colours and buttons of the profile.
 
-Made by plugin/protocol/generate.py from faults.toml: edit there.
+Made by plugin/protocol/generate.py from faults.toml and experts.toml: edit there.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ class Fault(NamedTuple):
     title: str
     tests: Sequence[str]
     live: Sequence[str] = ()  # tests in their place while a capture runs: what later packets tell is not known then
+    do: str = ""  # what to do about it
 
     @property
     def filter(self) -> str:
@@ -42,18 +43,22 @@ FAULTS = (
         "TzA exceeded",
         "Interval in a telegram longer than TzA",
         ("sis.tza.verdict == 1",),
+        do="Look which station talks, and at which character. Reduce its load, or set a longer TzA.",
     ),
     Fault(
         "trs_exceeded",
         "TrS exceeded",
         "Reaction later than TrS",
         ("sis.trs.verdict == 1",),
+        do="Look which station is late, and in which service. Set a longer TrS in the master if the station may "
+        "be that slow.",
     ),
     Fault(
         "tmas_exceeded",
         "Tmas exceeded",
         "Master control word later than Tmas",
         ("sis.tmas.verdict == 1",),
+        do="Look what kept the master from writing S-0-0134.",
     ),
     Fault(
         "unanswered",
@@ -61,43 +66,57 @@ FAULTS = (
         "Command without a reaction",
         ("sis.command.unanswered",),
         ("sis.unanswered_before",),
+        do="Look whether this station answers at other times. If never: address, cable, power. If sometimes: "
+        "compare its reaction times with the master's time-out.",
     ),
     Fault(
         "error_reaction",
         "reactions with an error",
         "Reaction with an error",
         ("sis.status > 0", "sis.control.status.error", "sisascii.kind == 7"),
+        do="Read the error code in the reaction.",
     ),
     Fault(
         "system_error",
         "system error",
         "Telegram of a station that has an error",
         ("sis.control.error.set",),
+        do="Read the diagnosis of that device, such as S-0-0390 or S-0-0095.",
     ),
     Fault(
         "damaged",
         "damaged",
         "Damaged telegram",
         ("sis.checksum.status == 0", "sis.length.differ", "sis.length.short", "sis.length.header", "sis.start.missing"),
+        do="Look at line errors and losses at this packet. Check cable, termination, ground and baud rate.",
     ),
     Fault(
         "line_error",
         "line error",
         "Error or break on the line",
         ("sertap.error.character", "sertap.error.break", "sertap.error.unlocated"),
+        do="Check baud rate and format first, then cable, termination and ground.",
     ),
     Fault(
         "lost",
         "lost",
         "Characters or the adapter lost",
         ("sertap.error.lost", "sertap.event.expert"),
+        do="Close other programs, or use an adapter with a larger buffer: sistap doctor.",
     ),
     Fault(
         "repeated",
         "repeated",
         "Command sent again",
         ("sis.repeat_of",),
+        do="Look at the command before it: was it damaged, not answered, or answered too late?",
     ),
+)
+
+# What to do where a verdict is unresolved.
+UNRESOLVED = (
+    "Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI "
+    "adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond."
 )
 
 # No fault, but found in the same way.
