@@ -40,6 +40,14 @@ def statistics(tshark: Tshark) -> Callable[[str], str]:
     return lambda name: tshark.output("-q", "-z", name, "-r", str(CAPTURE))
 
 
+PAGE = (CAPTURE.parents[1] / "plugin" / "docs" / "statistics.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize("name", re.findall(r"^\| `(\S+)` \| \*", PAGE, re.MULTILINE))
+def test_each_name_of_the_page_is_known(statistics: Callable[[str], str], name: str) -> None:
+    assert "=====" in statistics(name)
+
+
 def test_intervals_by_talker(statistics: Callable[[str], str]) -> None:
     # telegrams, characters, p50, p99, longest, exceeded, unresolved, in one read, then the histogram
     assert table(statistics("sis,tza")) == {

@@ -10,6 +10,7 @@ import argparse
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
@@ -31,7 +32,7 @@ FOLDERS = ("capture", "plugin", "test-captures", "lua-fallback")
 SOURCES = {".py", ".c", ".h", ".lua", ".js", ".mjs", ""}
 TITLES = {"capture": "sistap", "plugin": "the plugin", "test-captures": "the captures", "lua-fallback": "the script"}
 HEAD = re.compile(
-    r'\A(?:#!.*\n|(?:#|//|--|/\*)[^\n]*SPDX[^\n]*\n|\n)*(?:r?"""(?P<doc>.*?)"""|/\*+(?P<c>.*?)\*/|(?P<lines>(?:(?:#|//|--).*\n)+))',
+    r'\A(?:#![^\n]*\n|(?:#|//|--|/\*)[^\n]*SPDX[^\n]*\n|\n)*(?:r?"""(?P<doc>.*?)"""|/\*+(?P<c>.*?)\*/|(?P<lines>(?:(?:#|//|--)[^\n]*\n)+))',
     re.DOTALL,
 )
 
@@ -52,7 +53,7 @@ def subject(text: str) -> str:
         return ""
     said = found["doc"] or found["c"] or re.sub(r"^(?:#|//|--) ?", "", found["lines"] or "", flags=re.MULTILINE)
     first = re.sub(r"^ \* ?", "", said.strip(), flags=re.MULTILINE).split("\n\n")[0]
-    return re.split(r"(?<=[a-z)`\"A-Z0-9])[.:]?$|(?<=[a-z)`\"A-Z0-9])\. ", " ".join(first.split()))[0]
+    return re.split(r"(?<=[a-z)`\"A-Z0-9])[.:]?$|(?<=[a-z)`\"A-Z0-9])(?<!fig)\. ", " ".join(first.split()))[0]
 
 
 def sources(folder: str) -> Iterator[Path]:
@@ -160,12 +161,35 @@ def scenarios() -> str:
     return table(("scenario", "what it plays"), [(f"`{name}`", scenario.load(name).title) for name in scenario.names()])
 
 
+def _statistics() -> Iterator[tuple[str, str]]:
+    """Yield what the plugin registers: a name for tshark -z, and the path in the menu Statistics."""
+    protocols = tomllib.loads((HOUSE / "plugin/protocol/protocols.toml").read_text("utf-8"))
+    for path in sorted((HOUSE / "plugin").rglob("*.c")):
+        text = path.read_text("utf-8")
+        for name, title in re.findall(r'stats_tree_register_plugin\("\w+", "(\w+)", "([^"]+)"', text):
+            yield f"{name},tree", title
+        for title, name in re.findall(r'\.title = "([^"]+)",.*?\.cli_string = "([^"]+)"', text, re.DOTALL):
+            yield name, title
+        for name in re.findall(r"register_srt_table\(proto_(\w+)", text):
+            yield f"{name},srt", f"Service Response Time > {protocols[name]['short']}"
+        for name in re.findall(r"register_conversation_table\(proto_(\w+)", text):
+            yield f"conv,{name}", f"Conversations > {protocols[name]['short']}"
+            yield f"endpoints,{name}", f"Endpoints > {protocols[name]['short']}"
+
+
+def statistics() -> str:
+    """Return the statistics of the plugin."""
+    rows = [(f"`{name}`", f"*{title}*") for name, title in sorted(_statistics(), key=lambda row: row[1])]
+    return table(("name", "menu *Statistics*"), rows)
+
+
 BLOCKS = {
     "dead bus": lambda: table(("step", "what to do"), poster.DEAD_BUS),
     "pins": lambda: table(("signal", "9-pin plug", "15-pin plug"), wiring.PINS),
     "drivers": drivers,
     "fields": fields,
     "scenarios": scenarios,
+    "statistics": statistics,
 }
 
 
@@ -179,7 +203,7 @@ def pages() -> Iterator[tuple[Path, str]]:
     yield DOCS / "commands.md", list_of_commands()
     for name, parser in commands().items():
         yield DOCS / "commands" / f"{name}.md", command(name, parser)
-    for path in sorted(DOCS.glob("*.md")):
+    for path in sorted(HOUSE.glob("*/docs/*.md")):
         if BLOCK.search(text := path.read_text("utf-8")):
             yield path, filled(text)
     for name, draw in wiring.DRAWINGS.items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import re
+import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,9 +14,12 @@ from pathlib import Path
 import pytest
 
 from sistap.capture import hints
+from sistap.extcap import dialog
 
 CAPTURE = Path(__file__).parents[1]
 HOUSE = CAPTURE.parent
+GENERATE = CAPTURE / "docs" / "generate.py"
+
 MOST_WORDS = 1200
 LONGER = {  # lists to look something up in
     *("CHANGELOG.md", "SECURITY.md", "plugin/REFERENCE.md", "test-captures/pages/glossary.md"),
@@ -30,9 +34,27 @@ pytestmark = pytest.mark.style
 
 
 def test_generated_pages_are_current() -> None:
-    check = [sys.executable, str(CAPTURE / "docs" / "generate.py"), "--check"]
+    check = [sys.executable, str(GENERATE), "--check"]
     done = subprocess.run(check, capture_output=True, text=True, check=False)
     assert done.stdout == "" and done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("capture/bundle/build", "Makes the bundle for Windows and its installer in build/windows"),
+        ("capture/benchmark/hostile.py", "Does the work of the dissector grow faster than hostile traffic?"),
+        ("plugin/sis/follow.c", "Wireshark's tools that follow related packets"),
+        (
+            "lua-fallback/sis.lua",
+            "The SIS telegram and the serial tap's record in Lua: one file for Wireshark 4.0 and later, no compiler",
+        ),
+        ("plugin/sis/address.c", "Station addresses: their kinds in the two editions (fig. "),
+    ],
+)
+def test_the_table_of_files_has_what_a_file_says_of_itself(name: str, said: str) -> None:
+    subject = runpy.run_path(str(GENERATE))["subject"]
+    assert subject((HOUSE / name).read_text("utf-8")).startswith(said)
 
 
 def messages() -> Iterator[str]:
@@ -65,6 +87,30 @@ def test_troubleshooting_has_what_is_seen_on_windows() -> None:
     seen = [" ".join(re.sub("<.*?>", "", cell).split()) for cell in cells]
     assert len(seen) >= 7
     assert [words for words in seen if words not in page("troubleshooting.md")] == []
+
+
+def test_the_dialog_explains_every_framing_that_it_offers() -> None:
+    (field,) = (field for field in dialog.OPTIONS if field.display == "Framing")
+    assert field.choices is not None
+    words = [re.split(r"[ :]", choice[1])[0] for choice in field.choices("")]
+    assert words == ["SIS", "3964R", "ASCII"]
+    assert [word for word in words if word not in field.tooltip] == []
+
+
+def test_each_statistic_is_explained() -> None:
+    """The table of names and menus is made from the code. A heading names each menu, or the menu above it."""
+    text = (HOUSE / "plugin" / "docs" / "statistics.md").read_text("utf-8")
+    menus = re.findall(r"^\| `\S+` \| \*(.+?)(?: > .*)?\* \|$", text, re.MULTILINE)
+    assert len(menus) >= 10
+    said = " ".join(" ".join(part) for part in re.findall(r"^## (.*)|(\*[^*]+\*) counts", text, re.MULTILINE))
+    assert [menu for menu in menus if menu not in said] == []
+
+
+def test_the_script_prints_the_statistics_that_its_page_names() -> None:
+    script = (HOUSE / "lua-fallback" / "sis.lua").read_text("utf-8")
+    words = re.findall(r'"(\w+)"', re.search(r"local ORDER = \{(.*?)\}", script)[1])  # type: ignore[index]
+    table = (HOUSE / "lua-fallback" / "README.md").read_text("utf-8").partition("| word | content |")[2]
+    assert sorted(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == sorted(words)
 
 
 def count(path: Path) -> int:

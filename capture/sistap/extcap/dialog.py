@@ -122,7 +122,7 @@ OPTIONS = (
         "--framing",
         "selector",
         "Framing",
-        "The protocol on the bus: SIS, or procedure 3964R between a control and a PPC",
+        "The protocol on the bus: SIS, procedure 3964R between a control and a PPC, or lines of the ASCII protocol",
         LINE,
         of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the scenario of the demo bus decides it
         choices=_framings,
