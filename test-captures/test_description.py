@@ -315,6 +315,17 @@ def test_what_to_do_about_a_fault_is_what_its_expert_item_says(folder: Path) -> 
         Description(folder)
 
 
+def test_the_reference_hides_no_column_on_a_telephone() -> None:
+    """There a table with more than two columns is wider than the screen."""
+    (page,) = (text for path, text in generate.made(DESCRIPTION) if path.name == "REFERENCE.md")
+    rows = [line for line in page.replace("\\|", "").splitlines() if line.startswith("|")]
+    assert rows and [row for row in rows if row.count("|") > 3] == []
+    for item in DESCRIPTION.experts:
+        heading, _, rest = page.partition(f"`{item.filter}` (")
+        assert heading.endswith(f"### {item.says}\n\n")
+        assert f"{item.means} **What to do:** {item.do}" in rest.partition("###")[0]
+
+
 def test_every_field_and_expert_item_says_what_it_means() -> None:
     """The status line, the reference and the report show it."""
     assert [field.filter for field in DESCRIPTION.fields if not field.means] == []

@@ -31,16 +31,22 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
     yield ""
 
 
-def _expert(item: Expert) -> tuple[str, ...]:
-    return f"`{item.filter}`", SEVERITIES[item.severity], item.says, item.means, item.do
+# On a telephone a table with more than two columns hides the last ones. So items are headings and lists.
 
 
-def _fault(fault: Fault) -> tuple[str, ...]:
-    return fault.title, f"`{' || '.join(fault.tests)}`", fault.button, fault.name.replace("_", "-")
+def _expert(item: Expert) -> Iterator[str]:
+    yield from (f"### {item.says}", "", f"`{item.filter}` ({SEVERITIES[item.severity]})", "")
+    yield from (f"{item.means} **What to do:** {item.do}", "")
 
 
-def _field(field: Field) -> tuple[str, ...]:
-    return f"`{field.filter}`", field.name, field.kind if field.kind != "packet" else "packet number", field.means
+def _fault(fault: Fault) -> Iterator[str]:
+    yield f"- **{fault.title}**: button *{fault.button}*; `{fault.name.replace('_', '-')}` in names of kept files."
+    yield from (f"  {fault.expert.do}", f"  Filter: {', or '.join(f'`{test}`' for test in fault.tests)}", "")
+
+
+def _field(field: Field) -> str:
+    kind = field.kind if field.kind != "packet" else "packet number"
+    return f"- `{field.filter}`: **{field.name}** ({kind}). {field.means}"
 
 
 def _code(code: Code) -> tuple[str, ...]:
@@ -55,15 +61,15 @@ def _codes(table: Table) -> Iterator[str]:
 def reference(description: Description) -> str:
     """Return the page."""
     lines = [HEAD, "## Warnings: expert information", ""]
-    lines += _table(("filter", "severity", "text", "what it means", "what to do"), map(_expert, description.experts))
+    lines += [line for item in description.experts for line in _expert(item)]
     lines += ["## Faults", "", "Colours, buttons, the recorder and the report find the same ones.", ""]
-    lines += _table(("fault", "filter", "button", "in names of kept files"), map(_fault, description.faults))
+    lines += [line for fault in description.faults for line in _fault(fault)]
     lines += ["## Fields", ""]
     for protocol in description.protocols:
         fields = [field for field in description.fields if field.protocol == protocol.key]
         if fields:
             lines += [f"### {PROTOCOLS.get(protocol.key, protocol.key)}", ""]
-            lines += _table(("filter", "name", "type", "what it means"), map(_field, fields))
+            lines += [*map(_field, fields), ""]
     lines += ["## Codes", ""]
     for table in description.tables.values():
         lines += _codes(table)
