@@ -71,7 +71,8 @@ def files(folder: str) -> str:
 
     The search leaves it out: who looks for a word wants what stands in the documents.
     """
-    page = f"---\nnosearch: true\n---\n\n# Files of {TITLES[folder]}\n\n{MADE}\nEach row is the first sentence of the file.\n"
+    page = f"---\nnosearch: true\n---\n\n# Files of {TITLES[folder]}\n\n{MADE}\n"
+    page += "Each row is the first sentence of the file.\n"
     for place, group in groupby(sorted(sources(folder)), lambda path: path.parent):
         rows = [(f"`{path.name}`", subject(path.read_text("utf-8", "replace"))) for path in group]
         page += f"\n## {place.relative_to(HOUSE).as_posix()}\n\n{table(('file', 'subject'), rows)}"
