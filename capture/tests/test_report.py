@@ -17,7 +17,7 @@ from sharkd import Sharkd
 
 from sistap.common.writing import Incomplete
 from sistap.episodes.rules import Severity
-from sistap.line.settings import Flag
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
 from sistap.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet
 from sistap.packets.kept import Span
 from sistap.records.record import Framing, Type
@@ -223,6 +223,12 @@ def test_beside_unresolved_verdicts_stands_what_to_do(tshark: Tshark, tmp_path: 
     assert "latency timer of an FTDI adapter at 1 ms. sistap doctor says how." in note
     assert escape(note) in page.page(judged)
     assert " ".join(note.split()) in " ".join(plain.as_text(judged).split())
+
+
+def test_beside_unresolved_verdicts_of_unknown_times(tshark: Tshark, tmp_path: Path) -> None:
+    unknown = [Sent(data, uncertainty_ns=UNCERTAINTY_UNKNOWN) for data in (SET_TRS, ACCEPT, READ, ANSWER)]
+    note = tables.verdicts(made(tshark, write(tmp_path / "x", unknown))).note
+    assert " unresolved: nobody knows how exact the times are. Make the times more exact: " in note
 
 
 def test_beside_each_fault_stands_what_to_do(tshark: Tshark, report: Report) -> None:

@@ -230,8 +230,9 @@ def _unresolved(figures: Figures) -> str:
     started = " ".join(packet.text for packet in figures.events if packet.event == Event.CAPTURE_STARTED)
     timers_ms = {int(found) for found in _LATENCY_TIMER.findall(started)}
     timer = f" The latency timer of the adapter was {max(timers_ms)} ms." if timers_ms else ""
-    uncertain = f"{count} unresolved: the times are uncertain by {_uncertainty(figures)}."
-    return f"{uncertain}{timer} {faults_of_sis.UNRESOLVED}"
+    is_known = figures.exactness.is_known
+    why = f"the times are uncertain by {_uncertainty(figures)}" if is_known else "nobody knows how exact the times are"
+    return f"{count} unresolved: {why}.{timer} {faults_of_sis.UNRESOLVED}"
 
 
 def limits(limit: Limit) -> str:
