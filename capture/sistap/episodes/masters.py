@@ -61,6 +61,7 @@ class Writes:
         self._thresholds = thresholds
         self._masters = masters
         self._usual: set[Parameter] = before.written if before else set()
+        self._known = before.values() if before else {}
         self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
         self._listing = Listing()  # it knows the value before
         self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
@@ -74,7 +75,7 @@ class Writes:
             parameter = access.parameter._replace(port="")
             if len(self.written) < MOST:
                 self.written.add(parameter)
-            before = change.before if change else access.value
+            before = change.before or self._known.get(parameter) if change else access.value
             hit = self._hit(packet, access, before)
             if self._masters.is_new(access.master):
                 yield hit
@@ -84,6 +85,10 @@ class Writes:
                 and len(self._rare[access.parameter]) <= self._thresholds.rare_writes
             ):
                 self._rare[access.parameter].append(hit if change else hit._replace(kind=""))
+
+    def values(self) -> dict[Parameter, str | None]:
+        """Return the values known at the end, without ports."""
+        return self._known | {one.parameter._replace(port=""): one.value for one in self._listing}
 
     def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:
         was = f"{before}{ARROW}" if before is not None else ""
