@@ -21,8 +21,9 @@ from sistap.wireshark.tshark import Tshark, TsharkError
 DESCRIPTION = """\
 Collect captures in tables (Parquet files), to query many months and many machines: telegrams, values of parameters,
 events, and what happened. DuckDB, Spark, pandas and other programs read them. Run it as often as you like: it adds only
-what is new. A capture may have grown, or have telegrams of another capture. The contents come from Wireshark's
-dissector: install tshark with the plugin or sis.lua.
+what is new. A capture may have grown, or have telegrams of another capture. What happened is judged over all captures
+of a call, as `sistap report` does. The contents come from Wireshark's dissector: install tshark with the plugin or
+sis.lua.
 """
 
 EPILOG = """\
@@ -84,8 +85,7 @@ def _put(args: argparse.Namespace, console: Console) -> None:
 
     store, tap = Store(args.output), slug(args.tap) if args.tap else ""
     with Tshark() as tshark:
-        for capture in in_order(args.captures):
-            put(tshark, capture, store, tap, console)
+        put(tshark, in_order(args.captures), store, tap, console)
 
 
 def _check(args: argparse.Namespace) -> None:

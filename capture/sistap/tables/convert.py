@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Puts a capture into a folder of tables."""
+"""Puts captures into a folder of tables."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import sistap
 from sistap.common.garbage import uncollected
-from sistap.episodes.engine import Engine
-from sistap.packets.dissection import Dissection
-from sistap.tables.rows import FIELDS, Row, of_episode, rows
+from sistap.packets.dissection import Dissection, Packet
+from sistap.tables.judging import Judging
+from sistap.tables.rows import FIELDS, Row, rows
 from sistap.tables.store import Store
 from sistap.terminal.console import Console
 from sistap.wireshark.tshark import Tshark
@@ -19,14 +20,35 @@ from sistap.wireshark.tshark import Tshark
 _PROGRESS_EVERY = 5000  # packets
 
 
-def put(tshark: Tshark, capture: Path, store: Store, tap: str, console: Console) -> None:
-    """Add a capture to the tables, and report the result. Raise NotACapture, TsharkError, Incomplete or NoSuchTime."""
-    digest = _digest(capture, tap)
-    if store.has(digest):
-        console.say(f"{capture}: is in the tables")
-        return
-    with Dissection(tshark, capture, FIELDS, keeps=False) as dissection, uncollected():
-        count = store.put(digest, capture, tap, _rows(dissection, capture, console))
+def put(tshark: Tshark, captures: Sequence[Path], store: Store, tap: str, console: Console) -> None:
+    """Add captures to the tables, in the order of their time, and report the results.
+
+    What happened is judged over all of them, so known ones are read again if one is new. Raise NotACapture,
+    TsharkError, Incomplete or NoSuchTime.
+    """
+    digests = [_digest(capture, tap) for capture in captures]
+    judged = hashlib.blake2b("".join(digests).encode()).hexdigest()[:32]
+    is_judged = store.has(judged)
+    judging = Judging()
+    for capture, digest in zip(captures, digests, strict=True):
+        is_known = store.has(digest)
+        if is_known:
+            console.say(f"{capture}: is in the tables")
+        if is_known and is_judged:
+            continue
+        with Dissection(tshark, capture, FIELDS, keeps=False) as dissection, uncollected():
+            packets = judging.packets(_told(dissection, capture, console), capture.name)
+            if is_known:
+                deque(packets, maxlen=0)
+                continue
+            count = store.put(digest, capture, tap, _rows(packets, capture))
+        _report(dissection, capture, count, console)
+    if not is_judged:
+        count = store.put(judged, captures[0], tap, judging.rows(), judging.name)
+        console.say(f"what happened: {count} rows")
+
+
+def _report(dissection: Dissection, capture: Path, count: int, console: Console) -> None:
     if dissection.warning:
         console.say(f"{capture}: only what comes before the damage: {dissection.warning}")
     if dissection.missing:
@@ -34,14 +56,16 @@ def put(tshark: Tshark, capture: Path, store: Store, tap: str, console: Console)
     console.say(f"{capture}: {count} rows")
 
 
-def _rows(dissection: Dissection, capture: Path, console: Console) -> Iterator[Row]:
-    engine = Engine()
+def _told(dissection: Dissection, capture: Path, console: Console) -> Iterator[Packet]:
+    """Yield all packets, and tell how far it is."""
     for count, packet in enumerate(dissection.packets(), 1):
-        yield from rows(packet, capture.name)
-        engine.add(packet)
+        yield packet
         if count % _PROGRESS_EVERY == 0 and console.shows_progress:
             console.progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
-    yield from (of_episode(episode, capture.name) for episode in engine.finish())
+
+
+def _rows(packets: Iterable[Packet], capture: Path) -> Iterator[Row]:
+    return (row for packet in packets for row in rows(packet, capture.name))
 
 
 def _digest(capture: Path, tap: str) -> str:

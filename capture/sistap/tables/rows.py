@@ -54,8 +54,8 @@ def rows(packet: Packet, file: str) -> Iterator[Row]:
         yield Row("events", place | {"place": 0, "code": packet.event, "text": packet.text} | _event(packet.event))
 
 
-def of_episode(episode: Episode, file: str) -> Row:
-    """Return the row of an episode."""
+def of_episode(episode: Episode, file: str, packet: int | None) -> Row:
+    """Return the row of an episode that begins with a packet of a file."""
     hit = episode.hit
     said = {
         "port": hit.port,
@@ -65,7 +65,7 @@ def of_episode(episode: Episode, file: str) -> Row:
         "text": episode.text,
         "epoch_ns": round(episode.from_s * 1e9),
         "file": file,
-        "packet": episode.packets[0] if episode.packets else None,
+        "packet": packet,
         "until": round(episode.to_s * 1e6),
         "severity": episode.severity.name.lower(),
         "station": episode.station,

@@ -60,9 +60,11 @@ class Store:
             return False
         return all((self._root / file).is_file() for file in files)
 
-    def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row]) -> int:
-        """Add a capture's rows; return how many are new. Incomplete if there is no room."""
-        incoming = _Incoming(self._root, capture, tap)
+    def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row], name: str = "") -> int:
+        """Add a capture's rows; return how many are new. `name` is for rows of several captures: they replace earlier
+        ones of the same name. Incomplete if there is no room.
+        """
+        incoming = _Incoming(self._root, capture, tap, name)
         try:
             for row in rows:
                 incoming.add(row)
@@ -108,7 +110,7 @@ class _Strange(Exception):
 class _Incoming:
     """A capture on its way into the folder."""
 
-    def __init__(self, root: Path, capture: Path, tap: str) -> None:
+    def __init__(self, root: Path, capture: Path, tap: str, name: str) -> None:
         self._root = root
         self._capture = capture.name
         self._mode = mode_like([capture])
@@ -118,15 +120,15 @@ class _Incoming:
         self._writers: dict[Part, tuple[pq.ParquetWriter, BinaryIO]] = {}
         self._numbers: defaultdict[Part, int] = defaultdict(int)  # files of each partition
         self._files: list[tuple[Beside, Path]] = []  # new files, and their places
-        self.id = ""  # stays the same if the capture grows or is dissected again
+        # It stays the same if the capture grows or is dissected again.
+        self.id = _id(f"{name}\0{tap}") if name else ""
         self.count = 0
 
     def add(self, row: Row) -> None:
         values = row.values
         tap = self._tap or slug(values["port"])
         if not self.id:
-            first = f"{self._capture}\0{tap}\0{values['epoch_ns']}"
-            self.id = hashlib.blake2b(first.encode(), digest_size=8).hexdigest()
+            self.id = _id(f"{self._capture}\0{tap}\0{values['epoch_ns']}")
         values["time"] = values["epoch_ns"] // _NS_PER_US
         time = _EPOCH + timedelta(microseconds=values["time"])
         self._waiting[Part(row.table, tap, time.date().isoformat())].append(values)
@@ -198,6 +200,10 @@ class _Incoming:
         writer, file = self._writers.pop(part)
         writer.close()
         file.close()
+
+
+def _id(name: str) -> str:
+    return hashlib.blake2b(name.encode(), digest_size=8).hexdigest()
 
 
 def slug(name: str) -> str:
