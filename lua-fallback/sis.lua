@@ -4284,7 +4284,7 @@ end
 
 do
   local LIST_SERVICE = 0x04
-  local SHORTEST_ELEMENT = 3 -- the code of the channel has two bytes
+  local SHORTEST_ELEMENT, CHANNEL_CODE = 3, 2 -- bytes
 
   local function add_request(list, request)
     local last = list.last_request
@@ -4435,13 +4435,27 @@ do
     return {next = first, is_each_answered = not command}
   end
 
+  -- Service 0x04 has no codes of its own: its overall status is 0 or 1, and its list follows also after an error
+  -- (chapter 7.1). Only the codes of the channel are those of all services (fig. 2-19). Tells whether no list follows.
+  local function take_overall_error(body)
+    local left = S.left(body)
+    local code = left == CHANNEL_CODE and S.little_endian(body.bytes, body.offset + 1, CHANNEL_CODE)
+
+    if body.status ~= 0x02 or left < CHANNEL_CODE or code and N.errors_channel[code] then
+      return S.take_channel_error(body)
+    end
+    body.item = body.root
+    S.mark(body, E.body_note, "the overall status of a list is 0 or 1")
+    if left < SHORTEST_ELEMENT then S.take_rest(body, F.raw) end
+    return left < SHORTEST_ELEMENT
+  end
+
   S.bodies[LIST_SERVICE] = function(body)
     local number = 1
 
     body.last_request = nil -- of its elements
-    local is_list = body.status == 0x02 and S.left(body) >= SHORTEST_ELEMENT
 
-    if body.is_reaction and not is_list and S.take_channel_error(body) then return end
+    if body.is_reaction and take_overall_error(body) then return end
     if S.left(body) == 0 and not body.is_cut then S.mark(body, E.body_note, "an empty list") end
     local commands = commands_of(body)
 

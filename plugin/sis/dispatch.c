@@ -337,17 +337,34 @@ commands_of(const sis_body_t *list)
     return commands;
 }
 
-/* Service 0x04 has no codes of its own, and its list follows also after an error (chapter 7.1). The code of
- * the channel (fig. 2-19) has two bytes: the shortest element has three. */
 #define SHORTEST_ELEMENT 3
+#define CHANNEL_CODE     2 /* bytes */
+
+/* Service 0x04 has no codes of its own: its overall status is 0 or 1, and its list follows also after an
+ * error (chapter 7.1). Only the codes of the channel are those of all services (fig. 2-19). Tell whether no
+ * list follows. */
+static bool
+take_overall_error(sis_body_t *body)
+{
+    unsigned left = sis_left(body);
+
+    if (body->status != 0x02 || left < CHANNEL_CODE ||
+        (left == CHANNEL_CODE &&
+         try_val_to_str(tvb_get_letohs(body->tvb, body->offset), sis_errors_channel) != NULL))
+        return sis_take_channel_error(body);
+    body->item = body->root;
+    sis_mark(body, &ei_sis_body_note, "the overall status of a list is 0 or 1");
+    if (left < SHORTEST_ELEMENT)
+        sis_take_rest(body, hf_sis_raw);
+    return left < SHORTEST_ELEMENT;
+}
 
 static void
 dissect_list(sis_body_t *body)
 {
-    bool is_list = body->status == 0x02 && sis_left(body) >= SHORTEST_ELEMENT;
     commands_t commands;
 
-    if (body->is_reaction && !is_list && sis_take_channel_error(body))
+    if (body->is_reaction && take_overall_error(body))
         return;
     if (sis_left(body) == 0 && !body->is_cut)
         sis_mark(body, &ei_sis_body_note, "an empty list");
