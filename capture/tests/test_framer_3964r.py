@@ -230,7 +230,8 @@ LIST = "000241440102000 1ffff0005100311".replace(" ", "")  # what follows its fi
         # Two conflicts, then a block. The XOR of all from the first DLE on is right, too.
         (f"02 <02 10 <55 10 02 <02 10 <55 10 02 <10 {BLOCK}", frames("02", "10", "10", "02", "10", "10", "02", BLOCK)),
         (f"02 <15 02 <02 10 <55 10 02 <10 {BLOCK}", frames("02", "02", "10", "10", "02", BLOCK)),
-        (f"02 10 10 ~ 02 {BLOCK}", frames("02", "10", "10", "02", BLOCK)),
+        # Without the other line, the pause shows it.
+        (f"02 10 10 ~ 02 10 10 02 {BLOCK}", frames("02", "10", "10", "02", "10", "10", "02", BLOCK)),
         # A DLE in a block of the other one grants nothing. 02 02 before a block leaves the sum as it was.
         (
             f"<41 .<42 .<43 =02 .<10 02 .02 <10 {BLOCK}",
