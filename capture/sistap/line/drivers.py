@@ -118,7 +118,8 @@ DRIVERS = (
         Place.READ,
         counts=True,
         breaks=True,
-        caveat="Errors come by another way than the characters. So the next two reads are marked, too",
+        caveat="Errors come by another way than the characters. So the next two reads are marked, too. If a device "
+        "tells of an error still earlier or later, the damaged character has no mark",
     ),
     Driver((*_UPORT, *_EDGEPORT), "Moxa UPort, Quatech, Edgeport", Place.READ, counts=True, caveat="As CDC ACM"),
     Driver(
