@@ -182,7 +182,7 @@ def connected(port: str, first: bytes = BEGIN) -> tuple[distant.DistantReader, s
 
 
 @pytest.mark.timeout(PATIENCE_S)
-@pytest.mark.attack("a distant tap floods, jumps in time, lies or hangs up", "the capture can be stopped; no traceback")
+@ATTACK
 def test_answers_never_wait() -> None:
     """Seven thousand times came in one read, and each was answered with a pause."""
     reader, tap = connected("bus://x")
