@@ -32,6 +32,13 @@ class Incomplete(Exception):
     """The disk is full; the text is the line to show."""
 
 
+def make_folder(folder: Path, mode: int) -> None:
+    """Make a folder, and those that it is in, for those who may read a file of this mode. May raise OSError."""
+    if not folder.is_dir():
+        make_folder(folder.parent, mode)
+        folder.mkdir(mode | (mode & 0o444) >> 2, exist_ok=True)
+
+
 class Beside:
     """A new file in the folder of another, whose place it takes at the end."""
 

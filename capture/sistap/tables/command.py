@@ -9,12 +9,12 @@ from pathlib import Path
 
 from sistap.captures.joining import check_captures, in_order
 from sistap.common.packages import missing
-from sistap.common.writing import Incomplete
+from sistap.common.writing import Incomplete, make_folder
 from sistap.tables.rows import NoSuchTime
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.stop import held
-from sistap.terminal.writing import make_folder, mode_like
+from sistap.terminal.writing import mode_like
 from sistap.wireshark.rows import NotACapture
 from sistap.wireshark.tshark import Tshark, TsharkError
 

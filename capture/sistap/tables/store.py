@@ -20,11 +20,11 @@ from typing import Any, BinaryIO, NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from sistap.common.writing import Beside, Incomplete
+from sistap.common.writing import Beside, Incomplete, make_folder
 from sistap.tables.rows import Row
 from sistap.tables.schema import TABLES
 from sistap.terminal.stop import held
-from sistap.terminal.writing import make_folder, mode_like
+from sistap.terminal.writing import mode_like
 
 _TOGETHER = 1 << 17  # rows of all tables that wait to be written
 _OPEN = 32  # files open at a time

@@ -81,10 +81,3 @@ def mode_like(sources: Sequence[str | Path]) -> int:
             if about.st_gid != getattr(os, "getegid", lambda: 0)():  # another group than that of the new file
                 mode &= ~stat.S_IRWXG | (about.st_mode & stat.S_IRWXO) << 3
     return mode | 0o600
-
-
-def make_folder(folder: Path, mode: int) -> None:
-    """Make a folder, and those that it is in, for those who may read a file of this mode. May raise OSError."""
-    if not folder.is_dir():
-        make_folder(folder.parent, mode)
-        folder.mkdir(mode | (mode & 0o444) >> 2, exist_ok=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 
@@ -18,11 +19,7 @@ PATIENCE_NS = 10_000_000_000  # longest silence of the tap, which sends somethin
 AGAIN_S = 1.0  # pause before the next try
 MOST_AGAIN_S = 60.0  # and when connections end soon, again and again
 _STEADY_NS = 60_000_000_000  # a connection that lasts longer does not end soon
-
 _AT_ONCE = 10  # messages of the tap that are passed on at once, then one a second
-_ONE_EVERY_NS = 1_000_000_000
-
-_NOT_TAKEN = "they were not taken in time here, or by the network"
 
 _OF_A_READER = bytes(flag & Flag.FROM_READER for flag in range(256))
 
@@ -124,8 +121,7 @@ class DistantReader:
             self._pass_on(message.happening, message.text)
         elif isinstance(message, protocol.Lost):
             self._place += message.characters
-            self._lost = True
-            self._pass_on(Happening.LOST, _missing(message.characters, _NOT_TAKEN))
+            self._miss(message.characters, "they were not taken in time here, or by the network", self._pass_on)
 
     def _own(self, read: Read) -> Read:
         """Convert a read of the tap into one of ours."""
@@ -145,24 +141,28 @@ class DistantReader:
     def _tell(self, happening: Happening, text: str) -> None:
         self._reads.append(Read(self.line, self._time_ns, b"", b"", 0, notices=(Notice(happening, text),)))
 
+    def _miss(self, count: int, why: str, tell: Callable[[Happening, str], None]) -> None:
+        self._lost = True
+        tell(Happening.LOST, f"{count} character{'' if count == 1 else 's'} missing: {why}")
+
     def _pass_on(self, happening: Happening, text: str) -> None:
         """Tell what the tap says; of a flood only a little."""
-        if not self._passes():
-            self._left_out += 1
-            return
-        if self._left_out:
+        if self._passes():
             self._tell_left_out()
-        self._tell(happening, text)
+            self._tell(happening, text)
+        else:
+            self._left_out += 1
 
     def _passes(self) -> bool:
         now = monotonic_ns()
-        if self._all_again_ns - now > (_AT_ONCE - 1) * _ONE_EVERY_NS:
+        if self._all_again_ns - now > (_AT_ONCE - 1) * 1_000_000_000:
             return False
-        self._all_again_ns = max(self._all_again_ns, now) + _ONE_EVERY_NS
+        self._all_again_ns = max(self._all_again_ns, now) + 1_000_000_000
         return True
 
     def _tell_left_out(self) -> None:
-        self._tell(Happening.MARKER, f"the tap says too much: {self._left_out} of its messages are left out here")
+        if self._left_out:
+            self._tell(Happening.MARKER, f"the tap says too much: {self._left_out} of its messages are left out here")
         self._left_out = 0
 
     def _lose(self, why: str) -> None:
@@ -200,8 +200,7 @@ class DistantReader:
             self._tell(Happening.ANEW, f"{text}: how many characters are missing is not known")
             self._lost = True
         elif missing:
-            self._lost = True
-            self._tell(Happening.LOST, _missing(missing, away))
+            self._miss(missing, away, self._tell)
         else:
             self._tell(Happening.MARKER, f"{away}: no character is missing")
         self._begin(connection)
@@ -235,10 +234,6 @@ class _Search:
                 self._found.put(connect(self._port))
                 return
             self._ended.wait(AGAIN_S)
-
-
-def _missing(count: int, why: str) -> str:
-    return f"{count} character{'' if count == 1 else 's'} missing: {why}"
 
 
 def _clock(connection: Connection, port: str) -> str:

@@ -10,22 +10,22 @@ from __future__ import annotations
 import select
 import sys
 import threading
+import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from queue import Empty, SimpleQueue
 from typing import Protocol, runtime_checkable
 
 from sistap.line.clock import monotonic_ns
 from sistap.line.reader.contract import STEP_MS, PortLost, Reader
 from sistap.line.settings import Read
 
+_MOST_BYTES = 16 << 20  # that threads have read and nobody has taken: half a minute with a read in each ms
 if sys.platform == "win32":  # it has no poll, and does not need it
     _TO_READ = 0
 else:
     _TO_READ = select.POLLIN
-
-_HELD_BYTES = 16 << 20  # that threads have read and nobody has taken: half a minute with a read in each ms
-_READ_BYTES = 500  # memory of a read without its characters
 
 
 class Source(Protocol):
@@ -142,49 +142,13 @@ class PolledReaders:
             self._lost.append(PortLost(str(lost), reader.line))
 
 
-class _Queue:
-    """What the threads have read. They wait while it holds much: a port that floods must not fill the memory."""
-
-    def __init__(self) -> None:
-        self._items: deque[Read | PortLost] = deque()
-        self._held_bytes = 0
-        self._ended = False
-        self._changed = threading.Condition()
-
-    def put(self, item: Read | PortLost) -> None:
-        """Add an item, as soon as there is room."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._held_bytes < _HELD_BYTES or self._ended)
-            self._items.append(item)
-            self._held_bytes += _size(item)
-            self._changed.notify_all()
-
-    def get(self, timeout_s: float) -> Read | PortLost | None:
-        """Return the oldest item; None if none came in that time."""
-        with self._changed:
-            if not self._changed.wait_for(lambda: self._items, timeout_s):
-                return None
-            item = self._items.popleft()
-            self._held_bytes -= _size(item)
-            self._changed.notify_all()
-            return item
-
-    def end(self) -> None:
-        """Let no thread wait any more."""
-        with self._changed:
-            self._ended = True
-            self._changed.notify_all()
-
-
-def _size(item: Read | PortLost) -> int:
-    return _READ_BYTES + (len(item.data) + len(item.flags) if isinstance(item, Read) else 0)
-
-
 class ThreadedReaders:
     """Readers with a thread each: for ports whose times have no bound, or are those of a virtual bus."""
 
     def __init__(self, readers: Sequence[Reader]) -> None:
-        self._queue = _Queue()
+        self._queue: SimpleQueue[Read | PortLost] = SimpleQueue()
+        self._bytes = 0  # in the queue
+        self._lock = threading.Lock()
         self._ended = False
         self._threads: list[threading.Thread] = []
         for reader in readers:
@@ -199,23 +163,33 @@ class ThreadedReaders:
     def end(self) -> None:
         """Stop reading: then the ports can be closed."""
         self._ended = True
-        self._queue.end()
         for thread in self._threads:
             thread.join()
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
-        item = self._queue.get(timeout_s)
+        try:
+            item = self._queue.get(timeout=timeout_s) if timeout_s else self._queue.get_nowait()
+        except Empty:
+            return None
         if isinstance(item, PortLost):
             raise item
+        self._count(item, -1)
         return item
+
+    def _count(self, read: Read, sign: int) -> None:
+        with self._lock:
+            self._bytes += sign * (500 + 2 * len(read.data))  # roughly its memory
 
     def _listen(self, reader: Reader) -> None:
         while not self._ended:
+            while self._bytes > _MOST_BYTES and not self._ended:  # a port that floods must not fill the memory
+                time.sleep(STEP_MS / 1000)
             try:
                 read = reader.read(STEP_MS / 1000)
             except PortLost as lost:
                 self._queue.put(PortLost(str(lost), reader.line))
                 return
             if read:
+                self._count(read, 1)
                 self._queue.put(read)
