@@ -26,7 +26,7 @@ EVERY_VALUE = bytes(range(256))  # including FF, which a terminal doubles
 BREAKS = 20
 SHORT_SILENCE = "silence:20"
 FIFO = 16  # characters of a 16550
-JUDGED = 3000  # characters with known errors
+JUDGED = 8000  # characters with known errors
 
 # Rates and formats, and whether each driver must support them. It may refuse the others. If it accepts one, the device
 # must really have it.
@@ -225,7 +225,7 @@ def breaks(bench: Bench) -> None:
     _same(bytes(data), TELEGRAM * BREAKS)
 
 
-def errors(bench: Bench) -> str:
+def errors(bench: Bench) -> truth.Figures:
     """What the driver says of characters with errors is told, and nothing else: judged by what was sent."""
     bench.can("errors")
     line = bench.line
@@ -381,7 +381,7 @@ def modem_lines(bench: Bench) -> str:
     return f"high for {(lines[2].ns - lines[1].ns) / 1e6:.1f} ms"
 
 
-CHECKS: dict[str, Callable[[Bench], str | None]] = {
+CHECKS: dict[str, Callable[[Bench], object]] = {
     "`ports`": ports,
     "`doctor`, by a user who may open the port, and by one who may not": doctor,
     "every character captured": capture,

@@ -152,7 +152,8 @@ class Guest:
             *"-msg timestamp=on -accel".split(),
             accelerator,
             *("-cpu", "qemu64", "-kernel", "vmlinuz", "-initrd", "guest.cpio", "-append"),
-            "console=ttyS0 rdinit=/init mitigations=off 8250.nr_uarts=8 quiet earlyprintk=ttyS0",
+            "console=ttyS0 rdinit=/init mitigations=off 8250.nr_uarts=8 quiet earlyprintk=ttyS0 "
+            "no_timer_check",  # on a busy computer the timer is late, and the kernel would panic
             *"-chardev file,id=console,path=console -device isa-serial,chardev=console,index=0".split(),
             *"-chardev socket,id=agent,path=agent,server=on,wait=off -device virtio-serial".split(),
             *"-device virtserialport,chardev=agent,name=agent -qmp unix:qmp,server=on,wait=off".split(),
