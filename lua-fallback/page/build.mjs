@@ -82,17 +82,17 @@ async function parts() {
 
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-// Nothing may come from elsewhere, and nothing may go there.
-function policy(more) {
+// Nothing may come from elsewhere, and nothing may go there. `own` are the files of the folder.
+function policy({ style, script, own = "" }) {
   const rules = {
     "default-src": "'none'",
-    "style-src": `${more.style} ${hash(content.reportStyle)}`,
-    "script-src": `${more.script} blob: 'wasm-unsafe-eval'`,
-    "worker-src": `blob: ${more.worker ?? ""}`,
-    "connect-src": `blob: ${more.connect ?? ""}`,
-    "img-src": "data: blob:",
+    "style-src": `${style} ${hash(content.reportStyle)}`,
+    "script-src": `${script} blob: 'wasm-unsafe-eval'`,
+    "worker-src": `blob: ${own}`,
+    "connect-src": `blob: ${own}`,
+    "img-src": `data: blob: ${own}`,
     "frame-src": "'none'",
-    "manifest-src": more.worker ?? "'none'",
+    "manifest-src": own || "'none'",
     "base-uri": "'none'",
     "form-action": "'none'",
   };
@@ -132,10 +132,10 @@ const files = {
   "icon.svg": source("icon.svg"),
 };
 files["service.js"] = filled(source("service.js"), { stamp: stamp.slice(0, 16),
-  files: ["./", ...Object.keys(files), ...all.map(({ name }) => `parts/${name}`)].join(" ") });
+  files: ["./", "index.html", ...Object.keys(files), ...all.map(({ name }) => `parts/${name}`)].join(" ") });
 for (const [name, text] of Object.entries(files)) writeFileSync(join(folder, name), text);
 writeFileSync(join(folder, "index.html"), filled(template, {
-  policy: policy({ style: "'self'", script: "'self'", worker: "'self'", connect: "'self'" }),
+  policy: policy({ style: "'self'", script: "'self'", own: "'self'" }),
   head: `<link rel="stylesheet" href="page.css"><link rel="manifest" href="page.webmanifest"><link rel="icon" href="icon.svg">`,
   parts: linked.join("\n"),
   script: `<script src="page.js"></script>`,

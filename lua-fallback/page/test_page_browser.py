@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
 import tty
 from base64 import b64encode
 from collections.abc import Callable, Iterator
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -117,10 +120,88 @@ def test_which_drive_answers_late(chromium: Chromium, tmp_path: Path) -> None:
     chromium.run(f"{bar}.querySelector('button').click()")
     chromium.until("/^\\d+ of 71 packets/.test(document.querySelector('#filter-said').textContent)")
     assert chromium.run("document.querySelector('.packet-list .rows').textContent.includes('5 -> 16')")
+    chromium.until("document.querySelector('.packet-list .rows .row.selected')")  # the tree is of a late answer, too
+    assert chromium.run("document.querySelector('.row.selected').ariaRowIndex") == "2"
     show(chromium, "answer")
     table = "[...document.querySelectorAll('[aria-label=Stations] td')].map((cell) => cell.textContent)"
     assert chromium.run(table)[:7] == ["5", "10", "36.0 ms", "143 ms", "0", "0", "0"]
     assert "6" in chromium.run(table)[::7]  # it never answers
+
+
+def test_what_has_no_limit_is_not_judged(chromium: Chromium, tmp_path: Path) -> None:
+    """TrS is the longest reaction time that is allowed. Who knows it can tell it: then 310 ms are too many."""
+    lines = []
+    for place in range(8):
+        for way, ms, telegram in (
+            ("TX", 0, build(0x12, 16, 4)),
+            ("RX", 310 if place == 5 else 20, build(0x12, 16, 4, b"\0\x02", reaction=True)),
+        ):
+            lines.append(f"14.03.2013 08:21:{2 * place:02}.{ms:03} [{way}] - {telegram.hex(' ').upper()}\r\n")
+    log = tmp_path / "docklight.txt"
+    log.write_text("".join(lines), newline="")
+    choose(chromium, log)
+    bar = "document.querySelector('.answer-bar')"
+    chromium.until(f"/Slowest/.test({bar}.textContent)")
+    said = chromium.run(f"{bar}.textContent")
+    assert "OK" not in said
+    assert "No fault found" in said
+    assert "That is unusual: look at it." in said
+    assert "Not judged: reaction times (no TrS), intervals in telegrams (no TzA)." in said
+    assert chromium.run(f"[...{bar}.classList]") == ["answer-bar"]  # neither green nor red
+    for view in ("report", "answer"):
+        show(chromium, view)
+        assert "Limits: nothing" not in chromium.run("document.querySelector('.answer').textContent")
+        button = f"[...document.querySelectorAll('.{'report' if view == 'report' else 'page'}:not([hidden]) button')]"
+        chromium.until(f"{button}.some((one) => one.textContent === 'Limits')")
+    chromium.click("Limits")
+    chromium.run("(document.querySelector('#tza').value = 30, document.querySelector('#trs').value = 50)")
+    chromium.click("Use them")
+    chromium.until(f"{bar}.textContent.startsWith('NOT OK')")
+    assert chromium.run(f"[...{bar}.classList]") == ["answer-bar", "bad"]
+    assert "Not judged" not in chromium.run(f"{bar}.textContent")
+    assert "8:21:10" in chromium.run("document.querySelector('.answer').textContent")
+
+
+def test_the_last_time_fits_its_column(chromium: Chromium, tmp_path: Path) -> None:
+    """The first rows have fewer digits."""
+    choose(chromium, capture_of(1000, tmp_path))
+    chromium.run("document.querySelector('.packet-list').focus()")
+    chromium.press("End", 35)
+    chromium.until("Number(document.querySelector('.row.selected')?.children[0].textContent) > 900")
+    cells = "[...document.querySelector('.row.selected').children].slice(0, 2)"
+    assert chromium.run(f"{cells}.filter((one) => one.scrollWidth > one.clientWidth).length") == 0
+
+
+def test_after_a_log_the_bus_has_no_log(chromium: Chromium, tmp_path: Path) -> None:
+    log = tmp_path / "log.txt"
+    log.write_text("10:00:00.100 02 D9 00 00 00 12 10 03\n")
+    choose(chromium, log)
+    assert chromium.run("document.querySelector('.log-pane').hidden") is False
+    show(chromium, "play")
+    chromium.click("Play live")
+    chromium.until("document.querySelector('#open-name').textContent === 'demo.pcapng'")
+    assert chromium.run("document.querySelector('.log-pane').hidden") is True
+    chromium.click("Stop")
+    chromium.until("!document.querySelector('.live-bar') && document.querySelector('#busy').hidden")
+
+
+def test_the_example_is_a_telegram(chromium: Chromium) -> None:
+    chromium.run("document.querySelector('.paste button').click()")
+    chromium.until("document.querySelector('#trouble').textContent === 'Paste a telegram first'")
+    chromium.run("(([field]) => (field.value = field.placeholder))(document.querySelectorAll('#pasted'))")
+    chromium.run("document.querySelector('.paste button').click()")
+    chromium.until("/Checksum: 0xd9 \\[correct\\]/.test(document.querySelector('.tree').textContent)")
+
+
+def test_of_several_files_the_first_is_opened_and_that_is_said(chromium: Chromium) -> None:
+    assert chromium.run("document.querySelector('#chooser').multiple") is False
+    chromium.run("""(() => {
+      const dataTransfer = new DataTransfer();
+      for (const name of ['a.txt', 'b.txt']) dataTransfer.items.add(new File(['02 D9 00 00 00 12 10 03'], name));
+      document.body.dispatchEvent(new DragEvent('drop', {dataTransfer, bubbles: true, cancelable: true}));
+    })()""")
+    chromium.until("location.hash === '#packets' && document.querySelector('.packet-list .row.selected')")
+    chromium.until("document.querySelector('.packets').textContent.includes('Only a.txt is open')")
 
 
 def test_follow_shows_the_bytes_of_both_stations(chromium: Chromium) -> None:
@@ -318,6 +399,38 @@ def test_a_large_capture_freezes_nothing(chromium: Chromium, tmp_path: Path) -> 
     longest_ms = max(chromium.run("gaps"))
     print(f"100,000 telegrams, load {os.getloadavg()[0]:.0f}: the page was busy for {longest_ms:.0f} ms at most")
     assert longest_ms < 1000
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves files, and prints nothing."""
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing of a request."""
+
+
+def test_the_folder_needs_its_server_once(browser: Chromium, page: Path, tmp_path: Path) -> None:
+    """It can be installed. From the second visit on it opens a log without a network: that needs all its parts."""
+    log = tmp_path / "log.txt"
+    log.write_text("10:00:00.100 02 D9 00 00 00 12 10 03\n")
+    browser.renew()
+    handler = functools.partial(Quiet, directory=page.parent / "page")
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        address = f"http://localhost:{server.server_port}/"
+        serving = threading.Thread(target=server.serve_forever)
+        serving.start()
+        browser.open(address)
+        browser.until("navigator.serviceWorker.controller")
+        server.shutdown()
+        serving.join()
+    found = browser.call("Page.getInstallabilityErrors")["installabilityErrors"]
+    assert [one["errorId"] for one in found] == ["in-incognito"]  # as every window of a test is
+    browser.open(f"{address}?again")
+    browser.until("document.documentElement.dataset.ready")
+    choose(browser, log)
+    assert "Checksum: 0xd9 [correct]" in browser.run("document.querySelector('.tree').textContent")
+    browser.open(f"{address}index.html")
+    browser.until("document.documentElement.dataset.ready")
+    assert browser.complaints == []
 
 
 @pytest.mark.skipif(FIREFOX is None, reason="needs Firefox (Debian: firefox-esr)")

@@ -8,13 +8,16 @@ import { reported } from "./report.js";
 const AT_ONCE = 5000; // packets of a capture that is judged without being asked: some seconds
 const MOST = 200; // packets in a filter
 const KINDS = { "NOT OK": "bad", OK: "good" }; // of the bar, by the verdict
+const UNUSUAL = 5; // a slowest answer that takes so many times what half of the answers take is worth a look
+const LIMITED = { trs: "reaction times (no TrS)", tza: "intervals in telegrams (no TzA)" };
 
 const ms = (seconds) => `${(seconds * 1000).toFixed(seconds < 0.1 ? 1 : 0)} ms`;
 
 export class Answer {
-  constructor(capture, { applyFilter, showing }) {
+  constructor(capture, { applyFilter, showing, tellLimits }) {
     this.capture = capture;
     this.applyFilter = applyFilter;
+    this.tellLimits = tellLimits;
     this.bar = element("div", { className: "answer-bar", role: "status" });
     this.body = element("div", {});
     this.root = element("section", { className: "page", "aria-labelledby": "answer-title" },
@@ -58,11 +61,29 @@ export class Answer {
     const found = JSON.parse(new TextDecoder().decode(await reported(this.capture, "json", options)));
     if (bytes !== this.capture.bytes) return;
     this.found = found;
-    const [verdict] = found.answer[0].split(",");
-    this.bar.className = `answer-bar ${KINDS[verdict] ?? ""}`;
-    this.bar.replaceChildren(element("b", {}, found.answer[0]), " ", ...this.slowest(), ...this.silent(), " ", element("a", { href: "#answer" }, "What happened"));
-    this.body.replaceChildren(element("ul", { className: "answer" }, ...found.answer.map((line) => element("li", {}, line))),
-      ...this.stations(), ...this.episodes());
+    const [first, ...lines] = this.answer;
+    this.bar.className = `answer-bar ${KINDS[first.split(",")[0]] ?? ""}`;
+    this.bar.replaceChildren(element("b", {}, first), " ", ...this.slowest(), ...this.silent(), ...this.unjudged(), " ", element("a", { href: "#answer" }, "What happened"));
+    this.body.replaceChildren(element("ul", { className: "answer" }, ...[first, ...lines].map((line) => element("li", {}, line))),
+      element("p", {}, ...this.unjudged()), ...this.stations(), ...this.episodes());
+  }
+
+  // What cannot be judged, because neither the bus nor a person has told the limit.
+  get withoutLimit() {
+    const { limits } = this.found;
+    return Object.entries(LIMITED).filter(([name]) => limits[name].no_limit > 0 && !limits[name].limits_s.length).map(([, words]) => words);
+  }
+
+  // The lines of the answer. Where a limit is missing, finding nothing is no verdict.
+  get answer() {
+    const { answer } = this.found;
+    if (!this.withoutLimit.length) return answer;
+    return answer.map((line) => line.replace(/^OK,/, "No fault found,")).filter((line) => line !== "Limits: nothing.");
+  }
+
+  unjudged() {
+    const words = this.withoutLimit;
+    return words.length ? [` Not judged: ${words.join(", ")}. `, button("Limits", this.tellLimits)] : [];
   }
 
   // The stations that answer, the slowest one first.
@@ -75,7 +96,8 @@ export class Answer {
     const [first] = this.answering;
     if (!first?.reaction_times.count) return [];
     const { station, reaction_times: { half_within_s: half, longest_s: longest } } = first;
-    return ["Slowest to answer: ", this.toLongest(station, longest, `station ${station}, up to ${ms(longest)}`), ` (half of its answers: ${ms(half)}).`];
+    return ["Slowest to answer: ", this.toLongest(station, longest, `station ${station}, up to ${ms(longest)}`), ` (half of its answers: ${ms(half)}).`,
+      longest > UNUSUAL * half ? " That is unusual: look at it." : ""];
   }
 
   silent() {

@@ -119,7 +119,7 @@ export class Capture extends EventTarget {
     this.trouble = about.trouble;
     this.matched = about.packets;
     this.tell("opened");
-    if (filter) await this.setFilter(filter).catch(() => this.setFilter(""));
+    if (filter) await this.showOnly(filter).catch(() => this.showOnly(""));
     else this.tell("filtered");
     await this.select(number && number <= this.packets ? number : (await this.numberAt(0)));
   }
@@ -149,8 +149,15 @@ export class Capture extends EventTarget {
     this.viewer = this.watched(Promise.resolve(next));
   }
 
-  // Uses a display filter; throws Wireshark's words if it is not valid.
+  // Uses a display filter; throws Wireshark's words if it is not valid. A packet that it hides is not selected any longer.
   async setFilter(filter) {
+    await this.showOnly(filter);
+    const { number } = this;
+    const isSeen = number > 0 && (await this.numberAt(await this.placeOf(number))) === number;
+    if (!isSeen) await this.select(await this.numberAt(0));
+  }
+
+  async showOnly(filter) {
     const { name, bytes, log, number } = this;
     const { matched, rows } = await this.ask("Filtering", "rows", [filter, 0, BLOCK], { name, bytes, log, number });
     this.filter = filter;

@@ -31,7 +31,10 @@ export async function openBytes(capture, name, bytes, { pattern = "" } = {}) {
   return capture.open(name, made, { log: { ...lines, bytes, pattern }, number: FIRST });
 }
 
-export const openPasted = (capture, text) => openBytes(capture, PASTED, new TextEncoder().encode(text));
+export async function openPasted(capture, text) {
+  if (!text.trim()) throw new Error("Paste a telegram first");
+  return openBytes(capture, PASTED, new TextEncoder().encode(text));
+}
 
 // `words` are options of `sistap import`, such as ["--baud", "9600"].
 export async function importBytes(capture, name, bytes, words = []) {

@@ -5,7 +5,7 @@ import { element } from "./dom.js";
 
 const ROW = 24; // pixels, as in page.css
 const MORE = 8; // rows above and below those that are seen
-const SAMPLE = 40; // rows that decide on widths
+const SAMPLE = 40; // rows that decide on widths, with the last number and time of the capture
 const WIDEST = 26, WIDEST_TEXT = 54; // characters, but for the last column; of what the packet says
 
 export class PacketList {
@@ -18,6 +18,7 @@ export class PacketList {
     this.root = element("div", {
       className: "packet-list", role: "grid", tabIndex: 0, "aria-label": "Packets", "aria-readonly": "true",
       onscroll: () => this.draw(), onkeydown: (event) => this.press(event), onclick: (event) => this.click(event),
+      onmouseover: (event) => showWhole(event.target),
     }, element("div", { role: "rowgroup", className: "head-group" }, this.head), this.body);
     this.place = 0; // of the selected row
     this.drawn = new Map(); // rows by place
@@ -34,7 +35,7 @@ export class PacketList {
     const { matched } = this.capture;
     this.root.setAttribute("aria-rowcount", matched + 1);
     this.body.style.height = `${matched * ROW}px`;
-    this.isFitted &&= scrollTop > 0;
+    if (scrollTop === 0) this.fitted = "";
     this.root.scrollTop = scrollTop;
     this.draw();
   }
@@ -84,19 +85,25 @@ export class PacketList {
     row.style.color = ink;
     cells.forEach((text, place) => {
       const { digits } = this.columns[place];
-      const shown = digits === null || !text.includes(".") ? text : text.slice(0, text.indexOf(".") + 1 + digits);
-      row.children[place].textContent = shown;
-      row.children[place].title = shown.length > WIDEST ? shown : "";
+      row.children[place].textContent = digits === null || !text.includes(".") ? text : text.slice(0, text.indexOf(".") + 1 + digits);
     });
   }
 
-  // Gives the columns the widths of what is in the first rows.
+  // How many characters a column needs at the end of the capture.
+  atTheEnd({ format, digits }) {
+    const { packets, seconds } = this.capture;
+    if (format === "%m") return String(packets).length;
+    return format === "%t" ? String(Math.floor(seconds)).length + 1 + (digits ?? 0) : 0;
+  }
+
+  // Gives the columns the widths of what is in the first rows; again when the capture has grown beyond them.
   fit() {
     const rows = [...this.drawn.values()].filter((row) => row.number).slice(0, SAMPLE);
-    if (this.isFitted || !rows.length) return;
-    this.isFitted = true;
+    const ends = this.columns.map((column) => this.atTheEnd(column));
+    if (this.fitted === ends.join() || !rows.length) return;
+    this.fitted = ends.join();
     const widths = this.columns.map(({ title, format }, place) =>
-      Math.min(Math.max(title.length + 1, ...rows.map((row) => row.children[place].textContent.length)), format === "%i" ? WIDEST_TEXT : WIDEST));
+      Math.min(Math.max(title.length + 1, ends[place], ...rows.map((row) => row.children[place].textContent.length)), format === "%i" ? WIDEST_TEXT : WIDEST));
     const tracks = widths.map((width, place) => (place === widths.length - 1 ? "minmax(12rem, 1fr)" : `${width + 2}ch`));
     this.root.style.setProperty("--columns", tracks.join(" "));
   }
@@ -151,4 +158,9 @@ export class PacketList {
     this.capture.isFollowing = false;
     this.capture.select(row.number);
   }
+}
+
+// What is cut off is seen where the pointer is.
+function showWhole(cell) {
+  cell.title = cell.matches(".row > span") && cell.scrollWidth > cell.clientWidth ? cell.textContent : "";
 }

@@ -17,6 +17,7 @@ import { followView, streamOf } from "./follow.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
 import { LogLines, noteOf } from "./log.js";
+import { keepParts } from "./parts.js";
 import { playView } from "./play.js";
 import { readProfile } from "./profile.js";
 import { reportView } from "./report.js";
@@ -58,7 +59,11 @@ const opening = (work, { stays = false } = {}) => showing(async () => {
   }
 });
 
-const openFiles = ([file]) => file && opening(async () => openBytes(capture, file.name, new Uint8Array(await file.arrayBuffer())));
+// One capture is open at a time.
+const openFiles = ([file, ...others]) => file && opening(async () => {
+  await openBytes(capture, file.name, new Uint8Array(await file.arrayBuffer()));
+  if (others.length) capture.note(`Only ${file.name} is open. Drop one file at a time.`);
+});
 
 const goTo = (number) => showing(async () => {
   location.hash = "#packets";
@@ -73,8 +78,13 @@ const applyFilter = (filter, { stays = false } = {}) => showing(async () => {
 const reopen = (preferences) => {
   if (shown !== "learn") capture.kept = preferences;
   const { name, bytes, log, filter, number } = capture;
-  return opening(() => capture.open(name, bytes, { log, filter, number, preferences }), { stays: true });
+  return opening(async () => {
+    await capture.open(name, bytes, { log, filter, number, preferences });
+    views[shown].enter?.();
+  }, { stays: true });
 };
+
+const tellLimits = () => askLimits(capture, reopen);
 
 function packetsView(profile, answer) {
   const filter = new FilterBar(capture, profile.buttons);
@@ -88,7 +98,7 @@ function packetsView(profile, answer) {
     views.follow.begin(streamOf(capture.packet));
   }, { title: "All telegrams of the two stations of this packet" });
   capture.addEventListener("selected", () => (follow.disabled = streamOf(capture.packet) === undefined));
-  filter.quick.append(element("span", { className: "right-side" }, follow, button("Limits", () => askLimits(capture, reopen)),
+  filter.quick.append(element("span", { className: "right-side" }, follow, button("Limits", tellLimits),
     button("Export", exporting.open_)));
   const logPane = element("div", { className: "pane log-pane", hidden: true }, log.root);
   const below = element("div", { className: "below" }, element("div", { className: "pane" }, tree.root, tree.said),
@@ -96,12 +106,14 @@ function packetsView(profile, answer) {
   const notes = element("div", {});
   const showNotes = () => notes.replaceChildren(capture.trouble, capture.log ? noteOf(capture.log) : "");
   capture.addEventListener("noted", showNotes);
-  capture.addEventListener("opened", () => {
-    logPane.hidden = !capture.log;
-    below.classList.toggle("with-log", Boolean(capture.log));
-    showNotes();
-    if (capture.log) log.begin();
-  });
+  for (const event of ["opened", "grown"]) {
+    capture.addEventListener(event, () => {
+      logPane.hidden = !capture.log;
+      below.classList.toggle("with-log", Boolean(capture.log));
+      showNotes();
+      if (capture.log) log.begin();
+    });
+  }
   return element("section", { className: "packets", "aria-label": "Packets" },
     element("h1", { className: "visually-hidden" }, "Packets"), answer.bar, filter.root, notes, list.root, splitter(list.root), below, exporting);
 }
@@ -137,7 +149,7 @@ const links = (names) => Object.entries(names).map(([name, words]) => element("a
 
 async function begin() {
   const profile = await readProfile();
-  const acts = { goTo, applyFilter, opening, showing };
+  const acts = { goTo, applyFilter, opening, showing, tellLimits };
   const answer = new Answer(capture, acts);
   const packets = packetsView(profile, answer);
   Object.assign(views, {
@@ -175,6 +187,7 @@ async function begin() {
   route();
   await capture.viewer;
   document.documentElement.dataset.ready = "true";
+  keepParts();
 }
 
 begin().catch(trouble);

@@ -18,6 +18,12 @@ export async function scriptAddress(name) {
   return URL.createObjectURL(new Blob([await partText(name)], { type: "text/javascript" }));
 }
 
+// In the folder for a web server, a service worker keeps all files: from the second visit on the page needs no server.
+export function keepParts() {
+  const inFolder = document.querySelector("[data-part][data-address]") !== null;
+  if (inFolder) navigator.serviceWorker?.register("service.js").catch(() => {}); // without it, the page needs its server
+}
+
 // An element that is read to its end has something behind it.
 function elementOf(name) {
   return new Promise((resolve, reject) => {

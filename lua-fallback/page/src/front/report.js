@@ -20,7 +20,10 @@ export async function reported(capture, format, options) {
   return written[out];
 }
 
-export function reportView(capture, { showing }) {
+// What a report says of a missing limit is for the command: here a button does it.
+const ASKS_LIMIT = /add --(tza|trs) MS/;
+
+export function reportView(capture, { showing, tellLimits }) {
   const frame = element("iframe", { title: "Report", sandbox: "", className: "report-frame" });
   const bar = element("p", { className: "report-bar" });
   const root = element("section", { className: "report", "aria-labelledby": "report-title" },
@@ -32,6 +35,7 @@ export function reportView(capture, { showing }) {
       const page = await capture.long("Making the report", (options) => reported(capture, "html", options));
       frame.srcdoc = new TextDecoder().decode(page);
       bar.replaceChildren(button("Save the report", () => save(`${capture.name}.html`, page, "text/html")));
+      if (ASKS_LIMIT.test(frame.srcdoc)) bar.append(" The capture does not set TzA or TrS. If you know them, tell them here: ", button("Limits", tellLimits));
     } catch (error) {
       of = null;
       throw error;

@@ -4,11 +4,11 @@
 import { element } from "./dom.js";
 
 export function startView({ openFiles, openPasted }) {
-  const chooser = element("input", { type: "file", id: "chooser", className: "visually-hidden", multiple: true, onchange: () => {
+  const chooser = element("input", { type: "file", id: "chooser", className: "visually-hidden", onchange: () => {
     openFiles([...chooser.files]);
     chooser.value = "";
   } });
-  const pasted = element("textarea", { id: "pasted", rows: 5, spellcheck: false, placeholder: "02 D9 02 02 00 12 03 10 02 00" });
+  const pasted = element("textarea", { id: "pasted", rows: 5, spellcheck: false, placeholder: "02 D9 00 00 00 12 10 03" });
   return element("section", { className: "start", "aria-labelledby": "start-title" },
     element("h1", { id: "start-title" }, "What happens on the SIS bus?"),
     element("div", { className: "drop" },

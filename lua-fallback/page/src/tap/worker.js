@@ -23,7 +23,9 @@ serve({
     startWireshark = () => startDissector(self.loadWiregasm, wireshark);
     const [code, library] = await Promise.all([unpacked(pythonCode), unpacked(pythonLibrary)]);
     // Pyodide fetches two files, which are here already.
-    self.fetch = async (address) => {
+    const { fetch } = self;
+    self.fetch = async (address, ...options) => {
+      if (!String(address).startsWith(NOWHERE)) return fetch(address, ...options); // a part of the folder
       const isCode = String(address).endsWith(".wasm");
       return new Response(isCode ? code : library, { headers: { "Content-Type": isCode ? "application/wasm" : "application/zip" } });
     };
