@@ -51,6 +51,12 @@ function python() {
   return JSON.stringify({ ...files, "rows.lua": source("tap", "rows.lua") });
 }
 
+// The texts of all licences, one below the other, that of the whole first.
+function licences() {
+  const others = ["notices", "lgpl-2.1", "mpl-2.0", "python"].map((name) => join(here, "licences", `${name}.txt`));
+  return [join(repository, "LICENSE"), ...others].map((path) => readFileSync(path, "utf8").trim()).join(`\n\n\n${"=".repeat(78)}\n\n\n`);
+}
+
 // What comes from Python: see content.py.
 const content = JSON.parse(execFileSync("python3", [join(here, "content.py")], { maxBuffer: 1 << 28 }));
 
@@ -68,6 +74,7 @@ async function parts() {
     "tap.js": ours + (await bundled("tap/worker.js")),
     "sistap.json": python(),
     "course.json": JSON.stringify(content.course),
+    "licences.txt": licences(),
     "python.wasm": pyodide("pyodide.asm.wasm"),
   };
   const packed = ([name, bytes]) => ({ name, bytes: gzipSync(bytes, { level: 9 }), isPacked: true });

@@ -401,6 +401,26 @@ def test_a_large_capture_freezes_nothing(chromium: Chromium, tmp_path: Path) -> 
     assert longest_ms < 1000
 
 
+def test_the_licences_are_in_it(chromium: Chromium) -> None:
+    """Each of them wants its text beside the program."""
+    chromium.click("About")
+    chromium.run("document.querySelector('dialog details summary').click()")
+    text = "document.querySelector('.licences').textContent"
+    chromium.until(text)
+    shown = chromium.run(text)
+    for words in (
+        "GNU GENERAL PUBLIC LICENSE\n                       Version 2, June 1991",
+        "GNU LESSER GENERAL PUBLIC LICENSE\n                       Version 2.1, February 1999",
+        "Mozilla Public License Version 2.0",
+        "PYTHON SOFTWARE FOUNDATION LICENSE VERSION 2",
+        "Permission is hereby granted, free of charge",
+        "Lua.org, PUC-Rio",
+        "University of Cambridge",
+        "Jean-loup Gailly",
+    ):
+        assert words in shown
+
+
 class Quiet(SimpleHTTPRequestHandler):
     """Serves files, and prints nothing."""
 
@@ -413,7 +433,7 @@ def test_the_folder_needs_its_server_once(browser: Chromium, page: Path, tmp_pat
     log = tmp_path / "log.txt"
     log.write_text("10:00:00.100 02 D9 00 00 00 12 10 03\n")
     browser.renew()
-    handler = functools.partial(Quiet, directory=page.parent / "page")
+    handler = functools.partial(Quiet, directory=str(page.parent / "page"))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         address = f"http://localhost:{server.server_port}/"
         serving = threading.Thread(target=server.serve_forever)

@@ -3,6 +3,7 @@
 
 import { USUAL } from "../dissect/dissector.js";
 import { button, element, table } from "./dom.js";
+import { partText } from "./parts.js";
 
 const field = (id, words, input) => element("p", { className: "field-line" }, element("label", { htmlFor: id }, words), input);
 const number = (id, value) => element("input", { type: "number", id, min: 0, max: 60000, step: 1, value });
@@ -48,10 +49,18 @@ const PARTS = [
   ["Part", "Licence", "Source"],
   ["this page, sis.lua, sistap", "GPL-2.0-or-later", "the project that this page is from, in lua-fallback/ and capture/"],
   ["Wireshark 4.4.5, for WebAssembly by wiregasm 1.9.1", "GPL-2.0-or-later", "https://www.wireshark.org/download/src/all-versions/ and https://github.com/good-tools/wiregasm"],
-  ["in it: GLib, Lua, libgcrypt, c-ares, nghttp2, PCRE2, zlib", "LGPL-2.1-or-later, MIT, LGPL-2.1-or-later, MIT, MIT, BSD-3-Clause, Zlib", "as wiregasm's lib/Makefile names them"],
+  ["in it: GLib, libgcrypt, libgpg-error", "LGPL-2.1-or-later", "as wiregasm's lib/Makefile names them"],
+  ["in it: Lua, c-ares, nghttp2, libffi, PCRE2, zlib", "MIT, MIT, MIT, MIT, BSD-3-Clause, Zlib", "as wiregasm's lib/Makefile names them"],
   ["Pyodide 314.0.7, with Emscripten's runtime", "MPL-2.0, MIT", "https://github.com/pyodide/pyodide"],
   ["CPython 3.14", "PSF-2.0", "https://github.com/python/cpython"],
 ];
+
+// The texts of the licences, unpacked when they are wanted.
+function licenceTexts() {
+  const text = element("pre", { className: "licences", tabIndex: 0, role: "region", "aria-label": "Texts of the licences" });
+  const show = async () => (text.textContent ||= await partText("licences.txt").catch(({ message }) => message));
+  return element("details", { ontoggle: show }, element("summary", {}, "The texts of the licences"), text);
+}
 
 export function about() {
   const dialog = element("dialog", { "aria-labelledby": "about-title", onclose: () => dialog.remove() },
@@ -60,7 +69,7 @@ export function about() {
       "The handbook is in the folder docs beside this file, if it was made: ",
       element("a", { href: "docs/index.html", target: "_blank", rel: "noopener" }, "Help"), ". ",
       "The whole is under the GNU General Public License, version 2 or later, without any warranty."),
-    table(PARTS, { name: "Parts and their licences" }), button("Close", () => dialog.close()));
+    table(PARTS, { name: "Parts and their licences" }), licenceTexts(), button("Close", () => dialog.close()));
   document.body.append(dialog);
   dialog.showModal();
 }
