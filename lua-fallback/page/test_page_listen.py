@@ -195,3 +195,77 @@ def test_two_ports_are_two_directions(chromium: Chromium, tmp_path: Path) -> Non
     feed(chromium, bytes.fromhex("02 C3 02 02 10 12 10 03 00 02"), port=1)
     frames = [record for record in stop(chromium, tmp_path) if record.type == Type.FRAME]
     assert [record.line for record in frames] == [1, 2]
+
+
+def test_what_was_heard_survives_the_page(chromium: Chromium, page: Path) -> None:
+    """The browser asks before it closes the page. If it does not, the next page offers what came."""
+    asks = "dispatchEvent(new Event('beforeunload', {cancelable: true}))"  # false: the browser has to ask
+    chromium.run("""(() => {
+      const release = async () => (globalThis.isAwake = false);
+      navigator.wakeLock.request = async () => (globalThis.isAwake = true, {release});
+    })()""")
+    assert chromium.run(asks) is True
+    listen(chromium, "9600")
+    assert chromium.run("isAwake") is True
+    assert chromium.run(asks) is False
+    feed(chromium, bytes.fromhex("02 D9 00 00 00 12 10 03"))
+    feed(chromium, bytes.fromhex("02 C3 02 02 10 12 10 03 00 02"))
+    chromium.until("/phase 2/.test(document.querySelector('.packet-list').textContent)")
+    time.sleep(4)  # what is heard is written every 2 s
+    chromium.open(page.as_uri() + "?again")
+    chromium.complaints.clear()  # it asks only somebody who has clicked
+    chromium.until("document.querySelector('.left')")
+    assert "was not ended" in chromium.run("document.querySelector('.left').textContent")
+    chromium.click("Open")
+    chromium.until("/phase 2/.test(document.querySelector('.packet-list').textContent)")
+    chromium.run("location.hash = '#open'")
+    chromium.click("Delete")
+    chromium.until("!document.querySelector('.left')")
+    chromium.open(page.as_uri() + "?third")
+    chromium.until("document.documentElement.dataset.ready")
+    assert not chromium.run("document.querySelector('.left')")
+
+
+def test_a_capture_that_was_ended_is_not_offered(chromium: Chromium, page: Path, tmp_path: Path) -> None:
+    listen(chromium, "9600")
+    feed(chromium, bytes.fromhex("02 D9 00 00 00 12 10 03"))
+    assert [record.type for record in stop(chromium, tmp_path)].count(Type.FRAME) == 1
+    chromium.open(page.as_uri() + "?again")
+    chromium.until("document.documentElement.dataset.ready")
+    assert not chromium.run("document.querySelector('.left')")
+
+
+FULL_DISK = """showSaveFilePicker = async () => ({createWritable: async () => ({
+  async write() { if (globalThis.isFull) throw new DOMException('no space', 'QuotaExceededError'); },
+  async close() {},
+})})"""
+FULL_STORAGE = """{
+  const add = IDBObjectStore.prototype.add;
+  IDBObjectStore.prototype.add = function (value, key) {
+    if (globalThis.isFull) throw new DOMException('no space', 'QuotaExceededError');
+    return add.call(this, value, key);
+  };
+}"""
+
+
+@pytest.mark.parametrize(
+    ("full", "into_file", "said"),
+    [
+        (FULL_DISK, "true", "The file cannot be written: no space. Listening has ended."),
+        (FULL_STORAGE, "false", "The browser has no more room for what is heard. Listening has ended"),
+    ],
+    ids=["disk", "storage"],
+)
+def test_where_nothing_more_can_be_written(full: str, into_file: str, said: str, chromium: Chromium) -> None:
+    """Listening ends, the cause is said, and what came is open."""
+    chromium.run(f"{full}; 0")
+    chromium.run(f"document.querySelector('#into-file').checked = {into_file}")
+    listen(chromium, "9600")
+    feed(chromium, bytes.fromhex("02 D9 00 00 00 12 10 03"))
+    shown = "document.querySelector('.packet-list').textContent.includes('Read phase')"
+    chromium.until(shown)
+    chromium.run("globalThis.isFull = true")
+    feed(chromium, bytes.fromhex("02 D9 00 00 00 12 10 03"))
+    chromium.until("!document.querySelector('.live-bar') && document.querySelector('#trouble').textContent")
+    assert said in chromium.run("document.querySelector('#trouble').textContent")
+    chromium.until(shown)

@@ -2,6 +2,7 @@
 // What is heard now becomes a capture: at one port of the browser, at the two of a full-duplex line, or at the tap of
 // `sistap web`.
 
+import { keepAs } from "./keeping.js";
 import { Lateness } from "./lateness.js";
 import { Live } from "./live.js";
 import { ListeningPort } from "./port.js";
@@ -72,5 +73,5 @@ export async function listenToTap(capture) {
 async function show(capture, source, file) {
   location.hash = "#packets";
   const name = `listened ${new Date().toISOString().slice(0, 19).replaceAll(":", "-")}.pcapng`;
-  await new Live(capture, { title: "Listening", name, controls: [], ...source }, file).run();
+  await new Live(capture, { title: "Listening", name, controls: [], ...source }, { kept: await keepAs(name), file }).run();
 }

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Something that is heard now: the bus that plays, or a port. Its blocks become a file, its last records the packet list.
 
+import { keepAwake } from "./awake.js";
 import { button, element, find, save } from "./dom.js";
+import { InMemory } from "./keeping.js";
 import { callTap } from "./tap.js";
 
 const STEP_MS = 200;
 const SHOW_MS = 1000; // how often the list is renewed, at least this long apart ...
 const EASE = 4; // ... and this many times what renewing takes
-const TOGETHER = 1 << 20; // bytes that are kept in memory before the browser may put them elsewhere
 const LARGEST = 200_000_000; // bytes of a capture that is opened at its end
 
 export class Live {
   // `source`: {title, name, controls, preferences, next(), close()}; next returns {chunk, said, isOver}, close what is not stepped yet.
-  constructor(capture, source, file = null) {
+  // `kept` is where the blocks go, see keeping.js; `file` is one that a person has named for them, open to write, or null.
+  constructor(capture, source, { kept = new InMemory(), file = null } = {}) {
     this.capture = capture;
     this.source = source;
-    this.file = file; // where the blocks go, if a person has named a file
-    this.parts = [];
-    this.chunks = [];
+    this.kept = kept;
+    this.file = file;
+    this.isBroken = false; // nothing more can be kept
     this.leftOut = 0;
     this.isOver = false;
     this.said = element("span", { role: "status" });
@@ -35,7 +37,11 @@ export class Live {
     await this.capture.live?.stop();
     await this.capture.prefer(this.source.preferences ?? this.capture.kept);
     this.capture.live = this;
-    this.ended = this.runOn().finally(() => (this.capture.live = null));
+    const sleep = keepAwake();
+    this.ended = this.runOn().finally(() => {
+      sleep();
+      this.capture.live = null;
+    });
     return this.ended;
   }
 
@@ -46,7 +52,7 @@ export class Live {
     try {
       while (!this.isOver) {
         const { chunk, said, isOver } = await this.source.next();
-        this.keep(chunk);
+        await this.keep(chunk);
         isNew ||= chunk.length > 0;
         this.said.textContent = said;
         this.isOver ||= isOver;
@@ -64,16 +70,17 @@ export class Live {
     }
   }
 
-  keep(chunk) {
-    if (!chunk.length) return;
-    if (this.file) {
-      this.file.write(chunk);
-      return;
+  async keep(chunk) {
+    if (this.isBroken) return;
+    try {
+      await this.kept.add(chunk);
+      if (chunk.length) await this.file?.write(chunk).catch(({ message }) => {
+        throw new Error(`The file cannot be written: ${message}. Listening has ended. What came until then is open: export it`);
+      });
+    } catch (error) {
+      this.isBroken = true;
+      throw error;
     }
-    this.chunks.push(chunk);
-    if (this.chunks.reduce((sum, { length }) => sum + length, 0) < TOGETHER) return;
-    this.parts.push(new Blob(this.chunks));
-    this.chunks = [];
   }
 
   async show() {
@@ -84,24 +91,27 @@ export class Live {
 
   async end() {
     const rest = await this.source.close?.();
-    if (rest?.length) this.keep((await callTap("step", [rest])).chunk);
+    if (rest?.length) await this.keep((await callTap("step", [rest])).chunk);
     await this.show();
-    this.keep(await callTap("end", []));
-    if (this.file) {
+    await this.keep(await callTap("end", []));
+    if (this.file && !this.isBroken) {
       await this.file.close();
-      return undefined;
+    } else {
+      const { filter, isFollowing, preferences } = this.capture;
+      const number = this.leftOut || isFollowing ? 0 : this.capture.number;
+      const said = await openWhole(this.capture, this.source.name, await this.kept.whole(), { filter, number, preferences });
+      if (said) this.capture.note(`${said} The list has its last records.`);
     }
-    const whole = new Blob([...this.parts, ...this.chunks]);
-    if (whole.size > LARGEST) return this.saveAway(whole);
-    const { filter, isFollowing, preferences } = this.capture;
-    const number = this.leftOut || isFollowing ? 0 : this.capture.number;
-    await this.capture.open(this.source.name, new Uint8Array(await whole.arrayBuffer()), { filter, number, preferences });
-    return undefined;
+    if (!this.isBroken) await this.kept.drop();
   }
+}
 
-  saveAway(whole) {
-    save(this.source.name, whole);
-    const size = Math.round(whole.size / 1e6).toLocaleString("en");
-    this.capture.note(`The whole capture, ${size} MB, was saved as ${this.source.name}: open it in Wireshark. The list has its last records.`);
+// Opens a capture that was heard; saves one that is too large for the page, and says so.
+export async function openWhole(capture, name, whole, options) {
+  if (whole.size <= LARGEST) {
+    await capture.open(name, new Uint8Array(await whole.arrayBuffer()), options);
+    return "";
   }
+  save(name, whole);
+  return `The whole capture, ${Math.round(whole.size / 1e6).toLocaleString("en")} MB, was saved as ${name}: open it in Wireshark.`;
 }

@@ -17,6 +17,7 @@ import { followView, streamOf } from "./follow.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
 import { LogLines, noteOf } from "./log.js";
+import { leftView } from "./left.js";
 import { keepParts } from "./parts.js";
 import { playView } from "./play.js";
 import { readProfile } from "./profile.js";
@@ -153,7 +154,7 @@ async function begin() {
   const answer = new Answer(capture, acts);
   const packets = packetsView(profile, answer);
   Object.assign(views, {
-    open: startView({ openFiles, openPasted: (text) => opening(() => openPasted(capture, text)) }),
+    open: startView({ left: leftView(capture, acts), openFiles, openPasted: (text) => opening(() => openPasted(capture, text)) }),
     listen: listenView(capture, acts),
     play: playView(capture, acts),
     learn: learnView(capture, packets, acts),
@@ -183,6 +184,7 @@ async function begin() {
     find("#of-capture").hidden = true;
     route();
   });
+  addEventListener("beforeunload", (event) => capture.live && event.preventDefault()); // the browser asks
   addEventListener("hashchange", route);
   route();
   await capture.viewer;

@@ -3,14 +3,14 @@
 
 import { element } from "./dom.js";
 
-export function startView({ openFiles, openPasted }) {
+export function startView({ left, openFiles, openPasted }) {
   const chooser = element("input", { type: "file", id: "chooser", className: "visually-hidden", onchange: () => {
     openFiles([...chooser.files]);
     chooser.value = "";
   } });
   const pasted = element("textarea", { id: "pasted", rows: 5, spellcheck: false, placeholder: "02 D9 00 00 00 12 10 03" });
   return element("section", { className: "start", "aria-labelledby": "start-title" },
-    element("h1", { id: "start-title" }, "What happens on the SIS bus?"),
+    element("h1", { id: "start-title" }, "What happens on the SIS bus?"), left,
     element("div", { className: "drop" },
       element("p", { className: "large" }, "Drop a capture or a log here"),
       chooser,
