@@ -13,7 +13,7 @@ from sharkd import Sharkd
 
 from lesson import recording
 from pages import HERE, markdown, questions
-from pages.content import content, lessons
+from pages.content import content, in_page, lessons
 
 LESSONS = lessons()
 READABLE = {
@@ -49,6 +49,18 @@ def test_every_question_can_be_checked() -> None:
             assert ask.accepted
             assert all(re.fullmatch(READABLE[ask.kind], one) for one in ask.accepted), ask
             assert len(ask.choices) != 1
+
+
+@pytest.mark.style
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.path.stem)
+def test_no_lesson_of_the_page_needs_a_terminal(lesson: questions.Lesson) -> None:
+    """Lesson 21 is about one, which somebody else had."""
+    asked = [text for one in lesson.questions for text in (one.text, one.lead, one.hint, one.answer)]
+    text = "\n".join([in_page(lesson.text), *asked, lesson.end])
+    told = re.findall(r"python3|\bpy -m|\bcd \w|wireshark -C|Command Prompt|<!--|-->|[Tt]erminals?\b", text)
+    assert not told or (lesson.path.stem == "21-typed-by-hand" and {word.lower() for word in told} == {"terminal"})
+    assert "\n## What to know\n" in text
+    assert "\n## Click\n" in text
 
 
 @pytest.mark.parametrize("lesson", SHORT, ids=lambda lesson: lesson.path.stem)

@@ -4,9 +4,13 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import pcapng as reader
+import pytest
 
+from sistap.bus.scenarios import scenario
+from sistap.cli import main
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, Record, Type, unpack
@@ -15,6 +19,7 @@ from sistap.web.play import Play
 from sistap.web.window import MOST, Window
 
 MS = 1_000_000
+MOST_AT_THE_END = 2000  # bytes of the last telegrams, and of the counters
 NAME_OF_S36 = (
     build(0x10, 16, 3, bytes.fromhex("14 05 00 24 00")),
     build(0x10, 16, 3, b"\x00\x14\x05Speed", reaction=True),
@@ -44,6 +49,17 @@ def test_the_last_records_come_after_what_was_told_before() -> None:
     assert first.data.decode() == "3 device 5 S-0-0036 name Speed"
     assert len(others) == MOST + 1 - MOST // 2
     assert window.before == 1
+
+
+@pytest.mark.parametrize("name", [name for name in scenario.names() if scenario.load(name).is_complete])
+def test_live_plays_the_bytes_of_the_command(name: str, tmp_path: Path) -> None:
+    """The command also plays what begins before the end."""
+    file = tmp_path / "bus.pcapng"
+    assert main(["bus", name, "-w", str(file), "--seed", "7", "--duration", "4"]) == 0
+    written, played = file.read_bytes(), Play(name, 7)
+    live = b"".join(played.step(place / 5) for place in range(21))
+    assert written.startswith(live)
+    assert len(written) - len(live) < MOST_AT_THE_END
 
 
 def test_the_bus_plays_into_the_page() -> None:

@@ -21,6 +21,8 @@ from pages.questions import Ask, Lesson, Question
 CAPTURE = Path(sistap.__file__).parents[1]
 # How the text opens its capture in Wireshark; the page has it open.
 _OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
+# What needs a terminal, and what stands in its place in the page: for other readers, a comment that they do not see.
+_TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->\n", re.DOTALL)
 PAPERS = {"sheet": "The telegram on one page", "poster": "Poster"}
 
 
@@ -46,7 +48,7 @@ def _lesson(lesson: Lesson, folder: Path) -> dict[str, Any]:
         "name": lesson.path.stem,
         "title": lesson.title,
         "aim": markdown.inline(lesson.aim),
-        "text": markdown.html(_OPENED.sub("", lesson.text, count=1)),
+        "text": markdown.html(in_page(lesson.text)),
         "questions": [_question(question) for question in lesson.questions],
         "end": markdown.html(lesson.end),
         "capture": b64encode(capture(lesson, folder).read_bytes()).decode(),
@@ -54,6 +56,11 @@ def _lesson(lesson: Lesson, folder: Path) -> dict[str, Any]:
         "scenario": scenario.read_text() if scenario.exists() else "",
         "seconds": _seconds(lesson),
     }
+
+
+def in_page(text: str) -> str:
+    """Return a text as the page has it: the capture is open, and there is no terminal."""
+    return _TERMINAL.sub(r"\1", _OPENED.sub("", text, count=1))
 
 
 def _question(question: Question) -> dict[str, Any]:

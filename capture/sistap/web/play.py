@@ -12,7 +12,7 @@ from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.faults import Fault
 from sistap.bus.scenarios.scenario import Playing, Scenario
 from sistap.bus.table import Table
-from sistap.bus.wires.recording import Recording
+from sistap.bus.wires.recording import START_NS, Recording
 from sistap.captures.stream import Stream
 from sistap.line.settings import LineSettings
 from sistap.records.record import Record
@@ -46,7 +46,8 @@ class _Tap(Recording):
     """A tap that also keeps the last records."""
 
     def __init__(self, stream: Stream, settings: LineSettings, text: str, seed: int, played: Scenario) -> None:
-        super().__init__(stream, settings, text, seed, 1, played.cut, played.lines)
+        begin_ns = START_NS if played.begin_ns is None else played.begin_ns
+        super().__init__(stream, settings, text, seed, 1, played.cut, played.lines, begin_ns)
         self.window = Window(self.interfaces, self.started)
 
     def _write(self, record: Record) -> None:

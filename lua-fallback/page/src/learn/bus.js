@@ -23,6 +23,6 @@ export function busOf(lesson, capture, showing) {
     const { preferences } = lesson;
     await new Live(capture, { title: "The bus of this lesson plays", name: fileOf(lesson), controls: [], preferences, next }).run();
   });
-  return [element("p", { className: "note" }, "Here you need no terminal: the capture is open beside this text. ",
+  return [element("p", { className: "note" }, "The recording is open beside this text. Or make it yourself: ",
     button(`Play this bus for ${lesson.seconds} s and record it`, play))];
 }
