@@ -54,7 +54,7 @@ function python() {
 // The texts of all licences, one below the other, that of the whole first.
 function licences() {
   const others = ["notices", "lgpl-2.1", "mpl-2.0", "python"].map((name) => join(here, "licences", `${name}.txt`));
-  return [join(repository, "LICENSE"), ...others].map((path) => readFileSync(path, "utf8").trim()).join(`\n\n\n${"=".repeat(78)}\n\n\n`);
+  return [join(repository, "LICENSE"), ...others].map((path) => readFileSync(path, "utf8").replace(/^\n+|\s+$/g, "")).join(`\n\n\n${"=".repeat(78)}\n\n\n`);
 }
 
 // What comes from Python: see content.py.

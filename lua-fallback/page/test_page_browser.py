@@ -41,6 +41,8 @@ HOSTILE = "<img src=x onerror=alert(1)>"
 TELEPHONE = 360  # pixels
 RUNS = 5  # whose median counts
 TIMED = ("first file", "again", "20,000 telegrams")
+WANTED_S, BEARABLE_S = (3, 1, 3), (30, 10, 30)  # of these, on a quiet computer with two cores, and on a busy one
+QUIET = 1  # load
 FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
 
 
@@ -348,16 +350,17 @@ def drop(browser: Chromium, file: Path) -> float:
     return time.monotonic() - begin
 
 
-def told(name: str, runs: list[list[float]]) -> None:
-    """Print medians, and check that a very busy computer keeps bounds, too."""
+def judge(name: str, runs: list[list[float]], load: float) -> None:
+    """Print medians, and check them; `load` was that before the test."""
     found = [median(each) for each in zip(*runs, strict=True)]
     words = ", ".join(f"{word} {seconds:.1f} s" for word, seconds in zip(TIMED, found, strict=True))
-    print(f"{name}, load {os.getloadavg()[0]:.0f}: {words}")
-    assert all(seconds < most for seconds, most in zip(found, (30, 10, 30), strict=True))
+    print(f"{name}, load {load:.0f} before: {words}")
+    assert all(seconds < most for seconds, most in zip(found, WANTED_S if load < QUIET else BEARABLE_S, strict=True))
 
 
 def test_how_long_it_takes(browser: Chromium, page: Path, tmp_path: Path) -> None:
     """On a quiet computer with two cores: 3 s from a double click, 1 s for the next file, 3 s for 20,000 telegrams."""
+    load, _, _ = os.getloadavg()
     small, large = capture_of(1000, tmp_path), capture_of(20_000, tmp_path)
     runs = []
     for _ in range(RUNS):
@@ -371,7 +374,7 @@ def test_how_long_it_takes(browser: Chromium, page: Path, tmp_path: Path) -> Non
             browser.run("location.hash = '#open'")
             runs[-1].append(drop(browser, capture))
         assert browser.complaints == []
-    told("Chromium", runs)
+    judge("Chromium", runs, load)
 
 
 def test_a_large_capture_freezes_nothing(chromium: Chromium, tmp_path: Path) -> None:
@@ -456,9 +459,10 @@ def test_the_folder_needs_its_server_once(browser: Chromium, page: Path, tmp_pat
 @pytest.mark.skipif(FIREFOX is None, reason="needs Firefox (Debian: firefox-esr)")
 def test_firefox_opens_it(page: Path, node: Callable[..., Any], tmp_path: Path) -> None:
     """As fast."""
+    load, _, _ = os.getloadavg()
     small, large = capture_of(1000, tmp_path), capture_of(20_000, tmp_path)
     found = [node("firefox.mjs", str(FIREFOX), page, small, small, large) for _ in range(RUNS)]
-    told("Firefox", [one["seconds"] for one in found])
+    judge("Firefox", [one["seconds"] for one in found], load)
     assert all(
         small_rows == again > 900 and rows > 19_000 for small_rows, again, rows in (one["rows"] for one in found)
     )

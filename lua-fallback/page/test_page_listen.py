@@ -215,7 +215,7 @@ def test_what_was_heard_survives_the_page(chromium: Chromium, page: Path) -> Non
     chromium.open(page.as_uri() + "?again")
     chromium.complaints.clear()  # it asks only somebody who has clicked
     chromium.until("document.querySelector('.left')")
-    assert "was not ended" in chromium.run("document.querySelector('.left').textContent")
+    assert "the page was closed while it listened" in chromium.run("document.querySelector('.left').textContent")
     chromium.click("Open")
     chromium.until("/phase 2/.test(document.querySelector('.packet-list').textContent)")
     chromium.run("location.hash = '#open'")

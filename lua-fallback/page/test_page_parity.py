@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The page shows what tshark shows with the same script: rows and trees of all captures."""
+"""The page shows what tshark shows with the same script: rows and trees of all captures and lessons."""
 
 from __future__ import annotations
 
+import json
 import re
+from base64 import b64encode
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
@@ -13,12 +15,16 @@ from xml.etree import ElementTree
 
 import pytest
 
+from chromium import Chromium, program
 from make import Scenario, scenarios
+from pages import content
 from parity import SCRIPT
 from sistap.wireshark.tshark import Tshark
 
 PROFILE = SCRIPT.parents[1] / "capture" / "sistap" / "profile" / "SIS" / "preferences"
-OURS = ("sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp")
+PLAYED = SCRIPT.parents[1] / "build" / "course"  # captures of lessons that the virtual bus plays
+OURS = ("sertap", "sis", "sisascii", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp")
+TREES = 500  # of a capture; only lessons 19 and 20 have more packets
 TABLE = "uat:"  # a table that the user edits, which Lua cannot have
 # A script knows section and interface from fields, and the first of two passes has none without a read filter.
 TWO_PASSES = ("-2", "-R", "frame")
@@ -31,6 +37,11 @@ MOST = 60  # characters that every version shows of long data
 
 Node = Callable[..., Any]
 Tree = tuple[str, int, int, list[Any]]  # text, first byte, count, what is below
+
+
+def played() -> list[Path]:
+    """Return the captures of lessons that have no text from which they are made."""
+    return [content.capture(one, PLAYED) for one in content.lessons() if not one.path.with_suffix(".txt").exists()]
 
 
 def groups() -> list[tuple[tuple[str, ...], list[Path]]]:
@@ -62,9 +73,10 @@ def without_time(cells: list[str]) -> list[str]:
     return [OF_TCP.sub("", cell) for place, cell in enumerate(cells) if place != 1]
 
 
-def trees(script: Tshark, capture: Path, options: Sequence[str]) -> Iterator[list[Tree]]:
-    """Yield the layers of ours of each packet."""
-    printed = script.output("-r", str(capture), *TWO_PASSES, *options, "-T", "pdml")
+def trees(script: Tshark, capture: Path, options: Sequence[str], step: int) -> Iterator[list[Tree]]:
+    """Yield the layers of ours of one packet in so many."""
+    some = ("-Y", f"frame.number % {step} == 0") if step > 1 else ()
+    printed = script.output("-r", str(capture), *TWO_PASSES, *some, *options, "-T", "pdml")
     for packet in ElementTree.fromstring(printed).iterfind("packet"):
         yield [branch(layer) for layer in packet if layer.get("name") in OURS]
 
@@ -90,23 +102,60 @@ def of_page(item: dict[str, Any], theirs: Tree) -> Tree:
 NOTHING: Any = ("", 0, 0, [])
 
 
-@pytest.mark.thorough
-@pytest.mark.timeout(900)
+def preferences(options: Sequence[str]) -> dict[str, str]:
+    """`-d rtacser.data,sis` is usual in the page."""
+    return dict(word.split(":", 1) for word in options[1::2] if ":" in word)
+
+
+def in_node(node: Callable[..., Any], options: Sequence[str], captures: Sequence[Path]) -> dict[str, Any]:
+    """Return what the page shows of captures."""
+    preferred = [word for pair in preferences(options).items() for word in ("--prefer", *pair)]
+    found: dict[str, Any] = node("dissect.mjs", str(TREES), *preferred, *captures)
+    return found
+
+
+def compare(shown: dict[str, Any], script: Tshark, capture: Path, options: Sequence[str]) -> None:
+    """Compare what the page shows of a capture with what tshark prints."""
+    assert [without_time(cells) for cells in shown["columns"]] == rows(script, capture, options), capture.name
+    expected = list(trees(script, capture, options, shown["step"]))
+    assert len(shown["trees"]) == len(expected)
+    for number, (layers, theirs) in enumerate(zip(shown["trees"], expected, strict=True), 1):
+        ours = [layer for layer in layers if layer["filter"] in OURS]
+        pairs = zip_longest(ours, theirs, fillvalue=NOTHING)
+        assert [of_page(*pair) for pair in pairs] == theirs, f"{capture.name}, packet {number * shown['step']}"
+
+
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
+
+
 @pytest.mark.parametrize(("options", "captures"), groups(), ids=lambda value: " ".join(map(str, value))[:40] or "none")
 def test_rows_and_trees(
     options: tuple[str, ...], captures: list[Path], script: Tshark, node: Callable[..., Any]
 ) -> None:
-    """`-d rtacser.data,sis` is usual in the page."""
-    preferences = [word.partition(":") for word in options[1::2] if ":" in word]
-    found = node(
-        "dissect.mjs", *(word for name, _, value in preferences for word in ("--prefer", name, value)), *captures
-    )
+    found = in_node(node, options, captures)
     for capture in captures:
-        shown = found[str(capture)]
-        assert [without_time(cells) for cells in shown["columns"]] == rows(script, capture, options), capture.name
-        expected = list(trees(script, capture, options))
-        assert len(shown["trees"]) == len(expected)
-        for number, (layers, theirs) in enumerate(zip(shown["trees"], expected, strict=True), 1):
-            ours = [layer for layer in layers if layer["filter"] in OURS]
-            pairs = zip_longest(ours, theirs, fillvalue=NOTHING)
-            assert [of_page(*pair) for pair in pairs] == theirs, f"{capture.name}, packet {number}"
+        compare(found[str(capture)], script, capture, options)
+
+
+def test_lessons_that_are_played(script: Tshark, node: Callable[..., Any]) -> None:
+    captures = played()
+    assert len(captures) >= 3
+    for capture in captures:
+        compare(in_node(node, (), [capture])[str(capture)], script, capture, ())
+
+
+@pytest.mark.skipif(program() is None, reason="needs chromium (Debian: chromium)")
+def test_chromium_shows_what_node_shows(page: Path, node: Callable[..., Any]) -> None:
+    """So chromium shows what tshark shows, too."""
+    with Chromium() as browser:
+        browser.open(page.as_uri())
+        browser.until("document.documentElement.dataset.ready")
+        browser.run((SCRIPT.parent / "page" / "test" / "dissecting.js").read_text())
+        for options, captures in [*groups(), ((), played()[:1])]:
+            found = in_node(node, options, captures)
+            browser.run(f"startDissecting({json.dumps(preferences(options))}).then(() => 0)")
+            for capture in captures:
+                data = b64encode(capture.read_bytes()).decode()
+                shown = json.loads(browser.run(f"dissected('{data}', {TREES})"))
+                assert shown == found[str(capture)], capture.name
+        assert browser.complaints == []

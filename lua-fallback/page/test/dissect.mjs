@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Prints what the page shows of captures, as JSON: of each file, named by arguments, {columns, trees}. The argument
-// "--prefer NAME VALUE" sets a preference for all of them.
+// Prints what the page shows of captures, as JSON: of each file, named by arguments, {columns, step, trees}; `columns` are
+// all rows, `trees` those of at most MOST packets: of each, or of one in so many as `step` says. The arguments are
+// MOST, "--prefer NAME VALUE" for preferences, and the files.
 
 import { readFileSync } from "node:fs";
 
 import { TASK, startDissector } from "./parts.mjs";
 
-const words = process.argv.slice(2);
+const [most, ...words] = process.argv.slice(2);
 const preferences = {};
 while (words[0] === "--prefer") {
   const [, name, value] = words.splice(0, 3);
@@ -17,9 +18,11 @@ dissector.prefer(preferences);
 const found = {};
 for (const path of words) {
   const { packets } = dissector.open(TASK, readFileSync(path));
+  const step = Math.ceil(packets / Number(most));
   found[path] = {
     columns: dissector.rows(TASK, "", 0, 0).rows.map(({ cells }) => cells),
-    trees: Array.from({ length: packets }, (_, place) => dissector.packet(place + 1).tree),
+    step,
+    trees: Array.from({ length: Math.floor(packets / step) }, (_, place) => dissector.packet((place + 1) * step).tree),
   };
 }
 if (dissector.complaints.length) throw new Error(dissector.complaints.join("\n"));

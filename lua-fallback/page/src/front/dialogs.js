@@ -50,7 +50,8 @@ const PARTS = [
   ["this page, sis.lua, sistap", "GPL-2.0-or-later", "the project that this page is from, in lua-fallback/ and capture/"],
   ["Wireshark 4.4.5, for WebAssembly by wiregasm 1.9.1", "GPL-2.0-or-later", "https://www.wireshark.org/download/src/all-versions/ and https://github.com/good-tools/wiregasm"],
   ["in it: GLib, libgcrypt, libgpg-error", "LGPL-2.1-or-later", "as wiregasm's lib/Makefile names them"],
-  ["in it: Lua, c-ares, nghttp2, libffi, PCRE2, zlib", "MIT, MIT, MIT, MIT, BSD-3-Clause, Zlib", "as wiregasm's lib/Makefile names them"],
+  ["in it: Lua, c-ares, nghttp2, libffi", "MIT", "as wiregasm's lib/Makefile names them"],
+  ["in it: PCRE2; zlib", "BSD-3-Clause; Zlib", "as wiregasm's lib/Makefile names them"],
   ["Pyodide 314.0.7, with Emscripten's runtime", "MPL-2.0, MIT", "https://github.com/pyodide/pyodide"],
   ["CPython 3.14", "PSF-2.0", "https://github.com/python/cpython"],
 ];

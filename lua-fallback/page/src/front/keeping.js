@@ -77,7 +77,7 @@ export class InStorage {
   static async left() {
     const store = (await database()).transaction(NAMES).objectStore(NAMES);
     const [ids, found] = await Promise.all([done(store.getAllKeys()), done(store.getAll())]);
-    const { held } = (await navigator.locks?.query()) ?? { held: [] };
+    const { held } = (await navigator.locks?.query().catch(() => null)) ?? { held: [] };
     const isOpen = (id) => held.some(({ name }) => name === lockOf(id));
     return ids.map((id, place) => new InStorage(id, found[place].name)).filter(({ id }) => !isOpen(id));
   }

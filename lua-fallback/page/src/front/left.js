@@ -16,7 +16,7 @@ export function leftView(capture, { opening, showing }) {
 
   function one(kept) {
     return element("div", { className: "left" },
-      element("p", {}, element("b", {}, kept.name), " was not ended. What was heard is kept in this browser."),
+      element("p", {}, element("b", {}, kept.name), ": the page was closed while it listened. What came until then is kept in this browser."),
       element("p", {}, button("Open", () => open(kept)), " ",
         button("Save", () => showing(async () => save(kept.name, await kept.whole()))), " ",
         button("Delete", () => showing(async () => {
