@@ -27,6 +27,7 @@ EXPLAINED = [
     "^-- Prompt of drive 21",
     "^-- Write parameter S-0-0051",
     "^-- Error S-0-0051",
+    "^-- What to do: ",
     "^-- Prompt of drive 21",
 ]
 TIMED = """\

@@ -171,20 +171,11 @@ def add_line_arguments(parser: argparse.ArgumentParser) -> None:
     add("--follow-baud", action="store_true", help="follow rate changes on the bus")
     add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
     add("--wait-for-port", action="store_true", help="wait for a port that is missing, at the start and later")
-    add(
-        "--tza",
-        dest="tza_ms",
-        type=argument(milliseconds),
-        metavar="MS",
-        help="TzA of this bus: longest interval allowed between two characters of a telegram",
-    )
-    add(
-        "--trs",
-        dest="trs_ms",
-        type=argument(milliseconds),
-        metavar="MS",
-        help="TrS of this bus: longest reaction time allowed",
-    )
+    for limit, text in (
+        ("tza", "TzA of this bus: longest interval allowed between two characters of a telegram"),
+        ("trs", "TrS of this bus: longest reaction time allowed"),
+    ):
+        add(f"--{limit}", dest=f"{limit}_ms", type=argument(milliseconds), metavar="MS", help=text)
 
 
 def add_end_arguments(parser: argparse.ArgumentParser) -> None:
@@ -197,24 +188,11 @@ def add_end_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="stop after N records; the event that starts a file is not counted",
     )
-    add(
-        "-a",
-        dest="autostop",
-        type=_condition,
-        action="append",
-        default=[],
-        metavar="CONDITION",
-        help="stop after duration:SECONDS, filesize:KB (1000 bytes) or files:NUMBER",
-    )
-    add(
-        "-b",
-        dest="ring",
-        type=_condition,
-        action="append",
-        default=[],
-        metavar="CONDITION",
-        help="begin a new file after duration:SECONDS or filesize:KB; files:NUMBER: keep only the newest",
-    )
+    for option, name, text in (
+        ("-a", "autostop", "stop after duration:SECONDS, filesize:KB (1000 bytes) or files:NUMBER"),
+        ("-b", "ring", "begin a new file after duration:SECONDS or filesize:KB; files:NUMBER: keep only the newest"),
+    ):
+        add(option, dest=name, type=_condition, action="append", default=[], metavar="CONDITION", help=text)
     add("-f", dest="filter", metavar="FILTER", help="write only telegrams that pass this capture filter")
     add("-q", dest="quiet", action="store_true", help="do not show progress")
 
