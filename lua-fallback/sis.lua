@@ -2802,7 +2802,9 @@ do
     if count < record.declared then text = match(text, "^.*\n") or "" end
     if text ~= "" then
       packet.record = record
-      told_table:try(record.framing, tvb(offset, #text):tvb(), pinfo, root)
+      local told = told_table:get_dissector(record.framing) -- try() would show others as data, the plugin does not
+
+      if told then told:call(tvb(offset, #text):tvb(), pinfo, root) end
       packet.record = nil
     end
   end
