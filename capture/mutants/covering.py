@@ -18,7 +18,7 @@ class Part(NamedTuple):
 PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
 PARTS = (
-    Part("sistap/records/framer.py", ("test_framer.py",)),
+    Part("sistap/records/framer.py", ("test_framer.py", "test_framer_ascii.py")),
     Part("sistap/records/framer_3964r.py", ("test_framer_3964r.py",)),
     Part("sistap/records/cut.py", ("test_framer_3964r.py",)),
     Part("sistap/records/record.py", ("test_record.py",)),

@@ -448,3 +448,18 @@ def test_as_text() -> None:
         "NAK",
         f"{'41':47}  |A|",
     ]
+
+
+def test_a_pause_that_nobody_measured_ends_no_block() -> None:
+    """Five seconds, by a clock of unknown uncertainty."""
+    pause = "- " * 5
+    text = f"02 10 4143 {pause} 1003 11"
+    assert cut(text, uncertainty_ns=UNCERTAINTY_UNKNOWN) == frames("02", "10", BLOCK)
+    assert (FRAME, BLOCK) not in cut(text)
+
+
+def test_characters_that_once_came_too_fast_show_no_pauses_later() -> None:
+    """As at a pseudo terminal: a request is then none that a pause shows."""
+    text = f"000045 15 02 10 {A}"
+    assert cut(f"02 10 {text}") == [*frames("02", "10"), (OTHER, "00004515"), *frames("02", "10", A)]
+    assert cut(f"=0210 {text}") == [*frames("02", "10"), (OTHER, "000045150210" + A)]

@@ -49,6 +49,16 @@ def test_line_ends() -> None:
     assert lines([b"one\rtwo\nthree\r\nfour"]) == [b"one\r", b"two\n", b"three\r\n", b"other four"]
 
 
+@pytest.mark.parametrize("length", range(RUN_LIMIT - 2, RUN_LIMIT + 3))
+def test_no_record_is_longer_than_the_limit(length: int) -> None:
+    """A line of just that many characters, with its end, is still a line."""
+    line = b"x" * (length - 2) + b"\r\n"
+    found = records([line])
+    assert b"".join(record.data for record in found) == line
+    assert max(len(record.data) for record in found) <= RUN_LIMIT
+    assert (len(found) == 1) == (length <= RUN_LIMIT)
+
+
 def test_a_prompt_does_not_wait_for_more() -> None:
     framer = Cut.parse("ascii").framer(0, SETTINGS)
     assert [record.data for record in framer.feed(Read(0, 0, b"E21:>", bytes(5), 1000))] == [b"E21:>"]

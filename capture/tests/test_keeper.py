@@ -156,6 +156,14 @@ def test_what_waits_is_bounded(files: Files, monkeypatch: pytest.MonkeyPatch) ->
     assert "--before is too long for the memory: files begin 4 s before" in said
 
 
+def test_what_was_written_waits_no_more(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else each file would begin later than the one before it."""
+    monkeypatch.setattr(keeper, "MOST_HISTORY", 16)
+    play(keep(files, before=6), range(10, 90), range(17, 90, 20))
+    assert files.said == []
+    assert files.contents == [list(range(first, first + 9)) for first in range(11, 80, 20)]
+
+
 def test_an_interface_that_came_up_is_in_each_later_file_once(files: Files) -> None:
     keeper = keep(files)
     for second in range(60):

@@ -34,6 +34,12 @@ def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
     output.close()
 
 
+def test_a_file_without_contents_is_none_to_be_opened(tmp_path: Path) -> None:
+    output = Output(str(tmp_path / "x"), Limits(size=2))
+    assert output.written == "written to no file"
+    output.close()
+
+
 @contextmanager
 def small_files() -> Iterator[None]:
     """Limit files to 1000 bytes, like a full disk.

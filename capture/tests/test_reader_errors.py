@@ -193,6 +193,23 @@ def test_the_packet_after_a_break_may_say_so_again() -> None:
     assert line.flags == [[BREAK], [0, 0, SOMEWHERE], [BREAK]]
 
 
+def test_two_reads_after_a_break_the_next_one_is_certain() -> None:
+    line = Line("ftdi_sio")
+    line.read([BREAK], breaks=1, frame=1)
+    line.read([0])
+    line.read([0])
+    line.read([BREAK], slept=False, breaks=1, frame=1)
+    line.silence(SILENCE_NS)
+    assert line.flags == [[BREAK], [0], [0], [BREAK]]
+
+
+def test_only_the_first_row_of_a_read_is_the_rest_of_a_packet() -> None:
+    line = Line("ftdi_sio")
+    line.read([BAD], parity=1)
+    line.read([BAD, 0, BAD, 0], parity=1)
+    assert line.flags == [[SOMEWHERE], [SOMEWHERE, 0, BAD, 0]]
+
+
 def test_the_first_00_of_a_cp210x_is_doubtful() -> None:
     """On a busy line it may come from the moment when the chip begins to report errors."""
     first, later, other = Line("cp210x"), Line("cp210x"), Line("ftdi_sio")

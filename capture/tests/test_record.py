@@ -168,3 +168,9 @@ def test_a_handshake_is_one_character_of_3964r(framing: Framing, kind: Type, dat
     size = len(data)
     made = Record(5, kind, 0, SETTINGS, data, (0,) * size, bytes(size), 300_000, framing)
     assert made.is_handshake == is_handshake
+
+
+def test_a_character_comes_its_interval_after_the_one_before() -> None:
+    """The first interval is that before the record."""
+    record = Record(1000, Type.FRAME, 0, SETTINGS, b"\1\2\3", (7, 100, 250), bytes(3), 0)
+    assert [character.time_ns for character in record.characters()] == [1000, 1100, 1350]

@@ -205,6 +205,7 @@ class Rule:
     filter: str
     back: Sequence[int]  # red, green, blue; 16 bits each
     fore: Sequence[int]
+    graph: str  # the I/O graph that counts its packets; empty if there is none
 
 
 @dataclass(frozen=True)
@@ -381,7 +382,7 @@ class Description:
 
     def _rule(self, name: str, entry: Mapping[str, Any]) -> Rule:
         tests = [test for fault in self.faults if fault.rule == name for test in fault.tests]
-        return Rule(name, _one_of(tests) or entry["filter"], entry["back"], entry["fore"])
+        return Rule(name, _one_of(tests) or entry["filter"], entry["back"], entry["fore"], entry.get("graph", ""))
 
     def _button(self, label: str, entry: Mapping[str, Any]) -> Button:
         tests = [test for fault in self.faults if fault.button == label for test in fault.tests]

@@ -21,11 +21,13 @@ from description import HERE, Description
 HOUSE = HERE.parent.parent
 SCRIPT = HOUSE / "lua-fallback" / "sis.lua"
 SISTAP = HOUSE / "capture" / "sistap"
+GRAPHS = SISTAP / "profile" / "SIS" / "io_graphs"
 
 
 def _between(whole: str, name: str, block: str) -> str:
     """Return a text with a new block between two marks. ValueError if the marks are missing."""
-    marks = re.compile(rf"(^--- {name}: made by .*?\n\n).*?(^-- end of {name}\n)", re.MULTILINE | re.DOTALL)
+    begin, end = rf"^(?:--- {name}: made by .*?\n|# {name}: made by [^\n]*)\n", rf"^(?:--|#) end of {name}\n"
+    marks = re.compile(rf"({begin}).*?({end})", re.MULTILINE | re.DOTALL)
     text, count = marks.subn(lambda found: found[1] + block + found[2], whole)
     if count != 1:
         raise ValueError(f"the marks of {name} are missing")
@@ -40,6 +42,11 @@ def _script(description: Description) -> str:
     return text
 
 
+def _graphs(description: Description) -> str:
+    """Return the profile's file of I/O graphs with its block renewed."""
+    return _between(GRAPHS.read_text("utf-8"), "faults", in_profile.io_graphs(description))
+
+
 def made(description: Description) -> Iterator[tuple[Path, str]]:
     """Return each file that the description makes, with its contents."""
     for name in ("codes_h", "codes_c", "limits_h", "services_h", "services_c", "fields_h", "fields_c"):
@@ -49,7 +56,8 @@ def made(description: Description) -> Iterator[tuple[Path, str]]:
     for name in ("codes", "faults", "names"):
         yield SISTAP / "sis" / f"{name}.py", getattr(in_python, name)(description)
     for name in ("colorfilters", "dfilter_buttons"):
-        yield SISTAP / "profile" / "SIS" / name, getattr(in_profile, name)(description)
+        yield GRAPHS.with_name(name), getattr(in_profile, name)(description)
+    yield GRAPHS, _graphs(description)
 
 
 def main() -> None:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The description in Wireshark's profile: the colouring rules and the filter buttons."""
+"""The description in Wireshark's profile: the colouring rules, the filter buttons, and the I/O graphs of faults."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from description import Description
+from description import Description, Rule
 
 MADE = "Made by plugin/protocol/generate.py from faults.toml: edit there."
 
@@ -21,6 +21,20 @@ def colorfilters(description: Description) -> str:
         f"# {MADE}",
     ]
     lines += [f"@{rule.name}@{rule.filter}@{_colour(rule.back)}{_colour(rule.fore)}" for rule in description.rules]
+    return "\n".join([*lines, ""])
+
+
+def io_graphs(description: Description) -> str:
+    """Return the rows of the I/O graphs that count faults, each in the colour of its rule."""
+    graphs: dict[str, list[Rule]] = {}
+    for rule in description.rules:
+        if rule.graph:
+            graphs.setdefault(rule.graph, []).append(rule)
+    lines = []
+    for name, rules in graphs.items():
+        found = " || ".join(rule.filter for rule in rules)
+        colour = "".join(f"{part >> 8:02x}" for part in rules[0].back)
+        lines.append(f'"Enabled","{name}","{found}","#{colour}","Stacked Bar","Packets","","None","1"')
     return "\n".join([*lines, ""])
 
 
