@@ -63,12 +63,19 @@ def test_no_lesson_of_the_page_needs_a_terminal(lesson: questions.Lesson) -> Non
     assert "\n## Click\n" in text
 
 
-@pytest.mark.parametrize("lesson", SHORT, ids=lambda lesson: lesson.path.stem)
-def test_filters_of_answers_leave_something(lesson: questions.Lesson, sharkd: Sharkd) -> None:
-    for question in lesson.questions:
-        for ask in question.asks:
-            for expression in ask.accepted if ask.kind == "filter" else ():
-                assert sharkd.frames(lesson.path.with_suffix(".pcapng"), expression)
+ANSWERED = [
+    (lesson.path.with_suffix(".pcapng"), expression)
+    for lesson in SHORT
+    for question in lesson.questions
+    for ask in question.asks
+    if ask.kind == "filter"
+    for expression in ask.accepted
+]
+
+
+def test_filters_of_answers_leave_something(sharkd: Sharkd) -> None:
+    assert len(ANSWERED) > 3
+    assert [answer for answer in ANSWERED if not sharkd.frames(*answer)] == []
 
 
 def question(folder: Path, body: str) -> questions.Question:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -16,6 +17,7 @@ import sistap
 from sistap import cli, library
 from sistap.sis.telegram import build
 
+CAPTURE = Path(__file__).parents[1]
 READ = build(0x10, 16, 3, bytes.fromhex("3C 03 00 24 00"))
 ANSWER = build(0x10, 16, 3, bytes.fromhex("00 3C 03 00 00 00 00"), reaction=True)
 CHARACTER_NS = 1_145_833  # 11 bits at 9600 Bd
@@ -125,6 +127,9 @@ def test_the_command_starts_without_it() -> None:
 
 def test_the_names_that_stay_the_same() -> None:
     assert sistap.__all__ == library.__all__
+    page = (CAPTURE / "docs" / "library.md").read_text("utf-8")
+    for name in sistap.__all__:
+        assert re.search(rf"`{name}\b", page), name
 
 
 def test_an_unknown_name() -> None:

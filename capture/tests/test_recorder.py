@@ -131,7 +131,9 @@ def test_each_file_has_its_window_and_each_record_once(
 @pytest.mark.thorough
 def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
     keep("sis.checksum.status == 0")
-    for file in kept(tmp_path):
+    files = kept(tmp_path)
+    assert files
+    for file in files:
         first, second, *_ = blocks(file)
         assert isinstance(first, SectionHeader) and isinstance(second, InterfaceDescription)
         started, *others = records(file)
