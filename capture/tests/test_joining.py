@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from sistap.captures.reading import NotCaptured
 from sistap.files import pcapng
 from sistap.files.pcapng import Interface
 from sistap.line.settings import LineSettings
-from sistap.records.record import Event, Record, Type, event
+from sistap.records.record import INTERVAL_MAX, Event, Record, Type, event
 from sistap.sis.telegram import build
 
 SECOND = 1_000_000_000
@@ -147,6 +148,37 @@ def test_values_that_are_left_out_are_counted(
     head, row = capsys.readouterr().out.splitlines()
     assert "Greatest  Bytes" in head
     assert row.split()[-5:] == ["25.00", "Nm", "25.00", "Nm", "2"]
+
+
+def kept(folder: Path, before_ns: int) -> list[str]:
+    """Write two files of a recorder, half an hour apart: a master asks each second, and drive 3 leaves the last two
+    commands of the first file and the first two of the second without a reaction. The character before the second
+    file was not kept, but how long it was ago.
+    """
+    told = event(1800 * SECOND, 0, LineSettings(), Event.TOLD_BEFORE, "3 device 5 S-0-0040 unit Nm")
+    for name, from_s, silent, more in (("kept_1", 10, (28, 29), []), ("kept_2", 1800, (0, 1), [told])):
+        text = f"from a test; kept: unanswered at 1970-01-01 00:00:{from_s}.000"
+        records = [event(from_s * SECOND, 0, LineSettings(), Event.CAPTURE_STARTED, text), *more]
+        for second in range(30):
+            command, reaction = exchange(0x3C, b"\xf4\1", from_s + second)
+            intervals = [SECOND if second else before_ns, *command.intervals[1:]]
+            records += [command._replace(intervals=intervals), reaction][: 1 if second in silent else 2]
+        blocks = [pcapng.section_header("test", ""), pcapng.interface_description(Interface(252, "port"))]
+        blocks += [pcapng.enhanced_packet(0, one.time_ns, pcapng.upper_pdu("sertap", one.pack())) for one in records]
+        (folder / name).write_bytes(b"".join(blocks))
+    return ["kept_1", "kept_2"]
+
+
+@pytest.mark.parametrize("before_ns", [SECOND, INTERVAL_MAX])
+def test_between_two_kept_files_nothing_is_told(tmp_path: Path, before_ns: int) -> None:
+    """Nothing was kept there: neither bus nor drive was silent, and the clock did not jump."""
+    names = kept(tmp_path, before_ns)
+    episodes = json.loads(run(tmp_path, "report", "--format", "json", *names).stdout)["episodes"]
+    seconds = [tuple(datetime.fromisoformat(one[end]).timestamp() for end in ("from", "to")) for one in episodes]
+    assert {one["kind"] for one in episodes} <= {"repeated", "unanswered"}
+    assert [(from_s, to_s) for from_s, to_s in seconds if to_s > 40 and from_s < 1800] == []
+    text = run(tmp_path, "report", "--format", "text", *names).stdout
+    assert "between two of them nothing was kept" in text
 
 
 def test_a_report_of_several_files(tmp_path: Path) -> None:

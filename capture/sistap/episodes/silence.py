@@ -55,7 +55,8 @@ class BusSilence:
     def add(self, packet: Packet) -> Iterator[Hit]:
         """Yield the silence before a packet."""
         if packet.type == EVENT:
-            if packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again:
+            is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
+            if is_seam or packet.is_kept_apart:
                 self._last = None
             return
         last, self._last = self._last, packet
@@ -113,6 +114,8 @@ class StationSilence:
 
     def add(self, packet: Packet) -> Iterator[Hit]:
         """Yield silences that end with a packet."""
+        if packet.is_kept_apart:
+            yield from self._part(packet.interface)
         if packet.type != EVENT and not any(telegram.good for telegram in packet.telegrams):
             self._pending = None  # what came may have been the reaction
         for telegram in packet.telegrams:
@@ -130,6 +133,12 @@ class StationSilence:
         self._resolve()
         for station, asked in self._stations.items():
             yield from self._told(port, station, asked)
+
+    def _part(self, port: str) -> Iterator[Hit]:
+        """Yield silences that last to the end of a kept file, and forget them; its last reaction may be missing."""
+        self._pending = None
+        yield from self.finish(port)
+        self._stations = {station: _Asked(has_answered=one.has_answered) for station, one in self._stations.items()}
 
     def _resolve(self) -> None:
         if not self._pending:

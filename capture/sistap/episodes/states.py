@@ -98,6 +98,8 @@ class Tap:
 
     def add(self, packet: Packet) -> Iterator[Hit]:
         """Yield what a packet says of it."""
+        if packet.is_kept_apart:  # neither a gap nor a jump
+            self._ends_s = {}
         if packet.type == EVENT:
             yield from self._event(packet, max(self._ends_s.values(), default=None))
             return

@@ -15,7 +15,7 @@ from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
 from sistap.line.settings import Flag
 from sistap.packets.kept import Kept, Span
-from sistap.records.record import Event
+from sistap.records.record import KEPT, Event
 from sistap.sis.faults import FAULTS
 from sistap.wireshark import rows
 from sistap.wireshark.rows import (
@@ -163,6 +163,11 @@ class Packet:
     def __post_init__(self) -> None:
         """Add up its intervals once."""
         self.length_s = sum(self.intervals_s)
+
+    @property
+    def is_kept_apart(self) -> bool:
+        """Tell whether a file of the recorder begins here: what came just before it is not in the capture."""
+        return self.type == EVENT and self.event == Event.CAPTURE_STARTED and KEPT in self.text
 
     @property
     def end_s(self) -> float:

@@ -27,7 +27,7 @@ from sistap.recorder.packing import pack
 from sistap.recorder.reasons import Reasons
 from sistap.records.before import heard
 from sistap.records.counters import Counters
-from sistap.records.record import Event, Record
+from sistap.records.record import KEPT, Event, Record
 from sistap.wireshark.tshark import Tshark
 
 PATIENCE_S = 30.0  # at the end, for tshark
@@ -201,7 +201,7 @@ class Recorder:
         time_ns = beginning.time_ns
         path = retention.new_name(self._wanted.folder, time_ns, beginning.reason)
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
-        why = f"; kept: {beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
+        why = f"{KEPT}{beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
         started = [self._again(record, beginning, why) for record in self._started]
         packets = b"".join(map(self._blocks.packet, [*started, *beginning.known]))
         return _File(self, path, time_ns, beginning.heading + packets)

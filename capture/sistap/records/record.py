@@ -14,6 +14,7 @@ VERSION = 1
 HEADER = struct.Struct(">BBBBIBBBBIHH")
 MAX_CHARACTERS = 43_000  # 6 bytes for each: Wireshark refuses a file with a packet above 262,144 bytes
 INTERVAL_MAX = 0xFFFFFFFF
+KEPT = "; kept: "  # in the text that starts a file of the recorder: nothing from before it was kept
 LARGEST_RATE = 0xFFFFFFFF
 _NO_ERROR = Flag(0)
 _NO_ERRORS = bytes(flags for flags in range(256) if not flags & ERROR_FLAGS)

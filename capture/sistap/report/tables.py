@@ -392,6 +392,10 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
         "`mergecap -a -w all.pcapng FILES` makes the capture that has them.",
         report.files > 1,
     )
+    yield (
+        "A recorder kept these files one by one: between two of them nothing was kept, and no silence is told.",
+        report.files > 1 and any(packet.is_kept_apart for packet in figures.events),
+    )
     yield from ((text, True) for text in _told(report))
     for name, text in NAMES.items():
         judged = figures.limits[name]
