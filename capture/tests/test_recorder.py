@@ -34,7 +34,7 @@ from sistap.recorder.notifier import Notifier
 from sistap.recorder.reasons import PRESETS, Reasons, word
 from sistap.recorder.recorder import Recorder, Wanted
 from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, Type
+from sistap.records.record import Event, Record, Type, event
 from sistap.sis.faults import FAULTS
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
@@ -316,6 +316,29 @@ def test_a_disk_that_does_not_answer_holds_nobody_up(
     recorder.close()
     recorder._check()
     assert said and "is too slow" in said[0]
+
+
+def silent_of_limits(traffic: list[Record]) -> list[Record]:
+    """Return the traffic as a tap hears it that joins after the start: without service 0x03."""
+    return [one for one in traffic if one.type != Type.FRAME or one.data[5] != 0x03]
+
+
+def test_without_a_limit_it_says_once_what_is_not_kept(
+    tshark: Tshark, traffic: list[Record], tmp_path: Path
+) -> None:
+    """Not if the bus sets one, nor if the user tells it."""
+    told = [event(traffic[0].time_ns, 0, traffic[0].settings, Event.LIMITS_TOLD, "TzA = 8 ms")]
+    joined = silent_of_limits(traffic)
+    for number, (started, records, count) in enumerate([([], joined, 1), ([], traffic, 0), (told, joined, 0)]):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        said: list[str] = []
+        recorder = Recorder(Wanted(folder, Reasons(["faults"]), Around(1, 1), 5), tshark, LINE, said.append)
+        recorder.begin(traffic[0], *started)
+        for record in records[1:]:
+            recorder.write(record)
+        recorder.end(traffic[-1].time_ns)
+        assert [text.partition(":")[0] for text in said] == ["No limit is known"] * count
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.notifier import Notifier
 from sistap.recorder.packing import pack
 from sistap.recorder.reasons import Reasons
+from sistap.recorder.unlimited import Unlimited
 from sistap.records.before import heard
 from sistap.records.counters import Counters
 from sistap.records.record import KEPT, Event, Record
@@ -71,6 +72,7 @@ class Recorder:
         self._rings = retention.ring(wanted.folder, wanted.ring_files, say) if ring else None
         self._kept_files = retention.kept(wanted.folder, wanted.at_most, say)
         self._notifier = Notifier(wanted.command, say)
+        self._unlimited = Unlimited(say)
         self._started: tuple[Record, ...] = ()
         self._settings: dict[int, LineSettings] = {}  # for each line, of its last record
         self._queue: queue.SimpleQueue[Entry | int | None] = queue.SimpleQueue()  # an int: nothing came until then
@@ -95,6 +97,8 @@ class Recorder:
         if self._ring:
             self._ring.begin(*started)
         self._started = started
+        for record in started:
+            self._unlimited.take(heard(record))
         heading = self._blocks.section()
         self._keeper = Keeper(self._wanted.around, self._begin, heading, self._say)
         self.relay.begin(self._blocks, heading, started)
@@ -114,7 +118,9 @@ class Recorder:
             return True
         if interface := self._blocks.interface(record.line):
             self._queue.put(Entry(record.time_ns, interface, is_packet=False))
-        self._queue.put(Entry(record.time_ns, self._blocks.packet(record), heard(record)))
+        said = heard(record)
+        self._unlimited.take(said)
+        self._queue.put(Entry(record.time_ns, self._blocks.packet(record), said))
         return True
 
     def look(self, time_ns: int) -> None:
