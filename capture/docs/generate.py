@@ -85,12 +85,18 @@ def option(action: argparse.Action, parser: argparse.ArgumentParser) -> tuple[st
     default = formatter._get_default_metavar_for_optional(action)
     values = "" if action.nargs == 0 else formatter._format_args(action, default)
     names = [f"`{f'{name} {values}'.strip()}`" for name in action.option_strings]
-    return ", ".join(names or [f"`{action.metavar or action.dest}`"]), " ".join(formatter._expand_help(action).split())
+    meaning = plain(" ".join(formatter._expand_help(action).split()))
+    return ", ".join(names or [f"`{action.metavar or action.dest}`"]), meaning
+
+
+def plain(text: str) -> str:
+    """Return a text of --help whose angle brackets are no tags."""
+    return text.replace("<", r"\<")
 
 
 def indented(part: str) -> str:
     """Return a paragraph of --help; what is indented there is code here."""
-    return "\n".join(f"  {line}" for line in part.split("\n")) if part.startswith("  ") else part
+    return "\n".join(f"  {line}" for line in part.split("\n")) if part.startswith("  ") else plain(part)
 
 
 def texts(text: str) -> str:

@@ -323,19 +323,17 @@ def silent_of_limits(traffic: list[Record]) -> list[Record]:
     return [one for one in traffic if one.type != Type.FRAME or one.data[5] != 0x03]
 
 
-def test_without_a_limit_it_says_once_what_is_not_kept(
-    tshark: Tshark, traffic: list[Record], tmp_path: Path
-) -> None:
+def test_without_a_limit_it_says_once_what_is_not_kept(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
     """Not if the bus sets one, nor if the user tells it."""
     told = [event(traffic[0].time_ns, 0, traffic[0].settings, Event.LIMITS_TOLD, "TzA = 8 ms")]
     joined = silent_of_limits(traffic)
-    for number, (started, records, count) in enumerate([([], joined, 1), ([], traffic, 0), (told, joined, 0)]):
+    for number, (started, heard, count) in enumerate([([], joined, 1), ([], traffic, 0), (told, joined, 0)]):
         folder = tmp_path / str(number)
         folder.mkdir()
         said: list[str] = []
         recorder = Recorder(Wanted(folder, Reasons(["faults"]), Around(1, 1), 5), tshark, LINE, said.append)
         recorder.begin(traffic[0], *started)
-        for record in records[1:]:
+        for record in heard[1:]:
             recorder.write(record)
         recorder.end(traffic[-1].time_ns)
         assert [text.partition(":")[0] for text in said] == ["No limit is known"] * count

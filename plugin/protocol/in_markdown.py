@@ -9,8 +9,9 @@ from description import Code, Description, Expert, Fault, Field, Table
 
 HEAD = """# Reference: warnings, faults, fields, codes
 
-Search this page for what stands in Wireshark: a filter name, a text in brackets, a code. It is made
-from the description in [protocol/](protocol/): edit there, then run `protocol/generate.py`.
+Search this page for the words that Wireshark shows: a text in brackets, a filter name, a code. A warning says
+what it means and what to do. A fault is what the filter buttons, the recorder and the report find. A field is
+a line of the tree, for a filter or a column.
 """
 SEVERITIES = {"chat": "chat", "note": "note", "warn": "warning", "error": "error"}
 PROTOCOLS = {
