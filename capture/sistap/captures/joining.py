@@ -14,6 +14,7 @@ from sistap.captures import reading
 from sistap.captures.reading import NotCaptured
 from sistap.common import temporary
 from sistap.files import pcapng
+from sistap.records.record import KEPT, Event
 from sistap.terminal.exits import UsageError
 
 _PACKED_TIMES = 12  # as large is a capture that was compressed
@@ -107,10 +108,15 @@ def together(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[J
 
 
 class _Joining:
-    """A file with one section. Equal interfaces of several captures are one."""
+    """A file with one section. Equal interfaces of several captures are one.
+
+    A file that a recorder kept has a section of its own: the dissector must not take what comes after a seam, where
+    nothing was kept, for the answer to what came before. It needs nothing from before: the file stands alone.
+    """
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
+        self._has_section = False
         self._packets = 0
         self._interfaces: dict[bytes, int] = {}
 
@@ -119,6 +125,8 @@ class _Joining:
         if not _is_joinable(capture):
             raise NotCaptured(f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng")
         part = _Part(self._packets + 1, capture)
+        if _is_kept(capture):
+            self._has_section = False
         try:
             with reading.opened(capture) as source:
                 size = sum(self._take(block, capture) for block in reading.blocks(source, capture))
@@ -136,7 +144,8 @@ class _Joining:
             raise NotCaptured(f"{capture} was not written by sistap: read it alone")
         if kind == pcapng.SECTION_HEADER:
             self._numbers: list[int] = []  # of its interfaces
-            if not self._file.tell():
+            if not self._has_section:
+                self._has_section, self._interfaces = True, {}
                 self._write(kind, body)
         elif kind == pcapng.INTERFACE_DESCRIPTION:
             if body not in self._interfaces:
@@ -160,6 +169,15 @@ def _is_joinable(capture: Path) -> bool:
     with reading.opened(capture) as file:
         head = file.read(12)
     return head[:4] == _HEAD and head[8:] == _LITTLE_ENDIAN
+
+
+def _is_kept(capture: Path) -> bool:
+    """Tell whether a recorder kept it, apart from others."""
+    try:
+        first = next(reading.records(capture), None)
+    except (OSError, NotCaptured):
+        return False
+    return first is not None and first.event == Event.CAPTURE_STARTED and KEPT.encode() in first.data
 
 
 def begin_ns(capture: Path) -> int | None:
