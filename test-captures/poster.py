@@ -44,7 +44,7 @@ REACTION_KINDS = ("status", "object", "object", "data", "data", "data", "data")
 DEAD_BUS = (
     ("1", "Is anything there? sistap ports names the adapters, sistap doctor says what is missing."),
     ("2", "sistap capture --baud auto -i PORT finds the rate. No character at all: look at the wires."),
-    ("3", "Only errors, no telegram: wrong rate or format, or A and B are swapped."),
+    ("3", "Only errors, no telegram: wrong rate or format, or + and - are swapped."),
     ("4", "Commands, but no reactions: button Unanswered. One drive: its supply, address or rate. All: the cable."),
     ("5", "Reactions with errors: button Errors. The status and the code say why."),
     ("6", "Now and then: buttons Line, Damaged and Late. Note the packet, and who talks."),

@@ -44,13 +44,13 @@ class Hints:
         all_wrong = characters > 0 and counters.faulty_characters == characters
         hint = None
         if not characters and elapsed_s >= SILENT_S:
-            hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground) and the port"
+            hint = f"nothing received for {SILENT_S} s: check the wiring (+, - and ground) and the port"
         # A wrong parity makes no break and spoils no telegram; swapped wires and a wrong rate do both.
         elif all_wrong and characters >= ENOUGH_ERRORS and (counters.telegrams or not counters.breaks):
             other = "8E1" if settings.parity == "N" else "8N1"
             hint = f"every character has an error with {settings.format}: try --format {other}, then --baud auto"
         elif all_wrong and characters >= ENOUGH_ERRORS:
-            hint = "only breaks and framing errors: A and B may be swapped, or the rate is wrong: try --baud auto"
+            hint = "only breaks and framing errors: + and - may be swapped, or the rate is wrong: try --baud auto"
         elif self._framing == Framing.SIS and characters >= ENOUGH_CHARACTERS and not counters.telegrams:
             hint = (
                 f"{ENOUGH_CHARACTERS} characters and no valid telegram at {settings.baud} Bd: "
@@ -67,12 +67,12 @@ class Hints:
 def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:
     hint = None
     if not counters.characters and elapsed_s >= SILENT_S:
-        hint = f"nothing received for {SILENT_S} s: check the wiring (A, B and ground) and the port; the search goes on"
+        hint = f"nothing received for {SILENT_S} s: check the wiring (+, - and ground) and the port; the search goes on"
     elif scan.in_vain and counters.telegrams:
         hint = "telegrams come, but none without line errors: try --format 8O1, then others; the search goes on"
     elif scan.in_vain:
         hint = (
-            f"no valid telegram at any rate from {RATES[0]} to {RATES[-1]} Bd: A and B may be swapped, "
+            f"no valid telegram at any rate from {RATES[0]} to {RATES[-1]} Bd: + and - may be swapped, "
             "or this is another protocol; the search goes on"
         )
     return hint

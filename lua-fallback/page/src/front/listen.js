@@ -12,14 +12,14 @@ const MOST_PORTS = 2;
 const { tap: tapped } = document.documentElement.dataset; // the port of the `sistap web` that has opened this page
 
 const WARNING = `Opening a port can switch the transmitter of an adapter on for a moment: the browser raises RTS and DTR, then this \
-page lowers them. If that could disturb a machine, open the port before you connect A and B.`;
+page lowers them. If that could disturb a machine, open the port before you connect + and -.`;
 
 export function listenView(capture, { showing }) {
   return element("section", { className: "page", "aria-labelledby": "listen-title" },
     element("h1", { id: "listen-title" }, "Listen at a serial port"),
     tapped && element("p", {}, button(`Listen at ${tapped}, with sistap`, () => showing(() => listenToTap(capture)), { className: "large" })),
     ...("serial" in navigator ? [
-      element("p", {}, "Connect only A, B and ground of an RS485 adapter, without its 120 ohm resistor. This page never writes to a port."),
+      element("p", {}, "Connect only +, - and ground of an RS485 adapter, without its 120 ohm resistor. This page never writes to a port."),
       element("p", {}, WARNING),
       portForm(showing, (asked) => listenAtPorts(capture, asked)),
     ] : tapped ? [] : [element("p", {}, "This browser cannot read serial ports. Chrome, Edge, Opera and Firefox from version 151 on can. ",
