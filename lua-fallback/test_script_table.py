@@ -101,6 +101,7 @@ def shown(tshark: Tshark, capture: Path) -> dict[str, str]:
         *("-r", str(capture), "-Y", "sis.value", "-T", "fields"),
         *("-e", "sis.parameter", "-e", "sis.value", "-e", "sis.parameter.name"),
     )
+    rows = rows.replace("\\\\", "\\")  # from 4.4 on, tshark escapes its output once more
     return {row.split("\t")[0]: row.split("\t")[1] for row in rows.splitlines()}
 
 

@@ -49,7 +49,8 @@ def test_no_length_of_a_subset_is_negative() -> None:
 
 def test_wireshark_opens_the_pipes_of_a_toolbar() -> None:
     """On Windows their end is the only sign that a capture is to stop: without controls a capture is killed."""
-    path = of_wireshark("tshark")
-    assert path
-    assert b"--extcap-control-in" in Path(path).read_bytes()
+    path = of_wireshark("wireshark")
+    if not path:
+        pytest.skip("from 4.4 on, only Wireshark itself has a toolbar, and it is not installed")
+    assert b"extcap-control" in Path(path).read_bytes()
     assert any(line.startswith("control {number=") for line in toolbar.controls())
